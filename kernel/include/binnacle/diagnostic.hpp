@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Diagnostics: what is wrong, where it stands, and the errors that carry it.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace binnacle {
+
+/// A place in a file. line and column count from 1; 0 means unknown. `--set` and `--var` stand in for a file.
+struct Origin {
+  std::string file;
+  int line = 0;
+  int column = 0;
+
+  bool operator==(const Origin&) const = default;
+};
+
+enum class Severity { error, warning };
+
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string code;  ///< "B012"; every code has its entry in kernel/src/config/codes.hpp
+  Origin origin;
+  std::string pointer;  ///< JSON pointer into the resolved config; empty where there is none
+  std::string message;  ///< one line, no full stop
+
+  bool operator==(const Diagnostic&) const = default;
+};
+
+/// `file.json:14:9: error[B012] /filters/ins: message`; what is unknown is left out.
+std::string to_string(const Diagnostic& diagnostic);
+
+/// A collection without duplicates: everything that is wrong is told in one go.
+class Diagnostics {
+ public:
+  void add(Diagnostic diagnostic);
+  void error(std::string code, Origin origin, std::string pointer, std::string message);
+  void warning(std::string code, Origin origin, std::string pointer, std::string message);
+  void merge(const Diagnostics& other);
+
+  bool has_errors() const;
+  bool empty() const { return items_.empty(); }
+  /// In the order of arrival.
+  const std::vector<Diagnostic>& items() const { return items_; }
+  /// By file, line and column; those of one place in the order of arrival.
+  std::vector<Diagnostic> sorted() const;
+  /// sorted(), one per line, without a final newline.
+  std::string text() const;
+
+ private:
+  std::vector<Diagnostic> items_;
+};
+
+/// Base of what the kernel throws; what() is diagnostics().text().
+class Error : public std::runtime_error {
+ public:
+  Error(int exit_status, Diagnostics diagnostics);
+
+  int exit_status() const { return exit_status_; }
+  const Diagnostics& diagnostics() const { return diagnostics_; }
+
+ private:
+  int exit_status_;
+  Diagnostics diagnostics_;
+};
+
+/// A filter broke or a check failed: exit status 1.
+class FilterError : public Error {
+ public:
+  explicit FilterError(Diagnostics diagnostics);
+  explicit FilterError(Diagnostic diagnostic);
+};
+
+/// The config is wrong: exit status 3.
+class ConfigError : public Error {
+ public:
+  explicit ConfigError(Diagnostics diagnostics);
+  explicit ConfigError(Diagnostic diagnostic);
+};
+
+/// A plugin cannot be loaded: exit status 4.
+class LoadError : public Error {
+ public:
+  explicit LoadError(Diagnostics diagnostics);
+  explicit LoadError(Diagnostic diagnostic);
+};
+
+/// Data are missing or unusable: exit status 5.
+class DataError : public Error {
+ public:
+  explicit DataError(Diagnostics diagnostics);
+  explicit DataError(Diagnostic diagnostic);
+};
+
+/// The candidate that was most likely meant by `name`, or "" if none is near. Case and `-`/`_` hardly count;
+/// a transposition counts less than another edit, and a name cut short or run on is near its whole.
+std::string closest(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace binnacle

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one table of diagnostic codes, with the cause and the mend of each.
+#pragma once
+
+#include <span>
+
+namespace binnacle {
+
+struct CodeEntry {
+  const char* code;
+  const char* title;
+  const char* cause;
+  const char* mend;
+};
+
+/// Sorted by code.
+std::span<const CodeEntry> diagnostic_codes();
+
+}  // namespace binnacle

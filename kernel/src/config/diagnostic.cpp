@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Diagnostics: printing, collecting, and the search for what was meant.
+#include "binnacle/diagnostic.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <tuple>
+#include <utility>
+
+namespace binnacle {
+
+namespace {
+
+std::string place_text(const Origin& origin) {
+  std::string text = origin.file;
+  if (origin.line > 0) text += (text.empty() ? "line " : ":") + std::to_string(origin.line);
+  if (origin.line > 0 && origin.column > 0) text += ":" + std::to_string(origin.column);
+  return text;
+}
+
+/// Names come from files and may hold anything; a diagnostic stays one line.
+std::string on_one_line(const std::string& text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string result;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\n') {
+      result += "\\n";
+    } else if (byte < 0x20 || byte == 0x7F) {
+      result += {'\\', 'x', digits[byte >> 4U], digits[byte & 0xFU]};
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+Diagnostics only(Diagnostic diagnostic) {
+  Diagnostics diagnostics;
+  diagnostics.add(std::move(diagnostic));
+  return diagnostics;
+}
+
+}  // namespace
+
+std::string to_string(const Diagnostic& diagnostic) {
+  std::string text = place_text(diagnostic.origin);
+  if (!text.empty()) text += ": ";
+  text += diagnostic.severity == Severity::error ? "error" : "warning";
+  if (!diagnostic.code.empty()) text += "[" + diagnostic.code + "]";
+  if (!diagnostic.pointer.empty()) text += " " + diagnostic.pointer;
+  return on_one_line(text + ": " + diagnostic.message);
+}
+
+void Diagnostics::add(Diagnostic diagnostic) {
+  if (std::find(items_.begin(), items_.end(), diagnostic) == items_.end())
+    items_.push_back(std::move(diagnostic));
+}
+
+void Diagnostics::error(std::string code, Origin origin, std::string pointer, std::string message) {
+  add({Severity::error, std::move(code), std::move(origin), std::move(pointer), std::move(message)});
+}
+
+void Diagnostics::warning(std::string code, Origin origin, std::string pointer, std::string message) {
+  add({Severity::warning, std::move(code), std::move(origin), std::move(pointer), std::move(message)});
+}
+
+void Diagnostics::merge(const Diagnostics& other) {
+  if (&other == this) return;
+  for (const Diagnostic& item : other.items_) add(item);
+}
+
+bool Diagnostics::has_errors() const {
+  return std::any_of(items_.begin(), items_.end(),
+                     [](const Diagnostic& item) { return item.severity == Severity::error; });
+}
+
+std::vector<Diagnostic> Diagnostics::sorted() const {
+  std::vector<Diagnostic> result = items_;
+  std::stable_sort(result.begin(), result.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    return std::tie(a.origin.file, a.origin.line, a.origin.column) <
+           std::tie(b.origin.file, b.origin.line, b.origin.column);
+  });
+  return result;
+}
+
+std::string Diagnostics::text() const {
+  std::string text;
+  for (const Diagnostic& item : sorted()) {
+    if (!text.empty()) text += '\n';
+    text += to_string(item);
+  }
+  return text;
+}
+
+Error::Error(int exit_status, Diagnostics diagnostics)
+    : std::runtime_error(diagnostics.text()),
+      exit_status_(exit_status),
+      diagnostics_(std::move(diagnostics)) {}
+
+FilterError::FilterError(Diagnostics diagnostics) : Error(1, std::move(diagnostics)) {}
+FilterError::FilterError(Diagnostic diagnostic) : FilterError(only(std::move(diagnostic))) {}
+ConfigError::ConfigError(Diagnostics diagnostics) : Error(3, std::move(diagnostics)) {}
+ConfigError::ConfigError(Diagnostic diagnostic) : ConfigError(only(std::move(diagnostic))) {}
+LoadError::LoadError(Diagnostics diagnostics) : Error(4, std::move(diagnostics)) {}
+LoadError::LoadError(Diagnostic diagnostic) : LoadError(only(std::move(diagnostic))) {}
+DataError::DataError(Diagnostics diagnostics) : Error(5, std::move(diagnostics)) {}
+DataError::DataError(Diagnostic diagnostic) : DataError(only(std::move(diagnostic))) {}
+
+namespace {
+
+// Costs are in quarters of an edit, so that a transposition can be dearer than nothing and cheaper than an
+// edit.
+constexpr std::size_t edit = 4;
+constexpr std::size_t transposition = 3;
+constexpr std::size_t cut_short = 5;
+
+std::string folded(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    c = c == '-' || c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return result;
+}
+
+/// Damerau-Levenshtein in its restricted form (optimal string alignment).
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j * edit;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    now[0] = i * edit;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      now[j] = std::min({last[j] + edit, now[j - 1] + edit, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : edit)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        now[j] = std::min(now[j], before[j - 2] + transposition);
+      }
+    }
+    std::swap(before, last);
+    std::swap(last, now);
+  }
+  return last[b.size()];
+}
+
+std::size_t cost(const std::string& name, const std::string& candidate) {
+  const std::size_t shorter = std::min(name.size(), candidate.size());
+  const bool is_prefix = shorter >= 3 && name.compare(0, shorter, candidate, 0, shorter) == 0;
+  const std::size_t edits = distance(name, candidate);
+  return is_prefix ? std::min(edits, cut_short) : edits;
+}
+
+std::size_t largest_cost(std::size_t length) {
+  if (length < 2) return 0;
+  return edit * (length < 5 ? 1 : length < 9 ? 2 : 3);
+}
+
+}  // namespace
+
+std::string closest(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string wanted = folded(name);
+  const std::size_t limit = std::max(largest_cost(wanted.size()), wanted.size() >= 3 ? cut_short : 0);
+  const std::string* best = nullptr;
+  std::size_t best_cost = limit + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t candidate_cost = cost(wanted, folded(candidate));
+    if (candidate_cost < best_cost) {
+      best = &candidate;
+      best_cost = candidate_cost;
+    }
+  }
+  return best ? *best : std::string();
+}
+
+}  // namespace binnacle

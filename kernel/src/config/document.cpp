@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// The config as one JSON document.
+#include "config/document.hpp"
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "config/extends.hpp"
+#include "config/node.hpp"
+#include "config/pointer.hpp"
+#include "config/settings.hpp"
+#include "config/variables.hpp"
+
+namespace binnacle {
+
+namespace fs = std::filesystem;
+
+class DocumentBuilder {
+ public:
+  static Document build(const fs::path& path, const std::string_view* text, const LoadOptions& options,
+                        Diagnostics& diagnostics) {
+    Extends extends(diagnostics);
+    std::optional<Node> root = extends.resolve(path, text);
+    Document document;
+    if (!root) return document;
+    drop_nulls(*root);
+    const auto current_folder = std::make_shared<const fs::path>(fs::current_path());
+    for (const std::string& setting : options.sets)
+      apply_setting(*root, setting, current_folder, diagnostics);
+    drop_nulls(*root);  // once more, for what --set brought
+    fill_in_variables(*root, options.vars, current_folder, diagnostics);
+    document.root_ = to_json(*root);
+    record(document, *root, root->origin, "");
+    return document;
+  }
+
+ private:
+  static void record(Document& document, const Node& node, const Origin& key, const std::string& pointer) {
+    document.places_[pointer] = {node.origin, key, node.folder ? *node.folder : fs::path()};
+    for (std::size_t i = 0; i < node.elements.size(); ++i) {
+      record(document, node.elements[i], node.elements[i].origin, join_pointer(pointer, i));
+    }
+    for (const Member& member : node.members) {
+      record(document, member.value, member.key_origin, join_pointer(pointer, member.key));
+    }
+  }
+};
+
+Document Document::load(const fs::path& path, const LoadOptions& options, Diagnostics& diagnostics) {
+  return DocumentBuilder::build(path, nullptr, options, diagnostics);
+}
+
+Document Document::parse(std::string_view text, const fs::path& file_name, const LoadOptions& options,
+                         Diagnostics& diagnostics) {
+  return DocumentBuilder::build(file_name, &text, options, diagnostics);
+}
+
+const Document::Place& Document::place(std::string_view pointer) const {
+  std::string nearest(pointer);
+  while (true) {
+    const auto found = places_.find(nearest);
+    if (found != places_.end()) return found->second;
+    nearest = parent_pointer(nearest);
+  }
+}
+
+Origin Document::origin(std::string_view pointer) const { return place(pointer).value; }
+
+Origin Document::key_origin(std::string_view pointer) const { return place(pointer).key; }
+
+fs::path Document::base_dir(std::string_view pointer) const { return place(pointer).folder; }
+
+std::string Document::resolve_path(std::string_view pointer) const {
+  const nlohmann::ordered_json::json_pointer where{std::string(pointer)};
+  if (!root_.contains(where) || !root_.at(where).is_string()) {
+    throw std::invalid_argument("there is no text at '" + std::string(pointer) + "'");
+  }
+  return (base_dir(pointer) / root_.at(where).get<std::string>()).lexically_normal().string();
+}
+
+std::uint64_t Document::hash() const {
+  constexpr std::uint64_t offset_basis = 14695981039346656037U;  // FNV-1a, 64 bits
+  constexpr std::uint64_t prime = 1099511628211U;
+  std::uint64_t hash = offset_basis;
+  for (const char c : root_.dump()) hash = (hash ^ static_cast<unsigned char>(c)) * prime;
+  return hash;
+}
+
+}  // namespace binnacle

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The config as one JSON document: extends merged, --set applied, variables filled in, every value's origin
+// known.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "binnacle/diagnostic.hpp"
+#include "binnacle/load_options.hpp"
+
+namespace binnacle {
+
+/// Order of work: comments away, `extends` (RFC 7386, the innermost base first), `--set`, variables. A member
+/// that is null deletes what it meets and is then gone itself; only the merge patches under /study/variants
+/// keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
+class Document {
+ public:
+  static Document load(const std::filesystem::path& path, const LoadOptions& options,
+                       Diagnostics& diagnostics);
+  /// The same for a text; relative paths in it start at the folder of file_name.
+  static Document parse(std::string_view text, const std::filesystem::path& file_name,
+                        const LoadOptions& options, Diagnostics& diagnostics);
+
+  /// Always an object; without `extends`.
+  const nlohmann::ordered_json& root() const { return root_; }
+
+  /// Where the value stands, or that of its nearest ancestor if there is none.
+  Origin origin(std::string_view pointer) const;
+  /// Where its key stands; elements of arrays, which have none, give the value's place.
+  Origin key_origin(std::string_view pointer) const;
+  /// Folder from which a relative path starts: that of the file which named the value; for a string which
+  /// begins with a variable, of the file which gave the variable; the current one for what came from the
+  /// command line. Absolute.
+  std::filesystem::path base_dir(std::string_view pointer) const;
+  /// The string at the pointer as an absolute, normalised path. Throws std::invalid_argument if it is no
+  /// string.
+  std::string resolve_path(std::string_view pointer) const;
+
+  /// FNV-1a of the compact dump of root().
+  std::uint64_t hash() const;
+
+ private:
+  friend class DocumentBuilder;
+
+  struct Place {
+    Origin value;
+    Origin key;
+    std::filesystem::path folder;
+  };
+  const Place& place(std::string_view pointer) const;
+
+  nlohmann::ordered_json root_ = nlohmann::ordered_json::object();
+  std::unordered_map<std::string, Place> places_{{std::string(), Place{}}};
+};
+
+}  // namespace binnacle

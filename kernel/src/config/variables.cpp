@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// "${name}" in the texts of a config, from its "vars" and from --var.
+#include "config/variables.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "config/json_reader.hpp"
+#include "config/pointer.hpp"
+
+namespace binnacle {
+
+namespace {
+
+const Origin command_line{"--var", 0, 0};
+
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+
+bool is_name(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-' || c == '.';
+  });
+}
+
+class Variables {
+ public:
+  Variables(const Node& root, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
+    if (const Member* vars = root.find("vars")) declare(vars->value);
+  }
+
+  void take(const std::map<std::string, std::string>& given,
+            const std::shared_ptr<const std::filesystem::path>& folder) {
+    for (const auto& [name, text] : given) {
+      if (!is_name(name) || !is_utf8(text)) {
+        diagnostics_.error("B029", command_line, "",
+                           in_quotes("--var " + name) + " does not read name=value");
+        continue;
+      }
+      const Member* declared = declared_.find(name);
+      std::optional<Node> number;
+      if (declared && declared->value.kind == Node::Kind::number)
+        number = read_json_value(text, "--var", folder);
+      const bool is_number = number && number->kind == Node::Kind::number;
+      given_.emplace(name, is_number ? *std::move(number) : scalar_node(text, command_line, folder));
+      if (declared) used_.insert(name);
+    }
+  }
+
+  void fill_in_all(Node& root) {
+    for (Member& member : root.members) {
+      if (member.key == "vars") {
+        fill_in_vars(member.value);
+      } else {
+        fill_in(member.value, join_pointer("", member.key));
+      }
+    }
+    add_undeclared(root);
+  }
+
+  void check_given() {
+    for (const auto& [name, value] : given_) {
+      if (used_.contains(name)) continue;
+      diagnostics_.error("B029", command_line, "",
+                         "the config has no variable " + in_quotes(name) + suggestion(name));
+    }
+  }
+
+ private:
+  void declare(const Node& vars) {
+    if (vars.kind != Node::Kind::object) {
+      tell("B006", vars, "/vars", std::string("expected an object, found ") + kind_name(vars.kind));
+      return;
+    }
+    declared_ = vars;
+    for (const Member& member : vars.members) {
+      const Node::Kind kind = member.value.kind;
+      if (kind == Node::Kind::string || kind == Node::Kind::number) continue;
+      tell("B006", member.value, join_pointer("/vars", member.key),
+           std::string("expected a text or a number, found ") + kind_name(kind));
+    }
+  }
+
+  void fill_in(Node& node, const std::string& pointer) {
+    if (node.kind == Node::Kind::string) {
+      const Origin origin = node.origin;
+      node = filled(node, pointer);
+      node.origin = origin;
+    }
+    for (std::size_t i = 0; i < node.elements.size(); ++i)
+      fill_in(node.elements[i], join_pointer(pointer, i));
+    for (Member& member : node.members) fill_in(member.value, join_pointer(pointer, member.key));
+  }
+
+  /// What --var gives is taken as it is.
+  void fill_in_vars(Node& vars) {
+    for (Member& member : vars.members) {
+      if (const auto found = given_.find(member.key); found != given_.end()) {
+        member.value = found->second;
+      } else {
+        fill_in(member.value, join_pointer("/vars", member.key));
+      }
+    }
+  }
+
+  /// So that the resolved config says everything that it was made of.
+  void add_undeclared(Node& root) {
+    for (const auto& [name, value] : given_) {
+      if (declared_.find(name) || !used_.contains(name)) continue;
+      if (!root.find("vars")) {
+        Node vars;
+        vars.kind = Node::Kind::object;
+        vars.origin = command_line;
+        vars.folder = value.folder;
+        root.members.push_back({"vars", command_line, std::move(vars)});
+      }
+      Node& vars = root.find("vars")->value;
+      if (vars.kind == Node::Kind::object) vars.members.push_back({name, command_line, value});
+    }
+  }
+
+  const Node* variable(const std::string& name) const {
+    if (const auto found = given_.find(name); found != given_.end()) return &found->second;
+    const Member* member = declared_.find(name);
+    return member ? &member->value : nullptr;
+  }
+
+  std::string suggestion(const std::string& name) const {
+    const std::string meant = closest(name, declared_.keys());
+    return meant.empty() ? "" : "; did you mean " + in_quotes(meant) + "?";
+  }
+
+  void tell(const char* code, const Node& node, const std::string& pointer, std::string message) {
+    diagnostics_.error(code, node.origin, pointer, std::move(message));
+  }
+
+  Node filled(const Node& node, const std::string& pointer) {
+    const std::string text = node.scalar.get<std::string>();
+    Node result = node;
+    std::string output;
+    for (std::size_t at = 0; at < text.size();) {
+      if (text.compare(at, 3, "$${") == 0) {
+        output += "${";
+        at += 3;
+        continue;
+      }
+      if (text.compare(at, 2, "${") != 0) {
+        output += text[at++];
+        continue;
+      }
+      const std::size_t close = text.find('}', at);
+      const std::string name = text.substr(at + 2, close == std::string::npos ? close : close - at - 2);
+      if (close == std::string::npos || !is_name(name)) {
+        tell("B005", node, pointer,
+             in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
+        return node;
+      }
+      std::optional<Node> value = value_of(name, node, pointer);
+      if (!value) return node;
+      if (at == 0) result.folder = value->folder;
+      if (at == 0 && close + 1 == text.size()) return *std::move(value);
+      output += value->kind == Node::Kind::string ? value->scalar.get<std::string>() : value->scalar.dump();
+      at = close + 1;
+    }
+    result.scalar = output;
+    return result;
+  }
+
+  /// Filled in itself: a variable may be made of others.
+  std::optional<Node> value_of(const std::string& name, const Node& user, const std::string& pointer) {
+    const Node* declared = variable(name);
+    if (!declared) {
+      const std::string mend = suggestion(name);
+      tell("B005", user, pointer,
+           "unknown variable " + in_quotes(name) +
+               (mend.empty() ? "; define it under /vars or give --var " + name + "=VALUE" : mend));
+      return std::nullopt;
+    }
+    used_.insert(name);
+    if (const auto first = std::find(open_.begin(), open_.end(), name); first != open_.end()) {
+      std::string chain;
+      for (auto open = first; open != open_.end(); ++open) chain += *open + " -> ";
+      tell("B005", user, pointer, "variables go round in a circle: " + chain + name);
+      return std::nullopt;
+    }
+    if (declared->kind == Node::Kind::number) return *declared;
+    if (declared->kind != Node::Kind::string) return std::nullopt;  // told by declare
+    open_.push_back(name);
+    Node value = given_.contains(name) ? *declared : filled(*declared, join_pointer("/vars", name));
+    open_.pop_back();
+    return value;
+  }
+
+  Node declared_;
+  Diagnostics& diagnostics_;
+  std::map<std::string, Node> given_;
+  std::set<std::string> used_;
+  std::vector<std::string> open_;
+};
+
+}  // namespace
+
+void fill_in_variables(Node& root, const std::map<std::string, std::string>& given,
+                       const std::shared_ptr<const std::filesystem::path>& current_folder,
+                       Diagnostics& diagnostics) {
+  Variables variables(root, diagnostics);
+  variables.take(given, current_folder);
+  variables.fill_in_all(root);
+  variables.check_given();
+}
+
+}  // namespace binnacle
