@@ -118,6 +118,8 @@ constexpr CodeEntry entries[] = {
      "causes."},
     {"B081", "filter never started", "Some block never got its initial value.",
      "Look at the channel that the message names, its `max_age` and the window of the data."},
+    {"B082", "snapshot of something else", "The bytes are no snapshot, or one of another composition, plugin or version.",
+     "Restore it with the config, plugins and program it was taken with."},
 };
 
 }  // namespace

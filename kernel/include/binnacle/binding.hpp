@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a component learns when it is bound into a composition: its parameters and what its ports are plugged into.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "binnacle/parameters.hpp"
+
+namespace binnacle {
+
+/// One error component of a block, one output, one row of a residual: a name and its SI unit.
+struct NamedUnit {
+  std::string name;
+  std::string unit;
+};
+
+/// A port of this component, in the order of its spec.
+struct PortBinding {
+  std::string name;
+  bool bound = false;               // false: an optional port left open; its pointers are null at run time
+  std::string kind;                 // of the block plugged in, "vector:3:rad/s"
+  int dof = 0;                      // error dimension, all components counted
+  int stored_size = 0;              // doubles in its stored value
+  std::vector<NamedUnit> components;  // error components
+};
+
+/// Handed to a component's constructor, which keeps what it needs; references into it die with the call.
+class Binding {
+ public:
+  Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound)
+      : name_(std::move(name)),
+        parameters_(parameters),
+        ports_(std::move(ports)),
+        fields_bound_(std::move(fields_bound)) {}
+
+  /// The JSON key under which the component stands.
+  const std::string& name() const noexcept { return name_; }
+  const Parameters& parameters() const noexcept { return parameters_; }
+  const std::vector<PortBinding>& ports() const noexcept { return ports_; }
+  int port_index(std::string_view name) const {
+    for (std::size_t i = 0; i < ports_.size(); ++i)
+      if (ports_[i].name == name) return static_cast<int>(i);
+    throw std::logic_error("port '" + std::string(name) + "' is not declared in the spec");
+  }
+  const PortBinding& port(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
+  bool is_bound(std::string_view port_name) const { return port(port_name).bound; }
+  /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
+  bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
+
+ private:
+  std::string name_;
+  Parameters parameters_;
+  std::vector<PortBinding> ports_;
+  std::vector<bool> fields_bound_;
+};
+
+}  // namespace binnacle

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// Catalog: the component types that the loaded plugins bring, how they are found, made, and described.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "binnacle/diagnostic.hpp"
+#include "binnacle/registry.hpp"
+#include "binnacle/spec.hpp"
+
+namespace binnacle {
+
+enum class Role {
+  state_block,
+  process_model,
+  measurement_model,
+  derived_block,
+  noise_estimator,
+  source,
+  transform,
+  sink
+};
+inline constexpr Role all_roles[] = {Role::state_block,    Role::process_model, Role::measurement_model,
+                                     Role::derived_block,  Role::noise_estimator, Role::source,
+                                     Role::transform,      Role::sink};
+
+/// "state block", "process model", …
+const char* role_name(Role role);
+
+/// One component type of a loaded plugin. Copies and everything it makes keep the plugin's library loaded.
+///
+/// What a constructor throws is caught at the border: a ComponentError passes as it is, anything else becomes a
+/// ComponentError that names plugin, component and call. Either is a copy made by the host.
+class ComponentType {
+ public:
+  Role role = Role::state_block;
+  ComponentSpec spec;
+  std::string plugin;           // "core"
+  std::string plugin_version;   // "1.0.0"
+  std::filesystem::path file;   // the library it came from
+
+  /// "core/vector"
+  std::string full_name() const { return plugin + "/" + spec.type; }
+
+  /// Each may be called only for its own role; otherwise std::logic_error.
+  std::shared_ptr<StateBlock> create_state_block(const Binding& binding) const;
+  std::shared_ptr<ProcessModel> create_process_model(const Binding& binding) const;
+  std::shared_ptr<MeasurementModel> create_measurement_model(const Binding& binding) const;
+  std::shared_ptr<DerivedBlock> create_derived_block(const Binding& binding) const;
+  std::shared_ptr<NoiseEstimator> create_noise_estimator(const Binding& binding, const NoiseBinding& noise) const;
+  std::shared_ptr<Source> create_source(const Binding& binding) const;
+  std::shared_ptr<Transform> create_transform(const Binding& binding) const;
+  std::shared_ptr<Sink> create_sink(const Binding& binding) const;
+
+  /// Runs a call into an object of this type (Source::open, say) with the same care: what escapes is a ComponentError
+  /// of the host.
+  template <class Call>
+  auto guarded(const char* call_name, Call&& call) const {
+    try {
+      return std::forward<Call>(call)();
+    } catch (...) {
+      rethrow_as_component_error(call_name);
+    }
+  }
+
+ private:
+  friend class PluginRegistry;
+
+  [[noreturn]] void rethrow_as_component_error(const char* call_name) const;
+
+  using AnyFactory = void (*)();
+  template <class Base>
+  std::shared_ptr<Base> create(Role wanted, const Binding& binding) const;
+
+  AnyFactory factory_ = nullptr;        // of the role's signature
+  std::shared_ptr<const void> library_;
+};
+
+/// A plugin that was loaded.
+struct PluginInfo {
+  std::string name;
+  std::string version;
+  std::filesystem::path file;
+};
+
+/// An entry of the config's "plugins": a library, or a folder whose *.so are all loaded. Absolute.
+struct PluginPath {
+  std::filesystem::path path;
+  Origin origin;
+  std::string pointer;
+};
+
+/// The folders searched besides the config's: those of BINNACLE_PLUGIN_PATH (separated by ':'), then lib/binnacle beside
+/// the folder of the running program, which is the installed and the build tree's.
+std::vector<std::filesystem::path> plugin_folders();
+
+/// Whatever is wrong goes to the diagnostics (codes B040…B046), to be thrown by the caller as LoadError.
+class Catalog {
+ public:
+  Catalog();
+  ~Catalog();
+  Catalog(Catalog&&) noexcept;
+  Catalog& operator=(Catalog&&) noexcept;
+
+  /// Loads a plugin file; nothing happens if it is loaded already.
+  void load(const std::filesystem::path& file, Diagnostics& diagnostics);
+  /// Loads the config's plugins, then those in plugin_folders().
+  void load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics);
+
+  /// `name`: "vector" or "core/vector". Null where there is none, or several.
+  const ComponentType* find(Role role, std::string_view name) const;
+  /// As above, saying what is wrong: unknown with the nearest name (B011), or ambiguous with the full names (B022).
+  const ComponentType* find(Role role, std::string_view name, const Origin& origin, const std::string& pointer,
+                            Diagnostics& diagnostics) const;
+  /// Those of any role that `name` may mean; for `describe`.
+  std::vector<const ComponentType*> find_all(std::string_view name) const;
+  /// The type that was most likely meant, of any role; "" if none is near.
+  std::string nearest(std::string_view name) const;
+
+  /// By role, then by full name. Pointers live as long as the catalog.
+  std::vector<const ComponentType*> types() const;
+  /// By name.
+  std::vector<PluginInfo> plugins() const;
+
+ private:
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+/// `binnacle describe`: source, ports, fields, parameters with unit, range and default, an example.
+std::string describe(const ComponentType& type);
+nlohmann::ordered_json describe_json(const ComponentType& type);
+
+/// JSON Schema (draft-07) of a whole config with these types. Full names, and short ones where they are unambiguous.
+nlohmann::ordered_json schema(const Catalog& catalog);
+
+/// A config with one component of each type, required parameters to be filled in and the others at their defaults.
+std::string skeleton(const std::vector<const ComponentType*>& types);
+
+/// This program's ABI guard against a plugin's, for `binnacle version`: one line per field, "name: value".
+std::vector<std::pair<std::string, std::string>> host_guard();
+
+}  // namespace binnacle

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Composition: a checked config, ready to run any number of times.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "binnacle/binding.hpp"
+#include "binnacle/catalog.hpp"
+#include "binnacle/diagnostic.hpp"
+#include "binnacle/load_options.hpp"
+#include "binnacle/sample.hpp"
+#include "binnacle/state_block.hpp"
+
+namespace binnacle {
+
+struct CompositionPlan;
+
+/// Where a block lies in a filter's stored state and in its covariance.
+struct BlockInfo {
+  std::string name;
+  std::string type;
+  const StateBlockDeclaration* declaration = nullptr;
+  int stored_offset = 0;
+  int first_row = 0;                 // of P
+  std::vector<int> active;           // error components with a row in P, in order
+  std::vector<std::string> use;      // per error component: "estimated", "considered", "frozen"
+};
+
+struct FilterInfo {
+  std::string name;
+  int dof = 0;                       // rows of P
+  int stored_size = 0;
+  std::vector<BlockInfo> blocks;
+  std::vector<std::string> measurements;
+  int input_channel = -1;
+};
+
+struct ChannelInfo {
+  std::string name;
+  const ChannelDeclaration* declaration = nullptr;
+};
+
+/// Immutable; share it between threads. Holds the plugins' libraries for as long as it lives.
+class Composition {
+ public:
+  /// Reads and checks a config. All errors are told at once: ConfigError (exit status 3), LoadError (4) when plugins
+  /// cannot be loaded, DataError (5) when nothing but a data file is wrong.
+  static std::shared_ptr<const Composition> load(const std::filesystem::path& config, const LoadOptions& options = {});
+  /// The same from text; relative paths in it start at the folder of `name`.
+  static std::shared_ptr<const Composition> parse(std::string_view text, const std::filesystem::path& name,
+                                                  const LoadOptions& options = {});
+  ~Composition();
+
+  const std::string& title() const;
+  const std::vector<FilterInfo>& filters() const;
+  const std::vector<ChannelInfo>& channels() const;
+  const Catalog& catalog() const;
+  /// What is suspicious but no error: channels that nothing listens to (B031).
+  const Diagnostics& warnings() const;
+  /// Identifies the composition: config as resolved, plugins and their versions, this kernel's version.
+  std::uint64_t hash() const;
+  /// The config as resolved: extends merged, variables and --set applied.
+  const nlohmann::ordered_json& config() const;
+  /// A dry run for people: state layout, who couples to whom, channels, what is unused.
+  nlohmann::ordered_json explain() const;
+  /// `"record": {"every": …}`; 0: at every step.
+  Time record_every() const;
+
+  const CompositionPlan& plan() const { return *plan_; }  // the kernel's own
+
+ private:
+  explicit Composition(std::unique_ptr<CompositionPlan> plan, Diagnostics warnings);
+
+  std::unique_ptr<CompositionPlan> plan_;
+  Diagnostics warnings_;
+  std::vector<FilterInfo> filters_;
+  std::vector<ChannelInfo> channels_;
+};
+
+}  // namespace binnacle

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Typed refusals: what a model answers when it cannot do what it was asked.
+#pragma once
+
+namespace binnacle {
+
+/// `unsupported`: the model does not apply here (too slow for a course, a port's block outside its domain).
+/// `invalid`: the sample itself is not usable (negative variance, a value out of range).
+/// `failed`: the model cannot go on; a filter whose process model fails stops with this as its diagnosis.
+enum class Verdict { ok, unsupported, invalid, failed };
+
+/// A verdict with a reason: text with static lifetime in the plugin (a literal), shown in the ledger.
+struct Result {
+  Verdict verdict = Verdict::ok;
+  const char* reason = "";
+
+  static constexpr Result ok() noexcept { return {}; }
+  static constexpr Result unsupported(const char* reason) noexcept { return {Verdict::unsupported, reason}; }
+  static constexpr Result invalid(const char* reason) noexcept { return {Verdict::invalid, reason}; }
+  static constexpr Result failed(const char* reason) noexcept { return {Verdict::failed, reason}; }
+  constexpr explicit operator bool() const noexcept { return verdict == Verdict::ok; }
+};
+
+}  // namespace binnacle

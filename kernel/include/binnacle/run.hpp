@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// run: a composition with its sources, from the first sample to the last, scored against its references.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/diagnostic.hpp"
+
+namespace binnacle {
+
+/// One column of a record: "position.lat" in "rad".
+struct RecordColumn {
+  std::string name;
+  std::string unit;
+};
+
+/// Sees a run while it happens.
+class RunObserver {
+ public:
+  virtual ~RunObserver() = default;
+  /// Before the first record of each filter: what its rows hold, outputs and then their 1-σ.
+  virtual void begin(int /*filter*/, const std::string& /*name*/, const std::vector<RecordColumn>& /*columns*/) {}
+  /// Estimates at t, at most as often as the config's `record` says.
+  virtual void record(int /*filter*/, Time /*t*/, std::span<const double> /*values*/) {}
+  /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
+  virtual bool progress(Time /*t*/) { return true; }
+};
+
+struct RunOptions {
+  std::uint64_t seed = 1;
+  int run = 0;                      // which of a study's runs: random streams are keyed by (seed, run, component)
+  RunObserver* observer = nullptr;
+};
+
+struct RunResult {
+  /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
+  ///   "steps", "filter_s" } }, "windows", "warnings", "wall_s" }; figures carry their unit.
+  nlohmann::ordered_json summary;
+  Diagnostics warnings;             // gaps and repairs in the data
+  Diagnostics failures;             // B080 broken, B081 never started; empty when all went well
+};
+
+/// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of
+/// a composition and stay open.
+RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options = {});
+
+}  // namespace binnacle

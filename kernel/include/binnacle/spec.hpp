@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a component says of itself, once, before it exists: parameters, ports, fields. Checked, documented and turned
+// into a JSON Schema by the kernel from this one description.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace binnacle {
+
+enum class ParameterType { number, integer, boolean, text, choice, path, vector, matrix, time, list, map, object };
+
+/// One parameter of a component.
+///
+/// Numbers, vectors and matrices carry the SI unit in which the plugin receives them; in JSON they are a plain number
+/// (SI) or text with any unit of the same dimension, "0.2 deg/h". A unit that begins with `@port` is the unit of the
+/// error components of the block bound to that port, times what follows: `@x/sqrt(s)`. A parameter without default and
+/// not required is absent unless given. Written with the functions below:
+///
+///     number("tau", "s").above(0).required().about("correlation time")
+///     vector("arm", "m", 3).about("from the IMU to the antenna, body axes")
+struct ParameterSpec {
+  static constexpr int any_size = -1;
+
+  std::string name;
+  ParameterType type = ParameterType::number;
+  std::string unit;        // SI text, "" where it has no meaning, "1" for a pure number
+  std::string text;        // one line
+  bool is_required = false;
+  std::string default_json;  // JSON text of the default, in the notation of a config; "" = none
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  bool minimum_excluded = false;
+  bool maximum_excluded = false;
+  int size = any_size;             // vector: length; matrix: rows
+  int cols = any_size;             // matrix
+  std::string size_of_port;        // vector/matrix as long as the error dof of the block on this port
+  std::vector<std::string> choices;
+  std::vector<ParameterSpec> members;  // object: its keys. list, map: exactly one, the element
+
+  ParameterSpec&& required() && { is_required = true; return std::move(*this); }
+  ParameterSpec&& defaults(std::string json) && { default_json = std::move(json); return std::move(*this); }
+  ParameterSpec&& about(std::string line) && { text = std::move(line); return std::move(*this); }
+  ParameterSpec&& above(double bound) && { minimum = bound; minimum_excluded = true; return std::move(*this); }
+  ParameterSpec&& at_least(double bound) && { minimum = bound; minimum_excluded = false; return std::move(*this); }
+  ParameterSpec&& below(double bound) && { maximum = bound; maximum_excluded = true; return std::move(*this); }
+  ParameterSpec&& at_most(double bound) && { maximum = bound; maximum_excluded = false; return std::move(*this); }
+  /// As many elements (rows and columns for a matrix) as the block on `port` has error dof; one number stands for all.
+  ParameterSpec&& sized_by(std::string port) && { size_of_port = std::move(port); return std::move(*this); }
+};
+
+namespace parameter {
+
+inline ParameterSpec of(std::string name, ParameterType type, std::string unit = {}) {
+  ParameterSpec spec;
+  spec.name = std::move(name);
+  spec.type = type;
+  spec.unit = std::move(unit);
+  return spec;
+}
+inline ParameterSpec number(std::string name, std::string unit) {
+  return of(std::move(name), ParameterType::number, std::move(unit));
+}
+inline ParameterSpec integer(std::string name) { return of(std::move(name), ParameterType::integer, "1"); }
+inline ParameterSpec boolean(std::string name) { return of(std::move(name), ParameterType::boolean); }
+inline ParameterSpec text(std::string name) { return of(std::move(name), ParameterType::text); }
+/// A file or folder. Relative ones start at the file that names them; the plugin receives it resolved.
+inline ParameterSpec path(std::string name) { return of(std::move(name), ParameterType::path); }
+/// An instant or duration: "228 s" or a number of seconds in JSON, nanoseconds (Parameters::time) in the plugin.
+inline ParameterSpec time(std::string name) { return of(std::move(name), ParameterType::time, "s"); }
+inline ParameterSpec choice(std::string name, std::vector<std::string> choices) {
+  auto spec = of(std::move(name), ParameterType::choice);
+  spec.choices = std::move(choices);
+  return spec;
+}
+/// A vector; in JSON a list, or one number or quantity that stands for every element where the size is known.
+inline ParameterSpec vector(std::string name, std::string unit, int size = ParameterSpec::any_size) {
+  auto spec = of(std::move(name), ParameterType::vector, std::move(unit));
+  spec.size = size;
+  return spec;
+}
+/// A matrix; in JSON a list of rows.
+inline ParameterSpec matrix(std::string name, std::string unit, int rows = ParameterSpec::any_size,
+                            int cols = ParameterSpec::any_size) {
+  auto spec = of(std::move(name), ParameterType::matrix, std::move(unit));
+  spec.size = rows;
+  spec.cols = cols;
+  return spec;
+}
+inline ParameterSpec object(std::string name, std::vector<ParameterSpec> members) {
+  auto spec = of(std::move(name), ParameterType::object);
+  spec.members = std::move(members);
+  return spec;
+}
+/// A JSON array, each element as `element` says.
+inline ParameterSpec list(std::string name, ParameterSpec element) {
+  auto spec = of(std::move(name), ParameterType::list);
+  spec.members.push_back(std::move(element));
+  return spec;
+}
+/// A JSON object with free keys, each value as `element` says.
+inline ParameterSpec map(std::string name, ParameterSpec element) {
+  auto spec = of(std::move(name), ParameterType::map);
+  spec.members.push_back(std::move(element));
+  return spec;
+}
+
+}  // namespace parameter
+
+enum class PortAccess { reads, advances };
+
+/// A place where a block is plugged in: `"blocks": {"gyro_bias": "my_bias"}`.
+///
+/// `kind` is matched against the kind of the block (or derived block): exactly, or by its colon-separated parts with `*`
+/// for any: `attitude`, `vector:3:rad/s`, `vector:*:m`, `*`. Units are compared by dimension. A block that is advanced
+/// must be a state block; one that is read may be derived. An optional port that is left open costs nothing.
+struct PortSpec {
+  std::string name;
+  std::string kind;
+  PortAccess access = PortAccess::reads;
+  bool optional = false;
+  std::string text;
+};
+
+inline PortSpec advances(std::string name, std::string kind, std::string text) {
+  return {std::move(name), std::move(kind), PortAccess::advances, false, std::move(text)};
+}
+inline PortSpec reads(std::string name, std::string kind, std::string text) {
+  return {std::move(name), std::move(kind), PortAccess::reads, false, std::move(text)};
+}
+inline PortSpec may_advance(std::string name, std::string kind, std::string text) {
+  return {std::move(name), std::move(kind), PortAccess::advances, true, std::move(text)};
+}
+inline PortSpec may_read(std::string name, std::string kind, std::string text) {
+  return {std::move(name), std::move(kind), PortAccess::reads, true, std::move(text)};
+}
+
+/// `level`: the value at the sample's time. `rate`: the mean over its interval. `increment`: the integral over it.
+enum class FieldKind { level, rate, increment };
+
+/// A number that a channel carries or that a component wants from one.
+///
+/// Where a component wants a field as a rate and the channel has increments (or the reverse) the kernel converts by the
+/// sample's interval; unit is then the one of the wanted kind. Units are compared by dimension.
+struct FieldSpec {
+  std::string name;
+  std::string unit;
+  FieldKind kind = FieldKind::level;
+  bool optional = false;
+  bool per_row = false;  // one value per row of the sample instead of one per sample
+  std::string text;
+};
+
+/// A channel that a component listens to under its own name for it: `"input": "imu"` for a single one, else
+/// `"inputs": {"imu": "raw_imu", "gnss": "fix"}`.
+struct ChannelPort {
+  std::string name;
+  std::vector<FieldSpec> fields;
+  bool optional = false;
+  std::string text;
+};
+
+/// What a component type says of itself. Filled by its static `spec()`, never changed afterwards.
+struct ComponentSpec {
+  std::string type;      // "gauss_markov": snake_case, unique within its plugin
+  std::string summary;   // one line
+  std::string source;    // the paper and equation, standard or book it follows; "" where there is none
+  std::vector<ParameterSpec> parameters;
+  std::vector<PortSpec> ports;             // process and measurement models, derived blocks
+  std::vector<FieldSpec> fields;           // process model: of the driving input. Measurement model: of its sample
+  std::vector<FieldSpec> drive;            // measurement model, derived block: mean rates of the last driving interval
+  std::vector<ChannelPort> inputs;         // transforms, sinks. Measurement model: auxiliary channels (latest value)
+  std::string kind;                        // state block: kind it has. Derived block: kind it yields (pattern)
+  std::string example;                     // JSON of a working configuration of it, without "type"
+};
+
+}  // namespace binnacle

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// StateBlock: a part of what is estimated, with its own manifold.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "binnacle/binding.hpp"
+#include "binnacle/result.hpp"
+
+namespace binnacle {
+
+/// A number that can be read from a block's value and that initial values and references are given in: roll, lat, …
+struct Output {
+  std::string name;
+  std::string unit;            // SI
+  std::string display_unit;    // for tables: "deg"; "" = unit
+  bool is_angle = false;       // differences wrap to (−π, π]
+  bool is_scored = true;       // false: its error is told better by an error component (lat by north)
+  std::string text;            // one line, with the frame
+};
+
+/// The length of some error components taken together: horizontal = {north, east}.
+struct Norm {
+  std::string name;
+  std::vector<int> components;
+};
+
+struct StateBlockDeclaration {
+  std::string kind;                 // "attitude", "velocity.ned", "vector:3:rad/s"
+  int stored_size = 0;              // doubles of the value
+  std::vector<NamedUnit> error;     // error components; their count is the dof
+  std::vector<Output> outputs;
+  std::vector<Norm> norms;
+  std::string error_display_unit;   // for tables: "deg"; "" = the SI unit of the components
+
+  int dof() const noexcept { return static_cast<int>(error.size()); }
+};
+
+/// A part of the state: a value x on a manifold and an error δ in R^dof with truth = x ⊞ δ.
+///
+/// Laws (the conformance suite checks them): x ⊞ 0 = x; (x ⊞ δ) ⊟ x = δ for |δ| inside the chart; x ⊞ (y ⊟ x) = y;
+/// write(read(x)) = x up to representation. Everything is const and touches only its arguments; `x` and `result` may
+/// be the same memory. Never throws, never allocates.
+class StateBlock {
+ public:
+  virtual ~StateBlock() = default;
+
+  virtual const StateBlockDeclaration& declaration() const noexcept = 0;
+
+  /// result = x ⊞ δ. x, result: stored_size. delta: dof.
+  virtual void plus(const double* x, const double* delta, double* result) const = 0;
+  /// delta = y ⊟ x, that is x ⊞ delta = y.
+  virtual void minus(const double* y, const double* x, double* delta) const = 0;
+  /// The readable outputs of x, in the declared order [SI].
+  virtual void read(const double* x, double* outputs) const = 0;
+  /// x from a complete set of readable outputs, or a refusal (a latitude beyond the pole).
+  virtual Result write(const double* outputs, double* x) const = 0;
+  /// How an injected δ turns the remaining error: δ_new = G (δ_old − δ) to first order. G: dof×dof column-major.
+  /// False (the default) means G = I.
+  virtual bool reset_jacobian(const double* /*delta*/, double* /*G*/) const { return false; }
+};
+
+}  // namespace binnacle

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a document to a CompositionPlan, telling all that is wrong in one go.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "compose/composition_plan.hpp"
+#include "config/pointer.hpp"
+#include "spec/check.hpp"
+#include "spec/kind.hpp"
+
+namespace binnacle {
+
+/// A block or derived block as ports see it.
+struct ValueInfo {
+  std::string name;
+  std::string kind;
+  int dof = 0;
+  int stored_size = 0;
+  std::vector<NamedUnit> components;
+  bool is_derived = false;
+};
+
+/// One filter on its way from JSON to plan. What failed is left out and remembered, so that nothing which depends on it
+/// is reported on top.
+struct FilterBuild {
+  FilterPlan plan;
+  std::string pointer;
+  std::vector<ValueInfo> values;             // blocks, then derived
+  std::set<std::string> failed_values;       // names whose own error is told already
+  std::map<std::string, int> initial_channels;
+  bool blocks_complete = true;
+  bool is_complete = true;
+
+  int value(std::string_view name) const {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i].name == name) return static_cast<int>(i);
+    return -1;
+  }
+  std::size_t reserve(std::size_t doubles) {
+    const std::size_t offset = plan.workspace;
+    plan.workspace += (doubles + 1) / 2 * 2;
+    return offset;
+  }
+};
+
+class Composer {
+ public:
+  Composer(Document document, Diagnostics& diagnostics);
+
+  /// Null when there are errors.
+  std::unique_ptr<CompositionPlan> compose();
+  /// Whether what is wrong is (also) the plugins', or only the data's.
+  bool has_load_errors() const { return load_errors_; }
+  bool has_config_errors() const { return config_errors_; }
+
+ private:
+  // composition.cpp
+  void read_head();
+  void load_plugins();
+  void order_nodes();
+  void lay_out();
+
+  // channels.cpp
+  void add_sources();
+  void add_transforms();
+  void add_sinks();
+  void add_channels(const std::string& component, const std::string& pointer,
+                    const std::vector<ChannelDeclaration>& declarations, std::vector<int>& indices);
+  bool read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs);
+  /// −1 with an error when there is no such channel (no error when its source failed on its own).
+  int channel_named(const std::string& name, const std::string& pointer, bool& is_told);
+  bool map_fields(const std::vector<FieldSpec>& wanted, int channel, const std::string& component_pointer,
+                  const std::string& channel_pointer, const std::string& type, FieldMap& map,
+                  const std::string& mapping_key = "fields");
+
+  // blocks.cpp
+  void begin_filters();
+  void add_block(FilterBuild& build, const std::string& name, const std::string& pointer);
+  void read_uses(BlockPlan& block, const std::string& pointer);
+  void read_initial(FilterBuild& build, BlockPlan& block, const std::string& pointer);
+  void read_sigma(FilterBuild& build, BlockPlan& block, const std::string& pointer);
+  void publish_estimates(FilterBuild& build);
+
+  // models.cpp
+  void finish_filters();
+  void find_input(FilterBuild& build);
+  void add_derived(FilterBuild& build);
+  void add_processes(FilterBuild& build);
+  void add_measurements(FilterBuild& build);
+  bool add_measurement(FilterBuild& build, const std::string& name, const std::string& pointer);
+  bool add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name, const std::string& pointer,
+                const std::vector<std::string>& reserved);
+  bool bind_ports(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& ports,
+                  std::vector<PortBinding>& bindings);
+  bool find_drive(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& drive);
+  void add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
+  void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
+  void add_withholding(MeasurementPlan& measurement, const std::string& pointer);
+  void collect_touched(FilterBuild& build, MeasurementPlan& measurement);
+  std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
+
+  // transition.cpp
+  void plan_transition(FilterBuild& build);
+
+  // evaluation.cpp
+  void read_evaluation();
+  void add_reference(const std::string& pointer);
+
+  // shared
+  /// The object's type, found in the catalog; null with an error.
+  const ComponentType* type_of(Role role, const std::string& pointer);
+  PortUnits port_units(const std::vector<PortBinding>& bindings) const;
+  /// Runs `create`, turning a ComponentError into a diagnostic. False when it was refused.
+  template <class Create>
+  bool guarded(const std::string& pointer, Create&& create) {
+    try {
+      create();
+      return true;
+    } catch (const ComponentError& error) {
+      refuse(error, pointer);
+      return false;
+    }
+  }
+  void refuse(const ComponentError& error, const std::string& pointer);
+  void error(const std::string& code, const std::string& pointer, const std::string& message);
+  void key_error(const std::string& code, const std::string& pointer, const std::string& message);
+  std::size_t error_count() const;
+  const nlohmann::ordered_json* at(const std::string& pointer) const { return value_at(document(), pointer); }
+  const Document& document() const { return plan_->document; }
+
+  std::unique_ptr<CompositionPlan> plan_;
+  Diagnostics& diagnostics_;
+  std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
+  std::vector<FilterBuild> builds_;
+  bool load_errors_ = false;
+  bool config_errors_ = false;
+};
+
+/// "a, b, c" for messages, cut after a dozen.
+std::string listed(const std::vector<std::string>& names);
+/// "; did you mean 'x'?" or "".
+std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace binnacle

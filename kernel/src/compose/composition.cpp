@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// The order of composing: head, plugins, channels, filters, evaluation, arena; and what a Composition tells of itself.
+#include "binnacle/composition.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "binnacle/version.hpp"
+#include "compose/composer.hpp"
+
+namespace binnacle {
+
+namespace {
+
+std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i == 12) return text + ", …";
+    text += (i ? ", " : "") + names[i];
+  }
+  return text;
+}
+
+std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string nearest = closest(name, candidates);
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+Composer::Composer(Document document, Diagnostics& diagnostics)
+    : plan_(std::make_unique<CompositionPlan>()), diagnostics_(diagnostics) {
+  plan_->document = std::move(document);
+}
+
+void Composer::error(const std::string& code, const std::string& pointer, const std::string& message) {
+  diagnostics_.error(code, document().origin(pointer), pointer, message);
+}
+
+void Composer::key_error(const std::string& code, const std::string& pointer, const std::string& message) {
+  diagnostics_.error(code, document().key_origin(pointer), pointer, message);
+}
+
+std::size_t Composer::error_count() const { return diagnostics_.items().size(); }
+
+void Composer::refuse(const ComponentError& refusal, const std::string& pointer) {
+  if (refusal.is_data_error()) {
+    diagnostics_.error(refusal.code(), Origin{refusal.file(), refusal.line(), 0}, pointer, refusal.what());
+    return;
+  }
+  const std::string at_pointer = pointer + refusal.pointer();
+  error("B030", at_pointer, refusal.what());
+}
+
+const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
+  if (!object_at(document(), pointer, "a component", diagnostics_)) return nullptr;
+  const std::string name = pointer.substr(pointer.rfind('/') + 1);
+  if (!require_key(document(), pointer, "type", name, std::string("a ") + role_name(role), diagnostics_)) return nullptr;
+  const std::string type_pointer = join_pointer(pointer, "type");
+  const auto type = read_string(document(), type_pointer, diagnostics_);
+  if (!type) return nullptr;
+  return plan_->catalog.find(role, *type, document().origin(type_pointer), type_pointer, diagnostics_);
+}
+
+void Composer::read_head() {
+  check_keys(document(), "",
+             {"binnacle", "title", "description", "plugins", "vars", "sources", "transforms", "filters", "sinks",
+              "reference", "evaluate", "record", "study", "metrics"},
+             "the config", diagnostics_);
+  const auto* version = at("/binnacle");
+  if (!version)
+    key_error("B028", "", "the config does not begin with \"binnacle\": 1 (the version of its format)");
+  else if (!version->is_number_integer() || version->get<std::int64_t>() != 1)
+    error("B028", "/binnacle", "this program reads configs of version 1; found " + abbreviated(*version));
+  if (at("/title"))
+    if (const auto title = read_string(document(), "/title", diagnostics_)) plan_->title = *title;
+}
+
+void Composer::load_plugins() {
+  std::vector<PluginPath> paths;
+  if (const auto* plugins = array_at(document(), "/plugins", "'plugins'", diagnostics_))
+    for (std::size_t i = 0; i < plugins->size(); ++i) {
+      const std::string pointer = join_pointer("/plugins", i);
+      if (const auto path = read_path(document(), pointer, diagnostics_))
+        paths.push_back({*path, document().origin(pointer), pointer});
+    }
+  Diagnostics found;
+  plan_->catalog.load_search_path(paths, found);
+  load_errors_ = found.has_errors();
+  diagnostics_.merge(found);
+}
+
+// Transforms and filters feed each other through channels; at one instant they work in this order.
+void Composer::order_nodes() {
+  struct Work {
+    Node node;
+    std::vector<int> in, out;
+    std::string pointer;
+  };
+  std::vector<Work> open;
+  for (std::size_t i = 0; i < plan_->transforms.size(); ++i) {
+    const auto& transform = plan_->transforms[i];
+    Work work{{Node::Kind::transform, static_cast<int>(i)}, {}, transform.channels, transform.pointer};
+    for (const auto& input : transform.inputs) work.in.push_back(input.channel);
+    open.push_back(std::move(work));
+  }
+  for (std::size_t i = 0; i < plan_->filters.size(); ++i) {
+    const auto& filter = plan_->filters[i];
+    Work work{{Node::Kind::filter, static_cast<int>(i)}, {filter.input_channel}, {filter.output_channel}, filter.pointer};
+    for (const auto& measurement : filter.measurements) work.in.push_back(measurement.channel);
+    for (const auto* list : {&filter.initial, &filter.auxiliary})
+      for (const auto& latest : *list) work.in.push_back(latest.channel);
+    open.push_back(std::move(work));
+  }
+  while (!open.empty()) {
+    const auto next = std::find_if(open.begin(), open.end(), [&](const Work& candidate) {
+      return std::none_of(candidate.in.begin(), candidate.in.end(), [&](int channel) {
+        return channel >= 0 && std::any_of(open.begin(), open.end(), [&](const Work& other) {
+                 return std::find(other.out.begin(), other.out.end(), channel) != other.out.end();
+               });
+      });
+    });
+    if (next == open.end()) {
+      std::vector<std::string> names;
+      for (const auto& work : open) names.push_back(work.pointer);
+      error("B023", names.front(), "these feed each other: " + listed(names));
+      return;
+    }
+    plan_->nodes.push_back(next->node);
+    open.erase(next);
+  }
+  for (std::size_t i = 0; i < plan_->sinks.size(); ++i)
+    plan_->nodes.push_back({Node::Kind::sink, static_cast<int>(i)});
+}
+
+void Composer::lay_out() {
+  Layout& layout = plan_->layout;
+  const auto latest = [&](LatestPlan& plan) {
+    plan.data = layout.add<double>(plan_->channels[as_size(plan.channel)].doubles());
+    plan.times = layout.add<Time>(2);
+    plan.state = layout.add<std::int32_t>(3);
+  };
+  for (auto& source : plan_->sources) {
+    source.memory = layout.add<std::byte>(source.source->memory_bytes());
+    source.head = layout.add<SourceHead>(1);
+    for (const int channel : source.channels)
+      source.slots.push_back(layout.add<double>(plan_->channels[as_size(channel)].doubles()));
+  }
+  for (auto& transform : plan_->transforms)
+    transform.memory = layout.add<std::byte>(transform.transform->memory_bytes());
+  for (auto& filter : plan_->filters) {
+    const auto n = as_size(filter.n);
+    filter.head = layout.add<FilterHead>(1);
+    filter.state = layout.add<double>(as_size(filter.stored_size));
+    filter.covariance = layout.add<double>(as_size(padded(filter.n)) * n);
+    for (auto& process : filter.processes)
+      process.memory = layout.add<std::byte>(process.model->declaration().memory_bytes);
+    for (auto& measurement : filter.measurements) {
+      measurement.ledger = layout.add<Ledger>(1);
+      for (auto& part : measurement.parts) {
+        part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
+        measurement.memory_bytes += part.memory.count;
+      }
+      if (measurement.noise) measurement.noise_memory = layout.add<std::byte>(measurement.noise->memory_bytes());
+      filter.queue_doubles =
+          std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
+    }
+    for (auto* list : {&filter.initial, &filter.auxiliary})
+      for (auto& entry : *list) latest(entry);
+    filter.queue_capacity = 64;
+    const auto group = as_size(filter.samples_per_step) + 1;
+    filter.pending = layout.add<PendingInput>(group);
+    filter.pending_fields = layout.add<double>(group * as_size(filter.input_fields));
+    filter.drive = layout.add<double>(as_size(filter.input_fields));
+    filter.queue = layout.add<QueueEntry>(as_size(filter.queue_capacity));
+    filter.queue_data = layout.add<double>(as_size(filter.queue_capacity) * filter.queue_doubles);
+    for (const auto& channel : plan_->channels) filter.channel_names.push_back(channel.name);
+  }
+}
+
+std::unique_ptr<CompositionPlan> Composer::compose() {
+  read_head();
+  load_plugins();
+  if (load_errors_) return nullptr;
+  add_sources();
+  begin_filters();
+  add_transforms();
+  finish_filters();
+  bool is_complete = !diagnostics_.has_errors();
+  for (auto& build : builds_) {
+    is_complete = is_complete && build.is_complete;
+    plan_->filters.push_back(std::move(build.plan));
+  }
+  add_sinks();
+  read_evaluation();
+  if (is_complete && !diagnostics_.has_errors()) order_nodes();
+  if (!is_complete || diagnostics_.has_errors()) return nullptr;
+  lay_out();
+
+  std::uint64_t hash = document().hash();
+  const auto mix = [&hash](std::string_view text) {
+    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  };
+  mix(BINNACLE_VERSION);
+  for (const auto& plugin : plan_->catalog.plugins()) mix(plugin.name + "=" + plugin.version + ";");
+  plan_->hash = hash;
+  return std::move(plan_);
+}
+
+namespace {
+
+[[noreturn]] void throw_errors(const Diagnostics& diagnostics) {
+  // One wrong line in the config outweighs missing data; a plugin that cannot be loaded outweighs both.
+  bool has_load = false, has_config = false;
+  for (const auto& item : diagnostics.items()) {
+    if (item.severity != Severity::error) continue;
+    const bool is_load = item.code >= "B040" && item.code < "B060";
+    const bool is_data = item.code >= "B060" && item.code < "B080";
+    has_load = has_load || is_load;
+    has_config = has_config || (!is_load && !is_data);
+  }
+  if (has_load) throw LoadError(diagnostics);
+  if (has_config) throw ConfigError(diagnostics);
+  throw DataError(diagnostics);
+}
+
+}  // namespace
+
+std::shared_ptr<const Composition> Composition::load(const std::filesystem::path& config, const LoadOptions& options) {
+  Diagnostics diagnostics;
+  Document document = Document::load(config, options, diagnostics);
+  Composer composer(std::move(document), diagnostics);
+  if (diagnostics.has_errors()) throw_errors(diagnostics);
+  auto plan = composer.compose();
+  if (!plan) throw_errors(diagnostics);
+  return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
+}
+
+std::shared_ptr<const Composition> Composition::parse(std::string_view text, const std::filesystem::path& name,
+                                                      const LoadOptions& options) {
+  Diagnostics diagnostics;
+  Document document = Document::parse(text, name, options, diagnostics);
+  if (diagnostics.has_errors()) throw_errors(diagnostics);
+  Composer composer(std::move(document), diagnostics);
+  auto plan = composer.compose();
+  if (!plan) throw_errors(diagnostics);
+  return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
+}
+
+Composition::Composition(std::unique_ptr<CompositionPlan> plan, Diagnostics warnings)
+    : plan_(std::move(plan)), warnings_(std::move(warnings)) {
+  for (const auto& filter : plan_->filters) {
+    FilterInfo info;
+    info.name = filter.name;
+    info.dof = filter.n;
+    info.stored_size = filter.stored_size;
+    info.input_channel = filter.input_channel;
+    for (const auto& block : filter.blocks) {
+      BlockInfo entry{block.name, block.type, &block.declaration(), block.stored_offset, block.first, block.active, {}};
+      for (const Use use : block.use)
+        entry.use.push_back(use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen");
+      info.blocks.push_back(std::move(entry));
+    }
+    for (const auto& measurement : filter.measurements) info.measurements.push_back(measurement.name);
+    filters_.push_back(std::move(info));
+  }
+  for (const auto& channel : plan_->channels) channels_.push_back({channel.name, &channel.declaration});
+}
+
+Composition::~Composition() = default;
+const std::string& Composition::title() const { return plan_->title; }
+const std::vector<FilterInfo>& Composition::filters() const { return filters_; }
+const std::vector<ChannelInfo>& Composition::channels() const { return channels_; }
+const Catalog& Composition::catalog() const { return plan_->catalog; }
+const Diagnostics& Composition::warnings() const { return warnings_; }
+std::uint64_t Composition::hash() const { return plan_->hash; }
+const nlohmann::ordered_json& Composition::config() const { return plan_->document.root(); }
+Time Composition::record_every() const { return plan_->record_every; }
+
+}  // namespace binnacle

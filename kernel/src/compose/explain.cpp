@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a composition is, told for people: `binnacle explain` and `binnacle graph` print this.
+#include <algorithm>
+#include <set>
+
+#include "binnacle/composition.hpp"
+#include "compose/composer.hpp"
+
+namespace binnacle {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+const char* kind_name(FieldKind kind) {
+  return kind == FieldKind::rate ? "rate" : kind == FieldKind::increment ? "increment" : "level";
+}
+
+std::string value_name(const FilterPlan& filter, int value) {
+  if (value < 0) return "";
+  const auto blocks = filter.blocks.size();
+  return as_size(value) < blocks ? filter.blocks[as_size(value)].name : filter.derived[as_size(value) - blocks].name;
+}
+
+Json explain_blocks(const FilterPlan& filter) {
+  Json blocks = Json::array();
+  for (const auto& block : filter.blocks) {
+    Json components = Json::array();
+    int row = block.first;
+    for (std::size_t i = 0; i < block.use.size(); ++i) {
+      const auto& component = block.declaration().error[i];
+      const Use use = block.use[i];
+      Json entry{{"name", component.name},
+                 {"unit", component.unit},
+                 {"use", use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen"}};
+      if (use != Use::frozen) entry["row"] = row++;
+      components.push_back(std::move(entry));
+    }
+    blocks.push_back({{"name", block.name},
+                      {"type", block.type},
+                      {"kind", block.declaration().kind},
+                      {"advanced_by", block.process < 0 ? "" : filter.processes[as_size(block.process)].name},
+                      {"stored", {{"offset", block.stored_offset}, {"size", block.declaration().stored_size}}},
+                      {"components", std::move(components)}});
+  }
+  return blocks;
+}
+
+/// Which rows of which block of Φ depend on which other block: the couplings as the covariance sees them.
+Json explain_transition(const FilterPlan& filter) {
+  const auto block_of = [&](int row) {
+    for (const auto& block : filter.blocks)
+      if (row >= block.first && row < block.first + static_cast<int>(block.active.size())) return block.name;
+    return std::string();
+  };
+  Json couplings = Json::array();
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const auto& group : filter.transition.groups)
+    for (const auto& column : group.columns) {
+      const auto pair = std::make_pair(block_of(group.first_row), block_of(column.column));
+      if (pair.first != pair.second && seen.insert(pair).second)
+        couplings.push_back({{"to", pair.first}, {"from", pair.second}});
+    }
+  return couplings;
+}
+
+Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
+  Json explanation{{"name", filter.name}, {"dof", filter.n}, {"blocks", explain_blocks(filter)}};
+  const auto ports = [&](const std::vector<int>& values) {
+    Json names = Json::array();
+    for (const int value : values)
+      if (value >= 0) names.push_back(value_name(filter, value));
+    return names;
+  };
+  Json derived = Json::array();
+  for (const auto& value : filter.derived) {
+    Json depends = Json::array();
+    for (const auto& dependence : value.dependences) depends.push_back(filter.blocks[as_size(dependence.block)].name);
+    derived.push_back({{"name", value.name},
+                       {"type", value.type},
+                       {"kind", value.derived->declaration().kind},
+                       {"reads", ports(value.ports)},
+                       {"depends_on", std::move(depends)}});
+  }
+  explanation["derived"] = std::move(derived);
+  Json processes = Json::array();
+  for (std::size_t p = 0; p < filter.processes.size(); ++p) {
+    const auto& process = filter.processes[p];
+    Json advances = Json::array(), reads = Json::array();
+    for (const int value : process.ports) {
+      if (value < 0) continue;
+      const bool is_advanced = as_size(value) < filter.blocks.size() &&
+                               filter.blocks[as_size(value)].process == static_cast<int>(p);
+      (is_advanced ? advances : reads).push_back(value_name(filter, value));
+    }
+    Json entry{{"name", process.name}, {"type", process.type}, {"advances", advances}, {"reads", reads}};
+    if (process.uses_input) entry["input"] = plan.channels[as_size(filter.input_channel)].name;
+    if (process.van_loan_group >= 0) entry["discretized_with_group"] = process.van_loan_group;
+    processes.push_back(std::move(entry));
+  }
+  explanation["process"] = std::move(processes);
+  explanation["couplings"] = explain_transition(filter);
+  Json measurements = Json::array();
+  for (const auto& measurement : filter.measurements) {
+    Json parts = Json::array();
+    for (const auto& part : measurement.parts)
+      parts.push_back({{"name", part.name}, {"type", part.type}, {"reads", ports(part.ports)}});
+    Json entry{{"name", measurement.name},
+               {"channel", plan.channels[as_size(measurement.channel)].name},
+               {"max_rows", measurement.max_rows},
+               {"parts", std::move(parts)}};
+    if (measurement.gate > 0) entry["gate"] = {{"probability", measurement.gate},
+                                               {"nis_limit", measurement.gate_limit.back()}};
+    if (!measurement.noise_type.empty()) entry["noise"] = measurement.noise_type;
+    measurements.push_back(std::move(entry));
+  }
+  explanation["measurements"] = std::move(measurements);
+  Json initial = Json::array();
+  for (const auto& latest : filter.initial) {
+    Json entry{{"channel", plan.channels[as_size(latest.channel)].name}};
+    if (latest.max_age > 0) entry["max_age_s"] = seconds(latest.max_age);
+    initial.push_back(std::move(entry));
+  }
+  explanation["starts_when"] = std::move(initial);
+  return explanation;
+}
+
+/// Who hears each channel, by JSON pointer.
+std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan) {
+  std::vector<std::vector<std::string>> heard(plan.channels.size());
+  const auto add = [&](int channel, const std::string& pointer) {
+    if (channel < 0) return;
+    auto& list = heard[as_size(channel)];
+    if (std::find(list.begin(), list.end(), pointer) == list.end()) list.push_back(pointer);
+  };
+  for (const auto& transform : plan.transforms)
+    for (const auto& input : transform.inputs) add(input.channel, transform.pointer);
+  for (const auto& sink : plan.sinks)
+    for (const auto& input : sink.inputs) add(input.channel, sink.pointer);
+  for (const auto& filter : plan.filters) {
+    for (const auto& process : filter.processes)
+      if (process.uses_input) add(filter.input_channel, process.pointer);
+    for (const auto& measurement : filter.measurements) {
+      add(measurement.channel, measurement.pointer);
+      for (const auto& part : measurement.parts)
+        for (const int index : part.auxiliary)
+          if (index >= 0) add(filter.auxiliary[as_size(index)].channel, part.pointer);
+    }
+    for (const auto& block : filter.blocks)
+      if (block.initial.channel >= 0)
+        add(filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
+  }
+  for (const auto& reference : plan.evaluation.references) add(reference.channel, "/reference");
+  return heard;
+}
+
+bool is_filter_output(const CompositionPlan& plan, std::size_t channel) {
+  return std::any_of(plan.filters.begin(), plan.filters.end(), [&](const FilterPlan& filter) {
+    return filter.output_channel == static_cast<int>(channel);
+  });
+}
+
+}  // namespace
+
+Json Composition::explain() const {
+  const auto heard = listeners(*plan_);
+  Json channels = Json::array(), unused = Json::array();
+  for (std::size_t c = 0; c < plan_->channels.size(); ++c) {
+    const auto& channel = plan_->channels[c];
+    Json fields = Json::array();
+    for (const auto& field : channel.declaration.fields)
+      fields.push_back({{"name", field.name},
+                        {"unit", field.unit},
+                        {"kind", kind_name(field.kind)},
+                        {"per_row", field.per_row}});
+    channels.push_back(
+        {{"name", channel.name}, {"from", channel.pointer}, {"fields", std::move(fields)}, {"heard_by", heard[c]}});
+    if (heard[c].empty() && !is_filter_output(*plan_, c)) unused.push_back(channel.name);
+  }
+  Json transforms = Json::array();
+  for (const auto& transform : plan_->transforms) {
+    Json inputs = Json::array(), outputs = Json::array();
+    for (const auto& input : transform.inputs)
+      if (input.channel >= 0) inputs.push_back(plan_->channels[as_size(input.channel)].name);
+    for (const int channel : transform.channels) outputs.push_back(plan_->channels[as_size(channel)].name);
+    transforms.push_back({{"name", transform.name},
+                          {"type", transform.type->full_name()},
+                          {"inputs", std::move(inputs)},
+                          {"outputs", std::move(outputs)}});
+  }
+  Json sources = Json::array();
+  for (const auto& source : plan_->sources) {
+    Json outputs = Json::array();
+    for (const int channel : source.channels) outputs.push_back(plan_->channels[as_size(channel)].name);
+    sources.push_back({{"name", source.name}, {"type", source.type->full_name()}, {"outputs", std::move(outputs)}});
+  }
+  Json filters = Json::array();
+  for (const auto& filter : plan_->filters) filters.push_back(explain_filter(*plan_, filter));
+  return {{"title", plan_->title},    {"sources", std::move(sources)}, {"transforms", std::move(transforms)},
+          {"channels", channels},     {"filters", std::move(filters)}, {"unused_channels", std::move(unused)},
+          {"arena_bytes", plan_->layout.size()}};
+}
+
+}  // namespace binnacle

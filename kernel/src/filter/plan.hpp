@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+// A composed filter as the engine runs it: immutable, shared by any number of runs. Names are gone from the hot path;
+// everything is an index or an offset.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "binnacle/derived_block.hpp"
+#include "binnacle/measurement_model.hpp"
+#include "binnacle/noise_estimator.hpp"
+#include "binnacle/process_model.hpp"
+#include "binnacle/state_block.hpp"
+#include "filter/covariance.hpp"
+#include "filter/layout.hpp"
+#include "filter/van_loan.hpp"
+
+namespace binnacle {
+
+/// A channel as its samples lie in memory: per-epoch fields, per-row fields, covariance.
+struct ChannelPlan {
+  std::string name;
+  std::string pointer;                 // of the component that emits it; "" for a pushed channel
+  ChannelDeclaration declaration;
+  std::vector<int> position;           // of each declared field among the per-epoch or the per-row fields
+  int epoch_fields = 0;
+  int row_fields = 0;
+  int covariance_dof = 0;
+
+  std::size_t doubles() const {
+    return static_cast<std::size_t>(epoch_fields + row_fields * declaration.max_rows + covariance_dof * covariance_dof);
+  }
+};
+
+/// How a component's declared fields are read from a channel.
+struct FieldMap {
+  enum class Conversion : unsigned char { none, to_rate, to_increment };
+  struct Item {
+    int index = -1;  // among the channel's per-epoch (per-row) fields; −1: the channel lacks it
+    Conversion conversion = Conversion::none;
+    bool required = false;
+    int declared = 0;  // index in the spec, for messages
+  };
+  std::vector<Item> epoch;
+  std::vector<Item> row;
+  std::vector<std::string> names;  // of the spec's fields, for messages
+};
+
+enum class Use : unsigned char { estimated, considered, frozen };
+
+/// Where a block's first value comes from.
+struct InitialPlan {
+  std::vector<double> value;                 // stored value, when given in the config
+  int channel = -1;                          // else: index among the filter's initial channels
+  std::vector<int> fields;                   // per output: which per-epoch field of that channel
+  std::vector<int> covariance;               // per error component: which covariance component; empty: none
+  std::vector<double> sigma;                 // per error component; NaN: from the sample's covariance
+};
+
+struct BlockPlan {
+  std::string name;
+  std::string pointer;
+  std::string type;
+  std::shared_ptr<const StateBlock> block;
+  std::vector<Use> use;                      // per error component
+  std::vector<int> active;                   // error components with a place in P
+  int first = 0;                             // row of the first of them in P
+  int stored_offset = 0;                     // in the filter's stored state, doubles
+  int process = -1;
+  bool holds_frozen = false;
+  InitialPlan initial;
+
+  const StateBlockDeclaration& declaration() const { return block->declaration(); }
+  int dof() const { return declaration().dof(); }
+  bool is_whole() const { return static_cast<int>(active.size()) == dof(); }
+};
+
+/// Values that models bind to: state blocks first, then derived blocks in order of dependence.
+struct DerivedPlan {
+  struct Dependence {
+    int block = 0;
+    std::size_t jacobian = 0;  // offset in the workspace: dof(derived) × dof(block), column-major
+  };
+  struct Read {
+    int value = 0;             // index of the value read
+    std::size_t jacobian = 0;  // offset in the workspace: dof × dof(value)
+  };
+  std::string name;
+  std::string pointer;
+  std::string type;
+  std::shared_ptr<const DerivedBlock> derived;
+  std::vector<int> ports;               // value index per port, −1 open
+  std::vector<Read> reads;
+  std::vector<Dependence> dependences;  // on state blocks, ascending
+  std::vector<int> drive;               // index of each drive field in the input channel
+  std::size_t value = 0;                // offset in the workspace
+
+  int dof() const { return derived->declaration().dof(); }
+};
+
+struct ProcessPlan {
+  std::string name;
+  std::string pointer;
+  std::string type;
+  std::shared_ptr<const ProcessModel> model;
+  std::vector<int> ports;               // value index per port, −1 open
+  FieldMap fields;
+  bool uses_input = false;
+  Place<std::byte> memory;
+  int first_transition = 0;             // of its blocks in the table of model-written Φ blocks
+  int first_noise = 0;
+  int van_loan_group = -1;              // ≥ 0: discretized by the kernel
+};
+
+/// A block of Φ or Qd that must be put together because a component is frozen or a port is derived:
+/// target(active rows, active columns) = Σ block · chain.
+struct GatherPlan {
+  struct Term {
+    int source = 0;                     // index in the table of blocks
+    Structure structure = Structure::dense;
+    int derived = -1;                   // the derived value in between; −1: none
+    std::size_t chain = 0;              // its Jacobian to from_block in the workspace
+  };
+  int to_block = 0;
+  int from_block = 0;
+  std::vector<Term> terms;
+  std::size_t target = 0;               // offset in the workspace: active(to) × active(from), column-major
+};
+
+/// A stretch of time, both ends included; an end may count from the filter's start.
+struct TimeSpan {
+  Time from = no_time;
+  Time to = no_time;
+  bool from_is_relative = false;
+  bool to_is_relative = false;
+
+  bool contains(Time t, Time start) const {
+    return t >= from + (from_is_relative ? start : 0) && t <= to + (to_is_relative ? start : 0);
+  }
+};
+
+struct PartPlan {
+  /// Where a read's Jacobian goes in the compact H: straight, or through the Jacobian of a derived value.
+  struct Target {
+    int block = 0;
+    int first_column = 0;
+    bool is_direct = true;
+    std::size_t chain = 0;              // offset in the workspace: dof(value) × dof(block)
+  };
+  struct Read {
+    int value = 0;
+    int dof = 0;
+    std::size_t jacobian = 0;           // offset in the workspace: max_rows of the whole update × dof
+    std::vector<Target> targets;
+  };
+  std::string name;
+  std::string pointer;
+  std::string type;
+  std::shared_ptr<const MeasurementModel> model;
+  std::vector<int> ports;
+  std::vector<Read> reads;
+  FieldMap fields;
+  std::vector<int> drive;
+  std::vector<int> auxiliary;           // index among the filter's auxiliary channels per declared input; −1 open
+  std::vector<FieldMap> auxiliary_fields;
+  Place<std::byte> memory;
+};
+
+/// What became of a measurement's samples. Lies in the arena.
+struct Ledger {
+  std::int64_t offered = 0;
+  std::int64_t outcomes[outcome_count] = {};
+  std::int64_t before_start = 0;
+  std::int64_t recoveries = 0;
+  std::int64_t consecutive_gated = 0;
+  double nis_sum = 0;
+  std::int64_t nis_count = 0;
+  std::int64_t dof_sum = 0;
+  Time last_accepted = no_time;
+  char last_reason[96] = {};
+};
+
+struct MeasurementPlan {
+  struct Inflation {
+    int row = 0;
+    double variance = 0;
+  };
+  std::string name;
+  std::string pointer;
+  int channel = 0;                      // index in the composition's channels
+  std::vector<PartPlan> parts;
+  std::vector<int> derived;             // values to evaluate, in order
+  UpdateColumns columns;
+  int max_rows = 0;
+  double gate = 0;                      // probability; 0: no gate
+  std::vector<double> gate_limit;       // χ² quantile by row count
+  std::shared_ptr<const NoiseEstimator> noise;
+  std::string noise_type;
+  Place<std::byte> noise_memory;
+  bool learn_from_gated = false;
+  int recover_after = 0;
+  std::vector<Inflation> inflations;
+  int withhold_every = 0;
+  std::vector<TimeSpan> withheld;
+  Place<Ledger> ledger;
+  std::size_t memory_bytes = 0;         // of its parts together, for the rollback copy
+};
+
+/// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
+struct LatestPlan {
+  int channel = 0;
+  Time max_age = 0;                     // initial values only; 0: any age
+  Place<double> data;                   // as ChannelPlan lays it out
+  Place<Time> times;                    // t, t0
+  Place<std::int32_t> state;            // rows, has covariance, available
+};
+
+/// Whatever else of the filter lies in the arena.
+struct FilterHead {
+  Time t = no_time;                     // the filter's time
+  Time start = no_time;
+  Time input_end = no_time;             // end of the newest input interval
+  std::int64_t steps = 0;
+  std::int64_t gaps = 0;
+  std::int64_t sequence = 0;
+  std::int32_t started = 0;
+  std::int32_t broken = 0;
+  std::int32_t pending = 0;             // input samples waiting
+  std::int32_t queued = 0;
+  std::int32_t drive_known = 0;
+  std::int32_t just_started = 0;        // the next input sample may begin before the filter's time
+};
+
+struct PendingInput {
+  Time t0 = no_time;                    // not yet consumed part
+  Time t1 = no_time;
+  Time whole_t0 = no_time;
+  Time whole_t1 = no_time;
+  double whole_dt = 0;                  // length that the sample's numbers belong to
+};
+
+struct QueueEntry {
+  Time t = no_time;
+  Time t0 = no_time;
+  std::int64_t sequence = 0;
+  std::int32_t measurement = 0;
+  std::int32_t rows = 0;
+  std::int32_t has_covariance = 0;
+  std::int32_t slot = 0;                // of its data
+};
+
+struct FilterPlan {
+  std::string name;
+  std::string pointer;
+  std::vector<BlockPlan> blocks;
+  std::vector<DerivedPlan> derived;
+  std::vector<ProcessPlan> processes;
+  std::vector<MeasurementPlan> measurements;
+  std::vector<LatestPlan> initial;      // channels that initial values come from
+  std::vector<LatestPlan> auxiliary;
+  std::vector<std::string> channel_names;
+
+  int input_channel = -1;               // index in the composition's channels
+  int input_fields = 0;
+  std::vector<FieldKind> input_kinds;   // of its per-epoch fields
+  int samples_per_step = 1;
+  int queue_capacity = 0;
+  std::size_t queue_doubles = 0;        // per entry
+  int output_channel = -1;              // its estimates, in the composition's channels
+
+  int n = 0;                            // rows of P
+  int stored_size = 0;
+  std::vector<int> process_derived;     // derived values that process models read, in order
+  TransitionPlan transition;
+  // Tables of blocks by their offset in the workspace: first what models write, in the order of the processes and their
+  // declarations; then what the kernel makes of it. Everything else refers to blocks by index in these tables.
+  std::vector<std::size_t> transition_blocks;
+  std::vector<std::size_t> noise_blocks;
+  std::vector<std::size_t> ones;               // elements of the workspace that are 1 for ever (identity blocks)
+  std::vector<GatherPlan> gathers;             // for Φ, after the models and Van Loan
+  std::vector<GatherPlan> noise_gathers;       // for Qd
+  std::vector<VanLoanGroup> van_loan;
+  std::vector<unsigned char> corrected; // per row of P; empty: all
+  std::size_t workspace = 0;            // doubles
+  int max_rows = 0;
+  int max_columns = 0;
+  int max_fields = 0;
+  int max_row_fields = 0;
+
+  Place<FilterHead> head;
+  Place<double> state;
+  Place<double> covariance;
+  Place<PendingInput> pending;
+  Place<double> pending_fields;
+  Place<double> drive;                  // mean rates of the last driving interval, in the input channel's order
+  Place<QueueEntry> queue;
+  Place<double> queue_data;
+
+  int value_count() const { return static_cast<int>(blocks.size() + derived.size()); }
+};
+
+}  // namespace binnacle

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// One measurement: linearization, trust, gate, correction, and the ledger of what became of it.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "filter/engine.hpp"
+
+namespace binnacle {
+
+namespace {
+
+std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+Outcome outcome_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::unsupported: return Outcome::unsupported;
+    case Verdict::invalid: return Outcome::invalid;
+    default: return Outcome::rejected;
+  }
+}
+
+}  // namespace
+
+bool Engine::is_withheld(const MeasurementPlan& plan, Time t) const {
+  if (plan.withhold_every > 0 && plan.ledger.in(arena_)->offered % plan.withhold_every == 0) return true;
+  return std::any_of(plan.withheld.begin(), plan.withheld.end(),
+                     [&](const TimeSpan& window) { return window.contains(t, status().start); });
+}
+
+Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, int& rows) {
+  const auto& channel = channels_[as_size(plan.channel)];
+  const double dt = sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0);
+  const int m_max = plan.max_rows;
+  rows = 0;
+  std::fill_n(work_.H, as_size(m_max) * plan.columns.columns.size(), 0.0);
+  std::fill_n(R_nominal_.data(), m_max * m_max, 0.0);
+
+  for (const auto& part : plan.parts) {
+    SampleView seen = sample;
+    seen.available = true;
+    const int missing = read_fields(part.fields, sample, dt, gathered_.data());
+    if (missing >= 0) return Result::invalid("a required field is not a number");
+    if (!part.fields.row.empty()) read_row_fields(part.fields, channel, sample, gathered_rows_.data());
+    seen.fields = gathered_.data();
+    seen.row_fields = gathered_rows_.data();
+
+    double* auxiliary = auxiliary_fields_.data();
+    for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
+      auxiliary_views_[i] = SampleView{};
+      if (part.auxiliary[i] < 0) continue;
+      const auto& kept = plan_.auxiliary[as_size(part.auxiliary[i])];
+      const SampleView raw = latest(kept);
+      SampleView& view = auxiliary_views_[i];
+      view = raw;
+      view.fields = auxiliary;
+      read_fields(part.auxiliary_fields[i], raw, raw.t0 == no_time ? 0.0 : seconds(raw.t - raw.t0), auxiliary);
+      auxiliary += part.auxiliary_fields[i].epoch.size();
+      view.row_fields = auxiliary;
+      read_row_fields(part.auxiliary_fields[i], channels_[as_size(kept.channel)], raw, auxiliary);
+      auxiliary += part.auxiliary_fields[i].row.size() * as_size(raw.rows);
+    }
+
+    for (std::size_t p = 0; p < part.ports.size(); ++p)
+      port_values_[p] = part.ports[p] < 0 ? nullptr : values_[as_size(part.ports[p])];
+    const int part_rows = part.model->declaration().max_rows;
+    for (std::size_t k = 0; k < part.reads.size(); ++k) {
+      const auto& read = part.reads[k];
+      jacobians_[k] = MatrixView{at(read.jacobian), part_rows, read.dof, part_rows};
+      std::fill_n(at(read.jacobian), part_rows * read.dof, 0.0);
+    }
+    for (int i = 0; i < part_rows; ++i) row_keys_[as_size(rows + i)] = i;
+
+    Linearization out;
+    out.residual = work_.r + rows;
+    out.H = jacobians_.data();
+    out.R = MatrixView{R_nominal_.data() + rows + rows * m_max, part_rows, part_rows, m_max};
+    out.row_keys = row_keys_.data() + rows;
+    const Result result =
+        part.model->linearize(seen, auxiliary_views_.data(), port_values_.data(),
+                              context(part.drive, drive_fields_.data()),
+                              part.memory.count > 0 ? part.memory.in(arena_) : nullptr, out);
+    if (!result) return result;
+    if (out.rows < 0 || out.rows > part_rows) return Result::failed("the model wrote more rows than it declared");
+    assemble(part, rows, out.rows);
+    rows += out.rows;
+  }
+  if (rows == 0) return Result::unsupported("no rows");
+
+  double sum = 0;  // NaN if anything is not finite
+  for (int i = 0; i < rows; ++i) sum += work_.r[i] * 0.0;
+  for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
+    for (int i = 0; i < rows; ++i) sum += work_.H[as_size(i) + c * as_size(m_max)] * 0.0;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < rows; ++i) sum += R_nominal_[as_size(i + j * m_max)] * 0.0;
+  if (sum != 0.0) return Result::invalid("the residual, its Jacobian or its noise is not finite");
+  return Result::ok();
+}
+
+void Engine::assemble(const PartPlan& part, int first_row, int rows) {
+  const int m_max = work_.m_max;
+  const int stride = part.model->declaration().max_rows;
+  for (const auto& read : part.reads) {
+    const double* J = at(read.jacobian);
+    for (const auto& target : read.targets) {
+      const auto& active = plan_.blocks[as_size(target.block)].active;
+      for (std::size_t a = 0; a < active.size(); ++a) {
+        double* H = work_.H + first_row + (as_size(target.first_column) + a) * as_size(m_max);
+        if (target.is_direct) {
+          const double* column = J + active[a] * stride;
+          for (int i = 0; i < rows; ++i) H[i] += column[i];
+        } else {
+          const double* chain = at(target.chain) + active[a] * read.dof;
+          for (int k = 0; k < read.dof; ++k)
+            for (int i = 0; i < rows; ++i) H[i] += J[i + k * stride] * chain[k];
+        }
+      }
+    }
+  }
+}
+
+void Engine::process(int measurement, const SampleView& sample) {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  Ledger& ledger = *plan.ledger.in(arena_);
+  work_.m_max = plan.max_rows;
+
+  std::byte* const backup = memory_backup_.data();
+  std::size_t kept = 0;
+  for (const auto& part : plan.parts) {
+    if (part.memory.count > 0) std::memcpy(backup + kept, part.memory.in(arena_), part.memory.count);
+    kept += part.memory.count;
+  }
+  const auto roll_back_models = [&] {
+    std::size_t offset = 0;
+    for (const auto& part : plan.parts) {
+      if (part.memory.count > 0) std::memcpy(part.memory.in(arena_), backup + offset, part.memory.count);
+      offset += part.memory.count;
+    }
+  };
+
+  int m = 0;
+  Result result = evaluate_derived(plan.derived, true);
+  if (result) result = linearize(plan, sample, m);
+  if (!result) {
+    roll_back_models();
+    conclude(measurement, sample.t, outcome_of(result.verdict), result.reason, 0, 0, false, nullptr);
+    return;
+  }
+  project(plan.columns, P(), plan_.n, m, work_);
+
+  const bool withheld = is_withheld(plan, sample.t);
+  for (int j = 0; j < m; ++j)
+    std::copy_n(R_nominal_.data() + j * work_.m_max, m, work_.R + j * work_.m_max);
+  std::byte* const noise_memory = plan.noise_memory.count > 0 ? plan.noise_memory.in(arena_) : nullptr;
+  std::byte* const noise_backup = backup + plan.memory_bytes;
+  if (plan.noise && !withheld) {
+    if (noise_memory) std::memcpy(noise_backup, noise_memory, plan.noise_memory.count);
+    Innovation innovation;
+    innovation.t = sample.t;
+    innovation.dt = ledger.last_accepted == no_time ? 0.0 : seconds(sample.t - ledger.last_accepted);
+    innovation.rows = m;
+    innovation.row_keys = {row_keys_.data(), as_size(m)};
+    innovation.residual = work_.r;
+    innovation.HPHt = MatrixView{work_.HPHt, m, m, work_.m_max};
+    innovation.R_nominal = MatrixView{R_nominal_.data(), m, m, work_.m_max};
+    plan.noise->estimate(innovation, noise_memory, MatrixView{work_.R, m, m, work_.m_max});
+  }
+  const auto roll_back_noise = [&] {
+    if (plan.noise && noise_memory && !withheld) std::memcpy(noise_memory, noise_backup, plan.noise_memory.count);
+  };
+
+  if (!factor_innovation(m, work_)) {
+    roll_back_models();
+    roll_back_noise();
+    conclude(measurement, sample.t, Outcome::rejected, "H P H' + R is not positive definite", 0, 0, false, nullptr);
+    return;
+  }
+  const double nis = normalized_innovation_squared(m, work_);
+  if (withheld) {
+    roll_back_models();
+    conclude(measurement, sample.t, Outcome::withheld, "", m, nis, true, nullptr);
+    return;
+  }
+  if (plan.gate > 0 && nis > plan.gate_limit[as_size(m)]) {
+    roll_back_models();
+    if (!plan.learn_from_gated) roll_back_noise();
+    ++ledger.consecutive_gated;
+    conclude(measurement, sample.t, Outcome::gated, "NIS beyond the gate", m, nis, true, nullptr);
+    if (plan.recover_after > 0 && ledger.consecutive_gated >= plan.recover_after) {
+      const int ld = padded(plan_.n);
+      for (const auto& inflation : plan.inflations) P()[inflation.row + inflation.row * ld] += inflation.variance;
+      ledger.consecutive_gated = 0;
+      ++ledger.recoveries;
+    }
+    return;
+  }
+
+  const bool records = tape_ && tape_->wants_matrices();
+  if (tape_) std::copy_n(x(), plan_.stored_size, x_before_.data());
+  if (records) std::copy_n(P(), as_size(padded(plan_.n)) * as_size(plan_.n), P_before_.data());
+
+  correct(plan_.corrected.empty() ? nullptr : plan_.corrected.data(), P(), plan_.n, m, work_);
+  gain_times_residual(plan_.n, m, work_, delta_.data());
+  if (plan.noise && plan.noise->wants_after()) {
+    // Post-fit residual to first order: r − H δ. G and HPHt are made anew with P⁺ and no longer those of the update.
+    for (int i = 0; i < m; ++i) {
+      double predicted = 0;
+      for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
+        predicted += work_.H[as_size(i) + c * as_size(work_.m_max)] * delta_[as_size(plan.columns.columns[c])];
+      post_fit_[as_size(i)] = work_.r[i] - predicted;
+    }
+    project(plan.columns, P(), plan_.n, m, work_);
+    plan.noise->after(Outcome::accepted, post_fit_.data(), MatrixView{work_.HPHt, m, m, work_.m_max}, noise_memory);
+  }
+  inject(delta_.data());
+  ledger.consecutive_gated = 0;
+  ledger.last_accepted = sample.t;
+  conclude(measurement, sample.t, Outcome::accepted, "", m, nis, true, delta_.data());
+  check_health();
+}
+
+void Engine::inject(double* delta) {
+  for (const auto& block : plan_.blocks) {
+    if (block.active.empty()) continue;
+    const int dof = block.dof();
+    std::fill_n(block_delta_.data(), dof, 0.0);
+    for (std::size_t a = 0; a < block.active.size(); ++a)
+      block_delta_[as_size(block.active[a])] = delta[as_size(block.first) + a];
+    double* value = x() + block.stored_offset;
+    block.block->plus(value, block_delta_.data(), value);
+    double* reset = block_reset_.data();
+    if (!block.block->reset_jacobian(block_delta_.data(), reset)) continue;
+    const int active = static_cast<int>(block.active.size());
+    double* compact = reset;
+    if (!block.is_whole()) {
+      compact = reset + dof * dof;
+      for (int c = 0; c < active; ++c)
+        for (int r = 0; r < active; ++r)
+          compact[r + c * active] = reset[block.active[as_size(r)] + block.active[as_size(c)] * dof];
+    }
+    transform_block(compact, block.first, active, P(), plan_.n, reset_scratch_.data());
+  }
+}
+
+void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reason, int rows, double nis,
+                      bool linearized, const double* delta) {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  Ledger& ledger = *plan.ledger.in(arena_);
+  ++ledger.outcomes[static_cast<int>(outcome)];
+  if (outcome == Outcome::accepted) {
+    ledger.nis_sum += nis;
+    ++ledger.nis_count;
+    ledger.dof_sum += rows;
+  } else if (reason[0] != '\0') {
+    std::strncpy(ledger.last_reason, reason, sizeof ledger.last_reason - 1);
+  }
+  if (!tape_) return;
+  UpdateRecord record;
+  record.measurement = measurement;
+  record.t = t;
+  record.outcome = outcome;
+  record.reason = reason;
+  record.x0 = x();
+  if (linearized) {
+    record.rows = rows;
+    record.row_keys = row_keys_.data();
+    record.residual = work_.r;
+    record.nis = nis;
+    record.S = MatrixView{work_.S, rows, rows, work_.m_max};
+    record.R = MatrixView{work_.R, rows, rows, work_.m_max};
+  }
+  if (outcome == Outcome::accepted) {
+    record.delta = delta;
+    record.x0 = x_before_.data();
+    record.x1 = x();
+    if (tape_->wants_matrices()) {
+      record.P0 = {P_before_.data(), plan_.n, plan_.n, padded(plan_.n)};
+      record.P1 = covariance();
+    }
+  }
+  tape_->offered(record);
+}
+
+}  // namespace binnacle

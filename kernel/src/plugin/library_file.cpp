@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading the guard out of an ELF file (System V ABI, gABI chapters 4 and 5), every offset checked against the file.
+#include "plugin/library_file.hpp"
+
+#include <elf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <link.h>
+#include <string_view>
+#include <vector>
+
+namespace binnacle {
+
+namespace {
+
+using Header = ElfW(Ehdr);
+using Segment = ElfW(Phdr);
+using Section = ElfW(Shdr);
+using Symbol = ElfW(Sym);
+
+constexpr int native_class = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
+constexpr std::size_t largest_table = std::size_t{1} << 28;  // of a file that lies about its sizes
+
+/// The machine that this program was built for is that of its own header.
+Header own_header() {
+  Header header{};
+  std::ifstream stream("/proc/self/exe", std::ios::binary);
+  stream.read(reinterpret_cast<char*>(&header), sizeof header);
+  return header;
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
+    stream_.seekg(0, std::ios::end);
+    const auto end = stream_.tellg();
+    size_ = stream_ && end > 0 ? static_cast<std::size_t>(end) : 0;
+  }
+
+  bool read(std::size_t offset, void* to, std::size_t bytes) {
+    if (offset > size_ || bytes > size_ - offset) return false;
+    stream_.seekg(static_cast<std::streamoff>(offset));
+    return static_cast<bool>(stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes)));
+  }
+
+  template <class T>
+  bool read_table(std::size_t offset, std::size_t count, std::vector<T>& table) {
+    if (count > largest_table / sizeof(T) || count * sizeof(T) > size_) return false;
+    table.resize(count);
+    return read(offset, table.data(), count * sizeof(T));
+  }
+
+  std::size_t size() const { return size_; }
+
+ private:
+  std::ifstream stream_;
+  std::size_t size_ = 0;
+};
+
+std::string check_header(const Header& header) {
+  static_assert(EI_NIDENT == 16);
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return "it is no shared library (not an ELF file)";
+  const Header own = own_header();
+  if (header.e_ident[EI_CLASS] != native_class || header.e_ident[EI_DATA] != own.e_ident[EI_DATA] ||
+      header.e_machine != own.e_machine) {
+    return "it is built for another machine";
+  }
+  if (header.e_type != ET_DYN || header.e_phentsize != sizeof(Segment) || header.e_shentsize != sizeof(Section)) {
+    return "it is no shared library";
+  }
+  return "";
+}
+
+bool is_exported(const Symbol& symbol) {
+  const int binding = symbol.st_info >> 4;
+  return symbol.st_shndx != SHN_UNDEF && (binding == STB_GLOBAL || binding == STB_WEAK);
+}
+
+/// The bytes that the loader would put at the symbol's address.
+std::optional<abi::Guard> read_guard(Reader& reader, const std::vector<Segment>& segments, const Symbol& symbol) {
+  for (const Segment& segment : segments) {
+    const bool inside = segment.p_type == PT_LOAD && symbol.st_value >= segment.p_vaddr &&
+                        symbol.st_value - segment.p_vaddr < segment.p_filesz;
+    if (!inside) continue;
+    const std::size_t shift = symbol.st_value - segment.p_vaddr;
+    abi::Guard guard{};
+    const std::size_t bytes =
+        std::min({sizeof guard, std::size_t{symbol.st_size}, std::size_t{segment.p_filesz} - shift});
+    if (!reader.read(segment.p_offset + shift, &guard, bytes)) return std::nullopt;
+    return guard;
+  }
+  return std::nullopt;
+}
+
+void read_symbols(Reader& reader, const std::vector<Segment>& segments, const std::vector<Symbol>& symbols,
+                  const std::vector<char>& names, LibraryFile& result) {
+  constexpr std::string_view any_guard = "binnacle_guard_v";
+  for (const Symbol& symbol : symbols) {
+    if (!is_exported(symbol) || symbol.st_name >= names.size()) continue;
+    const char* start = names.data() + symbol.st_name;
+    const std::string_view name(start, strnlen(start, names.size() - symbol.st_name));
+    if (name == register_symbol) result.has_register = true;
+    if (name == guard_symbol) {
+      result.guard = read_guard(reader, segments, symbol);
+    } else if (name.starts_with(any_guard)) {
+      result.other_guard = name;
+    }
+  }
+}
+
+}  // namespace
+
+LibraryFile inspect_library(const std::filesystem::path& file) {
+  LibraryFile result;
+  Reader reader(file);
+  Header header{};
+  if (!reader.read(0, &header, sizeof header)) {
+    result.unreadable = reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)";
+    return result;
+  }
+  result.unreadable = check_header(header);
+  if (!result.unreadable.empty()) return result;
+  std::vector<Segment> segments;
+  std::vector<Section> sections;
+  if (!reader.read_table(header.e_phoff, header.e_phnum, segments) ||
+      !reader.read_table(header.e_shoff, header.e_shnum, sections)) {
+    result.unreadable = "it is damaged or cut short";
+    return result;
+  }
+  for (const Section& section : sections) {
+    if (section.sh_type != SHT_DYNSYM) continue;
+    std::vector<Symbol> symbols;
+    std::vector<char> names;
+    if (section.sh_link >= sections.size() ||
+        !reader.read_table(section.sh_offset, section.sh_size / sizeof(Symbol), symbols) ||
+        !reader.read_table(sections[section.sh_link].sh_offset, sections[section.sh_link].sh_size, names)) {
+      result.unreadable = "it is damaged or cut short";
+      return result;
+    }
+    read_symbols(reader, segments, symbols, names, result);
+  }
+  return result;
+}
+
+}  // namespace binnacle

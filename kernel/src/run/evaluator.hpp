@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scores a run: errors against reference channels and against withheld samples, over all and over windows.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "run/runtime.hpp"
+
+namespace binnacle {
+
+/// A named error over time; `values` in SI.
+struct Series {
+  std::string name;          // "position.horizontal"
+  std::string unit;          // SI
+  std::string display_unit;
+  std::vector<Time> t;
+  std::vector<double> values;
+};
+
+class Evaluator : public SampleListener {
+ public:
+  explicit Evaluator(Runtime& runtime);
+  ~Evaluator() override;
+
+  void sampled(int channel, const SampleView& sample) override;
+  /// What still waits for its filter's next step is scored with the last estimate.
+  void finish();
+  nlohmann::ordered_json filter_summary(int filter) const;
+  /// Over all windows of all filters: mean, p50, max of each window's final and rms.
+  nlohmann::ordered_json across_windows() const;
+
+ private:
+  class FilterScore;
+
+  Runtime& runtime_;
+  std::vector<std::unique_ptr<FilterScore>> scores_;
+};
+
+/// {"mean", "rms", "p50", "p95", "max", "final", "n", "unit"} of the samples inside the span; null when there is none.
+/// mean and final are signed, the others of the magnitude.
+nlohmann::ordered_json statistics(const Series& series, const TimeSpan& span, Time start);
+
+/// The p-quantile of the sorted values by linear interpolation between order statistics.
+double quantile(const std::vector<double>& sorted, double p);
+
+}  // namespace binnacle

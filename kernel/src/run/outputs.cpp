@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/outputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace binnacle {
+
+std::size_t output_sigma_scratch(const BlockPlan& block) {
+  const auto outputs = block.declaration().outputs.size();
+  const auto dof = static_cast<std::size_t>(block.dof());
+  return dof + static_cast<std::size_t>(block.declaration().stored_size) + 2 * outputs + outputs * dof;
+}
+
+void output_sigmas(const BlockPlan& block, const double* state, MatrixView P, double* scratch, double* sigmas) {
+  const auto& declaration = block.declaration();
+  const int outputs = static_cast<int>(declaration.outputs.size());
+  const int active = static_cast<int>(block.active.size());
+  const double* x = state + block.stored_offset;
+  double* const delta = scratch;
+  double* const moved = delta + block.dof();
+  double* const above = moved + declaration.stored_size;
+  double* const below = above + outputs;
+  double* const J = below + outputs;  // outputs × active
+  std::fill_n(delta, block.dof(), 0.0);
+  for (int a = 0; a < active; ++a) {
+    const int component = block.active[static_cast<std::size_t>(a)];
+    const double sigma = std::sqrt(std::max(0.0, P(block.first + a, block.first + a)));
+    // A step of the size of the uncertainty itself, but small against the curvature of an angle.
+    const double step = std::clamp(sigma, 1e-9, 1e-4);
+    delta[component] = step;
+    block.block->plus(x, delta, moved);
+    block.block->read(moved, above);
+    delta[component] = -step;
+    block.block->plus(x, delta, moved);
+    block.block->read(moved, below);
+    delta[component] = 0;
+    for (int i = 0; i < outputs; ++i) {
+      double difference = above[i] - below[i];
+      if (declaration.outputs[static_cast<std::size_t>(i)].is_angle)
+        difference = std::remainder(difference, 2 * std::numbers::pi);
+      J[i + a * outputs] = difference / (2 * step);
+    }
+  }
+  for (int i = 0; i < outputs; ++i) {
+    double variance = 0;
+    for (int a = 0; a < active; ++a)
+      for (int b = 0; b < active; ++b)
+        variance += J[i + a * outputs] * P(block.first + a, block.first + b) * J[i + b * outputs];
+    sigmas[i] = std::sqrt(std::max(0.0, variance));
+  }
+}
+
+}  // namespace binnacle

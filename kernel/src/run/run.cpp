@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "binnacle/run.hpp"
+
+#include <chrono>
+
+#include "binnacle/filter.hpp"
+#include "run/evaluator.hpp"
+#include "run/outputs.hpp"
+#include "run/runtime.hpp"
+
+namespace binnacle {
+
+namespace {
+
+std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+class WarningReporter : public Reporter {
+ public:
+  WarningReporter(Diagnostics& warnings, const SourcePlan& source) : warnings_(warnings), source_(source) {}
+  void warn(const std::string& code, const std::string& file, int line, const std::string& message) override {
+    warnings_.warning(code, Origin{file, line, 0}, source_.pointer, message);
+  }
+
+ private:
+  Diagnostics& warnings_;
+  const SourcePlan& source_;
+};
+
+void open_sources(const CompositionPlan& plan, Diagnostics& warnings) {
+  Diagnostics errors;
+  for (const auto& source : plan.sources) {
+    WarningReporter reporter(warnings, source);
+    try {
+      source.type->guarded("open", [&] { source.source->open(reporter); });
+    } catch (const ComponentError& error) {
+      if (error.is_data_error())
+        errors.error(error.code(), Origin{error.file(), error.line(), 0}, source.pointer, error.what());
+      else
+        errors.error("B030", plan.document.origin(source.pointer + error.pointer()), source.pointer + error.pointer(),
+                     error.what());
+    }
+  }
+  if (errors.has_errors()) throw DataError(errors);
+}
+
+/// Writes a filter's outputs and their 1-σ at most every so often.
+class Recorder {
+ public:
+  Recorder(const Runtime& runtime, RunObserver& observer, Time every)
+      : runtime_(runtime), observer_(observer), every_(every) {
+    const auto& filters = runtime.plan().filters;
+    next_.assign(filters.size(), no_time);
+    last_.assign(filters.size(), no_time);
+    std::size_t scratch = 1, width = 1;
+    for (std::size_t f = 0; f < filters.size(); ++f) {
+      std::vector<RecordColumn> columns, sigmas;
+      for (const auto& block : filters[f].blocks) {
+        for (const auto& output : block.declaration().outputs) {
+          columns.push_back({block.name + "." + output.name, output.unit});
+          sigmas.push_back({block.name + "." + output.name + ".sigma", output.unit});
+        }
+        scratch = std::max(scratch, output_sigma_scratch(block));
+      }
+      columns.insert(columns.end(), sigmas.begin(), sigmas.end());
+      width = std::max(width, columns.size());
+      observer.begin(static_cast<int>(f), filters[f].name, columns);
+    }
+    scratch_.resize(scratch);
+    values_.resize(width);
+  }
+
+  void after_instant() {
+    for (std::size_t f = 0; f < next_.size(); ++f) {
+      const auto& engine = runtime_.engine(static_cast<int>(f));
+      if (!engine.started() || engine.broken()) continue;
+      const Time t = engine.status().t;
+      if (t == last_[f] || (next_[f] != no_time && t < next_[f])) continue;
+      last_[f] = t;
+      if (every_ > 0) next_[f] = next_[f] == no_time ? t + every_ : next_[f] + (1 + (t - next_[f]) / every_) * every_;
+      std::size_t at = 0;
+      for (const auto& block : engine.plan().blocks) {
+        block.block->read(engine.state() + block.stored_offset, values_.data() + at);
+        at += block.declaration().outputs.size();
+      }
+      for (const auto& block : engine.plan().blocks) {
+        output_sigmas(block, engine.state(), engine.covariance(), scratch_.data(), values_.data() + at);
+        at += block.declaration().outputs.size();
+      }
+      observer_.record(static_cast<int>(f), t, {values_.data(), at});
+    }
+  }
+
+ private:
+  const Runtime& runtime_;
+  RunObserver& observer_;
+  Time every_;
+  std::vector<Time> next_, last_;
+  std::vector<double> scratch_, values_;
+};
+
+nlohmann::ordered_json measurement_summary(const Engine& engine) {
+  static constexpr const char* names[outcome_count] = {"accepted", "gated",    "late",    "unsupported",
+                                                       "invalid",  "withheld", "rejected"};
+  nlohmann::ordered_json summary = nlohmann::ordered_json::object();
+  const auto& plan = engine.plan();
+  for (std::size_t m = 0; m < plan.measurements.size(); ++m) {
+    const Ledger& ledger = engine.ledger(static_cast<int>(m));
+    nlohmann::ordered_json entry;
+    entry["offered"] = ledger.offered;
+    for (int o = 0; o < outcome_count; ++o) entry[names[o]] = ledger.outcomes[o];
+    entry["before_start"] = ledger.before_start;
+    if (plan.measurements[m].recover_after > 0) entry["recoveries"] = ledger.recoveries;
+    const double n = static_cast<double>(ledger.nis_count);
+    if (ledger.nis_count > 0) {
+      entry["nis_mean"] = ledger.nis_sum / n;
+      entry["dof"] = static_cast<double>(ledger.dof_sum) / n;
+    } else {
+      entry["nis_mean"] = nullptr;
+      entry["dof"] = plan.measurements[m].max_rows;
+    }
+    if (ledger.last_reason[0] != '\0') entry["last_reason"] = ledger.last_reason;
+    summary[plan.measurements[m].name] = std::move(entry);
+  }
+  return summary;
+}
+
+void note_failures(const Runtime& runtime, Diagnostics& failures) {
+  const auto& plan = runtime.plan();
+  for (std::size_t f = 0; f < plan.filters.size(); ++f) {
+    const auto& filter = plan.filters[f];
+    const auto& engine = runtime.engine(static_cast<int>(f));
+    if (engine.broken()) {
+      failures.error("B080", plan.document.key_origin(filter.pointer), filter.pointer,
+                     "filter '" + filter.name + "' broke: " + engine.diagnosis());
+    } else if (!engine.started()) {
+      std::string missing;
+      for (const auto& initial : filter.initial)
+        missing += (missing.empty() ? "" : ", ") + plan.channels[as_size(initial.channel)].name;
+      failures.error("B081", plan.document.key_origin(filter.pointer), filter.pointer,
+                     "filter '" + filter.name + "' never started: " +
+                         (missing.empty() ? std::string("no sample came")
+                                          : "its initial values were never there together (channels: " + missing + ")"));
+    }
+  }
+}
+
+}  // namespace
+
+RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& plan = composition->plan();
+  RunResult result;
+  open_sources(plan, result.warnings);
+
+  Runtime runtime(plan);
+  runtime.reset(options.seed, options.run);
+  Evaluator evaluator(runtime);
+  std::unique_ptr<Recorder> recorder;
+  if (options.observer) recorder = std::make_unique<Recorder>(runtime, *options.observer, composition->record_every());
+  for (const auto& sink : plan.sinks) sink.sink->open();
+
+  for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
+    if (recorder) recorder->after_instant();
+    if (options.observer && instants % 256 == 0 && !options.observer->progress(runtime.time())) break;
+  }
+  runtime.finish();
+  if (recorder) recorder->after_instant();
+  evaluator.finish();
+  for (const auto& sink : plan.sinks) sink.sink->close();
+
+  nlohmann::ordered_json filters = nlohmann::ordered_json::object();
+  for (std::size_t f = 0; f < plan.filters.size(); ++f) {
+    const auto& engine = runtime.engine(static_cast<int>(f));
+    auto entry = evaluator.filter_summary(static_cast<int>(f));
+    entry["measurements"] = measurement_summary(engine);
+    if (engine.started()) {
+      entry["start_s"] = seconds(engine.status().start);
+      entry["end_s"] = seconds(engine.status().t);
+    }
+    entry["steps"] = engine.status().steps;
+    if (engine.status().gaps > 0) entry["input_gaps"] = engine.status().gaps;
+    entry["filter_s"] = runtime.filter_seconds(static_cast<int>(f));
+    if (engine.broken()) entry["broken"] = engine.diagnosis();
+    filters[plan.filters[f].name] = std::move(entry);
+  }
+  result.summary["filters"] = std::move(filters);
+  if (auto across = evaluator.across_windows(); !across.empty()) result.summary["windows"] = std::move(across);
+  note_failures(runtime, result.failures);
+  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+  for (const auto& warning : result.warnings.items()) warnings.push_back(to_string(warning));
+  result.summary["warnings"] = std::move(warnings);
+  result.summary["seed"] = options.seed;
+  result.summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace binnacle

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/runtime.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <new>
+
+namespace binnacle {
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer) {
+  std::uint64_t hash = 1469598103934665603ull;
+  const auto mix = [&hash](std::uint64_t value) {
+    for (int i = 0; i < 8; ++i) hash = (hash ^ (value >> (8 * i) & 0xff)) * 1099511628211ull;
+  };
+  mix(seed);
+  mix(static_cast<std::uint64_t>(run));
+  for (const char c : pointer) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  // FNV's low bits are weak; splitmix64's finalizer spreads them.
+  hash += 0x9e3779b97f4a7c15ull;
+  hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
+  hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
+  return hash ^ (hash >> 31);
+}
+
+Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
+  arena_.reset(static_cast<std::byte*>(
+      ::operator new[](std::max<std::size_t>(plan.layout.size(), 1), std::align_val_t{Layout::alignment})));
+  std::memset(arena_.get(), 0, plan.layout.size());
+  for (const auto& filter : plan.filters)
+    engines_.push_back(std::make_unique<Engine>(filter, plan.channels, arena_.get()));
+  filter_seconds_.assign(plan.filters.size(), 0.0);
+  sample_counts_.assign(plan.sources.size(), 0);
+
+  channels_.resize(plan.channels.size());
+  output_slots_.resize(plan.channels.size());
+  for (std::size_t c = 0; c < plan.channels.size(); ++c) {
+    const auto& channel = plan.channels[c];
+    channels_[c].storage.assign(std::max<std::size_t>(channel.doubles(), 1), 0.0);
+    double* data = channels_[c].storage.data();
+    auto& slot = output_slots_[c];
+    slot.fields = data;
+    slot.row_fields = data + channel.epoch_fields;
+    slot.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
+  }
+  for (const auto& source : plan.sources) {
+    std::vector<SampleSlot> slots;
+    for (std::size_t i = 0; i < source.channels.size(); ++i) {
+      const auto& channel = plan.channels[as_size(source.channels[i])];
+      double* data = source.slots[i].in(arena_.get());
+      SampleSlot slot;
+      slot.fields = data;
+      slot.row_fields = data + channel.epoch_fields;
+      slot.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
+      slots.push_back(slot);
+    }
+    source_slots_.push_back(std::move(slots));
+  }
+  std::size_t fields = 1, rows = 1;
+  const auto widen = [&](const std::vector<NodeInput>& inputs) {
+    for (const auto& input : inputs) {
+      fields = std::max(fields, input.fields.epoch.size());
+      if (input.channel >= 0)
+        rows = std::max(rows, input.fields.row.size() *
+                                  as_size(plan.channels[as_size(input.channel)].declaration.max_rows));
+    }
+  };
+  for (const auto& transform : plan.transforms) widen(transform.inputs);
+  for (const auto& sink : plan.sinks) widen(sink.inputs);
+  input_fields_.assign(fields, 0.0);
+  input_rows_.assign(rows, 0.0);
+
+  for (const auto& filter : plan.filters) {
+    Routes routes;
+    for (std::size_t i = 0; i < filter.initial.size(); ++i)
+      routes.initial.emplace_back(filter.initial[i].channel, static_cast<int>(i));
+    for (std::size_t i = 0; i < filter.auxiliary.size(); ++i)
+      routes.auxiliary.emplace_back(filter.auxiliary[i].channel, static_cast<int>(i));
+    for (std::size_t i = 0; i < filter.measurements.size(); ++i)
+      routes.measurements.emplace_back(filter.measurements[i].channel, static_cast<int>(i));
+    const int output = filter.output_channel;
+    const auto hears = [output](const std::vector<NodeInput>& inputs) {
+      return std::any_of(inputs.begin(), inputs.end(), [&](const NodeInput& input) { return input.channel == output; });
+    };
+    for (const auto& transform : plan.transforms) routes.output_is_heard |= hears(transform.inputs);
+    for (const auto& sink : plan.sinks) routes.output_is_heard |= hears(sink.inputs);
+    for (const auto& other : plan.filters) {
+      routes.output_is_heard |= other.input_channel == output;
+      for (const auto& measurement : other.measurements) routes.output_is_heard |= measurement.channel == output;
+      for (const auto* list : {&other.initial, &other.auxiliary})
+        for (const auto& latest : *list) routes.output_is_heard |= latest.channel == output;
+    }
+    for (const auto& reference : plan.evaluation.references) routes.output_is_heard |= reference.channel == output;
+    routes_.push_back(std::move(routes));
+  }
+}
+
+void Runtime::reset(std::uint64_t seed, int run) {
+  std::memset(arena_.get(), 0, plan_.layout.size());
+  for (auto& engine : engines_) engine->reset();
+  for (const auto& source : plan_.sources) {
+    *source.head.in(arena_.get()) = SourceHead{};
+    source.source->start(stream_seed(seed, run, source.pointer), source.memory.in(arena_.get()));
+  }
+  for (const auto& transform : plan_.transforms)
+    transform.transform->start(stream_seed(seed, run, transform.pointer), transform.memory.in(arena_.get()));
+  for (auto& channel : channels_) channel.is_present = false;
+  std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
+  std::fill(sample_counts_.begin(), sample_counts_.end(), 0);
+  time_ = no_time;
+}
+
+void Runtime::listen(SampleListener* listener, const std::vector<int>& channels) {
+  listener_ = listener;
+  heard_ = channels;
+}
+
+void Runtime::deliver(int index, const SampleView& sample) {
+  const auto& plan = plan_.channels[as_size(index)];
+  auto& channel = channels_[as_size(index)];
+  const auto& slot = output_slots_[as_size(index)];
+  channel.view = sample;
+  channel.view.available = true;
+  channel.view.fields = slot.fields;
+  channel.view.row_fields = slot.row_fields;
+  std::copy_n(sample.fields, plan.epoch_fields, slot.fields);
+  if (plan.row_fields > 0) std::copy_n(sample.row_fields, plan.row_fields * sample.rows, slot.row_fields);
+  if (sample.covariance) {
+    std::copy_n(sample.covariance, plan.covariance_dof * plan.covariance_dof, slot.covariance);
+    channel.view.covariance = slot.covariance;
+  }
+  channel.is_present = true;
+}
+
+SampleView Runtime::read_input(const NodeInput& input) {
+  const auto& channel = channels_[as_size(input.channel)];
+  SampleView view = channel.view;
+  read_fields(input.fields, channel.view, view.t0 == no_time ? 0.0 : seconds(view.t - view.t0), input_fields_.data());
+  read_row_fields(input.fields, plan_.channels[as_size(input.channel)], channel.view, input_rows_.data());
+  view.fields = input_fields_.data();
+  view.row_fields = input_rows_.data();
+  return view;
+}
+
+class Runtime::TransformEmitter : public Emitter {
+ public:
+  TransformEmitter(Runtime& runtime, const TransformPlan& plan) : runtime_(runtime), plan_(plan) {}
+
+  SampleSlot& slot(int channel) override {
+    const int index = plan_.channels[as_size(channel)];
+    SampleSlot& slot = runtime_.output_slots_[as_size(index)];
+    auto& storage = runtime_.channels_[as_size(index)].storage;
+    std::fill(storage.begin(), storage.end(), not_a_number);
+    slot.t = slot.t0 = no_time;
+    slot.rows = 0;
+    slot.has_covariance = false;
+    return slot;
+  }
+  void emit(int channel) override {
+    const int index = plan_.channels[as_size(channel)];
+    const SampleSlot& slot = runtime_.output_slots_[as_size(index)];
+    auto& output = runtime_.channels_[as_size(index)];
+    output.view = SampleView{slot.t,      slot.t0, slot.rows, slot.fields, slot.row_fields,
+                             slot.has_covariance ? slot.covariance : nullptr, true};
+    output.is_present = true;
+  }
+
+ private:
+  Runtime& runtime_;
+  const TransformPlan& plan_;
+};
+
+void Runtime::run_transform(int index) {
+  const auto& transform = plan_.transforms[as_size(index)];
+  TransformEmitter emitter(*this, transform);
+  for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
+    const auto& input = transform.inputs[i];
+    if (input.channel < 0 || !channels_[as_size(input.channel)].is_present) continue;
+    transform.transform->on(static_cast<int>(i), read_input(input), transform.memory.in(arena_.get()), emitter);
+  }
+}
+
+void Runtime::run_sink(int index) {
+  const auto& sink = plan_.sinks[as_size(index)];
+  for (std::size_t i = 0; i < sink.inputs.size(); ++i)
+    if (sink.inputs[i].channel >= 0 && channels_[as_size(sink.inputs[i].channel)].is_present)
+      sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i]));
+}
+
+void Runtime::run_filter(int index, Time t) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& routes = routes_[as_size(index)];
+  Engine& engine = *engines_[as_size(index)];
+  const auto& plan = engine.plan();
+  const auto accepted = [&] {
+    std::int64_t count = 0;
+    for (std::size_t m = 0; m < plan.measurements.size(); ++m)
+      count += engine.ledger(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
+    return count;
+  };
+  const std::int64_t before = routes.output_is_heard ? accepted() : 0;
+  bool is_touched = false;
+  const auto each = [&](const std::vector<std::pair<int, int>>& list, auto push) {
+    for (const auto& [channel, target] : list)
+      if (channels_[as_size(channel)].is_present) {
+        push(target, channels_[as_size(channel)].view);
+        is_touched = true;
+      }
+  };
+  each(routes.initial, [&](int target, const SampleView& sample) { engine.push_initial(target, sample); });
+  each(routes.auxiliary, [&](int target, const SampleView& sample) { engine.push_auxiliary(target, sample); });
+  if (plan.input_channel >= 0 && channels_[as_size(plan.input_channel)].is_present) {
+    engine.push_input(channels_[as_size(plan.input_channel)].view);
+    is_touched = true;
+  }
+  each(routes.measurements, [&](int target, const SampleView& sample) { engine.push_measurement(target, sample); });
+  if (is_touched && !engine.started()) engine.try_start(t);
+  if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) {
+    auto& output = channels_[as_size(plan.output_channel)];
+    SampleSlot& slot = output_slots_[as_size(plan.output_channel)];
+    engine.write_estimates(slot);
+    output.view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
+    output.is_present = true;
+  }
+  filter_seconds_[as_size(index)] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void Runtime::end_instant(Time t) {
+  time_ = t;
+  for (const auto& node : plan_.nodes) switch (node.kind) {
+      case Node::Kind::transform: run_transform(node.index); break;
+      case Node::Kind::filter: run_filter(node.index, t); break;
+      case Node::Kind::sink: run_sink(node.index); break;
+    }
+  if (listener_)
+    for (const int channel : heard_)
+      if (channels_[as_size(channel)].is_present) listener_->sampled(channel, channels_[as_size(channel)].view);
+  for (auto& channel : channels_) channel.is_present = false;
+}
+
+void Runtime::fetch(std::size_t index) {
+  const auto& source = plan_.sources[index];
+  SourceHead& head = *source.head.in(arena_.get());
+  auto& slots = source_slots_[index];
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    slots[i].t = slots[i].t0 = no_time;
+    slots[i].rows = 0;
+    slots[i].has_covariance = false;
+  }
+  int channel = 0;
+  const Time previous = head.t;
+  const SourceStatus status = source.source->next(source.memory.in(arena_.get()), slots.data(), channel);
+  if (status == SourceStatus::error)
+    throw DataError(Diagnostic{Severity::error, "B061", {}, source.pointer, "source '" + source.name + "' cannot go on"});
+  if (status != SourceStatus::sample) {
+    head.status = 2;
+    return;
+  }
+  const auto& slot = slots[as_size(channel)];
+  if (previous != no_time && slot.t < previous)
+    throw DataError(Diagnostic{Severity::error, "B063", {}, source.pointer,
+                               "source '" + source.name + "' goes back in time"});
+  head = SourceHead{slot.t, slot.t0, 1, channel, slot.rows, slot.has_covariance};
+  ++sample_counts_[index];
+}
+
+bool Runtime::next_instant() {
+  Time earliest = std::numeric_limits<Time>::max();
+  bool has_sample = false;
+  for (std::size_t s = 0; s < plan_.sources.size(); ++s) {
+    SourceHead& head = *plan_.sources[s].head.in(arena_.get());
+    if (head.status == 0) fetch(s);
+    if (head.status != 1) continue;
+    has_sample = true;
+    earliest = std::min(earliest, head.t);
+  }
+  if (!has_sample) return false;
+  for (std::size_t s = 0; s < plan_.sources.size(); ++s) {
+    const auto& source = plan_.sources[s];
+    SourceHead& head = *source.head.in(arena_.get());
+    while (head.status == 1 && head.t == earliest) {
+      const int channel = source.channels[as_size(head.channel)];
+      if (channels_[as_size(channel)].is_present) break;  // a second one on this channel makes an instant of its own
+      const SampleSlot& slot = source_slots_[s][as_size(head.channel)];
+      SampleView view{head.t,    head.t0, head.rows, slot.fields, slot.row_fields,
+                      head.has_covariance ? slot.covariance : nullptr, true};
+      deliver(channel, view);
+      head.status = 0;
+      fetch(s);
+    }
+  }
+  end_instant(earliest);
+  return true;
+}
+
+void Runtime::finish() {
+  for (auto& engine : engines_) engine->finish();
+}
+
+}  // namespace binnacle

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// One run of a composition: the arena, the engines, and the way of a sample through sources, transforms and filters.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "compose/composition_plan.hpp"
+#include "filter/engine.hpp"
+
+namespace binnacle {
+
+/// Sees every sample that flows, once everything at its instant has been worked on.
+class SampleListener {
+ public:
+  virtual ~SampleListener() = default;
+  virtual void sampled(int channel, const SampleView& sample) = 0;
+};
+
+class Runtime {
+ public:
+  explicit Runtime(const CompositionPlan& plan);
+
+  /// Back to before the first sample; random streams are keyed by (seed, run, component).
+  void reset(std::uint64_t seed, int run);
+
+  /// The samples of one instant are delivered, at most one per channel, and then worked on together: inputs advance,
+  /// then measurements in config order, transforms and filters in order of dependence.
+  void deliver(int channel, const SampleView& sample);
+  void end_instant(Time t);
+  /// Takes the earliest instant from the sources; false when all have ended.
+  bool next_instant();
+  /// The end of the run.
+  void finish();
+
+  void listen(SampleListener* listener, const std::vector<int>& channels);
+
+  Engine& engine(int filter) { return *engines_[static_cast<std::size_t>(filter)]; }
+  const Engine& engine(int filter) const { return *engines_[static_cast<std::size_t>(filter)]; }
+  const CompositionPlan& plan() const { return plan_; }
+  Time time() const { return time_; }
+  /// Seconds spent inside the filters.
+  double filter_seconds(int filter) const { return filter_seconds_[static_cast<std::size_t>(filter)]; }
+  std::int64_t samples(int source) const { return sample_counts_[static_cast<std::size_t>(source)]; }
+
+  std::byte* arena() { return arena_.get(); }
+  const std::byte* arena() const { return arena_.get(); }
+  std::size_t arena_size() const { return plan_.layout.size(); }
+
+ private:
+  struct Channel {
+    std::vector<double> storage;
+    SampleView view;
+    bool is_present = false;
+  };
+  struct Routes {
+    std::vector<std::pair<int, int>> initial, auxiliary, measurements;  // channel, index
+    bool output_is_heard = false;
+  };
+  class TransformEmitter;
+
+  void fetch(std::size_t source);
+  void run_filter(int index, Time t);
+  void run_transform(int index);
+  void run_sink(int index);
+  SampleView read_input(const NodeInput& input);
+
+  const CompositionPlan& plan_;
+  struct Free {
+    void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{Layout::alignment}); }
+  };
+  std::unique_ptr<std::byte[], Free> arena_;
+  std::vector<std::unique_ptr<Engine>> engines_;
+  std::vector<Channel> channels_;
+  std::vector<Routes> routes_;
+  std::vector<std::vector<SampleSlot>> source_slots_;
+  std::vector<double> input_fields_;
+  std::vector<double> input_rows_;
+  std::vector<SampleSlot> output_slots_;  // per channel
+  std::vector<int> heard_;
+  SampleListener* listener_ = nullptr;
+  std::vector<double> filter_seconds_;
+  std::vector<std::int64_t> sample_counts_;
+  Time time_ = no_time;
+};
+
+/// A 64-bit seed of a component's own, from (seed, run, JSON pointer).
+std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer);
+
+}  // namespace binnacle

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Block kinds, part by part.
+#include "spec/kind.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+namespace binnacle {
+
+namespace {
+
+std::vector<std::string_view> parts_of(std::string_view kind) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t end = kind.find(':');
+    parts.push_back(kind.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    kind.remove_prefix(end + 1);
+  }
+}
+
+bool part_matches(std::string_view pattern, std::string_view part) {
+  if (pattern == "*" || pattern == part) return true;
+  const std::optional<Unit> wanted = parse_unit(pattern);
+  const std::optional<Unit> had = parse_unit(part);
+  return wanted && had && wanted->dimension == had->dimension;
+}
+
+}  // namespace
+
+bool kind_matches(std::string_view pattern, std::string_view kind) {
+  if (pattern == "*") return true;
+  const std::vector<std::string_view> wanted = parts_of(pattern);
+  const std::vector<std::string_view> had = parts_of(kind);
+  if (wanted.size() != had.size()) return false;
+  const bool first_matches = wanted.front() == "*" || wanted.front() == had.front();
+  return first_matches && std::equal(wanted.begin() + 1, wanted.end(), had.begin() + 1, part_matches);
+}
+
+Parsed<std::string> canonical_kind(std::string_view kind) {
+  const std::vector<std::string_view> parts = parts_of(kind);
+  std::string canonical(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::optional<Unit> unit = parse_unit(parts[i]);
+    const std::string si = unit ? si_unit(unit->dimension) : std::string(parts[i]);
+    if (unit && unit->scale != 1.0) {
+      return Parsed<std::string>::failure("a block's values are SI, so its unit cannot be '" + std::string(parts[i]) +
+                                          "'; write '" + si + "'");
+    }
+    canonical += ":" + si;
+  }
+  return canonical;
+}
+
+}  // namespace binnacle

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The coarse_alignment transform: the first attitude, by levelling at rest and one of three ways to a heading.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "binnacle/source.hpp"
+#include "rest_window.hpp"
+
+namespace binnacle::coarse_alignment {
+
+enum class Heading { given, course, gyrocompass };
+
+struct Settings {
+  Heading heading = Heading::given;
+  double yaw = 0;                  // rad
+  double sigma_heading = 0;        // rad
+  std::optional<double> latitude;  // rad
+  RestLimits rest;
+  double max_speed = 0;               // m/s, of a GNSS velocity at rest
+  double min_speed = 0;               // m/s, for a course
+  double max_turn_rate = 0;           // rad/s, for a course
+  double slip_arm = 0;                // m
+  std::optional<double> velocity_sd;  // m/s
+  Time max_coast = 0;
+  std::optional<Time> every;
+  double accelerometer_bias = 0;  // m/s²
+  double gyro_bias = 0;           // rad/s
+  double gyro_drift = 0;          // rad/s
+  double gyro_misalignment = 0;   // rad/rad
+};
+
+struct State;
+
+/// Channels: "" (roll, pitch, yaw; covariance in the attitude's error dof) and "gyro_bias" (x, y, z with covariance).
+/// All of its state is plain memory.
+class CoarseAlignment final : public Transform {
+ public:
+  static ComponentSpec spec();
+  explicit CoarseAlignment(const Binding& binding);
+
+  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
+  std::size_t memory_bytes() const noexcept override;
+  void start(std::uint64_t seed, std::byte* memory) const override;
+  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+
+ private:
+  void on_imu(const SampleView& sample, State& state, Emitter& emitter) const;
+  void on_gnss(const SampleView& sample, State& state, Emitter& emitter) const;
+  void level(Time t, State& state) const;
+  void gyrocompass(Time t, const RestMeans& means, State& state) const;
+  double course_variance(const SampleView& sample, double turn_rate) const;
+  std::optional<double> latitude(const State& state) const;
+  void emit(Time t, State& state, Emitter& emitter) const;
+  void emit_gyro_bias(Time t, const State& state, Emitter& emitter) const;
+
+  Settings settings_;
+  std::vector<ChannelDeclaration> channels_;
+};
+
+}  // namespace binnacle::coarse_alignment

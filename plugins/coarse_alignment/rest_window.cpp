@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// RestWindow: is the IMU at rest, and what does it measure on average while it is?
+#include "rest_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace binnacle::coarse_alignment {
+
+namespace {
+
+constexpr double standard_gravity = 9.80665;
+
+double length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
+
+}  // namespace
+
+void RestWindow::clear() { *this = RestWindow(); }
+
+RestWindow::Event RestWindow::add(const RestLimits& limits, double dt, const Eigen::Vector3d& rate,
+                                  const Eigen::Vector3d& specific_force) {
+  time_ += dt;
+  for (std::size_t i = 0; i < axes; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i % 3);
+    const double value = i < 3 ? rate[axis] : specific_force[axis];
+    sum_[i] += value * dt;
+    sum_of_squares_[i] += value * value * dt;
+  }
+  if (time_ < limits.duration / blocks - 0.5 * dt) return Event::none;
+
+  Means mean, variance;
+  for (std::size_t i = 0; i < axes; ++i) {
+    mean[i] = sum_[i] / time_;
+    variance[i] = std::max(0.0, sum_of_squares_[i] / time_ - mean[i] * mean[i]);
+  }
+  time_ = 0;
+  sum_ = sum_of_squares_ = {};
+  if (!is_quiet(limits, mean, variance)) {
+    clear();
+    return Event::disturbed;
+  }
+  if (!is_like_the_others(limits, mean)) count_ = 0;
+  if (count_ == capacity) {
+    std::move(block_.begin() + 1, block_.end(), block_.begin());
+    --count_;
+  }
+  block_[static_cast<std::size_t>(count_++)] = mean;
+  return count_ == capacity ? Event::at_rest : Event::none;
+}
+
+bool RestWindow::is_quiet(const RestLimits& limits, const Means& mean, const Means& variance) const {
+  for (std::size_t i = 0; i < axes; ++i)
+    if (std::sqrt(variance[i]) > (i < 3 ? limits.rate_sd : limits.specific_force_sd)) return false;
+  return length(mean.data()) <= limits.rate &&
+         std::abs(length(mean.data() + 3) - standard_gravity) <= limits.gravity_error;
+}
+
+bool RestWindow::is_like_the_others(const RestLimits& limits, const Means& mean) const {
+  if (count_ == 0) return true;
+  const Means others = mean_of_the_oldest(count_);
+  for (std::size_t i = 0; i < axes; ++i)
+    if (std::abs(mean[i] - others[i]) > (i < 3 ? limits.rate_sd : limits.specific_force_sd)) return false;
+  return true;
+}
+
+RestWindow::Means RestWindow::mean_of_the_oldest(std::int64_t number) const {
+  Means mean{};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(number); ++k)
+    for (std::size_t i = 0; i < axes; ++i) mean[i] += block_[k][i] / static_cast<double>(number);
+  return mean;
+}
+
+RestMeans RestWindow::means() const {
+  // The variance of a mean estimated from n parts is used in place of the true one: E[1/s²] = (n−1)/(n−3) / σ².
+  constexpr double n = blocks;
+  constexpr double factor = 1.0 / (n * (n - 1)) * (n - 1) / (n - 3);
+  const Means mean = mean_of_the_oldest(blocks);
+  RestMeans result;
+  for (std::size_t i = 0; i < axes; ++i) {
+    double squares = 0;
+    for (std::size_t k = 0; k < blocks; ++k) squares += (block_[k][i] - mean[i]) * (block_[k][i] - mean[i]);
+    double& variance = i < 3 ? result.rate_variance : result.specific_force_variance;
+    variance = std::max(variance, squares * factor);
+    (i < 3 ? result.rate : result.specific_force)[static_cast<Eigen::Index>(i % 3)] = mean[i];
+  }
+  return result;
+}
+
+}  // namespace binnacle::coarse_alignment

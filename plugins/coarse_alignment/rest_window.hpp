@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// RestWindow: is the IMU at rest, and what does it measure on average while it is?
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+
+namespace binnacle::coarse_alignment {
+
+/// When a stretch of samples counts as rest. Standard deviations are of single samples, per axis.
+struct RestLimits {
+  double duration = 0;           // s, averaged
+  double specific_force_sd = 0;  // m/s²
+  double rate_sd = 0;            // rad/s
+  double rate = 0;               // rad/s, of the mean, bias included
+  double gravity_error = 0;      // m/s², | |f| − g |
+};
+
+/// Means over the window, and the variance of each mean as the scatter of its parts tells it.
+struct RestMeans {
+  Eigen::Vector3d rate;            // rad/s
+  Eigen::Vector3d specific_force;  // m/s²
+  double rate_variance = 0;        // of the worst axis
+  double specific_force_variance = 0;
+};
+
+/// The window is eight blocks long, and one more has to be quiet after them before they count: motion that begins so
+/// gently that its own block passes as quiet is not in the mean. Plain memory; all zero is an empty window.
+class RestWindow {
+ public:
+  static constexpr int blocks = 8;
+
+  enum class Event : std::int64_t { none, at_rest, disturbed };
+
+  void clear();
+  /// One sample: mean rates over dt > 0 seconds. `at_rest` when a quiet block has completed a full window.
+  Event add(const RestLimits& limits, double dt, const Eigen::Vector3d& rate, const Eigen::Vector3d& specific_force);
+  /// Only after `at_rest`.
+  RestMeans means() const;
+
+ private:
+  static constexpr int axes = 6;  // three rates, three specific forces
+  static constexpr int capacity = blocks + 1;
+  using Means = std::array<double, axes>;
+
+  bool is_quiet(const RestLimits& limits, const Means& mean, const Means& variance) const;
+  bool is_like_the_others(const RestLimits& limits, const Means& mean) const;
+  Means mean_of_the_oldest(std::int64_t number) const;
+
+  std::array<Means, capacity> block_{};  // the oldest first
+  std::int64_t count_ = 0;
+  double time_ = 0;  // of the open block, s
+  Means sum_{};
+  Means sum_of_squares_{};
+};
+
+}  // namespace binnacle::coarse_alignment

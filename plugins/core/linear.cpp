@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any linear time-invariant process, by its matrices.
+#include "linear.hpp"
+
+namespace binnacle::core {
+
+namespace {
+
+/// G: one column per noise; the identity if absent.
+Eigen::MatrixXd noise_input(const Parameters& parameters, Eigen::Index dof) {
+  if (!parameters.has("G")) return Eigen::MatrixXd::Identity(dof, dof);
+  const auto G = parameters.matrix("G");
+  if (G.rows() != dof)
+    throw ComponentError("G has " + std::to_string(G.rows()) + " rows, the block " + std::to_string(dof) +
+                             " components",
+                         "/G");
+  return G;
+}
+
+/// q: one per column of G; one number stands for all.
+Eigen::VectorXd noise_density(const Parameters& parameters, Eigen::Index noises) {
+  const auto q = parameters.vector("q");
+  if (q.size() == 1) return Eigen::VectorXd::Constant(noises, q[0] * q[0]);
+  if (q.size() != noises)
+    throw ComponentError("q has " + std::to_string(q.size()) + " elements for " + std::to_string(noises) +
+                             " noises (columns of G)",
+                         "/q");
+  return q.cwiseAbs2();
+}
+
+}  // namespace
+
+ComponentSpec Linear::spec() {
+  ComponentSpec spec;
+  spec.type = "linear";
+  spec.summary = "Any linear time-invariant process, dx/dt = F x + G w, by its matrices.";
+  spec.source = "Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
+  spec.parameters = {
+      parameter::matrix("F", "1/s").sized_by("x").required().about(
+          "dynamics, row by row; elements between unlike quantities are SI numbers"),
+      parameter::matrix("G", "1").about("how the noises enter, a column per noise; the identity if absent"),
+      parameter::vector("q", "@x/sqrt(s)").at_least(0).about(
+          "root of the power spectral density of each noise; no noise if absent"),
+  };
+  spec.ports = {advances("x", "vector:*:*", "the state vector")};
+  spec.example = R"json({"blocks": {"x": "roll_motion"}, "F": [[0, 1], [-3.92, -0.885]], "G": [[0], [1]], "q": [0.038]})json";
+  return spec;
+}
+
+Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
+  const Parameters& parameters = binding.parameters();
+  const Eigen::Index dof = binding.port("x").dof;
+  if (F_.rows() != dof || F_.cols() != dof)
+    throw ComponentError("F must have as many rows and columns as the block has components, " + std::to_string(dof),
+                         "/F");
+  if (parameters.has("G") && !parameters.has("q"))
+    throw ComponentError("G says how noise enters, but there is none: give 'q'", "/G");
+  declaration_.transition = {{0, 0, Structure::dense}};
+  if (parameters.has("q")) {
+    const Eigen::MatrixXd G = noise_input(parameters, dof);
+    GQG_ = G * noise_density(parameters, G.cols()).asDiagonal() * G.transpose();
+    declaration_.noise = {{0, 0, Structure::dense}};
+  }
+  declaration_.has_closed_form = false;
+  declaration_.has_continuous_form = true;
+  declaration_.is_time_invariant = true;
+}
+
+void Linear::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+  const int dof = static_cast<int>(F_.rows());
+  matrix_at(out.dynamics[0], dof, dof) = F_;
+  if (GQG_.size() > 0) matrix_at(out.noise[0], dof, dof) = GQG_;
+}
+
+}  // namespace binnacle::core

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// A vector driven by white noise.
+#include "random_walk.hpp"
+
+#include <algorithm>
+
+namespace binnacle::core {
+
+ComponentSpec RandomWalk::spec() {
+  ComponentSpec spec;
+  spec.type = "random_walk";
+  spec.summary = "A vector that wanders: its rate is white noise.";
+  spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8";
+  spec.parameters = {parameter::vector("q", "@x/sqrt(s)")
+                         .sized_by("x")
+                         .at_least(0)
+                         .required()
+                         .about("root of the power spectral density of the rate: sigma after a time t is q sqrt(t)")};
+  spec.ports = {advances("x", "vector:*:*", "the vector that wanders")};
+  spec.example = R"json({"blocks": {"x": "gyro_bias"}, "q": "2 deg/h/sqrt(h)"})json";
+  return spec;
+}
+
+RandomWalk::RandomWalk(const Binding& binding) {
+  const auto q = binding.parameters().vector("q");
+  for (const double root : q) density_.push_back(root * root);
+  declaration_.noise = {{0, 0, Structure::diagonal}};
+  declaration_.has_continuous_form = true;
+  declaration_.is_time_invariant = true;
+}
+
+Result RandomWalk::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
+                             const ProcessOutput& out) const {
+  std::copy_n(x[0], density_.size(), out.x_plus[0]);
+  for (std::size_t i = 0; i < density_.size(); ++i) out.noise[0][i] = density_[i] * step.dt;
+  return Result::ok();
+}
+
+void RandomWalk::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+  std::copy(density_.begin(), density_.end(), out.noise[0]);
+}
+
+}  // namespace binnacle::core

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// The csv source: recorded samples from delimited text, plain or gzipped.
+#include "csv_source.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "cells.hpp"
+
+namespace binnacle::csv {
+
+namespace {
+
+using Value = ParameterValue;
+
+struct Cursor {
+  std::uint64_t next = 0;
+};
+
+ParameterSpec missing_spec() {
+  return parameter::list("missing", parameter::text("value"))
+      .about(
+          "cells that mean \"no data\"; the field is then NaN. Numbers match in any spelling: \"-9999\", \"nan\", "
+          "\"\"");
+}
+
+ParameterSpec column_spec() {
+  return parameter::object(
+      "field",
+      {parameter::text("column").about("its name in the header, or its number from 1 without one; default: the field's "
+                                       "name"),
+       parameter::number("unit", "*")
+           .required()
+           .about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\", \"1\""),
+       parameter::choice("kind", {"level", "rate", "increment"})
+           .defaults("\"level\"")
+           .about("level: at the sample's time; rate: mean over the interval that ends there; increment: integral over "
+                  "it"),
+       missing_spec()});
+}
+
+ParameterSpec time_spec() {
+  return parameter::object("time", {parameter::text("column").about(
+                                        "its name in the header, or its number from 1; default: the first column"),
+                                    parameter::number("unit", "*")
+                                        .defaults("\"s\"")
+                                        .about("unit of the labels: \"s\", \"ms\", \"us\", \"h\""),
+                                    parameter::time("offset").defaults("0").about("added to every label")})
+      .defaults("{}")
+      .about("the column of time labels; a label is the end of its sample's interval");
+}
+
+/// As the member stands, or null.
+const Value* member(const Value& object, std::string_view name) {
+  for (const auto& [key, value] : object.members)
+    if (key == name && value.type != Value::Type::absent) return &value;
+  return nullptr;
+}
+
+std::string escaped(std::string key) {
+  for (std::size_t at = 0; (at = key.find_first_of("~/", at)) != std::string::npos; at += 2)
+    key.replace(at, 1, key[at] == '~' ? "~0" : "~1");
+  return key;
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::size_t index_in_header(const std::string& name, const FirstRow& header, const std::string& pointer) {
+  const auto& cells = header.cells;
+  const auto found = std::find(cells.begin(), cells.end(), name);
+  if (found == cells.end()) {
+    std::string message = "no column '" + name + "'";
+    if (header.is_numeric) {
+      message += ": the first line holds numbers only; for a file without header line set \"header\": false";
+    } else {
+      const std::string near = closest(name, cells);
+      message +=
+          (near.empty() ? "; " : "; did you mean '" + near + "'? ") + std::string("the header has: ") + list_of(cells);
+    }
+    throw ComponentError(message, pointer);
+  }
+  if (std::find(found + 1, cells.end(), name) != cells.end())
+    throw ComponentError("column '" + name + "' stands in the header twice", pointer);
+  return static_cast<std::size_t>(found - cells.begin());
+}
+
+std::size_t index_by_number(const std::string& number, const FirstRow& first, const std::string& pointer) {
+  std::size_t index = 0;
+  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
+  if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > first.cells.size())
+    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1 to " +
+                             std::to_string(first.cells.size()),
+                         pointer);
+  return index - 1;
+}
+
+std::size_t find_column(const std::string& name, const Format& format, const FirstRow& first,
+                        const std::string& pointer) {
+  return format.has_header ? index_in_header(name, first, pointer) : index_by_number(name, first, pointer);
+}
+
+Missing read_missing(const Value& column) {
+  Missing missing;
+  const Value* list = member(column, "missing");
+  if (!list) return missing;
+  for (const auto& element : list->elements) {
+    double number = 0;
+    missing.texts.push_back(element.text);
+    if (parse_number(element.text, number) != CellFault::none) continue;
+    if (std::isnan(number)) {
+      missing.has_nan = true;
+    } else {
+      missing.numbers.push_back(number);
+    }
+  }
+  return missing;
+}
+
+Format read_format(const Parameters& parameters) {
+  Format format;
+  format.path = parameters.text("path");
+  const std::string& delimiter = parameters.text("delimiter");
+  if (delimiter.size() != 1 || delimiter == "\"" || delimiter == "." || delimiter == "\n")
+    throw ComponentError("a delimiter is one character, like \",\", \";\", \"\\t\" or \" \" for any run of blanks",
+                         "/delimiter");
+  format.delimiter = delimiter[0];
+  format.comment = parameters.text("comment");
+  format.has_header = parameters.boolean("header");
+  return format;
+}
+
+std::int64_t nanoseconds_of(const Value& unit) {
+  const double length = std::min(unit.number * 1e9, 1e15);
+  const std::int64_t whole = std::llround(length);
+  const bool is_whole = std::abs(length - static_cast<double>(whole)) < 1e-9 * length;
+  if (unit.text != "s" || !is_whole || whole > 100'000'000'000'000)
+    throw ComponentError("labels need a unit of time of whole nanoseconds, like \"s\", \"ms\", \"us\", \"ns\" or \"h\"",
+                         "/time/unit");
+  return whole;
+}
+
+void read_time(const Parameters& parameters, const FirstRow& first, Layout& layout) {
+  layout.time.name = layout.format.has_header ? first.cells.front() : "1";
+  if (!parameters.has("time")) return;
+  for (const auto& [key, value] : parameters.members("time")) {
+    if (value.type == Value::Type::absent) continue;
+    if (key == "column") {
+      layout.time.name = value.text;
+      layout.time.index = find_column(value.text, layout.format, first, "/time/column");
+    } else if (key == "unit") {
+      layout.time_unit = nanoseconds_of(value);
+    } else if (key == "offset") {
+      layout.time_offset = value.integer;
+    }
+  }
+}
+
+FieldKind kind_of(const std::string& text) {
+  return text == "rate" ? FieldKind::rate : text == "increment" ? FieldKind::increment : FieldKind::level;
+}
+
+FieldSpec read_column(const std::string& field, const Value& value, const FirstRow& first, Layout& layout) {
+  const Value* unit = member(value, "unit");
+  const Value* name = member(value, "column");
+  const Value* kind = member(value, "kind");
+  Column column;
+  column.name = name ? name->text : field;
+  column.index = find_column(column.name, layout.format, first, "/columns/" + escaped(field) + "/column");
+  column.scale = unit->number;
+  column.missing = read_missing(value);
+  FieldSpec spec;
+  spec.name = field;
+  spec.unit = unit->text;
+  spec.kind = kind ? kind_of(kind->text) : FieldKind::level;
+  spec.text = "column " + column.name;
+  layout.has_intervals |= spec.kind != FieldKind::level;
+  layout.columns.push_back(std::move(column));
+  return spec;
+}
+
+void read_window(const Parameters& parameters, Layout& layout) {
+  if (!parameters.has("window")) return;
+  const auto& window = parameters.list("window");
+  if (window.size() != 2 || window[0].integer >= window[1].integer)
+    throw ComponentError("a window is [from, to] with from < to", "/window");
+  layout.from = window[0].integer;
+  layout.to = window[1].integer;
+}
+
+}  // namespace
+
+ComponentSpec CsvSource::spec() {
+  ComponentSpec spec;
+  spec.type = "csv";
+  spec.summary = "recorded samples from delimited text, plain or gzipped";
+  spec.source = "RFC 4180 (text/csv), RFC 1952 (gzip)";
+  spec.parameters.push_back(parameter::path("path").required().about("the file; gzip is told by its content"));
+  spec.parameters.push_back(
+      parameter::map("columns", column_spec()).required().about("fields of the channel and the columns they stand in"));
+  spec.parameters.push_back(time_spec());
+  spec.parameters.push_back(
+      parameter::time("interval")
+          .above(0)
+          .about("fixed length of the interval that a rate or increment belongs to; default: from label to label"));
+  spec.parameters.push_back(parameter::time("max_gap").above(0).about(
+      "a longer step between labels is reported and leaves the sample after it without interval; default: for rates "
+      "and increments ten times the median step, else none"));
+  spec.parameters.push_back(parameter::list("window", parameter::time("time"))
+                                .about("[from, to], after the offset: only samples inside are read"));
+  spec.parameters.push_back(parameter::text("delimiter")
+                                .defaults("\",\"")
+                                .about("character between cells; \" \" stands for any run of blanks"));
+  spec.parameters.push_back(
+      parameter::text("comment").defaults("\"#\"").about("lines that begin with it are skipped; \"\": none"));
+  spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
+      "the first line names the columns; else they are numbered from 1"));
+  spec.parameters.push_back(
+      parameter::choice("invalid_rows", {"error", "skip"})
+          .defaults("\"error\"")
+          .about("error: stop at a bad number, NaN, column count or time that does not increase; skip: leave such rows "
+                 "out and report their number"));
+  spec.example = R"({
+  "path": "imu.csv.gz",
+  "time": { "column": "t_s", "unit": "s" },
+  "columns": {
+    "wx": { "column": "gx", "unit": "deg/s", "kind": "rate" },
+    "fx": { "column": "ax", "unit": "g", "kind": "rate" }
+  },
+  "max_gap": "0.1 s"
+})";
+  return spec;
+}
+
+CsvSource::CsvSource(const Binding& binding) {
+  const Parameters& parameters = binding.parameters();
+  layout_.format = read_format(parameters);
+  const FirstRow first = read_first_row(layout_.format);
+  read_time(parameters, first, layout_);
+  ChannelDeclaration channel;
+  for (const auto& [field, value] : parameters.members("columns"))
+    channel.fields.push_back(read_column(field, value, first, layout_));
+  if (channel.fields.empty()) throw ComponentError("no field is named", "/columns");
+  if (parameters.has("interval")) {
+    if (!layout_.has_intervals)
+      throw ComponentError("an interval needs a column of kind \"rate\" or \"increment\"", "/interval");
+    layout_.interval = parameters.time("interval");
+  }
+  if (parameters.has("max_gap")) layout_.max_gap = parameters.time("max_gap");
+  read_window(parameters, layout_);
+  layout_.on_invalid = parameters.text("invalid_rows") == "skip" ? OnInvalid::skip : OnInvalid::error;
+  if (layout_.has_intervals)
+    channel.max_interval = layout_.interval.value_or(layout_.max_gap.value_or(nanoseconds_per_second));
+  channels_.push_back(std::move(channel));
+}
+
+void CsvSource::open(Reporter& reporter) { table_ = read_table(layout_, reporter); }
+
+std::size_t CsvSource::memory_bytes() const noexcept { return sizeof(Cursor); }
+
+void CsvSource::start(std::uint64_t /*seed*/, std::byte* memory) const {
+  const Cursor cursor;
+  std::memcpy(memory, &cursor, sizeof cursor);
+}
+
+SourceStatus CsvSource::next(std::byte* memory, SampleSlot* slots, int& channel) const {
+  Cursor cursor;
+  std::memcpy(&cursor, memory, sizeof cursor);
+  if (cursor.next >= table_.times.size()) return SourceStatus::end;
+  const auto row = static_cast<std::size_t>(cursor.next++);
+  std::memcpy(memory, &cursor, sizeof cursor);
+  channel = 0;
+  SampleSlot& slot = slots[0];
+  slot.t = table_.times[row];
+  slot.t0 = table_.starts.empty() ? no_time : table_.starts[row];
+  const std::size_t width = layout_.columns.size();
+  std::memcpy(slot.fields, table_.values.data() + row * width, width * sizeof(double));
+  return SourceStatus::sample;
+}
+
+}  // namespace binnacle::csv

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole file as times and values: reading, checking, and what is said of faults.
+#include "csv_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string_view>
+
+#include "binnacle/parameters.hpp"
+#include "cells.hpp"
+#include "text_file.hpp"
+
+namespace binnacle::csv {
+
+namespace {
+
+std::string count_of(std::size_t count, const char* thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
+std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
+
+/// LineReader without blank lines and comments.
+class Rows {
+ public:
+  explicit Rows(const Format& format) : format_(format), reader_(format.path) {}
+
+  bool next(std::vector<std::string_view>& cells) {
+    std::string_view line;
+    while (reader_.next(line)) {
+      const std::size_t start = line.find_first_not_of(" \t");
+      if (start == std::string_view::npos) continue;
+      if (!format_.comment.empty() && line.compare(start, format_.comment.size(), format_.comment) == 0) continue;
+      split(line, format_.delimiter, cells);
+      return true;
+    }
+    return false;
+  }
+  int line() const { return reader_.line(); }
+
+ private:
+  const Format& format_;
+  LineReader reader_;
+};
+
+/// What is wrong with one row.
+struct RowFault {
+  const char* code = nullptr;
+  std::string message;
+
+  explicit operator bool() const { return code != nullptr; }
+};
+
+std::string describe(CellFault fault, std::string_view cell, const char* limits) {
+  switch (fault) {
+    case CellFault::empty: return " is empty";
+    case CellFault::out_of_range: return ": " + quoted(cell) + " is beyond " + limits;
+    default: return ": " + quoted(cell) + " is not a number";
+  }
+}
+
+bool is_missing(const Missing& missing, std::string_view cell, CellFault fault, double value) {
+  if (std::find(missing.texts.begin(), missing.texts.end(), cell) != missing.texts.end()) return true;
+  if (fault != CellFault::none) return false;
+  if (std::isnan(value)) return missing.has_nan;
+  return std::find(missing.numbers.begin(), missing.numbers.end(), value) != missing.numbers.end();
+}
+
+class TableReader {
+ public:
+  TableReader(const Layout& layout, Reporter& reporter)
+      : layout_(layout), reporter_(reporter), row_(layout.columns.size()) {}
+
+  Table read() {
+    std::size_t read_well = 0;
+    try {
+      Rows rows(layout_.format);
+      if (layout_.format.has_header && rows.next(cells_)) width_ = cells_.size();
+      while (rows.next(cells_)) {
+        line_ = rows.line();
+        if (const RowFault fault = take_row()) {
+          refuse(fault);
+        } else if (is_done_) {
+          break;
+        } else {
+          ++read_well;
+        }
+      }
+    } catch (const FileFault& fault) {
+      throw ComponentError::in_data(fault.what() + ("; " + count_of(read_well, "row")) + " could be read before",
+                                    layout_.format.path, 0, fault.code);
+    }
+    report_skipped();
+    require_samples();
+    set_intervals();
+    return std::move(table_);
+  }
+
+ private:
+  struct Skipped {
+    std::size_t count = 0;
+    int first_line = 0;
+    std::string first_message;
+  };
+
+  RowFault take_row() {
+    if (width_ == 0) width_ = cells_.size();
+    if (cells_.size() != width_)
+      return {"B062", count_of(cells_.size(), "column") + " where the " +
+                          (layout_.format.has_header ? "header" : "first row") + " has " + std::to_string(width_)};
+    Time label = 0;
+    if (RowFault fault = take_time(label)) return fault;
+    const Time t = label + layout_.time_offset;
+    if (t > layout_.to) {
+      is_done_ = true;
+      return {};
+    }
+    if (t < layout_.from) {
+      last_label_ = label;
+      return {};
+    }
+    if (RowFault fault = take_values()) return fault;
+    last_label_ = label;
+    table_.times.push_back(t);
+    lines_.push_back(line_);
+    table_.values.insert(table_.values.end(), row_.begin(), row_.end());
+    return {};
+  }
+
+  RowFault take_time(Time& label) {
+    const std::string_view cell = cells_[layout_.time.index];
+    CellFault fault = parse_time(cell, layout_.time_unit, label);
+    Time shifted = 0;
+    if (fault == CellFault::none && __builtin_add_overflow(label, layout_.time_offset, &shifted))
+      fault = CellFault::out_of_range;
+    if (fault != CellFault::none)
+      return {"B062", "time column '" + layout_.time.name + "'" + describe(fault, cell, "+-292 years")};
+    if (label_min_ == no_time) label_min_ = label;
+    label_max_ = std::max(label_max_, label);
+    if (last_label_ != no_time && label <= last_label_)
+      return {"B063", "time does not increase: " + time_text(label) + " after " + time_text(last_label_)};
+    return {};
+  }
+
+  RowFault take_values() {
+    for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
+      const Column& column = layout_.columns[i];
+      const std::string_view cell = cells_[column.index];
+      double value = 0;
+      const CellFault fault = parse_number(cell, value);
+      if (fault == CellFault::none && std::isfinite(value) && column.missing.numbers.empty()) {
+        row_[i] = value * column.scale;
+        continue;
+      }
+      if (is_missing(column.missing, cell, fault, value)) {
+        row_[i] = std::numeric_limits<double>::quiet_NaN();
+        continue;
+      }
+      if (fault != CellFault::none)
+        return {"B062", "column '" + column.name + "'" + describe(fault, cell, "the range of a double")};
+      if (!std::isfinite(value)) return {"B064", "column '" + column.name + "' is " + std::string(cell)};
+      row_[i] = value * column.scale;
+    }
+    return {};
+  }
+
+  void refuse(const RowFault& fault) {
+    if (layout_.on_invalid == OnInvalid::error)
+      throw ComponentError::in_data(fault.message, layout_.format.path, line_, fault.code);
+    Skipped& skipped = skipped_[fault.code];
+    if (skipped.count++ == 0) {
+      skipped.first_line = line_;
+      skipped.first_message = fault.message;
+    }
+  }
+
+  void report_skipped() {
+    for (const auto& [code, skipped] : skipped_)
+      reporter_.warn(code, layout_.format.path, skipped.first_line,
+                     count_of(skipped.count, "row") + " skipped" + (skipped.count == 1 ? ": " : ", the first: ") +
+                         skipped.first_message);
+  }
+
+  void require_samples() {
+    if (!table_.times.empty()) return;
+    std::string message = "no rows after the header";
+    if (!skipped_.empty()) {
+      message = "no rows left: every one in the window was skipped";
+    } else if (label_min_ != no_time) {
+      message = "no rows in the window; times run from " + time_text(label_min_ + layout_.time_offset) + " to " +
+                time_text(label_max_ + layout_.time_offset) + (is_done_ ? " and on" : "");
+    }
+    throw ComponentError::in_data(message, layout_.format.path, 0, "B066");
+  }
+
+  void set_intervals() {
+    const auto& times = table_.times;
+    const bool wants_default = !layout_.max_gap && layout_.has_intervals && times.size() > 1;
+    const Time max_gap = layout_.max_gap ? *layout_.max_gap
+                         : wants_default ? usual_gap(times)
+                                         : std::numeric_limits<Time>::max();
+    if (layout_.has_intervals) {
+      table_.starts.resize(times.size());
+      table_.starts[0] = layout_.interval ? times[0] - *layout_.interval : no_time;
+    }
+    std::size_t gaps = 0, first = 0, longest = 0;
+    Time length = 0, total = 0;
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      const Time step = times[i] - times[i - 1];
+      const bool is_gap = step > max_gap;
+      if (layout_.has_intervals)
+        table_.starts[i] = is_gap ? no_time : layout_.interval ? times[i] - *layout_.interval : times[i - 1];
+      if (!is_gap) continue;
+      if (gaps++ == 0) first = i;
+      total += step;
+      if (step > length) {
+        length = step;
+        longest = i;
+      }
+    }
+    if (gaps > 0) report_gaps(gaps, max_gap, total, first, longest);
+  }
+
+  void report_gaps(std::size_t gaps, Time max_gap, Time total, std::size_t first, std::size_t longest) {
+    const auto& times = table_.times;
+    const Time length = times[longest] - times[longest - 1];
+    std::string message = count_of(gaps, "gap") + " longer than " + time_text(max_gap);
+    if (gaps == 1) {
+      message += ": " + time_text(length) + " from " + time_text(times[first - 1]) + " to " + time_text(times[first]);
+    } else {
+      message += ", " + time_text(total) + " in all; the first from " + time_text(times[first - 1]) + " to " +
+                 time_text(times[first]) + "; the longest, " + time_text(length) + ", ends at line " +
+                 std::to_string(lines_[longest]);
+    }
+    reporter_.warn("B065", layout_.format.path, lines_[first], message);
+  }
+
+  const Layout& layout_;
+  Reporter& reporter_;
+  std::vector<std::string_view> cells_;
+  std::vector<double> row_;
+  std::vector<int> lines_;
+  std::map<std::string, Skipped> skipped_;
+  Table table_;
+  std::size_t width_ = 0;
+  int line_ = 0;
+  Time last_label_ = no_time;
+  Time label_min_ = no_time;
+  Time label_max_ = std::numeric_limits<Time>::min();
+  bool is_done_ = false;
+};
+
+}  // namespace
+
+FirstRow read_first_row(const Format& format) {
+  try {
+    Rows rows(format);
+    std::vector<std::string_view> cells;
+    if (!rows.next(cells)) throw ComponentError::in_data("the file is empty", format.path, 0, "B066");
+    FirstRow row{{cells.begin(), cells.end()}, true};
+    double ignored = 0;
+    for (const auto cell : cells) row.is_numeric &= parse_number(cell, ignored) == CellFault::none;
+    return row;
+  } catch (const FileFault& fault) {
+    throw ComponentError::in_data(fault.what(), format.path, 0, fault.code);
+  }
+}
+
+Time usual_gap(const std::vector<Time>& times) {
+  std::vector<Time> steps(times.size() - 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = times[i + 1] - times[i];
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return 10 * *middle;
+}
+
+Table read_table(const Layout& layout, Reporter& reporter) { return TableReader(layout, reporter).read(); }
+
+}  // namespace binnacle::csv

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The position of another point of the body: an antenna, an axle.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "binnacle/derived_block.hpp"
+#include "binnacle/spec.hpp"
+
+namespace binnacle::frames {
+
+/// p' = p ⊞ C_nb l, with l the parameter `arm` plus the block on port `arm` [m, body axes].
+/// J: I for the position, −[(C_nb l)×] for the attitude (C_true = exp([phi×]) C), C_nb for the arm.
+/// The metres are taken by the radii of curvature at p: J is good to |l| tan(lat)/R, 1e-6 for an arm of 5 m.
+class LeverArm final : public DerivedBlock {
+ public:
+  static ComponentSpec spec();
+  explicit LeverArm(const Binding& binding);
+
+  const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
+  Result evaluate(const double* const* x, const Context& context, double* value, const MatrixView* J) const override;
+
+ private:
+  DerivedDeclaration declaration_;
+  Eigen::Vector3d arm_;  // m
+  bool has_arm_port_;
+};
+
+}  // namespace binnacle::frames

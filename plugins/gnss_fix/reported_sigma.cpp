@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Standard deviations of a fix.
+#include "reported_sigma.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace binnacle::gnss_fix {
+
+std::vector<ParameterSpec> ReportedSigma::parameters(const std::string& unit) {
+  return {
+      parameter::vector("sigma", unit, 3).above(0).about(
+          "standard deviation north, east, down of axes for which the channel reports none; then required"),
+      parameter::number("scale", "1").defaults("1").above(0).about("factor on the reported standard deviations"),
+      parameter::vector("floor", unit, 3).defaults("0").at_least(0).about(
+          "north, east, down; reported standard deviations, scaled, are not believed below it"),
+  };
+}
+
+std::vector<FieldSpec> ReportedSigma::fields(const std::string& prefix, const std::string& unit) {
+  std::vector<FieldSpec> fields;
+  for (const auto& [suffix, axis] : {std::pair{"_n", "north"}, std::pair{"_e", "east"}, std::pair{"_d", "down"}})
+    fields.push_back({prefix + suffix, unit, FieldKind::level, true, false,
+                      std::string("reported standard deviation, ") + axis});
+  return fields;
+}
+
+ReportedSigma::ReportedSigma(const Binding& binding, int first_field)
+    : scale_(binding.parameters().number("scale")), first_field_(first_field) {
+  const Parameters& parameters = binding.parameters();
+  const auto floor = parameters.vector("floor");
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool is_reported = binding.has_field(first_field + axis);
+    if (!is_reported && !parameters.has("sigma"))
+      throw ComponentError("the channel reports no standard deviation for every axis: give 'sigma'", "/sigma");
+    axes_.push_back({is_reported, is_reported ? 0.0 : parameters.vector("sigma")[axis], floor[axis]});
+  }
+}
+
+Result ReportedSigma::write_variances(const double* sample_fields, const MatrixView& R) const {
+  for (int i = 0; i < 3; ++i) {
+    const Axis& axis = axes_[static_cast<std::size_t>(i)];
+    double sigma = axis.sigma;
+    if (axis.is_reported) {
+      const double reported = sample_fields[first_field_ + i];
+      if (!std::isfinite(reported)) return Result::invalid("a reported standard deviation is not finite");
+      if (reported <= 0.0) return Result::invalid("a reported standard deviation is not positive");
+      sigma = std::max(scale_ * reported, axis.floor);
+    }
+    R(i, i) = sigma * sigma;
+  }
+  return Result::ok();
+}
+
+}  // namespace binnacle::gnss_fix

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Standard deviations of a fix: the receiver's own, scaled and floored, or fixed ones.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+#include "binnacle/binding.hpp"
+#include "binnacle/result.hpp"
+#include "binnacle/spec.hpp"
+#include "binnacle/view.hpp"
+
+namespace binnacle::gnss_fix {
+
+/// Per axis, north east down: max(scale · reported, floor) where the channel reports a deviation, else `sigma`.
+class ReportedSigma {
+ public:
+  static std::vector<ParameterSpec> parameters(const std::string& unit);
+  /// The optional fields PREFIX_n, PREFIX_e, PREFIX_d.
+  static std::vector<FieldSpec> fields(const std::string& prefix, const std::string& unit);
+
+  /// first_field: where the three fields begin in the component's spec.
+  ReportedSigma(const Binding& binding, int first_field);
+
+  /// Writes R's diagonal; `invalid` if the receiver reports what is no standard deviation. sample_fields: all fields.
+  Result write_variances(const double* sample_fields, const MatrixView& R) const;
+
+ private:
+  struct Axis {
+    bool is_reported;
+    double sigma;  // used when it is not
+    double floor;
+  };
+  std::vector<Axis> axes_;
+  double scale_;
+  int first_field_;
+};
+
+}  // namespace binnacle::gnss_fix

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// An attitude with its error as tilt in navigation axes.
+#include "attitude_block.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "binnacle/view.hpp"
+#include "strapdown/rotation.hpp"
+
+namespace binnacle::phi_error {
+
+ComponentSpec AttitudeBlock::spec() {
+  ComponentSpec spec;
+  spec.type = "attitude";
+  spec.summary = "Attitude of the body in north-east-down axes; its error as a rotation vector in those axes.";
+  spec.source = "papers 001 (3) and 003 (3)";
+  spec.kind = "attitude";
+  spec.example = R"json({"init": {"roll": "0.2 deg", "pitch": 0, "yaw": "90 deg"},
+    "sigma": ["0.5 deg", "0.5 deg", "5 deg"]})json";
+  return spec;
+}
+
+AttitudeBlock::AttitudeBlock(const Binding& /*binding*/) {
+  declaration_.kind = "attitude";
+  declaration_.stored_size = 4;
+  declaration_.error = {{"north", "rad"}, {"east", "rad"}, {"down", "rad"}};
+  declaration_.outputs = {{"roll", "rad", "deg", true, true, "about body x, turned last from navigation axes"},
+                          {"pitch", "rad", "deg", true, true, "about y, nose up positive, within 90 deg"},
+                          {"yaw", "rad", "deg", true, true, "about down, from true north, east positive"}};
+  declaration_.norms = {{"tilt", {0, 1}}};
+  declaration_.error_display_unit = "deg";
+}
+
+void AttitudeBlock::plus(const double* x, const double* delta, double* result) const {
+  vector_at<4>(result) = strapdown::attitude_plus(vector_at<4>(x), vector_at<3>(delta));
+}
+
+void AttitudeBlock::minus(const double* y, const double* x, double* delta) const {
+  vector_at<3>(delta) = strapdown::attitude_minus(vector_at<4>(y), vector_at<4>(x));
+}
+
+void AttitudeBlock::read(const double* x, double* outputs) const {
+  vector_at<3>(outputs) = strapdown::euler_from_quaternion(vector_at<4>(x));
+}
+
+Result AttitudeBlock::write(const double* outputs, double* x) const {
+  const auto angles = vector_at<3>(outputs);
+  if (!angles.allFinite()) return Result::invalid("roll, pitch or yaw is not finite");
+  if (std::abs(angles[1]) > std::numbers::pi / 2) return Result::invalid("the pitch lies beyond the vertical");
+  if (angles.cwiseAbs().maxCoeff() > 2.0 * std::numbers::pi)
+    return Result::invalid("roll or yaw is more than one turn");
+  vector_at<4>(x) = strapdown::quaternion_from_euler(angles);
+  return Result::ok();
+}
+
+bool AttitudeBlock::reset_jacobian(const double* delta, double* G) const {
+  matrix_at<3, 3>(G) = strapdown::left_jacobian(vector_at<3>(delta));
+  return true;
+}
+
+}  // namespace binnacle::phi_error

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// An attitude with its error as tilt in navigation axes.
+#pragma once
+
+#include "binnacle/spec.hpp"
+#include "binnacle/state_block.hpp"
+
+namespace binnacle::phi_error {
+
+/// Stored: quaternion (w, x, y, z), body to navigation. Error: phi north, east, down [rad], q_true = exp(phi) ⊗ q̂, that is
+/// Ĉ = (I − [φ×]) C as in papers 001 (3) and 003 (3).
+class AttitudeBlock final : public StateBlock {
+ public:
+  static ComponentSpec spec();
+  explicit AttitudeBlock(const Binding& binding);
+
+  const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
+  void plus(const double* x, const double* delta, double* result) const override;
+  void minus(const double* y, const double* x, double* delta) const override;
+  void read(const double* x, double* outputs) const override;
+  Result write(const double* outputs, double* x) const override;
+  /// exp(φ_new) = exp(φ_old) exp(−δ), so φ_new = J_l(δ) (φ_old − δ) = (I + ½[δ×] + …)(φ_old − δ).
+  bool reset_jacobian(const double* delta, double* G) const override;
+
+ private:
+  StateBlockDeclaration declaration_;
+};
+
+}  // namespace binnacle::phi_error

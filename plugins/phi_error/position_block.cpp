@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// A geodetic position on the WGS-84 ellipsoid.
+#include "position_block.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "binnacle/view.hpp"
+#include "strapdown/earth.hpp"
+
+namespace binnacle::phi_error {
+
+ComponentSpec PositionBlock::spec() {
+  ComponentSpec spec;
+  spec.type = "position";
+  spec.summary = "Latitude, longitude and height on WGS-84; its error in metres north, east, down.";
+  spec.source = "NIMA TR8350.2, 3rd edition (ellipsoid); paper 003, equation (1)";
+  spec.kind = "position";
+  spec.example = R"json({"init": {"lat": "37.4 deg", "lon": "126.9 deg", "height": "60 m"},
+    "sigma": ["5 m", "5 m", "10 m"]})json";
+  return spec;
+}
+
+PositionBlock::PositionBlock(const Binding& /*binding*/) {
+  declaration_.kind = "position";
+  declaration_.stored_size = 3;
+  declaration_.error = {{"north", "m"}, {"east", "m"}, {"down", "m"}};
+  declaration_.outputs = {{"lat", "rad", "deg", false, false, "geodetic latitude"},
+                          {"lon", "rad", "deg", true, false, "longitude, east positive"},
+                          {"height", "m", "", false, false, "above the ellipsoid"}};
+  declaration_.norms = {{"horizontal", {0, 1}}};
+}
+
+void PositionBlock::plus(const double* x, const double* delta, double* result) const {
+  vector_at<3>(result) = strapdown::position_plus(vector_at<3>(x), vector_at<3>(delta));
+}
+
+void PositionBlock::minus(const double* y, const double* x, double* delta) const {
+  vector_at<3>(delta) = strapdown::position_minus(vector_at<3>(y), vector_at<3>(x));
+}
+
+void PositionBlock::read(const double* x, double* outputs) const { std::copy_n(x, 3, outputs); }
+
+Result PositionBlock::write(const double* outputs, double* x) const {
+  const auto [lat, lon, height] = std::array{outputs[0], outputs[1], outputs[2]};
+  if (!std::isfinite(lat) || !std::isfinite(lon) || !std::isfinite(height))
+    return Result::invalid("latitude, longitude or height is not finite");
+  if (std::abs(lat) > std::numbers::pi / 2) return Result::invalid("the latitude lies beyond a pole");
+  if (std::abs(lon) > 2.0 * std::numbers::pi) return Result::invalid("the longitude is more than one turn");
+  x[0] = lat;
+  x[1] = std::abs(lon) <= std::numbers::pi ? lon : std::remainder(lon, 2.0 * std::numbers::pi);
+  x[2] = height;
+  return Result::ok();
+}
+
+}  // namespace binnacle::phi_error

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// A velocity over ground in north-east-down axes.
+#include "velocity_block.hpp"
+
+#include <algorithm>
+
+#include "binnacle/view.hpp"
+
+namespace binnacle::phi_error {
+
+ComponentSpec VelocityBlock::spec() {
+  ComponentSpec spec;
+  spec.type = "velocity";
+  spec.summary = "Velocity over ground, north, east, down.";
+  spec.source = "paper 003, equation (2)";
+  spec.kind = "velocity.ned";
+  spec.example = R"json({"init": {"vn": 0, "ve": 0, "vd": 0}, "sigma": "0.1 m/s"})json";
+  return spec;
+}
+
+VelocityBlock::VelocityBlock(const Binding& /*binding*/) {
+  declaration_.kind = "velocity.ned";
+  declaration_.stored_size = 3;
+  declaration_.error = {{"north", "m/s"}, {"east", "m/s"}, {"down", "m/s"}};
+  declaration_.outputs = {{"vn", "m/s", "", false, false, "velocity over ground, north"},
+                          {"ve", "m/s", "", false, false, "velocity over ground, east"},
+                          {"vd", "m/s", "", false, false, "velocity over ground, down"}};
+  declaration_.norms = {{"horizontal", {0, 1}}};
+}
+
+void VelocityBlock::plus(const double* x, const double* delta, double* result) const {
+  vector_at<3>(result) = vector_at<3>(x) + vector_at<3>(delta);
+}
+
+void VelocityBlock::minus(const double* y, const double* x, double* delta) const {
+  vector_at<3>(delta) = vector_at<3>(y) - vector_at<3>(x);
+}
+
+void VelocityBlock::read(const double* x, double* outputs) const { std::copy_n(x, 3, outputs); }
+
+Result VelocityBlock::write(const double* outputs, double* x) const {
+  if (!vector_at<3>(outputs).allFinite()) return Result::invalid("a velocity is not finite");
+  std::copy_n(outputs, 3, x);
+  return Result::ok();
+}
+
+}  // namespace binnacle::phi_error

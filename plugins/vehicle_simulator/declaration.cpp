@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the simulator declares: its parameters and its channels.
+#include "declaration.hpp"
+
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "segments.hpp"
+#include "sensor_errors.hpp"
+
+namespace binnacle::vehicle_simulator {
+
+namespace {
+
+using Fields = std::vector<FieldSpec>;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+FieldSpec level(std::string name, std::string unit, std::string text) {
+  return {std::move(name), std::move(unit), FieldKind::level, false, false, std::move(text)};
+}
+
+Fields joined(std::initializer_list<Fields> parts) {
+  Fields all;
+  for (const Fields& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+Fields triad(const std::string& prefix, const std::string& unit, const std::string& text) {
+  return {level(prefix + "x", unit, text + ", body x (forward)"), level(prefix + "y", unit, text + ", body y (right)"),
+          level(prefix + "z", unit, text + ", body z (down)")};
+}
+
+Fields position_fields() {
+  return {level("lat", "rad", "geodetic latitude, WGS-84"), level("lon", "rad", "longitude, east positive"),
+          level("height", "m", "above the ellipsoid")};
+}
+
+Fields velocity_fields() {
+  return {level("vn", "m/s", "velocity over ground, north"), level("ve", "m/s", "velocity over ground, east"),
+          level("vd", "m/s", "velocity over ground, down")};
+}
+
+Fields attitude_fields() {
+  return {level("roll", "rad", "right side down positive"), level("pitch", "rad", "nose up positive"),
+          level("yaw", "rad", "heading of body x, from north to east")};
+}
+
+Fields deviation_fields(const std::string& quantity, const std::string& unit) {
+  const std::string text = "standard deviation that the receiver states for its " + quantity + ", ";
+  return {level(quantity + "_sd_n", unit, text + "north"), level(quantity + "_sd_e", unit, text + "east"),
+          level(quantity + "_sd_d", unit, text + "down")};
+}
+
+Fields imu_fields(bool emits_rates) {
+  Fields fields = joined({triad("w", emits_rates ? "rad/s" : "rad", "angular rate against inertial space"),
+                          triad("f", emits_rates ? "m/s^2" : "m/s", "specific force")});
+  for (FieldSpec& field : fields) field.kind = emits_rates ? FieldKind::rate : FieldKind::increment;
+  return fields;
+}
+
+Fields truth_fields() {
+  return joined({position_fields(), velocity_fields(), attitude_fields(),
+                 triad("bg", "rad/s", "bias of the gyroscopes, constant and wandering part together"),
+                 triad("ba", "m/s^2", "bias of the accelerometers, constant and wandering part together"),
+                 triad("sg", "1", "scale factor error of the gyroscopes"),
+                 triad("sa", "1", "scale factor error of the accelerometers")});
+}
+
+std::vector<NamedUnit> initial_covariance() {
+  std::vector<NamedUnit> components;
+  for (const auto& [block, unit] : {std::pair{"position.", "m"}, {"velocity.", "m/s"}, {"attitude.", "rad"}})
+    for (const char* axis : {"north", "east", "down"}) components.push_back({std::string(block) + axis, unit});
+  return components;
+}
+
+std::vector<ParameterSpec> start_members() {
+  using namespace parameter;
+  return {
+      number("lat", "rad").at_least(-89.0 * degree).at_most(89.0 * degree).required().about("geodetic latitude"),
+      number("lon", "rad").defaults("0").about("longitude"),
+      number("height", "m").defaults("0").about("height above the ellipsoid"),
+      number("heading", "rad").defaults("0").about("heading, from north to east"),
+      number("speed", "m/s").at_least(0).defaults("0").about("speed at the start"),
+  };
+}
+
+std::vector<ParameterSpec> gnss_members() {
+  using namespace parameter;
+  return {
+      vector("position_sigma", "m", 3)
+          .at_least(0)
+          .defaults("[1.5, 1.5, 3]")
+          .about("standard deviation of the white position error: north, east, down"),
+      vector("velocity_sigma", "m/s", 3)
+          .at_least(0)
+          .defaults("[0.05, 0.05, 0.1]")
+          .about("standard deviation of the white velocity error: north, east, down"),
+      vector("reported_position_sigma", "m", 3)
+          .at_least(0)
+          .about("what the receiver states as position_sd_*; position_sigma unless given"),
+      vector("reported_velocity_sigma", "m/s", 3)
+          .at_least(0)
+          .about("what the receiver states as velocity_sd_*; velocity_sigma unless given"),
+      vector("arm", "m", 3).defaults("[0, 0, 0]").about("lever arm from the IMU to the antenna, body axes"),
+  };
+}
+
+std::vector<ParameterSpec> initial_members() {
+  using namespace parameter;
+  return {
+      vector("position", "m", 3).at_least(0).defaults("[1.5, 1.5, 3]").about("north, east, down"),
+      vector("velocity", "m/s", 3).at_least(0).defaults("[0.05, 0.05, 0.05]").about("north, east, down"),
+      number("tilt", "rad").at_least(0).defaults("\"0.1 deg\"").about("attitude error about north and about east"),
+      number("heading", "rad").at_least(0).defaults("\"1 deg\"").about("attitude error about down"),
+  };
+}
+
+SensorDefaults gyro_defaults() {
+  return {"\"100 deg/h\"", "\"5 deg/h\"", "\"300 s\"", "\"0.3 deg/sqrt(h)\"", "\"300 ppm\""};
+}
+
+SensorDefaults accel_defaults() {
+  return {"\"3 mg\"", "\"0.05 mg\"", "\"300 s\"", "\"0.03 m/s/sqrt(h)\"", "\"300 ppm\""};
+}
+
+std::vector<ParameterSpec> component_parameters() {
+  using namespace parameter;
+  return {
+      object("start", start_members()).required().about("where and how the drive starts"),
+      time("start_time").defaults("0").about("time of the start on the clock of the run"),
+      list("segments", object("segment", segment_members()))
+          .required()
+          .about("the drive, one manoeuvre after another; see the README for which keys each takes"),
+      integer("repeat").at_least(1).at_most(10000).defaults("1").about("how often the list of segments is driven"),
+      time("ramp").at_least(0.01).defaults("\"2 s\"").about(
+          "how long a manoeuvre takes to build up and to fade out, half of its duration at most"),
+      number("roll_gradient", "rad*s^2/m")
+          .defaults("0")
+          .about("lean away from the turn per lateral acceleration; \"4 deg/g\" is a car"),
+      number("pitch_gradient", "rad*s^2/m")
+          .defaults("0")
+          .about("nose up per acceleration along the path; \"1.5 deg/g\" is a car"),
+      number("imu_rate", "Hz").at_least(1).at_most(1e5).defaults("200").about("samples of the channel imu"),
+      choice("imu_kind", {"increment", "rate"})
+          .defaults("\"increment\"")
+          .about("what imu carries: integrals over the interval, or means"),
+      number("gnss_rate", "Hz").at_least(0).at_most(1000).defaults("1").about("fixes, the first at the start; 0: none"),
+      number("truth_rate", "Hz")
+          .at_least(0)
+          .at_most(1e5)
+          .defaults("10")
+          .about("truth, the first at the start; 0: none"),
+      boolean("perfect").defaults("false").about(
+          "no errors at all; the stated standard deviations and covariance stay as they are"),
+      object("gyro", sensor_members("rad/s", "rad/sqrt(s)", gyro_defaults()))
+          .defaults("{}")
+          .about("errors of the gyroscopes"),
+      object("accel", sensor_members("m/s^2", "m/s/sqrt(s)", accel_defaults()))
+          .defaults("{}")
+          .about("errors of the accelerometers"),
+      object("gnss", gnss_members()).defaults("{}").about("errors of the fixes, and the antenna"),
+      object("initial_sigma", initial_members())
+          .defaults("{}")
+          .about("standard deviations of the estimate on the channel initial: its errors are drawn from them"),
+  };
+}
+
+}  // namespace
+
+ComponentSpec declare_component() {
+  ComponentSpec spec;
+  spec.type = "vehicle_simulator";
+  spec.summary = "A drive made of segments: IMU samples, GNSS fixes, truth, and an initial estimate";
+  spec.source =
+      "P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
+      "(5.53), (5.41), (2.22) and (2.58), solved for specific force and angular rate";
+  spec.parameters = component_parameters();
+  spec.example = R"json({
+  "start": { "lat": "48.1 deg", "lon": "11.6 deg", "height": "520 m", "heading": "30 deg" },
+  "segments": [
+    { "do": "still", "duration": "20 s" },
+    { "do": "accelerate", "to": "15 m/s", "acceleration": "1.5 m/s^2" },
+    { "do": "turn", "angle": "90 deg", "rate": "12 deg/s" },
+    { "do": "climb", "height": "8 m", "duration": "20 s" },
+    { "do": "straight", "duration": "30 s" },
+    { "do": "accelerate", "to": 0, "acceleration": "-2 m/s^2" },
+    { "do": "still", "duration": "10 s" }
+  ],
+  "imu_rate": "100 Hz",
+  "gyro": { "bias": "100 deg/h", "noise": "0.3 deg/sqrt(h)" }
+})json";
+  return spec;
+}
+
+std::vector<ChannelDeclaration> declare_channels(bool emits_rates, Time imu_interval) {
+  ChannelDeclaration imu{"imu", imu_fields(emits_rates), 0, {}, imu_interval};
+  ChannelDeclaration gnss{"gnss",
+                          joined({position_fields(), velocity_fields(), deviation_fields("position", "m"),
+                                  deviation_fields("velocity", "m/s")}),
+                          0,
+                          {},
+                          0};
+  ChannelDeclaration truth{"truth", truth_fields(), 0, {}, 0};
+  ChannelDeclaration initial{"initial", joined({position_fields(), velocity_fields(), attitude_fields()}), 0,
+                             initial_covariance(), 0};
+  return {std::move(imu), std::move(gnss), std::move(truth), std::move(initial)};
+}
+
+}  // namespace binnacle::vehicle_simulator

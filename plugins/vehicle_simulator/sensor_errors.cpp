@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The errors of a triad of inertial sensors.
+#include "sensor_errors.hpp"
+
+#include <cmath>
+
+#include "random/normal.hpp"
+
+namespace binnacle::vehicle_simulator {
+
+namespace {
+
+using Vector = Eigen::Map<Eigen::Vector3d>;
+using ConstVector = Eigen::Map<const Eigen::Vector3d>;
+
+Eigen::Vector3d normal_vector(random::Philox& stream) {
+  const auto w = random::normal3(stream);
+  return {w[0], w[1], w[2]};
+}
+
+Eigen::Vector3d first_of(std::uint64_t seed, const std::string& name) {
+  auto stream = random::stream(seed, name);
+  return normal_vector(stream);
+}
+
+Eigen::Vector3d next_drift(const SensorModel& model, const Eigen::Vector3d& drift, double dt, random::Philox& stream) {
+  const double kept = std::exp(-dt / model.tau);
+  const double fresh = std::sqrt(-std::expm1(-2.0 * dt / model.tau));
+  return kept * drift + fresh * model.instability.cwiseProduct(normal_vector(stream));
+}
+
+}  // namespace
+
+SensorState start(const SensorModel& model, std::string_view name, std::uint64_t seed, double dt) {
+  const std::string prefix(name);
+  SensorState state{};
+  Vector(state.bias) = model.bias.cwiseProduct(first_of(seed, prefix + ".bias"));
+  Vector(state.scale) = model.scale.cwiseProduct(first_of(seed, prefix + ".scale"));
+  state.drift_stream = random::stream(seed, prefix + ".instability");
+  state.noise_stream = random::stream(seed, prefix + ".noise");
+  Vector(state.drift_end) = model.instability.cwiseProduct(normal_vector(state.drift_stream));
+  advance(model, state, dt);
+  return state;
+}
+
+Eigen::Vector3d measured(const SensorModel& model, SensorState& state, const Eigen::Vector3d& increment, double dt) {
+  const Eigen::Vector3d scale = ConstVector(state.scale);
+  const Eigen::Vector3d noise = std::sqrt(dt) * model.noise.cwiseProduct(normal_vector(state.noise_stream));
+  return increment + scale.cwiseProduct(increment) + dt * bias_at(state, 0.5) + noise;
+}
+
+void advance(const SensorModel& model, SensorState& state, double dt) {
+  const Eigen::Vector3d now = ConstVector(state.drift_end);
+  Vector(state.drift_begin) = now;
+  Vector(state.drift_end) = next_drift(model, now, dt, state.drift_stream);
+}
+
+Eigen::Vector3d bias_at(const SensorState& state, double fraction) {
+  return ConstVector(state.bias) + (1.0 - fraction) * ConstVector(state.drift_begin) +
+         fraction * ConstVector(state.drift_end);
+}
+
+std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::string& noise_unit,
+                                          const SensorDefaults& defaults) {
+  using namespace parameter;
+  return {
+      vector("bias", unit, 3)
+          .at_least(0)
+          .defaults(defaults.bias)
+          .about("standard deviation of the bias that is drawn once a run, per body axis"),
+      vector("bias_instability", unit, 3)
+          .at_least(0)
+          .defaults(defaults.instability)
+          .about("standard deviation of the wandering bias, a first-order Gauss-Markov process"),
+      time("tau").above(0).defaults(defaults.tau).about("correlation time of the wandering bias"),
+      vector("noise", noise_unit, 3)
+          .at_least(0)
+          .defaults(defaults.noise)
+          .about("density of the white noise: the random walk of its integral"),
+      vector("scale", "1", 3)
+          .at_least(0)
+          .defaults(defaults.scale)
+          .about("standard deviation of the scale factor error that is drawn once a run"),
+  };
+}
+
+SensorModel read_sensor(const Parameters& parameters) {
+  return {parameters.vector("bias"), parameters.vector("bias_instability"), seconds(parameters.time("tau")),
+          parameters.vector("noise"), parameters.vector("scale")};
+}
+
+SensorModel perfect_sensor() {
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  return {zero, zero, 1.0, zero, zero};
+}
+
+}  // namespace binnacle::vehicle_simulator

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// The source: a drive along segments as IMU samples, GNSS fixes, truth, and an initial estimate.
+#include "simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <numbers>
+#include <type_traits>
+
+#include <Eigen/Geometry>
+
+#include "declaration.hpp"
+#include "random/normal.hpp"
+#include "strapdown/earth.hpp"
+#include "strapdown/rotation.hpp"
+
+namespace binnacle::vehicle_simulator {
+
+namespace {
+
+constexpr double nearest_to_pole = 89.5 * std::numbers::pi / 180.0;
+constexpr Time never = std::numeric_limits<Time>::max();
+
+/// Writes numbers one after another into a slot's fields.
+class FieldWriter {
+ public:
+  explicit FieldWriter(SampleSlot& slot) : next_(slot.fields) {}
+  FieldWriter& operator<<(const Eigen::Vector3d& v) {
+    for (int i = 0; i < 3; ++i) *next_++ = v[i];
+    return *this;
+  }
+
+ private:
+  double* next_;
+};
+
+Eigen::Vector3d normal_vector(random::Philox& stream) {
+  const auto w = random::normal3(stream);
+  return {w[0], w[1], w[2]};
+}
+
+Eigen::Vector3d antenna_velocity(const Motion& motion, const Eigen::Matrix3d& C_nb, const Eigen::Vector3d& arm_b) {
+  const Eigen::Vector3d omega_ie_b = C_nb.transpose() * strapdown::omega_ie_n(motion.lla[0]);
+  const Eigen::Vector3d omega_eb_b = inertial(motion).omega_ib_b - omega_ie_b;
+  return motion.v_n + C_nb * omega_eb_b.cross(arm_b);
+}
+
+GnssModel read_gnss(const Parameters& parameters, bool is_perfect) {
+  const Eigen::Vector3d position = parameters.vector("position_sigma");
+  const Eigen::Vector3d velocity = parameters.vector("velocity_sigma");
+  const auto reported = [&](std::string_view name, const Eigen::Vector3d& otherwise) -> Eigen::Vector3d {
+    return parameters.has(name) ? Eigen::Vector3d(parameters.vector(name)) : otherwise;
+  };
+  const double error = is_perfect ? 0.0 : 1.0;
+  return {error * position, error * velocity, reported("reported_position_sigma", position),
+          reported("reported_velocity_sigma", velocity), parameters.vector("arm")};
+}
+
+InitialModel read_initial(const Parameters& parameters, bool is_perfect) {
+  InitialModel model;
+  const double tilt = parameters.number("tilt");
+  model.sigma << parameters.vector("position"), parameters.vector("velocity"), tilt, tilt, parameters.number("heading");
+  model.is_perfect = is_perfect;
+  return model;
+}
+
+SensorModel read_sensor_unless(bool is_perfect, const Parameters& parameters) {
+  return is_perfect ? perfect_sensor() : read_sensor(parameters);
+}
+
+Start read_start(const Parameters& parameters) {
+  return {{parameters.number("lat"), parameters.number("lon"), parameters.number("height")}};
+}
+
+}  // namespace
+
+/// All that changes while the source runs: plain memory in the kernel's arena.
+struct VehicleSimulator::Memory {
+  std::uint64_t seed;
+  std::int64_t next_imu, next_gnss, next_truth;  // ticks of their clocks
+  std::int64_t has_initial;                      // the initial estimate is still to be emitted
+  SensorState gyro, accel;
+  random::Philox position_stream, velocity_stream;
+};
+
+VehicleSimulator::VehicleSimulator(const Binding& binding) : VehicleSimulator(binding.parameters()) {}
+
+VehicleSimulator::VehicleSimulator(const Parameters& parameters)
+    : segments_(read_segments(parameters)),
+      start_(read_start(parameters.object("start"))),
+      suspension_{parameters.number("roll_gradient"), parameters.number("pitch_gradient")},
+      start_time_(parameters.time("start_time")),
+      imu_clock_(parameters.number("imu_rate")),
+      gnss_clock_(parameters.number("gnss_rate")),
+      truth_clock_(parameters.number("truth_rate")),
+      emits_rates_(parameters.text("imu_kind") == "rate"),
+      gyro_(read_sensor_unless(parameters.boolean("perfect"), parameters.object("gyro"))),
+      accel_(read_sensor_unless(parameters.boolean("perfect"), parameters.object("accel"))),
+      gnss_(read_gnss(parameters.object("gnss"), parameters.boolean("perfect"))),
+      initial_(read_initial(parameters.object("initial_sigma"), parameters.boolean("perfect"))),
+      channels_(declare_channels(emits_rates_, imu_clock_.at(1) + 1)) {}
+
+ComponentSpec VehicleSimulator::spec() { return declare_component(); }
+
+void VehicleSimulator::open(Reporter&) {
+  trajectory_ = std::make_unique<const Trajectory>(start_, segments_, suspension_);
+  if (!(trajectory_->largest_latitude() < nearest_to_pole))
+    throw ComponentError("the drive comes within 0.5 deg of a pole, where north and east lose their meaning",
+                         "/start/lat");
+}
+
+std::size_t VehicleSimulator::memory_bytes() const noexcept { return sizeof(Memory); }
+
+void VehicleSimulator::start(std::uint64_t seed, std::byte* memory) const {
+  static_assert(std::is_trivially_copyable_v<Memory> && alignof(Memory) <= 8);
+  const double dt = imu_clock_.interval_before(1);
+  new (memory) Memory{.seed = seed,
+                      .next_imu = 1,
+                      .next_gnss = 0,
+                      .next_truth = 0,
+                      .has_initial = 1,
+                      .gyro = vehicle_simulator::start(gyro_, "gyro", seed, dt),
+                      .accel = vehicle_simulator::start(accel_, "accel", seed, dt),
+                      .position_stream = random::stream(seed, "gnss.position"),
+                      .velocity_stream = random::stream(seed, "gnss.velocity")};
+}
+
+SourceStatus VehicleSimulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
+  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
+  const auto due = [&](const Clock& clock, std::int64_t tick) {
+    return clock.is_running() && clock.at(tick) <= trajectory_->duration() ? clock.at(tick) : never;
+  };
+  const Time truth_due = due(truth_clock_, memory.next_truth);
+  const Time imu_due = due(imu_clock_, memory.next_imu);
+  const Time gnss_due = due(gnss_clock_, memory.next_gnss);
+  const Time first = std::min({truth_due, imu_due, gnss_due});
+
+  if (memory.has_initial != 0) {
+    emit_initial(memory, slots[channel = initial]);
+  } else if (first == never) {
+    return SourceStatus::end;
+  } else if (first == truth_due) {
+    emit_truth(memory, slots[channel = truth]);
+  } else if (first == imu_due) {
+    emit_imu(memory, slots[channel = imu]);
+  } else {
+    emit_gnss(memory, slots[channel = gnss]);
+  }
+  return SourceStatus::sample;
+}
+
+void VehicleSimulator::emit_imu(Memory& memory, SampleSlot& slot) const {
+  const std::int64_t tick = memory.next_imu++;
+  const double dt = imu_clock_.interval_before(tick);
+  const Inertial exact = trajectory_->increments(seconds(imu_clock_.at(tick - 1)), seconds(imu_clock_.at(tick)));
+  const double unit = emits_rates_ ? 1.0 / dt : 1.0;
+  slot.t0 = start_time_ + imu_clock_.at(tick - 1);
+  slot.t = start_time_ + imu_clock_.at(tick);
+  FieldWriter(slot) << unit * measured(gyro_, memory.gyro, exact.omega_ib_b, dt)
+                    << unit * measured(accel_, memory.accel, exact.f_b, dt);
+  const double next_dt = imu_clock_.interval_before(tick + 1);
+  advance(gyro_, memory.gyro, next_dt);
+  advance(accel_, memory.accel, next_dt);
+}
+
+void VehicleSimulator::emit_gnss(Memory& memory, SampleSlot& slot) const {
+  const Time t = gnss_clock_.at(memory.next_gnss++);
+  const Motion motion = trajectory_->motion(seconds(t));
+  const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(motion.roll_pitch_yaw));
+  const Eigen::Vector3d position_error = gnss_.position_error.cwiseProduct(normal_vector(memory.position_stream));
+  const Eigen::Vector3d velocity_error = gnss_.velocity_error.cwiseProduct(normal_vector(memory.velocity_stream));
+  slot.t = start_time_ + t;
+  FieldWriter(slot) << strapdown::position_plus(motion.lla, C_nb * gnss_.arm_b + position_error)
+                    << antenna_velocity(motion, C_nb, gnss_.arm_b) + velocity_error << gnss_.position_reported
+                    << gnss_.velocity_reported;
+}
+
+void VehicleSimulator::emit_truth(Memory& memory, SampleSlot& slot) const {
+  const Time t = truth_clock_.at(memory.next_truth++);
+  const Motion motion = trajectory_->motion(seconds(t));
+  const Time interval_begin = imu_clock_.at(memory.next_imu - 1);
+  const double fraction = seconds(t - interval_begin) / imu_clock_.interval_before(memory.next_imu);
+  slot.t = start_time_ + t;
+  FieldWriter(slot) << motion.lla << motion.v_n << motion.roll_pitch_yaw << bias_at(memory.gyro, fraction)
+                    << bias_at(memory.accel, fraction) << Eigen::Vector3d(memory.gyro.scale)
+                    << Eigen::Vector3d(memory.accel.scale);
+}
+
+// The estimate is drawn so that truth = estimate ⊞ δ with δ ~ N(0, P₀), P₀ = diag(sigma²).
+void VehicleSimulator::emit_initial(Memory& memory, SampleSlot& slot) const {
+  memory.has_initial = 0;
+  const Motion motion = trajectory_->motion(0.0);
+  const auto delta = [&](int group, std::string_view name) -> Eigen::Vector3d {
+    auto stream = random::stream(memory.seed, name);
+    const Eigen::Vector3d w = normal_vector(stream);
+    return (initial_.is_perfect ? 0.0 : 1.0) * initial_.sigma.segment<3>(3 * group).cwiseProduct(w);
+  };
+  const Eigen::Vector4d q_nb = strapdown::quaternion_from_euler(motion.roll_pitch_yaw);
+  slot.t = start_time_;
+  FieldWriter(slot) << strapdown::position_plus(motion.lla, -delta(0, "initial.position"))
+                    << motion.v_n - delta(1, "initial.velocity")
+                    << strapdown::euler_from_quaternion(strapdown::attitude_plus(q_nb, -delta(2, "initial.attitude")));
+  Eigen::Map<Eigen::Matrix<double, 9, 9>>(slot.covariance) = initial_.sigma.cwiseAbs2().asDiagonal();
+  slot.has_covariance = true;
+}
+
+}  // namespace binnacle::vehicle_simulator

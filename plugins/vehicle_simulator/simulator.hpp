@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// The source: a drive along segments as IMU samples, GNSS fixes, truth, and an initial estimate.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "binnacle/source.hpp"
+#include "sensor_errors.hpp"
+#include "trajectory.hpp"
+
+namespace binnacle::vehicle_simulator {
+
+struct GnssModel {
+  Eigen::Vector3d position_error;     // m, standard deviations north, east, down
+  Eigen::Vector3d velocity_error;     // m/s
+  Eigen::Vector3d position_reported;  // m, as the receiver states them
+  Eigen::Vector3d velocity_reported;  // m/s
+  Eigen::Vector3d arm_b;              // m, from the IMU to the antenna, body axes
+};
+
+struct InitialModel {
+  Eigen::Matrix<double, 9, 1> sigma;  // position NED m, velocity NED m/s, attitude NED rad
+  bool is_perfect;                    // the estimate is the truth; the covariance is as if it were not
+};
+
+/// Instants at a constant rate, to the nearest nanosecond, counted from zero.
+class Clock {
+ public:
+  explicit Clock(double rate) : rate_(rate) {}
+  bool is_running() const { return rate_ > 0.0; }
+  Time at(std::int64_t tick) const { return std::llround(static_cast<double>(tick) * 1e9 / rate_); }
+  double interval_before(std::int64_t tick) const { return seconds(at(tick) - at(tick - 1)); }
+
+ private:
+  double rate_;  // Hz; 0: never
+};
+
+class VehicleSimulator final : public Source {
+ public:
+  static ComponentSpec spec();
+  explicit VehicleSimulator(const Binding& binding);
+
+  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
+  void open(Reporter& reporter) override;
+  std::size_t memory_bytes() const noexcept override;
+  void start(std::uint64_t seed, std::byte* memory) const override;
+  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+
+  enum Channel { imu, gnss, truth, initial };
+
+ private:
+  struct Memory;
+
+  explicit VehicleSimulator(const Parameters& parameters);
+  void emit_imu(Memory& memory, SampleSlot& slot) const;
+  void emit_gnss(Memory& memory, SampleSlot& slot) const;
+  void emit_truth(Memory& memory, SampleSlot& slot) const;
+  void emit_initial(Memory& memory, SampleSlot& slot) const;
+
+  std::vector<Segment> segments_;
+  Start start_;
+  Suspension suspension_;
+  Time start_time_;
+  Clock imu_clock_, gnss_clock_, truth_clock_;
+  bool emits_rates_;
+  SensorModel gyro_, accel_;
+  GnssModel gnss_;
+  InitialModel initial_;
+  std::vector<ChannelDeclaration> channels_;
+  std::unique_ptr<const Trajectory> trajectory_;  // made by open(), never changed afterwards
+};
+
+}  // namespace binnacle::vehicle_simulator

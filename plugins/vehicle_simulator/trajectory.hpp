@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// The drive as functions of time: position, velocity, attitude, and what an inertial sensor would feel.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "segments.hpp"
+
+namespace binnacle::vehicle_simulator {
+
+struct Start {
+  Eigen::Vector3d lla = Eigen::Vector3d::Zero();  // latitude rad, longitude rad, height m
+};
+
+/// How the body leans on its springs: rad per m/s².
+struct Suspension {
+  double roll_gradient = 0.0;   // away from the turn, per lateral acceleration
+  double pitch_gradient = 0.0;  // nose up, per acceleration along the path
+};
+
+/// All in navigation axes (NED) at one instant.
+struct Motion {
+  Eigen::Vector3d lla;             // latitude rad, longitude rad in [−π, π], height m
+  Eigen::Vector3d v_n;             // velocity over ground, m/s
+  Eigen::Vector3d dv_n;            // its time derivative by components, m/s²
+  Eigen::Vector3d roll_pitch_yaw;  // rad; yaw in [−π, π]
+  Eigen::Vector3d euler_rates;     // rad/s
+};
+
+struct Inertial {
+  Eigen::Vector3d omega_ib_b;  // rad/s
+  Eigen::Vector3d f_b;         // m/s²
+};
+
+/// ω_ib_b and f_b by inversion of the navigation equations at `motion`; no mechanization is involved.
+Inertial inertial(const Motion& motion);
+
+/// Immutable. Speed, heading and slope are closed functions of time (Plateau). Position is the integral of
+/// velocity over the ellipsoid by collocation at eight Gauss–Legendre points, kept as a polynomial per piece;
+/// pieces are short enough that its derivative is the velocity to 1e-8 m/s. So a position depends on time
+/// alone, not on who asked for which instants before. Times are seconds from the start of the drive; outside
+/// they are taken to the nearest end.
+class Trajectory {
+ public:
+  Trajectory(const Start& start, std::vector<Segment> segments, const Suspension& suspension);
+
+  Time duration() const;
+  Motion motion(double t) const;
+  /// ∫ ω_ib_b dt and ∫ f_b dt over [t0, t1] (rad, m/s): five-point Gauss–Legendre quadrature, cut at the
+  /// joints of the manoeuvres' ramps, so that every integrand is smooth.
+  Inertial increments(double t0, double t1) const;
+  /// Instants between which everything is infinitely differentiable.
+  std::vector<double> joints() const;
+  /// The largest |latitude| on the way, rad.
+  double largest_latitude() const;
+
+ private:
+  static constexpr int order = 8;
+
+  struct Piece {
+    double begin = 0.0, end = 0.0;
+    std::size_t segment = 0;
+    Eigen::Vector3d lla = Eigen::Vector3d::Zero();  // at begin
+    // lla − (lla at begin), by powers of x ∈ [−1, 1] over the piece
+    Eigen::Matrix<double, 3, order + 1> position = Eigen::Matrix<double, 3, order + 1>::Zero();
+  };
+
+  void add_pieces(std::size_t segment, double begin, double end);
+  void integrate(Piece& piece, const Eigen::Matrix<double, order, order>& coefficients_of_values) const;
+  std::size_t piece_at(double t) const;
+  Eigen::Vector3d position(const Piece& piece, double t) const;
+  Motion motion(const Piece& piece, double t) const;
+
+  std::vector<Segment> segments_;
+  std::vector<Piece> pieces_;
+  Suspension suspension_;
+};
+
+}  // namespace binnacle::vehicle_simulator

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+# How everything in this project is compiled: standard, warnings, sanitizers, ccache, where results lie.
+include_guard(GLOBAL)
+
+option(BINNACLE_WERROR "Warnings are errors (CI)" OFF)
+set(BINNACLE_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize takes them")
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+# The command finds its plugins at ../lib/binnacle, built or installed.
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+set(BINNACLE_PLUGIN_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib/binnacle")
+
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  add_compile_options(-Wno-restrict)  # false for "a" + std::to_string(n): GCC bug 105651
+endif()
+if(BINNACLE_WERROR)
+  add_compile_options(-Werror)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # These come from the optimizer and name code inside Eigen and the standard library as often as ours.
+    add_compile_options(-Wno-error=maybe-uninitialized -Wno-error=array-bounds
+      -Wno-error=stringop-overflow -Wno-error=stringop-overread -Wno-error=free-nonheap-object)
+  endif()
+endif()
+
+if(BINNACLE_SANITIZE)
+  add_compile_options(-fsanitize=${BINNACLE_SANITIZE} -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${BINNACLE_SANITIZE})
+endif()
+
+find_program(BINNACLE_CCACHE ccache)
+mark_as_advanced(BINNACLE_CCACHE)
+if(BINNACLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  # The sloppiness is what precompiled headers need; the base directory lets another clone hit the same entries.
+  set(CMAKE_CXX_COMPILER_LAUNCHER env
+    "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+    "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}"
+    "${BINNACLE_CCACHE}")
+endif()
+
+# Precompiled headers for a target with many sources.
+function(binnacle_precompile target)
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND BINNACLE_CCACHE)
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  endif()
+endfunction()

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "atomic_file.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "output.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+constexpr mode_t read_write = 0666;
+constexpr std::size_t buffer_size = 1 << 18;
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
+std::string link_of(int file) { return fmt::format("/proc/self/fd/{}", file); }
+
+int open_unnamed([[maybe_unused]] const std::filesystem::path& folder) {
+#ifdef O_TMPFILE
+  const int file = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, read_write);
+  if (file < 0 || ::access(link_of(file).c_str(), F_OK) == 0) return file;
+  ::close(file);  // without /proc it could never be given its name
+#endif
+  return -1;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(target_, ignored);
+  if (std::filesystem::is_directory(status))
+    throw UsageError(fmt::format("cannot write '{}': it is a folder", target_.string()));
+  is_direct_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  if (is_direct_)
+    file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+  else
+    open_temporary();
+  if (file_ < 0) throw UsageError(fmt::format("cannot write '{}': {}", target_.string(), std::strerror(errno)));
+  buffer_.reserve(buffer_size);
+}
+
+void AtomicFile::open_temporary() {
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(target_, ignored)) target_ = std::filesystem::weakly_canonical(target_);
+  const auto folder = folder_of(target_);
+  temporary_ = folder / fmt::format(".{}.tmp-{}", target_.filename().string(), ::getpid());
+  file_ = open_unnamed(folder);
+  if (file_ >= 0) return;
+  file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
+  has_name_ = file_ >= 0;
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ >= 0) ::close(file_);
+  if (has_name_) ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::fail() const {
+  throw OutputError(fmt::format("'{}' could not be written: {}", target_.string(), std::strerror(errno)));
+}
+
+void AtomicFile::flush() {
+  for (std::size_t at = 0; at < buffer_.size();) {
+    const auto written = ::write(file_, buffer_.data() + at, buffer_.size() - at);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail();
+    at += static_cast<std::size_t>(written);
+  }
+  buffer_.clear();
+}
+
+void AtomicFile::write(std::string_view text) {
+  buffer_ += text;
+  if (buffer_.size() >= buffer_size - (buffer_size >> 3)) flush();
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (is_direct_) return;
+  if (::fsync(file_) != 0 && errno != EINVAL) fail();
+  if (!has_name_) {
+    ::unlink(temporary_.c_str());
+    if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail();
+    has_name_ = true;
+  }
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+  has_name_ = false;
+  ::close(std::exchange(file_, -1));
+}
+
+}  // namespace binnacle::command

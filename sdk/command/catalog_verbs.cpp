@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// list, describe, create, schema: what components there are.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "binnacle/catalog.hpp"
+#include "binnacle/diagnostic.hpp"
+#include "output.hpp"
+#include "table.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+// ---- list
+
+/// "state_block": a role's name as one word of a command line.
+std::string role_word(Role role) {
+  std::string word = role_name(role);
+  std::replace(word.begin(), word.end(), ' ', '_');
+  return word;
+}
+
+/// The whole name, or a word of it: "block" stands for the state block, the first that has the word.
+Role role_called(const std::string& name) {
+  std::string wanted = name;
+  std::replace_if(wanted.begin(), wanted.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+  std::vector<std::string> words;
+  for (const Role role : all_roles) {
+    words.push_back(role_word(role));
+    if (words.back() == wanted) return role;
+  }
+  for (const Role role : all_roles) {
+    const std::string word = "_" + role_word(role) + "_";
+    if (word.find("_" + wanted + "_") != std::string::npos) return role;
+  }
+  for (const char* word : {"block", "process", "measurement", "derived", "noise"}) words.push_back(word);
+  const std::string near = closest(wanted, words);
+  words.resize(std::size(all_roles));
+  throw UsageError(fmt::format("there is no role '{}'{} (roles: {})", name,
+                               near.empty() ? "" : "; did you mean '" + near + "'?", joined(words)));
+}
+
+Json list_json(const std::vector<const ComponentType*>& types) {
+  Json list = Json::array();
+  for (const auto* type : types)
+    list.push_back({{"name", type->full_name()},
+                    {"role", role_name(type->role)},
+                    {"plugin", type->plugin},
+                    {"summary", type->spec.summary}});
+  return list;
+}
+
+std::string list_text(const std::vector<const ComponentType*>& types) {
+  std::string text;
+  for (const Role role : all_roles) {
+    Table table("ll");
+    for (const auto* type : types)
+      if (type->role == role) table.row({type->full_name(), type->spec.summary});
+    if (!table.empty()) text += fmt::format("{}{}\n{}", text.empty() ? "" : "\n", role_name(role), table.text());
+  }
+  return text;
+}
+
+void list_plugins(const Catalog& catalog, bool json) {
+  Json list = Json::array();
+  Table table("lll", 0);
+  for (const auto& plugin : catalog.plugins()) {
+    list.push_back({{"name", plugin.name}, {"version", plugin.version}, {"file", plugin.file.string()}});
+    table.row({plugin.name, plugin.version, plugin.file.string()});
+  }
+  if (json)
+    print_json(list);
+  else
+    print(table.text());
+}
+
+struct ListOptions {
+  std::string role;
+  bool plugins = false;
+  bool json = false;
+};
+
+int list(const ListOptions& options) {
+  int status = ok;
+  const Catalog catalog = load_catalog(status);
+  if (options.plugins) {
+    list_plugins(catalog, options.json);
+    return status;
+  }
+  auto types = catalog.types();
+  if (!options.role.empty()) {
+    const Role role = role_called(options.role);
+    std::erase_if(types, [role](const ComponentType* type) { return type->role != role; });
+  }
+  if (options.json)
+    print_json(list_json(types));
+  else
+    print(list_text(types));
+  return status;
+}
+
+// ---- describe, create
+
+std::vector<const ComponentType*> types_called(const Catalog& catalog, const std::string& name) {
+  auto types = catalog.find_all(name);
+  if (!types.empty()) return types;
+  const std::string near = catalog.nearest(name);
+  throw UsageError(fmt::format("there is no component type '{}'{}", name,
+                               near.empty() ? "; `binnacle list` shows all of them"
+                                            : fmt::format("; did you mean '{}'?", near)));
+}
+
+const ComponentType* type_called(const Catalog& catalog, const std::string& name) {
+  const auto types = types_called(catalog, name);
+  if (types.size() == 1) return types.front();
+  std::vector<std::string> names;
+  for (const auto* type : types) names.push_back(fmt::format("'{}' ({})", type->full_name(), role_name(type->role)));
+  throw UsageError(fmt::format("'{}' is ambiguous: {}", name, joined(names, " or ")));
+}
+
+struct TypeOptions {
+  std::vector<std::string> types;
+  bool json = false;
+};
+
+int describe_types(const TypeOptions& options) {
+  int status = ok;
+  const Catalog catalog = load_catalog(status);
+  std::string text;
+  Json json = Json::array();
+  for (const auto* type : types_called(catalog, options.types.front())) {
+    text += (text.empty() ? "" : "\n") + describe(*type);
+    json.push_back(describe_json(*type));
+  }
+  if (options.json)
+    print_json(json.size() == 1 ? json.front() : json);
+  else
+    print(text);
+  return status;
+}
+
+int create(const TypeOptions& options) {
+  int status = ok;
+  const Catalog catalog = load_catalog(status);
+  std::vector<const ComponentType*> types;
+  for (const auto& name : options.types) types.push_back(type_called(catalog, name));
+  const std::string text = skeleton(types);
+  if (options.json)
+    print_json(Json::parse(text, nullptr, true, true));
+  else
+    print(text);
+  return status;
+}
+
+}  // namespace
+
+Verb list_verb(CLI::App& command) {
+  const auto options = std::make_shared<ListOptions>();
+  CLI::App* app = command.add_subcommand("list", "The component types that there are");
+  app->add_option("ROLE", options->role, "Only those: block, process, measurement, derived, noise, source, transform, sink");
+  app->add_flag("--plugins", options->plugins, "The plugins, their versions and files instead");
+  app->add_flag("--json", options->json, "As JSON");
+  return {app, [options] { return list(*options); }};
+}
+
+Verb describe_verb(CLI::App& command) {
+  const auto options = std::make_shared<TypeOptions>();
+  CLI::App* app = command.add_subcommand("describe", "One component type: parameters, ports, fields, source");
+  app->add_option("TYPE", options->types, "\"vector\" or \"core/vector\"")->required()->expected(1);
+  app->add_flag("--json", options->json, "As a JSON object; an array where the name means several types");
+  return {app, [options] { return describe_types(*options); }};
+}
+
+Verb create_verb(CLI::App& command) {
+  const auto options = std::make_shared<TypeOptions>();
+  CLI::App* app = command.add_subcommand("create", "The skeleton of a config with components of these types");
+  app->add_option("TYPE", options->types, "\"vector\" or \"core/vector\"")->required();
+  app->add_flag("--json", options->json, "Without comments");
+  return {app, [options] { return create(*options); }};
+}
+
+Verb schema_verb(CLI::App& command) {
+  CLI::App* app = command.add_subcommand("schema", "JSON Schema (draft-07) of configs, for editors");
+  const auto json = std::make_shared<bool>(false);
+  app->add_flag("--json", *json, "Changes nothing: a schema is JSON");
+  return {app, [json] {
+            int status = ok;
+            const Catalog catalog = load_catalog(status);
+            print_json(schema(catalog));
+            return status;
+          }};
+}
+
+}  // namespace binnacle::command

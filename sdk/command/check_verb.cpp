@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// check: every error of every config, or nothing.
+#include "binnacle/composition.hpp"
+#include "output.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> configs;
+  ConfigOptions config;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// A plugin that cannot be loaded outweighs a wrong config, and that outweighs missing data: as within one config.
+int heavier(int a, int b) {
+  const auto weight = [](int status) { return status == load ? 3 : status == config ? 2 : status == data ? 1 : 0; };
+  return weight(b) > weight(a) ? b : a;
+}
+
+int check(const Options& options) {
+  const LoadOptions load_options = options.config.load_options();
+  Diagnostics found;
+  int status = ok;
+  for (const auto& path : options.configs) {
+    try {
+      const auto composition = Composition::load(path, load_options);
+      if (!options.quiet) found.merge(composition->warnings());
+    } catch (const Error& error) {
+      found.merge(error.diagnostics());
+      status = heavier(status, error.exit_status());
+    }
+  }
+  if (options.json)
+    print_json(to_json(found));
+  else
+    print_diagnostics(found);
+  return status;
+}
+
+}  // namespace
+
+Verb check_verb(CLI::App& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = command.add_subcommand("check", "Every error of the configs, or nothing");
+  app->add_option("CONFIG", options->configs, "Configs")->required();
+  options->config.add_to(*app);
+  app->add_flag("--json", options->json, "Errors and warnings as a JSON array on stdout");
+  app->add_flag("--quiet", options->quiet, "No warnings of a config that is right");
+  return {app, [options] { return check(*options); }};
+}
+
+}  // namespace binnacle::command

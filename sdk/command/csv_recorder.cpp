@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "csv_recorder.hpp"
+
+#include <cctype>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace binnacle::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A filter's name is any JSON key; what a file name cannot have, or hides, becomes %2F and the like.
+std::string file_name(const std::string& filter) {
+  std::string name;
+  for (const char c : filter) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_plain = byte >= 0x80 || std::isalnum(byte) || c == '_' || c == '-' || c == ' ' ||
+                          (c == '.' && !name.empty());
+    name += is_plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
+  }
+  return name + ".csv";
+}
+
+/// RFC 4180: quotes around what has a comma or quotes in it.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+/// Makes the folder and those above it; the topmost one made, or "".
+fs::path make_folders(const fs::path& folder) {
+  fs::path made;
+  std::error_code error;
+  for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path()) made = at;
+  if (!fs::create_directories(folder, error) && !fs::is_directory(folder)) {
+    if (!error) error = std::make_error_code(std::errc::not_a_directory);
+    throw UsageError(fmt::format("cannot make the folder '{}': {}", folder.string(), error.message()));
+  }
+  return made;
+}
+
+void remove_empty_folders(fs::path from, const fs::path& topmost) {
+  std::error_code error;
+  while (fs::remove(from, error) && from != topmost) from = from.parent_path();
+}
+
+}  // namespace
+
+std::string seconds_text(Time t) {
+  // The magnitude as unsigned: the smallest Time has no negative.
+  const auto magnitude = t < 0 ? 0 - static_cast<std::uint64_t>(t) : static_cast<std::uint64_t>(t);
+  return fmt::format("{}{}.{:09}", t < 0 ? "-" : "", magnitude / 1'000'000'000, magnitude % 1'000'000'000);
+}
+
+CsvRecorder::CsvRecorder(fs::path folder) : folder_(std::move(folder).lexically_normal()) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  made_ = make_folders(folder_);
+  try {
+    config_ = std::make_unique<AtomicFile>(folder_ / "config.json");
+    summary_ = std::make_unique<AtomicFile>(folder_ / "summary.json");
+  } catch (const UsageError&) {
+    if (!made_.empty()) remove_empty_folders(folder_, made_);
+    throw;
+  }
+}
+
+CsvRecorder::~CsvRecorder() {
+  filters_.clear();
+  config_.reset();
+  summary_.reset();
+  if (!made_.empty()) remove_empty_folders(folder_, made_);
+}
+
+void CsvRecorder::begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) {
+  const auto index = static_cast<std::size_t>(filter);
+  if (filters_.size() <= index) filters_.resize(index + 1);
+  filters_[index] = std::make_unique<AtomicFile>(folder_ / file_name(name));
+  std::string header = "t[s]";
+  for (const auto& column : columns)
+    header += "," + cell(column.unit.empty() ? column.name : fmt::format("{}[{}]", column.name, column.unit));
+  filters_[index]->write(header + "\n");
+}
+
+void CsvRecorder::record(int filter, Time t, std::span<const double> values) {
+  line_ = seconds_text(t);
+  for (const double value : values) fmt::format_to(std::back_inserter(line_), ",{}", value);
+  line_ += '\n';
+  filters_[static_cast<std::size_t>(filter)]->write(line_);
+}
+
+void CsvRecorder::commit(const Json& summary, const Json& config) {
+  config_->write(config.dump(2) + "\n");
+  summary_->write(summary.dump(2) + "\n");
+  std::error_code ignored;
+  fs::remove(summary_->target(), ignored);  // an earlier run's: its records are about to go
+  for (const auto& filter : filters_) filter->commit();
+  config_->commit();
+  summary_->commit();
+}
+
+}  // namespace binnacle::command

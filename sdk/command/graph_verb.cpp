@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// graph: the composition as DOT, or through Graphviz as SVG.
+#include <cstdio>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "atomic_file.hpp"
+#include "binnacle/composition.hpp"
+#include "dot.hpp"
+#include "output.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+constexpr int not_found = 127;  // what a shell says, and here the child, where there is no such program
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, FileCloser>;
+
+/// A file without a name that both this process and Graphviz have.
+File scratch_file() {
+  File file(std::tmpfile());
+  if (!file) throw OutputError("no temporary file could be made");
+  return file;
+}
+
+int run_graphviz(std::FILE* in, std::FILE* out) {
+  const pid_t child = fork();
+  if (child < 0) throw OutputError("no process could be started for Graphviz");
+  if (child == 0) {
+    dup2(fileno(in), STDIN_FILENO);
+    dup2(fileno(out), STDOUT_FILENO);
+    execlp("dot", "dot", "-Tsvg", static_cast<char*>(nullptr));
+    _exit(not_found);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string contents(std::FILE* file) {
+  std::string text;
+  char buffer[4096];
+  std::rewind(file);
+  while (const auto count = std::fread(buffer, 1, sizeof buffer, file)) text.append(buffer, count);
+  return text;
+}
+
+void write_svg(const std::string& dot, const std::string& path) {
+  AtomicFile svg(path);
+  const File in = scratch_file(), out = scratch_file();
+  std::fwrite(dot.data(), 1, dot.size(), in.get());
+  std::rewind(in.get());
+  const int status = run_graphviz(in.get(), out.get());
+  if (status == not_found)
+    throw UsageError("--svg needs Graphviz, and there is no `dot` on the PATH; install it: apt-get install graphviz");
+  if (status != 0) throw OutputError(fmt::format("Graphviz' `dot` failed with status {}", status));
+  svg.write(contents(out.get()));
+  svg.commit();
+}
+
+struct Options {
+  std::string config_path;
+  ConfigOptions config;
+  std::string svg;
+  bool json = false;
+};
+
+int graph(const Options& options) {
+  const auto composition = Composition::load(options.config_path, options.config.load_options());
+  const std::string dot = dot_text(composition->explain());
+  if (!options.svg.empty())
+    write_svg(dot, options.svg);
+  else if (options.json)
+    print_json({{"dot", dot}});
+  else
+    print(dot);
+  return ok;
+}
+
+}  // namespace
+
+Verb graph_verb(CLI::App& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = command.add_subcommand("graph", "The composition as a graph, in DOT or SVG");
+  app->add_option("CONFIG", options->config_path, "The config")->required();
+  options->config.add_to(*app);
+  app->add_option("--svg", options->svg, "Draw it with Graphviz instead of printing DOT")->type_name("FILE.svg");
+  app->add_flag("--json", options->json, "The DOT text as a JSON object");
+  return {app, [options] { return graph(*options); }};
+}
+
+}  // namespace binnacle::command

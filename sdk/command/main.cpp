@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The binnacle command: verbs, and their exit status.
+#include <algorithm>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "binnacle/diagnostic.hpp"
+#include "output.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+constexpr const char* exit_statuses =
+    "Exit status: 0 ok, 1 a check failed or a filter broke, 2 usage, 3 config, 4 plugin, 5 data.\n"
+    "Results go to stdout, errors to stderr. NO_COLOR is honoured.";
+
+std::vector<Verb> add_verbs(CLI::App& command) {
+  std::vector<Verb> verbs;
+  for (const auto add : {run_verb, check_verb, explain_verb, list_verb, describe_verb, create_verb, schema_verb,
+                         graph_verb, version_verb})
+    verbs.push_back(add(command));
+  // What is left over is looked at in refuse_leftovers(), which knows what was likely meant.
+  command.allow_extras();
+  for (const auto& verb : verbs) verb.app->allow_extras();
+  return verbs;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* option : app.get_options())
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string meant(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string near = closest(word, candidates);
+  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+}
+
+std::string help_hint(const CLI::App* app) {
+  return fmt::format("\nRun 'binnacle {}--help' for what there is.", app ? app->get_name() + " " : "");
+}
+
+void refuse_word(const CLI::App& app, const std::string& word, const std::string& hint) {
+  if (word.rfind('-', 0) == 0) {
+    const std::string name = word.substr(0, word.find('='));
+    throw UsageError(fmt::format("unknown option '{}'{}{}", name, meant(name, option_names(app)), hint));
+  }
+}
+
+/// Unknown verbs, options and surplus words, the first of them, with what was likely meant.
+void refuse_leftovers(const CLI::App& command, const std::vector<Verb>& verbs) {
+  const auto chosen = std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
+  for (const auto& word : command.remaining()) {
+    refuse_word(command, word, help_hint(nullptr));
+    std::vector<std::string> names;
+    for (const auto& verb : verbs) names.push_back(verb.app->get_name());
+    throw UsageError(fmt::format("unknown verb '{}'{}{}", word, meant(word, names), help_hint(nullptr)));
+  }
+  if (chosen == verbs.end()) return;
+  const auto surplus = chosen->app->remaining();
+  for (const auto& word : surplus) refuse_word(*chosen->app, word, help_hint(chosen->app));
+  if (!surplus.empty())
+    throw UsageError(fmt::format("'{}' is one argument too many{}", surplus.front(), help_hint(chosen->app)));
+}
+
+/// Help was printed: 0. Otherwise a usage error.
+int refuse(const CLI::App& command, const CLI::ParseError& error, const std::vector<Verb>& verbs) {
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return command.exit(error);
+  refuse_leftovers(command, verbs);
+  const auto chosen = std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
+  if (chosen == verbs.end()) {
+    std::cerr << command.help();
+    return usage;
+  }
+  throw UsageError(error.what() + help_hint(chosen->app));
+}
+
+int carry_out(int argc, char** argv) {
+  CLI::App command{"State estimation composed from JSON out of shared-library plugins"};
+  command.name("binnacle");
+  command.require_subcommand(1);
+  command.footer(exit_statuses);
+  const auto verbs = add_verbs(command);
+  try {
+    command.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return refuse(command, error, verbs);
+  }
+  refuse_leftovers(command, verbs);
+  for (const auto& verb : verbs)
+    if (verb.app->parsed()) {
+      const int status = verb.act();
+      flush_stdout();
+      return status;
+    }
+  return usage;
+}
+
+}  // namespace
+
+}  // namespace binnacle::command
+
+int main(int argc, char** argv) {
+  using namespace binnacle::command;
+  try {
+    return carry_out(argc, argv);
+  } catch (const binnacle::Error& error) {
+    print_diagnostics(error.diagnostics());
+    return error.exit_status();
+  } catch (const UsageError& error) {
+    print_error(error.what());
+    return usage;
+  } catch (const OutputError& error) {
+    print_error(error.what());
+    return data;
+  } catch (const std::exception& error) {
+    print_error(std::string("internal: ") + error.what());
+    return failed;
+  }
+}

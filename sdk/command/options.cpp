@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// What several verbs share: --var, --set, and the plugins where there is no config.
+#include <fmt/format.h>
+
+#include "output.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+void ConfigOptions::add_to(CLI::App& app) {
+  app.add_option("--var", vars_, "Value of a variable of the config; relative paths start at the working folder")
+      ->type_name("NAME=PATH")
+      ->allow_extra_args(false);
+  app.add_option("--set", sets_, "Replace a value of the config, by JSON pointer; VALUE is JSON, else text")
+      ->type_name("PTR=VALUE")
+      ->allow_extra_args(false);
+}
+
+LoadOptions ConfigOptions::load_options() const {
+  LoadOptions options;
+  for (const auto& text : vars_) {
+    const auto at = text.find('=');
+    if (at == std::string::npos || at == 0)
+      throw UsageError(fmt::format("--var takes NAME=PATH; found '{}'", text));
+    options.vars[text.substr(0, at)] = text.substr(at + 1);
+  }
+  options.sets = sets_;
+  return options;
+}
+
+Catalog load_catalog(int& status) {
+  Catalog catalog;
+  Diagnostics diagnostics;
+  catalog.load_search_path({}, diagnostics);
+  print_diagnostics(diagnostics);
+  status = diagnostics.has_errors() ? load : ok;
+  return catalog;
+}
+
+}  // namespace binnacle::command

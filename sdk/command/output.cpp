@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace binnacle::command {
+
+namespace {
+
+bool has_colour() {
+  const char* const wish = std::getenv("NO_COLOR");
+  return stderr_is_terminal() && !(wish && *wish);
+}
+
+std::string coloured(const std::string& text, Severity severity) {
+  return (severity == Severity::error ? "\x1b[1;31m" : "\x1b[1;33m") + text + "\x1b[0m";
+}
+
+std::string line_of(const Diagnostic& diagnostic) {
+  std::string line = to_string(diagnostic);
+  if (!has_colour()) return line;
+  std::string mark = diagnostic.severity == Severity::error ? "error" : "warning";
+  if (!diagnostic.code.empty()) mark += "[" + diagnostic.code + "]";
+  const auto at = line.find(mark);
+  if (at != std::string::npos) line.replace(at, mark.size(), coloured(mark, diagnostic.severity));
+  return line;
+}
+
+std::string counted(std::size_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string count_line(const Diagnostics& diagnostics) {
+  std::size_t errors = 0, warnings = 0;
+  for (const auto& item : diagnostics.items()) ++(item.severity == Severity::error ? errors : warnings);
+  std::string line = errors ? counted(errors, "error") : "";
+  if (warnings) line += (line.empty() ? "" : ", ") + counted(warnings, "warning");
+  return line;
+}
+
+void to_stderr(const std::string& line) { fmt::print(stderr, "{}\n", line); }
+
+}  // namespace
+
+bool stderr_is_terminal() { return isatty(STDERR_FILENO) == 1; }
+
+void print(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+void print_json(const Json& json) { print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
+
+void flush_stdout() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw OutputError("stdout could not be written");
+}
+
+void print_error(const std::string& message) {
+  to_stderr((has_colour() ? coloured("error", Severity::error) : "error") + ": " + message);
+}
+
+void print_diagnostics(const Diagnostics& diagnostics) {
+  if (diagnostics.empty()) return;
+  for (const auto& item : diagnostics.sorted()) to_stderr(line_of(item));
+  to_stderr(count_line(diagnostics));
+}
+
+void print_abridged(const Diagnostics& diagnostics, const std::string& hint) {
+  constexpr std::size_t most_of_a_code = 3;
+  if (diagnostics.empty()) return;
+  std::map<std::string, std::size_t> seen;
+  std::size_t left_out = 0;
+  for (const auto& item : diagnostics.sorted()) {
+    if (++seen[item.code] <= most_of_a_code || item.severity == Severity::error)
+      to_stderr(line_of(item));
+    else
+      ++left_out;
+  }
+  to_stderr(count_line(diagnostics) + (left_out ? fmt::format(" ({} not shown; {})", left_out, hint) : ""));
+}
+
+Json to_json(const Diagnostics& diagnostics) {
+  Json list = Json::array();
+  for (const auto& item : diagnostics.sorted()) {
+    Json entry{{"severity", item.severity == Severity::error ? "error" : "warning"}, {"code", item.code}};
+    entry["file"] = item.origin.file;
+    entry["line"] = item.origin.line;
+    entry["column"] = item.origin.column;
+    entry["pointer"] = item.pointer;
+    entry["message"] = item.message;
+    entry["text"] = to_string(item);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+}  // namespace binnacle::command

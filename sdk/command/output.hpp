@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the command speaks: results to stdout, diagnostics to stderr, and the exit status that goes with them.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "binnacle/diagnostic.hpp"
+
+namespace binnacle::command {
+
+using Json = nlohmann::ordered_json;
+
+/// What the process returns, besides Error::exit_status().
+enum ExitStatus { ok = 0, failed = 1, usage = 2, config = 3, load = 4, data = 5 };
+
+/// The command line is wrong, or names a file that cannot be written: exit status 2.
+class UsageError : public std::runtime_error {
+ public:
+  explicit UsageError(const std::string& message) : std::runtime_error(message) {}
+};
+
+/// A result could not be written to its end (disk full): exit status 5.
+class OutputError : public std::runtime_error {
+ public:
+  explicit OutputError(const std::string& message) : std::runtime_error(message) {}
+};
+
+bool stderr_is_terminal();
+
+/// To stdout as it is.
+void print(std::string_view text);
+void print_json(const Json& json);
+/// Throws OutputError when stdout did not take everything.
+void flush_stdout();
+
+/// "error: message", coloured on a terminal.
+void print_error(const std::string& message);
+/// Errors and warnings, one per line as to_string tells them, then their number: "2 errors, 1 warning".
+void print_diagnostics(const Diagnostics& diagnostics);
+/// As above, with no more than a few of each code; `hint` says where the rest stands.
+void print_abridged(const Diagnostics& diagnostics, const std::string& hint);
+
+Json to_json(const Diagnostics& diagnostics);
+
+}  // namespace binnacle::command

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// run: a config from the first sample to the last, with progress, records, and a summary.
+#include "binnacle/run.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "atomic_file.hpp"
+#include "csv_recorder.hpp"
+#include "output.hpp"
+#include "summary_text.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+struct Options {
+  std::string config_path;
+  ConfigOptions config;
+  std::string summary;
+  std::string out;
+  RunOptions run;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// Which signal asked the run to stop; a handler can reach nothing but a global.
+volatile std::sig_atomic_t interrupted_by = 0;
+
+/// The first SIGINT, SIGTERM or SIGHUP ends the run in good order, a second one at once.
+void watch_signals() {
+  struct sigaction action = {};
+  action.sa_handler = [](int signal) { interrupted_by = signal; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+}
+
+/// So that whoever started this sees it end by the signal.
+void die_of_signal() {
+  std::signal(interrupted_by, SIG_DFL);
+  std::raise(interrupted_by);
+}
+
+/// One line on a terminal, rewritten: how far the data are, and how fast they go by.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool is_shown) : is_shown_(is_shown) {}
+  ~ProgressLine() {
+    if (is_drawn_) fmt::print(stderr, "\r\x1b[K");
+  }
+  void show(Time t) {
+    if (!is_shown_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (first_ == no_time) {
+      first_ = t;
+      begin_ = now;
+    }
+    if (now - drawn_ < std::chrono::milliseconds(100)) return;
+    drawn_ = now;
+    is_drawn_ = true;
+    const double wall = std::chrono::duration<double>(now - begin_).count();
+    const double speed = wall > 0 ? seconds(t - first_) / wall : 0;
+    fmt::print(stderr, "\r{:.1f} s of data, {:.0f} x real time\x1b[K", seconds(t - first_), speed);
+    std::fflush(stderr);
+  }
+
+ private:
+  bool is_shown_;
+  bool is_drawn_ = false;
+  Time first_ = no_time;
+  std::chrono::steady_clock::time_point begin_, drawn_;
+};
+
+class Watch : public RunObserver {
+ public:
+  Watch(CsvRecorder* recorder, bool shows_progress) : recorder_(recorder), line_(shows_progress) {}
+
+  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) override {
+    if (recorder_) recorder_->begin(filter, name, columns);
+  }
+  void record(int filter, Time t, std::span<const double> values) override {
+    if (recorder_) recorder_->record(filter, t, values);
+  }
+  bool progress(Time t) override {
+    line_.show(t);
+    return interrupted_by == 0;
+  }
+
+ private:
+  CsvRecorder* recorder_;
+  ProgressLine line_;
+};
+
+/// What a run leaves behind. Both are opened before the run, so that a bad name is told at once.
+struct Outputs {
+  explicit Outputs(const Options& options) {
+    if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
+    if (!options.out.empty()) recorder = std::make_unique<CsvRecorder>(options.out);
+  }
+  void commit(const Json& figures, const Json& config) {
+    if (recorder) recorder->commit(figures, config);
+    if (!summary) return;
+    summary->write(figures.dump(2) + "\n");
+    summary->commit();
+  }
+  std::unique_ptr<AtomicFile> summary;
+  std::unique_ptr<CsvRecorder> recorder;
+};
+
+RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
+                      CsvRecorder* recorder) {
+  Watch watch(recorder, stderr_is_terminal() && !options.quiet);
+  RunOptions run_options = options.run;
+  run_options.observer = &watch;
+  return run(composition, run_options);
+}
+
+void tell_warnings(const Composition& composition, const RunResult& result) {
+  Diagnostics warnings = composition.warnings();
+  warnings.merge(result.warnings);
+  print_abridged(warnings, "--summary has all that came of the data");
+}
+
+int run_config(const Options& options) {
+  const auto composition = Composition::load(options.config_path, options.config.load_options());
+  watch_signals();
+  std::optional<Outputs> outputs(std::in_place, options);
+  const RunResult result = watched_run(composition, options, outputs->recorder.get());
+  if (interrupted_by != 0) {
+    outputs.reset();
+    print_error("interrupted; nothing was written");
+    die_of_signal();
+  }
+  outputs->commit(result.summary, composition->config());
+  if (!options.quiet) tell_warnings(*composition, result);
+  if (options.json)
+    print_json(result.summary);
+  else if (!options.quiet)
+    print(summary_text(result.summary, *composition));
+  print_diagnostics(result.failures);
+  return result.failures.empty() ? ok : failed;
+}
+
+}  // namespace
+
+Verb run_verb(CLI::App& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = command.add_subcommand("run", "Run a config over its data; a summary of the errors at the end");
+  app->add_option("CONFIG", options->config_path, "The config")->required();
+  options->config.add_to(*app);
+  app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
+  app->add_option("--out", options->out, "Record every output and its 1-sigma: FILTER.csv, summary.json, config.json")
+      ->type_name("DIR");
+  app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();
+  app->add_option("--run", options->run.run, "Which run of the seed")
+      ->type_name("K")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->add_flag("--json", options->json, "The summary as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or summary");
+  return {app, [options] { return run_config(*options); }};
+}
+
+}  // namespace binnacle::command

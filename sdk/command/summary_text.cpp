@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "summary_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "table.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+double number_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string count_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->dump() : "-";
+}
+
+/// "position.horizontal" for every norm of every block.
+std::set<std::string> norms_of(const FilterInfo& filter) {
+  std::set<std::string> names;
+  for (const auto& block : filter.blocks)
+    for (const auto& norm : block.declaration->norms) names.insert(block.name + "." + norm.name);
+  return names;
+}
+
+/// Each block's norms before its components; blocks in the order in which they come.
+Names norms_first(const Json& figures, const std::set<std::string>& norms) {
+  Names blocks, names;
+  const auto block_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
+  for (const auto& [name, entry] : figures.items())
+    if (std::find(blocks.begin(), blocks.end(), block_of(name)) == blocks.end()) blocks.push_back(block_of(name));
+  for (const auto& block : blocks)
+    for (const bool is_norm : {true, false})
+      for (const auto& [name, entry] : figures.items())
+        if (block_of(name) == block && norms.contains(name) == is_norm) names.push_back(name);
+  return names;
+}
+
+std::string error_table(const std::string& title, const Json& figures, const std::set<std::string>& norms) {
+  if (figures.empty()) return {};
+  Table table("lrrrrrl");
+  table.row({title, "rms", "p50", "p95", "max", "final", "unit"});
+  for (const auto& name : norms_first(figures, norms)) {
+    const Json& entry = figures.at(name);
+    Names row{name};
+    for (const char* key : {"rms", "p50", "p95", "max", "final"}) row.push_back(figure(number_at(entry, key)));
+    row.push_back(entry.value("unit", ""));
+    table.row(std::move(row));
+  }
+  return "\n" + table.text();
+}
+
+// ---- windows
+
+/// What stands in the windows' table: the norms, or all components where no block has a norm.
+Names window_names(const Json& windows, const std::set<std::string>& norms) {
+  Names with_norm, all;
+  for (const auto& [window, figures] : windows.items())
+    for (const auto& name : norms_first(figures, norms)) {
+      if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+      all.push_back(name);
+      if (norms.contains(name)) with_norm.push_back(name);
+    }
+  return with_norm.empty() ? all : with_norm;
+}
+
+struct Column {
+  std::string name;
+  const char* key;
+  std::vector<double> magnitudes;  // of the windows in which it was scored
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto half = values.size() / 2;
+  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+double largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
+
+void add_window_rows(const Json& windows, std::vector<Column>& columns, Table& table) {
+  for (const auto& [window, figures] : windows.items()) {
+    Names row{window};
+    for (auto& column : columns) {
+      const auto found = figures.find(column.name);
+      const double value =
+          found == figures.end() ? std::numeric_limits<double>::quiet_NaN() : number_at(*found, column.key);
+      row.push_back(figure(value));
+      if (!std::isnan(value)) column.magnitudes.push_back(std::abs(value));
+    }
+    table.row(std::move(row));
+  }
+}
+
+void add_across_row(const std::string& title, const std::vector<Column>& columns,
+                    double (*statistic)(const std::vector<double>&), Table& table) {
+  Names row{title};
+  for (const auto& column : columns) row.push_back(column.magnitudes.empty() ? "-" : figure(statistic(column.magnitudes)));
+  table.row(std::move(row));
+}
+
+std::string unit_in(const Json& windows, const std::string& name) {
+  for (const auto& [window, figures] : windows.items())
+    if (figures.contains(name)) return figures.at(name).value("unit", "");
+  return {};
+}
+
+std::string window_table(const Json& windows, const std::set<std::string>& norms) {
+  const Names names = window_names(windows, norms);
+  if (names.empty()) return {};
+  std::vector<Column> columns;
+  Names heads{""}, subheads{"window"};
+  for (const auto& name : names) {
+    heads.insert(heads.end(), {name, fmt::format("[{}]", unit_in(windows, name))});
+    for (const char* key : {"final", "rms"}) {
+      subheads.push_back(key);
+      columns.push_back({name, key, {}});
+    }
+  }
+  Table table("l" + std::string(columns.size(), 'r'));
+  table.row(std::move(heads));
+  table.row(std::move(subheads));
+  add_window_rows(windows, columns, table);
+  if (windows.size() > 1) {
+    add_across_row(fmt::format("over {} windows: mean", windows.size()), columns, mean, table);
+    add_across_row("median", columns, [](const std::vector<double>& values) { return median(values); }, table);
+    add_across_row("max", columns, largest, table);
+  }
+  return "\n" + table.text();
+}
+
+// ---- measurements, consistency
+
+std::string measurement_table(const Json& measurements) {
+  if (measurements.empty()) return {};
+  constexpr const char* counts[] = {"offered", "accepted", "gated",    "late",        "unsupported",
+                                    "invalid", "rejected", "withheld", "before_start"};
+  Table table("lrrrrrrrrrr");
+  Names heads{"measurement"};
+  for (const char* key : counts) heads.push_back(key == std::string("before_start") ? "before start" : key);
+  heads.push_back("NIS / dof");
+  table.row(std::move(heads));
+  std::string reasons;
+  for (const auto& [name, entry] : measurements.items()) {
+    Names row{name};
+    for (const char* key : counts) row.push_back(count_at(entry, key));
+    row.push_back(fmt::format("{} / {:.4g}", figure(number_at(entry, "nis_mean")), number_at(entry, "dof")));
+    table.row(std::move(row));
+    if (entry.contains("recoveries") && entry["recoveries"] != 0)
+      reasons += fmt::format("  {}: reopened {} times\n", name, entry["recoveries"].dump());
+    if (entry.contains("last_reason"))
+      reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
+  }
+  return "\n" + table.text() + reasons;
+}
+
+std::string consistency_table(const Json& consistency) {
+  Table table("lrrr");
+  table.row({"block", "NEES", "dof", "n"});
+  for (const auto& [name, entry] : consistency.items())
+    table.row({name, figure(number_at(entry, "nees_mean")), count_at(entry, "dof"), count_at(entry, "n")});
+  return "\n" + table.text();
+}
+
+// ---- a filter
+
+std::string heading(const std::string& name, const Json& filter) {
+  std::string text = name;
+  if (filter.contains("start_s"))
+    text += fmt::format(": {:.3f} s to {:.3f} s", number_at(filter, "start_s"), number_at(filter, "end_s"));
+  const double steps = number_at(filter, "steps"), filter_s = number_at(filter, "filter_s");
+  text += fmt::format(", {} steps", count_at(filter, "steps"));
+  if (steps > 0) text += fmt::format(", {} per step", duration(filter_s / steps));
+  if (filter.contains("input_gaps")) text += fmt::format(", {} gaps in its input", count_at(filter, "input_gaps"));
+  return text + (filter.contains("broken") ? "; BROKEN\n" : "\n");
+}
+
+std::string filter_text(const std::string& name, const Json& filter, const FilterInfo& info) {
+  const auto norms = norms_of(info);
+  std::string text = heading(name, filter);
+  text += error_table("error", filter.at("reference"), norms);
+  if (filter.contains("withheld"))
+    for (const auto& [measurement, figures] : filter.at("withheld").items())
+      text += error_table(fmt::format("withheld '{}'", measurement), figures, norms);
+  if (filter.contains("windows")) text += window_table(filter.at("windows"), norms);
+  if (filter.contains("consistency")) text += consistency_table(filter.at("consistency"));
+  return text + measurement_table(filter.at("measurements"));
+}
+
+}  // namespace
+
+std::string summary_text(const Json& summary, const Composition& composition) {
+  std::string text = composition.title().empty() ? "" : composition.title() + "\n\n";
+  for (const auto& filter : composition.filters())
+    text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
+  return text + fmt::format("wall time {}\n", duration(number_at(summary, "wall_s")));
+}
+
+}  // namespace binnacle::command

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The verbs: each adds its subcommand, and is carried out once the whole command line has been understood.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "binnacle/catalog.hpp"
+#include "binnacle/load_options.hpp"
+
+namespace binnacle::command {
+
+struct Verb {
+  CLI::App* app = nullptr;
+  std::function<int()> act;  // returns the exit status
+};
+
+Verb run_verb(CLI::App& command);
+Verb check_verb(CLI::App& command);
+Verb explain_verb(CLI::App& command);
+Verb graph_verb(CLI::App& command);
+Verb list_verb(CLI::App& command);
+Verb describe_verb(CLI::App& command);
+Verb create_verb(CLI::App& command);
+Verb schema_verb(CLI::App& command);
+Verb version_verb(CLI::App& command);
+
+/// --var and --set.
+class ConfigOptions {
+ public:
+  void add_to(CLI::App& app);
+  /// Throws UsageError where a --var is not NAME=VALUE.
+  LoadOptions load_options() const;
+
+ private:
+  std::vector<std::string> vars_, sets_;
+};
+
+/// The plugins found without a config. What could not be loaded is told on stderr; `status` is then 4.
+Catalog load_catalog(int& status);
+
+}  // namespace binnacle::command

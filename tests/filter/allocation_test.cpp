@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// No allocation in the run loop: counted by replacing operator new for this program.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "binnacle/filter.hpp"
+#include "catch.hpp"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+using namespace binnacle;
+
+TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
+  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
+  Filter filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json"));
+  const int imu = filter.channel("imu"), gnss = filter.channel("gnss");
+  const auto position = filter.block("ins/position");
+  const double still[] = {0, 0, 0, 0, 0, -0.0981};
+  double fix[] = {0.8377580409572782, 0.19198621771937624, 500};
+  constexpr Time ms = 1'000'000;
+  const auto second = [&](Time from) {
+    for (Time t = from; t < from + 1000 * ms; t += 10 * ms) {
+      if (t % (200 * ms) == 0) filter.push(gnss, no_time, t + 4 * ms, fix);  // ahead, splits a sample
+      filter.push(imu, t, t + 10 * ms, still);
+    }
+    double outputs[3], sigmas[3];
+    filter.read(position, outputs);
+    filter.read_sigma(position, sigmas);
+  };
+  const auto faults = [&](Time t) {
+    filter.push(gnss, no_time, t - 500 * ms, fix);  // late
+    fix[2] = 1e6;
+    filter.push(gnss, no_time, t, fix);             // gated
+    fix[2] = 500;
+  };
+  second(0);
+  const long before = allocations;
+  for (Time s = 1; s < 20; ++s) {
+    second(s * 1000 * ms);
+    faults((s + 1) * 1000 * ms);
+  }
+  REQUIRE(allocations - before == 0);
+  const auto counts = filter.counts(0, 0);
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 19);
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::gated)] == 19);
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 100);
+}

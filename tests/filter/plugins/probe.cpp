@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Components that only tests want: a noise estimator that counts in its memory, a nonlinear derived block, a process
+// that turns its block into NaN, a measurement with typed refusals.
+#include <cmath>
+#include <limits>
+
+#include "binnacle/plugin.hpp"
+
+namespace {
+
+using namespace binnacle;
+
+/// R = (1 + calls seen) · nominal; the count is its memory.
+class Counting : public NoiseEstimator {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "counting";
+    spec.summary = "Trusts a measurement less each time.";
+    spec.example = "{}";
+    return spec;
+  }
+  Counting(const Binding&, const NoiseBinding&) {}
+  std::size_t memory_bytes() const noexcept override { return sizeof(double); }
+  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
+    double& count = *reinterpret_cast<double*>(memory);
+    count += 1;
+    for (int j = 0; j < innovation.rows; ++j)
+      for (int i = 0; i < innovation.rows; ++i) R(i, j) = count * innovation.R_nominal(i, j);
+  }
+};
+
+/// y = (x0² , x0 x1): a chain with a state-dependent Jacobian.
+class Square : public DerivedBlock {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "square";
+    spec.summary = "Products of a vector's components.";
+    spec.ports = {reads("x", "vector:2:*", "the factors")};
+    spec.kind = "vector:2:m^2";
+    spec.example = R"({"blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Square(const Binding&) {
+    declaration_ = {"vector:2:m^2", 2, {{"x", "m^2"}, {"y", "m^2"}}, {0}};
+  }
+  const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
+  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+    const double a = x[0][0], b = x[0][1];
+    value[0] = a * a;
+    value[1] = a * b;
+    if (J) {
+      J[0](0, 0) = 2 * a;
+      J[0](1, 0) = b;
+      J[0](1, 1) = a;
+    }
+    return Result::ok();
+  }
+
+ private:
+  DerivedDeclaration declaration_;
+};
+
+/// Breaks on purpose after `after` seconds.
+class Breaking : public ProcessModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "breaking";
+    spec.summary = "Turns its block into NaN.";
+    spec.parameters = {parameter::time("after").defaults("1"),
+                       parameter::boolean("politely").defaults("false").about("refuse instead")};
+    spec.ports = {advances("x", "vector:*:*", "the victim")};
+    spec.example = R"({"blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Breaking(const Binding& binding)
+      : after_(binding.parameters().time("after")),
+        politely_(binding.parameters().boolean("politely")),
+        dof_(binding.port("x").dof) {}
+  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
+  Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
+    const bool breaks = step.t1 > after_;
+    if (breaks && politely_) return Result::failed("it is too late");
+    for (int i = 0; i < dof_; ++i) out.x_plus[0][i] = breaks ? std::nan("") : x[0][i];
+    return Result::ok();
+  }
+
+ private:
+  Time after_;
+  bool politely_;
+  int dof_;
+  ProcessDeclaration declaration_;
+};
+
+/// z = x, refused below 0 (unsupported) and above 100 (invalid); NaN residual at exactly 50.
+class Picky : public MeasurementModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "picky";
+    spec.summary = "Refuses some samples.";
+    spec.ports = {reads("x", "vector:1:*", "what is seen")};
+    spec.fields = {{"z", "", FieldKind::level, false, false, "the value"}};
+    spec.example = R"({"channel": "z", "blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Picky(const Binding&) {
+    declaration_.max_rows = 1;
+    declaration_.reads = {0};
+    declaration_.memory_bytes = sizeof(double);
+  }
+  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&,
+                   std::byte* memory, Linearization& out) const override {
+    *reinterpret_cast<double*>(memory) += 1;  // kept only when accepted
+    if (sample.fields[0] < 0) return Result::unsupported("it is negative");
+    if (sample.fields[0] > 100) return Result::invalid("it is too large");
+    out.rows = 1;
+    out.residual[0] = sample.fields[0] == 50 ? std::nan("") : sample.fields[0] - x[0][0];
+    out.H[0](0, 0) = 1;
+    out.R(0, 0) = *reinterpret_cast<double*>(memory);
+    return Result::ok();
+  }
+
+ private:
+  MeasurementDeclaration declaration_;
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("probe", "1.0.0", registry) {
+  registry.add<Counting>();
+  registry.add<Square>();
+  registry.add<Breaking>();
+  registry.add<Picky>();
+}

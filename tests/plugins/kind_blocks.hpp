@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plain state blocks of the standard kinds, for tests of models that bind to such kinds.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "binnacle/state_block.hpp"
+#include "binnacle/view.hpp"
+
+namespace binnacle::test {
+
+/// Written from the definition of the kinds alone, not with the functions that the plugins use.
+class KindBlock : public StateBlock {
+ public:
+  const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
+  void read(const double* x, double* outputs) const override { std::copy_n(x, declaration_.outputs.size(), outputs); }
+  Result write(const double* /*outputs*/, double* /*x*/) const override {
+    return Result::invalid("the blocks of tests are not written");
+  }
+
+ protected:
+  KindBlock(std::string kind, int stored_size, std::vector<NamedUnit> error) {
+    declaration_.kind = std::move(kind);
+    declaration_.stored_size = stored_size;
+    declaration_.error = std::move(error);
+  }
+
+ private:
+  StateBlockDeclaration declaration_;
+};
+
+/// "vector:N:UNIT", and with another kind any additive block.
+class AdditiveKind final : public KindBlock {
+ public:
+  AdditiveKind(int size, const std::string& unit)
+      : AdditiveKind("vector:" + std::to_string(size) + ":" + unit, size, unit) {}
+  AdditiveKind(std::string kind, int size, const std::string& unit)
+      : KindBlock(std::move(kind), size, names(size, unit)) {}
+
+  void plus(const double* x, const double* delta, double* result) const override {
+    for (int i = 0; i < declaration().stored_size; ++i) result[i] = x[i] + delta[i];
+  }
+  void minus(const double* y, const double* x, double* delta) const override {
+    for (int i = 0; i < declaration().stored_size; ++i) delta[i] = y[i] - x[i];
+  }
+
+ private:
+  static std::vector<NamedUnit> names(int size, const std::string& unit) {
+    std::vector<NamedUnit> components;
+    for (int i = 0; i < size; ++i) components.push_back({std::string("e").append(std::to_string(i)), unit});
+    return components;
+  }
+};
+
+/// "position": latitude, longitude [rad], height [m]; error north, east, down [m] by WGS-84's radii of curvature.
+class PositionKind final : public KindBlock {
+ public:
+  PositionKind() : KindBlock("position", 3, {{"north", "m"}, {"east", "m"}, {"down", "m"}}) {}
+  void plus(const double* x, const double* delta, double* result) const override {
+    const auto [north, east] = metres_per_radian(x);
+    const double lat = x[0] + delta[0] / north, lon = x[1] + delta[1] / east, height = x[2] - delta[2];
+    result[0] = lat, result[1] = std::remainder(lon, 2 * EIGEN_PI), result[2] = height;
+  }
+  void minus(const double* y, const double* x, double* delta) const override {
+    const auto [north, east] = metres_per_radian(x);
+    const double down = x[2] - y[2];
+    delta[0] = (y[0] - x[0]) * north, delta[1] = std::remainder(y[1] - x[1], 2 * EIGEN_PI) * east, delta[2] = down;
+  }
+
+ private:
+  static std::pair<double, double> metres_per_radian(const double* x) {
+    const double a = 6378137.0, f = 1 / 298.257223563, e2 = f * (2 - f);
+    const double w = std::sqrt(1 - e2 * std::sin(x[0]) * std::sin(x[0]));
+    return {a * (1 - e2) / (w * w * w) + x[2], (a / w + x[2]) * std::cos(x[0])};
+  }
+};
+
+/// "attitude": quaternion (w, x, y, z) body to navigation; q_true = exp(phi) ⊗ q̂.
+class AttitudeKind final : public KindBlock {
+ public:
+  AttitudeKind() : KindBlock("attitude", 4, {{"north", "rad"}, {"east", "rad"}, {"down", "rad"}}) {}
+  void plus(const double* x, const double* delta, double* result) const override {
+    const Eigen::Vector3d phi = vector_at<3>(delta);
+    const double angle = phi.norm();
+    const Eigen::Vector3d axis = angle > 0 ? Eigen::Vector3d(phi / angle) : Eigen::Vector3d(1, 0, 0);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, axis));
+    store((turn * load(x)).normalized(), result);
+  }
+  void minus(const double* y, const double* x, double* delta) const override {
+    Eigen::Quaterniond turn = load(y) * load(x).conjugate();
+    if (turn.w() < 0) turn.coeffs() *= -1;
+    const double sine = turn.vec().norm();
+    const double per_sine = sine > 0 ? 2 * std::atan2(sine, turn.w()) / sine : 2;
+    vector_at<3>(delta) = per_sine * turn.vec();
+  }
+
+ private:
+  static Eigen::Quaterniond load(const double* x) { return {x[0], x[1], x[2], x[3]}; }
+  static void store(const Eigen::Quaterniond& q, double* x) {
+    x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z();
+  }
+};
+
+}  // namespace binnacle::test

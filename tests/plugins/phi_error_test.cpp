@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plugin phi_error: the blocks' laws, every block of Φ and Q, samples, fragments and gaps.
+#include "../../plugins/phi_error/attitude_block.hpp"
+#include "../../plugins/phi_error/phi_error_process.hpp"
+#include "../../plugins/phi_error/position_block.hpp"
+#include "../../plugins/phi_error/velocity_block.hpp"
+
+#include <random>
+
+#include "bind.hpp"
+#include "catch.hpp"
+#include "kind_blocks.hpp"
+#include "model_check.hpp"
+#include "strapdown/earth.hpp"
+#include "strapdown/rotation.hpp"
+
+using namespace binnacle;
+using namespace binnacle::phi_error;
+using namespace binnacle::test;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+namespace {
+
+constexpr double degree = EIGEN_PI / 180;
+
+std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
+
+struct Flight {
+  const char* name;
+  Vector3d lla, v_n, roll_pitch_yaw;
+  Vector3d omega, f;            // body, at the middle of the step
+  Vector3d omega_rate, f_rate;  // their change per second
+};
+const Flight flights[] = {
+    {"a car", {0.65, 2.2, 60}, {8, -5, 0.1}, {0.02, -0.03, 2.5}, {0.05, -0.1, 0.6}, {0.5, 3, -9.8}, {1, 2, -1}, {3, 4, 5}},
+    {"a fast aircraft", {0.8, -1.3, 11000}, {180, 170, -4}, {0.9, 0.2, 0.75}, {0.8, 0.3, -0.2}, {2, -1, -14}, {1, -1, 2}, {9, 5, 7}},
+    {"the southern hemisphere", {-0.59, 2.6, 400}, {-12, 30, 1}, {-0.2, 0.1, -1.9}, {-0.3, 0.2, 0.1}, {-2, 1, -9}, {1, 1, 1}, {4, 3, 2}},
+    {"a high latitude", {1.4, -3.1, 5}, {30, 40, 0}, {0.1, 0.02, 3.1}, {0.1, 0.2, -0.5}, {0.2, 0.3, -9.83}, {-1, 1, 0}, {3, 3, 3}},
+    {"upside down", {0.1, 0.3, 3000}, {100, -90, 20}, {3.0, -0.6, -2.7}, {-1.5, 0.7, 0.4}, {1, -2, 8}, {2, -2, 1}, {8, -6, 4}},
+};
+
+/// The process under test on plain blocks of its kinds, everything plugged in or nothing.
+struct Bench {
+  PositionKind position;
+  AdditiveKind velocity{"velocity.ned", 3, "m/s"};
+  AttitudeKind attitude;
+  AdditiveKind gyro_bias{3, "rad/s"}, accel_bias{3, "m/s^2"}, scale{3, "1"};
+  std::unique_ptr<PhiErrorProcess> model;
+  bool has_sensor_errors;
+
+  explicit Bench(const std::string& order = "second", bool with_sensor_errors = true,
+                 const nlohmann::json& gyro_noise = {0.03, 0.02, 0.01},
+                 const nlohmann::json& accel_noise = {0.1, 0.2, 0.3})
+      : has_sensor_errors(with_sensor_errors) {
+    Setup setup{{{"gyro_noise", gyro_noise}, {"accel_noise", accel_noise}, {"order", order}},
+                {{"position", &position}, {"velocity", &velocity}, {"attitude", &attitude}},
+                {}};
+    if (with_sensor_errors)
+      setup.ports.insert(
+          {{"gyro_bias", &gyro_bias}, {"accel_bias", &accel_bias}, {"gyro_scale", &scale}, {"accel_scale", &scale}});
+    model = bind<PhiErrorProcess>(setup);
+  }
+  ProcessCheck check() const { return {*model, PhiErrorProcess::spec()}; }
+
+  PortStates ports(const Flight& flight) const {
+    PortStates all{{&position, numbers(flight.lla), 100.0, 4e-9},
+                   {&velocity, numbers(flight.v_n), 1.0, 1e-13},
+                   {&attitude, numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw)), 1e-2, 4e-16},
+                   {}, {}, {}, {}};
+    if (has_sensor_errors) {
+      all[3] = {&gyro_bias, {0.01, -0.02, 0.03}, 1e-2, 1e-16};
+      all[4] = {&accel_bias, {0.1, 0.2, -0.3}, 1.0, 1e-16};
+      all[5] = {&scale, {0.01, -0.01, 0.02}, 1e-2, 1e-16};
+      all[6] = {&scale, {-0.01, 0.03, 0.02}, 1e-2, 1e-16};
+    }
+    return all;
+  }
+};
+
+/// Samples of a flight whose rates change linearly, cut wherever a test likes. Time 0 is the middle of interest.
+class Samples {
+ public:
+  explicit Samples(const Flight& flight) : flight_(flight) {}
+
+  /// A whole sample from t0 to t1 [s].
+  Samples& whole(double t0, double t1) { return part(t0, t1, t0, t1); }
+  /// Of the sample [whole_t0, whole_t1] the fragment from t0 to t1, cut proportionally.
+  Samples& part(double t0, double t1, double whole_t0, double whole_t1) {
+    const double middle = 0.5 * (whole_t0 + whole_t1), dt = t1 - t0;
+    std::array<double, 6> fields;
+    vector_at<3>(fields.data()) = (flight_.omega + middle * flight_.omega_rate) * dt;
+    vector_at<3>(fields.data() + 3) = (flight_.f + middle * flight_.f_rate) * dt;
+    fields_.push_back(fields);
+    InputSample sample;
+    sample.t0 = nanoseconds(t0), sample.t1 = nanoseconds(t1), sample.dt = dt;
+    sample.whole_t0 = nanoseconds(whole_t0), sample.whole_t1 = nanoseconds(whole_t1);
+    samples_.push_back(sample);
+    return *this;
+  }
+  /// One step of all of them. Valid as long as this object.
+  Step step() { return step(0, samples_.size()); }
+  /// One step each.
+  std::vector<Step> steps() {
+    std::vector<Step> all;
+    for (std::size_t i = 0; i < samples_.size(); ++i) all.push_back(step(i, 1));
+    return all;
+  }
+
+ private:
+  Step step(std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].fields = fields_[i].data();
+    Step step;
+    step.samples = std::span<const InputSample>(samples_).subspan(first, count);
+    step.t0 = step.samples.front().t0, step.t1 = step.samples.back().t1;
+    for (const InputSample& sample : step.samples) step.dt += sample.dt;
+    return step;
+  }
+
+  const Flight& flight_;
+  std::vector<std::array<double, 6>> fields_;
+  std::vector<InputSample> samples_;
+};
+
+/// What the model remembers when the step at [0, dt] begins: one sample lies behind it.
+std::vector<std::byte> memory_before(const Bench& bench, const Flight& flight, double dt) {
+  Complaints out;
+  Samples earlier(flight);
+  const auto check = bench.check();
+  return check.propagate(bench.ports(flight), earlier.whole(-dt, 0).step(), check.fresh_memory(), out).memory;
+}
+
+struct Walked {
+  PortStates ports;
+  std::vector<std::byte> memory;
+};
+
+Walked walk(const Bench& bench, PortStates ports, const std::vector<Step>& steps, std::vector<std::byte> memory) {
+  for (const Step& step : steps) {
+    Complaints out;
+    Propagation p = bench.check().propagate(ports, step, memory, out);
+    REQUIRE_NO_COMPLAINTS(out);
+    for (std::size_t i = 0; i < 3; ++i) ports[i].x = p.x_plus[i];
+    memory = p.memory;
+  }
+  return {ports, memory};
+}
+
+/// The greatest difference of two navigation states, in m, m/s and rad alike.
+double distance(const Bench& bench, const PortStates& a, const PortStates& b) {
+  Vector3d p, v, phi;
+  bench.position.minus(a[0].x.data(), b[0].x.data(), p.data());
+  bench.velocity.minus(a[1].x.data(), b[1].x.data(), v.data());
+  bench.attitude.minus(a[2].x.data(), b[2].x.data(), phi.data());
+  return std::max({p.norm(), v.norm(), phi.norm()});
+}
+
+}  // namespace
+
+TEST_CASE("blocks: kinds, and the laws from nothing to near the edge", "[phi_error]") {
+  const auto position = bind<PositionBlock>();
+  const auto velocity = bind<VelocityBlock>();
+  const auto attitude = bind<AttitudeBlock>();
+  REQUIRE(position->declaration().kind == "position");
+  REQUIRE(velocity->declaration().kind == "velocity.ned");
+  REQUIRE(attitude->declaration().kind == "attitude");
+  REQUIRE(attitude->declaration().norms[0].name == "tilt");
+  REQUIRE(attitude->declaration().error_display_unit == "deg");
+  const PositionKind plain_position;
+  const AttitudeKind plain_attitude;
+  for (const Flight& flight : flights) {
+    INFO(flight.name);
+    const auto lla = numbers(flight.lla);
+    const auto q = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
+    REQUIRE_NO_COMPLAINTS(check_block(*position, lla, 5e3, 1e-8));
+    REQUIRE_NO_COMPLAINTS(check_block(*velocity, numbers(flight.v_n), 100.0, 1e-13));
+    REQUIRE_NO_COMPLAINTS(check_block(*attitude, q, EIGEN_PI - 1e-3, 1e-14, 1e-13));
+    // The same maps as those written from the definition of the kinds.
+    const double metres[3] = {1200, -800, 30}, phi[3] = {0.4, -1.1, 0.8};
+    double one[4], other[4];
+    position->plus(lla.data(), metres, one), plain_position.plus(lla.data(), metres, other);
+    Vector3d apart;
+    plain_position.minus(one, other, apart.data());
+    REQUIRE(apart.norm() < 2e-8);
+    attitude->plus(q.data(), phi, one), plain_attitude.plus(q.data(), phi, other);
+    plain_attitude.minus(one, other, apart.data());
+    REQUIRE(apart.norm() < 1e-15);
+  }
+  REQUIRE_NO_COMPLAINTS(check_block(*attitude, {1, 0, 0, 0}, EIGEN_PI - 1e-6, 1e-14, 1e-13));
+}
+
+TEST_CASE("blocks: what write refuses, and what it wraps", "[phi_error]") {
+  const auto position = bind<PositionBlock>();
+  const auto velocity = bind<VelocityBlock>();
+  const auto attitude = bind<AttitudeBlock>();
+  double x[4];
+  const auto refuses = [&](const StateBlock& block, std::array<double, 3> outputs) {
+    return block.write(outputs.data(), x).verdict == Verdict::invalid;
+  };
+  const double nan = std::nan("");
+  REQUIRE(refuses(*position, {1.58, 0, 0}));
+  REQUIRE(refuses(*position, {-1.58, 0, 0}));
+  REQUIRE(refuses(*position, {0, 7, 0}));
+  REQUIRE(refuses(*position, {0, 0, nan}));
+  REQUIRE(refuses(*velocity, {0, nan, 0}));
+  REQUIRE(refuses(*attitude, {0, 1.6, 0}));
+  REQUIRE(refuses(*attitude, {nan, 0, 0}));
+  REQUIRE(refuses(*attitude, {0, 0, 7}));
+  REQUIRE_FALSE(refuses(*position, {0.5, 350 * degree, 0}));
+  REQUIRE(std::abs(x[1] + 10 * degree) < 1e-15);
+  REQUIRE_FALSE(refuses(*attitude, {0, 0, 350 * degree}));
+  double angles[3];
+  attitude->read(x, angles);
+  REQUIRE(std::abs(angles[2] + 10 * degree) < 1e-15);
+}
+
+TEST_CASE("attitude: an injected correction turns what remains by +half of it", "[phi_error]") {
+  const auto attitude = bind<AttitudeBlock>();
+  const Vector3d delta{0.02, -0.03, 0.05};
+  for (const Flight& flight : flights) {
+    const auto q = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
+    REQUIRE_NO_COMPLAINTS(check_reset(*attitude, q, delta, {1e-8}));
+    REQUIRE_NO_COMPLAINTS(check_reset(*attitude, q, 20 * delta, {1e-8}));
+  }
+  Eigen::Matrix3d G;
+  REQUIRE(attitude->reset_jacobian(delta.data(), G.data()));
+  REQUIRE((G - Eigen::Matrix3d::Identity() - 0.5 * strapdown::skew(delta)).norm() < 1e-3);
+  REQUIRE((G - Eigen::Matrix3d::Identity() + 0.5 * strapdown::skew(delta)).norm() > 3e-2);
+}
+
+TEST_CASE("transition: every block against differences of the mechanization", "[phi_error]") {
+  for (const Flight& flight : flights)
+    for (const bool with_sensor_errors : {true, false}) {
+      INFO(flight.name << ", sensor errors " << with_sensor_errors);
+      for (const double dt : {0.01, 0.002}) {
+        INFO("dt " << dt);
+        Samples samples(flight);
+        const Step step = samples.whole(0, dt).step();
+        // Relative to each block's largest element: what is left out is one power of dt higher, the more so as the rates
+        // change by several times themselves per second.
+        const Bench second("second", with_sensor_errors);
+        REQUIRE_NO_COMPLAINTS(second.check().transition(second.ports(flight), step, memory_before(second, flight, dt),
+                                                        {6 * dt, 20 * dt * dt * dt}));
+        const Bench first("first", with_sensor_errors);
+        REQUIRE_NO_COMPLAINTS(first.check().transition(first.ports(flight), step, memory_before(first, flight, dt),
+                                                       {6 * dt, 20 * dt * dt}));
+      }
+    }
+}
+
+TEST_CASE("transition: the stated order in dt, for one sample and for several", "[phi_error]") {
+  for (const auto& [order, least] : {std::pair("first", 1.8), std::pair("second", 2.8)}) {
+    const Bench bench(order);
+    for (const Flight& flight : flights) {
+      const auto error = [&](double dt, int count) {
+        Samples samples(flight);
+        for (int i = 0; i < count; ++i) samples.whole(i * dt / count, (i + 1) * dt / count);
+        return bench.check().transition_error(bench.ports(flight), samples.step(), memory_before(bench, flight, dt));
+      };
+      for (const int count : {1, 3}) {
+        INFO(flight.name << ", order " << order << ", samples " << count);
+        const double coarse = error(0.08, count), fine = error(0.02, count);
+        INFO("errors " << coarse << ", " << fine);
+        REQUIRE(std::log2(coarse / fine) / 2 > least);
+      }
+    }
+  }
+}
+
+TEST_CASE("noise: every block of Q against fine integration", "[phi_error]") {
+  struct Case {
+    const char* name;
+    nlohmann::json gyro, accel;
+  };
+  // With gyro noise alone Q is what it brings to velocity and position, which is little beside accelerometer noise.
+  for (const Case& c : {Case{"both", {0.03, 0.02, 0.01}, {0.1, 0.2, 0.3}}, Case{"gyro", {0.03, 0.02, 0.01}, {0, 0, 0}},
+                        Case{"accelerometer", {1e-5, 1e-5, 1e-5}, {0.1, 0.2, 0.3}}})
+    for (const Flight& flight : flights) {
+      INFO(c.name << ", " << flight.name);
+      const double dt = 0.02;
+      Samples samples(flight);
+      const Step whole = samples.whole(0, dt).step();
+      Samples fragments(flight);
+      constexpr int count = 200;
+      for (int i = 0; i < count; ++i) fragments.part(i * dt / count, (i + 1) * dt / count, 0, dt);
+      const Bench second("second", false, c.gyro, c.accel);
+      // The sum over n short steps of Q right in leading powers lacks 1/(2 n) of the integrals.
+      REQUIRE_NO_COMPLAINTS(second.check().noise(second.ports(flight), whole, fragments.steps(),
+                                                 memory_before(second, flight, dt), 0.04, 1e-3));
+      if (std::string(c.name) != "both") continue;
+      const Bench first("first", false, c.gyro, c.accel);
+      REQUIRE(first.model->declaration().noise.size() == 2);
+      REQUIRE_NO_COMPLAINTS(first.check().noise(first.ports(flight), whole, fragments.steps(),
+                                                memory_before(first, flight, dt), 0.04, 1.0));
+    }
+}
+
+TEST_CASE("noise: its size after a second is the random walk of its unit", "[phi_error]") {
+  const Flight still{"still", {0.6, 2, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, -9.8}, {0, 0, 0}, {0, 0, 0}};
+  const Bench bench("second", false, {0.01, 0.01, 0.02}, {0.3, 0.3, 0.5});
+  Samples samples(still);
+  Complaints out;
+  const auto p = bench.check().propagate(bench.ports(still), samples.whole(0, 0.01).step(),
+                                         bench.check().fresh_memory(), out);
+  REQUIRE(std::abs(std::sqrt(100 * p.noise.at({2, 2})(2, 2)) - 0.02) < 1e-8);
+  REQUIRE(std::abs(std::sqrt(100 * p.noise.at({1, 1})(2, 2)) - 0.5) < 1e-6);
+}
+
+TEST_CASE("several samples at once are the same as one after another", "[phi_error]") {
+  const Bench bench;
+  for (const Flight& flight : flights) {
+    INFO(flight.name);
+    Samples samples(flight);
+    samples.whole(0, 0.01).whole(0.01, 0.018).whole(0.018, 0.03).whole(0.03, 0.04);
+    const PortStates ports = bench.ports(flight);
+    const auto memory = memory_before(bench, flight, 0.01);
+    Complaints out;
+    const Propagation group = bench.check().propagate(ports, samples.step(), memory, out);
+    const Walked one_by_one = walk(bench, ports, samples.steps(), memory);
+    REQUIRE_NO_COMPLAINTS(out);
+    for (std::size_t i = 0; i < 3; ++i) REQUIRE(group.x_plus[i] == one_by_one.ports[i].x);
+    REQUIRE(group.memory == one_by_one.memory);
+    // Q of the group is the sum over its samples, exactly, but for blocks of Φ that are not declared.
+    REQUIRE_NO_COMPLAINTS(bench.check().noise(ports, samples.step(), samples.steps(), memory, 1e-9, 1e-9));
+    REQUIRE_NO_COMPLAINTS(bench.check().transition(ports, samples.step(), memory, {0.06, 20 * 6.4e-5}));
+  }
+}
+
+TEST_CASE("a sample cut at a measurement's time ends where the whole one does", "[phi_error]") {
+  const Bench bench;
+  for (const Flight& flight : flights) {
+    INFO(flight.name);
+    const double dt = 0.01;
+    const PortStates ports = bench.ports(flight);
+    const auto memory = memory_before(bench, flight, dt);
+    Samples whole(flight), cut(flight);
+    whole.whole(0, dt).whole(dt, 2 * dt);
+    cut.part(0, 0.003, 0, dt).part(0.003, 0.0071, 0, dt).part(0.0071, dt, 0, dt).whole(dt, 2 * dt);
+    const Walked a = walk(bench, ports, whole.steps(), memory);
+    const Walked b = walk(bench, ports, cut.steps(), memory);
+    REQUIRE(distance(bench, a.ports, b.ports) < 3e-7);
+    // Had the fragments passed for samples, the coning term alone would be off by more.
+    Samples mistaken(flight);
+    mistaken.part(0, 0.003, 0, dt).part(0.003, 0.0071, 0, dt).part(0.0071, dt, 0, dt).whole(dt, 2 * dt);
+    std::vector<Step> steps = mistaken.steps();
+    std::vector<InputSample> alone;
+    for (const Step& step : steps) alone.push_back(step.samples[0]);
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      alone[i].whole_t0 = alone[i].t0, alone[i].whole_t1 = alone[i].t1;
+      steps[i].samples = {&alone[i], 1};
+    }
+    const Walked c = walk(bench, ports, steps, memory);
+    REQUIRE(distance(bench, a.ports, c.ports) > 3 * distance(bench, a.ports, b.ports));
+  }
+}
+
+TEST_CASE("after a gap nothing is remembered", "[phi_error]") {
+  const Bench bench;
+  const Flight& flight = flights[1];
+  const PortStates ports = bench.ports(flight);
+  const auto check = bench.check();
+  Samples later(flight);
+  const Step step = later.whole(0.5, 0.51).step();
+  Complaints out;
+  const auto after_gap = check.propagate(ports, step, memory_before(bench, flight, 0.01), out);
+  const auto fresh = check.propagate(ports, step, check.fresh_memory(), out);
+  REQUIRE(after_gap.x_plus == fresh.x_plus);
+  Samples next(flight);
+  const Step contiguous = next.whole(0, 0.01).step();
+  const auto with_neighbour = check.propagate(ports, contiguous, memory_before(bench, flight, 0.01), out);
+  const auto without = check.propagate(ports, contiguous, check.fresh_memory(), out);
+  REQUIRE(with_neighbour.x_plus != without.x_plus);
+}
+
+TEST_CASE("what the sensors are known to do wrong is taken off, from the neighbour too", "[phi_error]") {
+  // The same flight by perfect sensors, and by sensors whose errors are the ones plugged in.
+  const Bench plain("second", false), corrected;
+  for (const Flight& flight : flights) {
+    Flight measured = flight;
+    const PortStates ports = corrected.ports(flight);
+    const auto apply = [&](Vector3d& v, Vector3d& rate, std::size_t bias, std::size_t scale) {
+      const Vector3d gain = 1.0 + vector_at<3>(ports[scale].x.data()).array();
+      v = gain.cwiseProduct(v) + vector_at<3>(ports[bias].x.data());
+      rate = gain.cwiseProduct(rate);
+    };
+    apply(measured.omega, measured.omega_rate, 3, 5);
+    apply(measured.f, measured.f_rate, 4, 6);
+    Samples truth(flight), seen(measured);
+    for (int i = 0; i < 5; ++i) truth.whole(0.01 * i, 0.01 * (i + 1)), seen.whole(0.01 * i, 0.01 * (i + 1));
+    const Walked a = walk(plain, plain.ports(flight), truth.steps(), plain.check().fresh_memory());
+    const Walked b = walk(corrected, ports, seen.steps(), corrected.check().fresh_memory());
+    REQUIRE(distance(corrected, a.ports, b.ports) < 1e-8);
+    const Walked c = walk(plain, plain.ports(flight), seen.steps(), plain.check().fresh_memory());
+    REQUIRE(distance(corrected, a.ports, c.ports) > 1e-3);
+  }
+}
+
+TEST_CASE("at rest on the turning earth it stays at rest", "[phi_error]") {
+  const Vector3d lla{0.65, 2.2, 60}, angles{0.1, -0.2, 1.0};
+  const Eigen::Matrix3d C_bn = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles)).transpose();
+  const Flight rest{"rest", lla, Vector3d::Zero(), angles, C_bn * strapdown::omega_ie_n(lla[0]),
+                    C_bn * Vector3d(0, 0, -strapdown::gravity(lla[0], lla[2]).down), Vector3d::Zero(), Vector3d::Zero()};
+  const Bench bench("second", false);
+  Samples samples(rest);
+  for (int i = 0; i < 1000; ++i) samples.whole(0.01 * i, 0.01 * (i + 1));
+  const PortStates start = bench.ports(rest);
+  REQUIRE(distance(bench, walk(bench, start, samples.steps(), bench.check().fresh_memory()).ports, start) < 1e-8);
+}
+
+TEST_CASE("dt = 0 changes nothing; a pole stops it with a reason", "[phi_error]") {
+  const Bench bench;
+  const auto check = bench.check();
+  Samples nothing(flights[0]);
+  REQUIRE_NO_COMPLAINTS(
+      check.zero_step(bench.ports(flights[0]), nothing.whole(0, 0).step(), memory_before(bench, flights[0], 0.01)));
+  Flight pole = flights[0];
+  pole.lla[0] = 90 * degree - 1e-6;
+  Samples samples(pole);
+  Complaints out;
+  const Step step = samples.whole(0, 0.01).step();
+  auto memory = check.fresh_memory();
+  const PortStates ports = bench.ports(pole);
+  std::array<double, 10> x_plus;
+  double* at[] = {x_plus.data(), x_plus.data() + 3, x_plus.data() + 6, nullptr, nullptr, nullptr, nullptr};
+  const Result result = bench.model->propagate(step, test::detail::pointers(ports).data(), memory.data(), {at, nullptr, nullptr});
+  REQUIRE(result.verdict == Verdict::failed);
+  REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
+}

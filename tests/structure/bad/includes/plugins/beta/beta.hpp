@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
+// Another plugin.
+#include "binnacle/api.hpp"

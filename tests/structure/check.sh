@@ -1,0 +1,95 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# The rules of the house that a compiler does not keep. `check.sh RULE ROOT` reads the sources under ROOT,
+# `check.sh libraries FILE…` built plugins. One line an offence, `path:line: what`; exit status 1 if there is one.
+set -euo pipefail
+export LC_ALL=C
+
+here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+rule=$1
+shift
+
+sources=(--include='*.cpp' --include='*.hpp' --include='*.h' --include='*.inc')
+not_ours=(--exclude-dir=build --exclude-dir=.git --exclude-dir=.cache --exclude=LICENSE)
+
+# Who includes whom: plugins → kernel/include ← sdk.
+includes() {
+  awk -f "$here/includes.awk" \
+    <(find kernel plugins sdk -type f \( -name '*.hpp' -o -name '*.h' -o -name '*.inc' -o -name '*.cpp' \) 2>/dev/null) \
+    <(grep -rnE "${sources[@]}" '^[[:space:]]*#[[:space:]]*include' kernel plugins sdk 2>/dev/null)
+}
+
+# A plugin is handed all it needs through the headers; linking the kernel would give it a second copy of it.
+links() {
+  grep -rnE --include=CMakeLists.txt --include='*.cmake' '(Binnacle::|binnacle_)kernel' plugins |
+    sed 's/^\([^:]*:[0-9]*\):.*/\1: a plugin links the kernel library/'
+}
+
+# The kernel owns all state.
+state() {
+  find plugins -type f \( -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.inc' \) -print0 |
+    xargs -0r awk -f "$here/state.awk"
+}
+
+words() {
+  {
+    grep -rnIwE "${not_ours[@]}" 'TOD[O]|FIXM[E]|XX[X]|HAC[K]' . || true
+    grep -rnIwiE "${not_ours[@]}" 'stu[b]|placeholde[r]|not implemente[d]' . || true
+  } | sed 's/^\.\/\([^:]*:[0-9]*\):\(.*\)/\1: unfinished:\2/'
+}
+
+# A path of one machine. Not one of several after a / or in ${TMPDIR:-…}.
+paths() {
+  grep -rnIE "${not_ours[@]}" '(^|[^A-Za-z0-9_.})~*/-])/(work|tmp|root|home)(/|[^A-Za-z0-9_/-]|$)' . |
+    sed 's/^\.\/\([^:]*:[0-9]*\):\(.*\)/\1: a path of one machine:\2/'
+}
+
+license() {
+  local file
+  find . \( -name build -o -name .git -o -name .cache -o -path ./tests/structure/bad/license \) -prune -o -type f \
+    \( -name '*.cpp' -o -name '*.hpp' -o -name '*.cmake' -o -name CMakeLists.txt -o -name '*.sh' -o -name run \) -print |
+    while IFS= read -r file; do
+      head -n 2 -- "$file" | grep -q 'SPDX-License-Identifier: Apache-2.0' ||
+        echo "${file#./}:1: the licence line is missing"
+    done
+}
+
+# Writable objects of a library's own. The tool chain's are: what crt files bring, pointers to exception types, guards
+# of constants made at first use, and the table of cache sizes that Eigen's products keep.
+own_state='^(completed\.0|__dso_handle|__TMC_END__|_edata|__bss_start|_end|DW\.ref\..*|_ZGV.*|'
+own_state+='_ZZN5Eigen8internal20manage_caching_sizes.*|)$'
+
+libraries() {
+  local file exported
+  [ $# -gt 0 ] || echo "no library was given"
+  for file in "$@"; do
+    exported=$(nm -D --defined-only --format=posix "$file" | cut -d' ' -f1 | sort | paste -sd' ')
+    [ "$exported" = "binnacle_guard_v1 binnacle_register_v1" ] || echo "$file:0: exports: $exported"
+    case $(stat -c %a "$file") in
+      *[2367]) echo "$file:0: anybody may write it" ;;
+    esac
+    [ -n "${SANITIZED:-}" ] || objdump -t "$file" |
+      awk -v own="$own_state" -v file="$file" '
+        # address, flags, section, size, name: sections only of what is written at run time
+        match($0, / \.(data|bss|tdata|tbss)(\.[A-Za-z0-9_.]+)?\t/) && $0 !~ / \.data\.rel\.ro/ && substr($0, 24, 1) != "d" {
+          name = $NF
+          if (name !~ own && name !~ /^\./) print file ":0: writable state: " name
+        }'
+  done
+}
+
+case $rule in
+  libraries) found=$(libraries "$@" || true) ;;
+  includes | links | state | words | paths | license)
+    cd -- "$1"
+    found=$("$rule" || true)
+    ;;
+  *)
+    echo "check.sh: no rule '$rule'" >&2
+    exit 2
+    ;;
+esac
+
+[ -z "$found" ] && exit 0
+printf '%s\n' "$found"
+exit 1

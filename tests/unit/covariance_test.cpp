@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sparse covariance arithmetic against dense textbook formulas.
+#include <cmath>
+#include <random>
+
+#include <Eigen/Dense>
+
+#include "catch.hpp"
+#include "filter/covariance.hpp"
+#include "filter/van_loan.hpp"
+
+using namespace binnacle;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+MatrixXd random_matrix(int rows, int columns, std::mt19937& engine) {
+  std::normal_distribution<double> normal;
+  return MatrixXd::NullaryExpr(rows, columns, [&] { return normal(engine); });
+}
+
+MatrixXd random_covariance(int n, std::mt19937& engine) {
+  const MatrixXd A = random_matrix(n, n, engine);
+  return A * A.transpose() + MatrixXd::Identity(n, n);
+}
+
+/// P as the filter stores it: columns padded to whole strips.
+struct Stored {
+  explicit Stored(const MatrixXd& P) : n(static_cast<int>(P.rows())), data(static_cast<std::size_t>(padded(n) * n), 0.0) {
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) data[static_cast<std::size_t>(i + j * padded(n))] = P(i, j);
+  }
+  MatrixXd matrix() const {
+    return Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>>(data.data(), n, n, Eigen::OuterStride<>(padded(n)));
+  }
+  bool is_symmetric_to_the_bit() const {
+    const MatrixXd P = matrix();
+    return (P.array() == P.transpose().array()).all();
+  }
+  bool padding_is_zero() const {
+    for (int j = 0; j < n; ++j)
+      for (int i = n; i < padded(n); ++i)
+        if (data[static_cast<std::size_t>(i + j * padded(n))] != 0) return false;
+    return true;
+  }
+  int n;
+  std::vector<double> data;
+};
+
+}  // namespace
+
+TEST_CASE("predict equals the dense product for random structures") {
+  std::mt19937 engine(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + static_cast<int>(engine() % 30);
+    MatrixXd Phi = MatrixXd::Identity(n, n);
+    MatrixXd Q = MatrixXd::Zero(n, n);
+    TransitionPlan plan;
+    plan.n = n;
+    std::vector<std::vector<double>> blocks, noise;
+    for (int row = 0; row < n;) {
+      const int rows = std::min<int>(1 + static_cast<int>(engine() % 3), n - row);
+      const int kind = static_cast<int>(engine() % 3);
+      if (kind == 1) {  // diagonal only
+        std::vector<double> block;
+        for (int r = 0; r < rows; ++r) {
+          block.push_back(random_matrix(1, 1, engine)(0, 0));
+          Phi(row + r, row + r) = block.back();
+          plan.diagonals.push_back({row + r, static_cast<int>(blocks.size()), r});
+        }
+        blocks.push_back(block);
+      } else if (kind == 2) {  // a group over a random set of columns
+        RowGroup group;
+        group.first_row = row;
+        group.rows = rows;
+        Phi.middleRows(row, rows).setZero();
+        for (int column = 0; column < n; ++column) {
+          if (engine() % 2) continue;
+          std::vector<double> block;
+          for (int r = 0; r < rows; ++r) {
+            block.push_back(random_matrix(1, 1, engine)(0, 0));
+            Phi(row + r, column) = block.back();
+          }
+          group.columns.push_back({column, static_cast<int>(blocks.size()), 0});
+          blocks.push_back(block);
+        }
+        plan.groups.push_back(group);
+      }
+      const MatrixXd q = random_covariance(rows, engine);
+      Q.block(row, row, rows, rows) = q;
+      noise.push_back({q.data(), q.data() + q.size()});
+      plan.noise.push_back({row, row, rows, rows, rows, static_cast<int>(noise.size()) - 1});
+      if (row > 0 && engine() % 2) {  // a cross block below the diagonal
+        const MatrixXd cross = random_matrix(rows, 1, engine);
+        Q.block(row, 0, rows, 1) += cross;
+        Q.block(0, row, 1, rows) += cross.transpose();
+        noise.push_back({cross.data(), cross.data() + cross.size()});
+        plan.noise.push_back({row, 0, rows, 1, rows, static_cast<int>(noise.size()) - 1});
+      }
+      row += rows;
+    }
+    finish(plan);
+    std::vector<const double*> phi_table, noise_table;
+    for (const auto& block : blocks) phi_table.push_back(block.data());
+    for (const auto& block : noise) noise_table.push_back(block.data());
+
+    const MatrixXd P = random_covariance(n, engine);
+    Stored stored(P);
+    std::vector<double> scratch(predict_scratch(plan));
+    predict(plan, phi_table.data(), noise_table.data(), stored.data.data(), scratch.data());
+
+    const MatrixXd expected = Phi * P * Phi.transpose() + Q;
+    REQUIRE((stored.matrix() - expected).norm() < 1e-12 * expected.norm());
+    REQUIRE(stored.is_symmetric_to_the_bit());
+    REQUIRE(stored.padding_is_zero());
+  }
+}
+
+namespace {
+
+struct Update {
+  Update(const MatrixXd& H, const MatrixXd& R, const VectorXd& residual, int n, int m_max)
+      : m(static_cast<int>(H.rows())) {
+    const auto size = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
+    for (auto* square : {&R_, &HPHt, &S, &L}) square->assign(size(m_max, m_max), 0);
+    for (auto* tall : {&G, &K, &U}) tall->assign(size(padded(n), std::max(m_max, 3)), 0);
+    r.assign(static_cast<std::size_t>(m_max), 0);
+    y = r;
+    for (int c = 0; c < n; ++c) {
+      if (H.col(c).isZero()) continue;
+      columns.columns.push_back(c);
+      for (int i = 0; i < m_max; ++i) H_.push_back(i < m ? H(i, c) : 0);
+    }
+    for (int i = 0; i < m; ++i) {
+      r[static_cast<std::size_t>(i)] = residual(i);
+      for (int j = 0; j < m; ++j) R_[static_cast<std::size_t>(i + j * m_max)] = R(i, j);
+    }
+    work = {m_max, H_.data(), R_.data(), r.data(), G.data(), HPHt.data(), S.data(), L.data(), K.data(), U.data(), y.data()};
+  }
+  int m;
+  UpdateColumns columns;
+  std::vector<double> H_, R_, r, G, HPHt, S, L, K, U, y;
+  UpdateWork work;
+};
+
+}  // namespace
+
+TEST_CASE("the update equals Joseph's form, also with considered states") {
+  std::mt19937 engine(11);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 2 + static_cast<int>(engine() % 25);
+    const int m = 1 + static_cast<int>(engine() % 7);
+    const int m_max = m + static_cast<int>(engine() % 3);
+    MatrixXd H = random_matrix(m, n, engine);
+    for (int c = 1; c < n; ++c)
+      if (engine() % 2) H.col(c).setZero();
+    const MatrixXd R = random_covariance(m, engine);
+    const MatrixXd P = random_covariance(n, engine);
+    const VectorXd residual = random_matrix(m, 1, engine);
+    std::vector<unsigned char> corrected(static_cast<std::size_t>(n), 1);
+    const bool considers = trial % 2;
+    if (considers)
+      for (auto& flag : corrected) flag = engine() % 3 != 0;
+
+    Stored stored(P);
+    Update update(H, R, residual, n, m_max);
+    project(update.columns, stored.data.data(), n, m, update.work);
+    REQUIRE(factor_innovation(m, update.work));
+    const double nis = normalized_innovation_squared(m, update.work);
+    correct(considers ? corrected.data() : nullptr, stored.data.data(), n, m, update.work);
+    VectorXd delta(n);
+    gain_times_residual(n, m, update.work, delta.data());
+
+    const MatrixXd S = H * P * H.transpose() + R;
+    MatrixXd K = P * H.transpose() * S.inverse();
+    for (int i = 0; i < n; ++i)
+      if (!corrected[static_cast<std::size_t>(i)]) K.row(i).setZero();
+    const MatrixXd A = MatrixXd::Identity(n, n) - K * H;
+    const MatrixXd expected = A * P * A.transpose() + K * R * K.transpose();
+    REQUIRE(std::abs(nis - residual.dot(S.inverse() * residual)) < 1e-9 * (1 + nis));
+    REQUIRE((delta - K * residual).norm() < 1e-9 * (1 + delta.norm()));
+    REQUIRE((stored.matrix() - expected).norm() < 1e-11 * P.norm());
+    REQUIRE(stored.is_symmetric_to_the_bit());
+  }
+}
+
+TEST_CASE("an innovation covariance that is not positive definite is refused") {
+  const MatrixXd P = MatrixXd::Identity(2, 2);
+  Stored stored(P);
+  MatrixXd H(1, 2);
+  H << 1, 0;
+  Update update(H, MatrixXd::Constant(1, 1, -2.0), VectorXd::Ones(1), 2, 1);
+  project(update.columns, stored.data.data(), 2, 1, update.work);
+  REQUIRE_FALSE(factor_innovation(1, update.work));
+}
+
+TEST_CASE("transform_block equals T P T'") {
+  std::mt19937 engine(5);
+  const int n = 11, d = 3;
+  for (int first = 0; first + d <= n; ++first) {
+    const MatrixXd T3 = random_matrix(d, d, engine);
+    MatrixXd T = MatrixXd::Identity(n, n);
+    T.block(first, first, d, d) = T3;
+    const MatrixXd P = random_covariance(n, engine);
+    Stored stored(P);
+    std::vector<double> scratch(static_cast<std::size_t>(padded(n) * d));
+    transform_block(T3.data(), first, d, stored.data.data(), n, scratch.data());
+    REQUIRE((stored.matrix() - T * P * T.transpose()).norm() < 1e-12 * P.norm() * T.squaredNorm());
+    REQUIRE(stored.is_symmetric_to_the_bit());
+    REQUIRE(stored.padding_is_zero());
+  }
+}
+
+TEST_CASE("discretize equals a fine integration, stiff and unstable models included") {
+  std::mt19937 engine(3);
+  for (const double stiffness : {0.01, 1.0, 40.0}) {
+    const int n = 5;
+    MatrixXd F = random_matrix(n, n, engine);
+    F -= stiffness * MatrixXd::Identity(n, n);
+    const MatrixXd G = random_matrix(n, 2, engine);
+    const MatrixXd Q = G * G.transpose();
+    const double dt = 0.7;
+    MatrixXd Phi(n, n), Qd(n, n);
+    std::vector<double> work(van_loan_doubles(n));
+    discretize(F.data(), Q.data(), n, dt, Phi.data(), Qd.data(), work.data());
+
+    // Ẋ = F X and Ṗ = F P + P Fᵀ + Q by the classical fourth-order rule with small steps.
+    MatrixXd X = MatrixXd::Identity(n, n), P = MatrixXd::Zero(n, n);
+    const int steps = 20000;
+    const double h = dt / steps;
+    const auto P_dot = [&](const MatrixXd& p) -> MatrixXd { return F * p + p * F.transpose() + Q; };
+    for (int i = 0; i < steps; ++i) {
+      const MatrixXd a = F * X, b = F * (X + h / 2 * a), c = F * (X + h / 2 * b), d = F * (X + h * c);
+      X += h / 6 * (a + 2 * b + 2 * c + d);
+      const MatrixXd k1 = P_dot(P), k2 = P_dot(P + h / 2 * k1), k3 = P_dot(P + h / 2 * k2), k4 = P_dot(P + h * k3);
+      P += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    REQUIRE((Phi - X).norm() < 1e-10 * (1 + X.norm()));
+    REQUIRE((Qd - P).norm() < 1e-10 * (1 + P.norm()));
+    REQUIRE((Qd - Qd.transpose()).norm() == 0);
+  }
+}
