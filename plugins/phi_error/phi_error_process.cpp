@@ -67,11 +67,6 @@ constexpr NoisePlace noise_places[] = {
     {velocity, attitude, &NoiseBlocks::v_phi, Order::second}, {attitude, attitude, &NoiseBlocks::phi_phi, Order::first},
 };
 
-struct Linearized {
-  TransitionBlocks transition;
-  NoiseBlocks noise;
-};
-
 FieldSpec increment_field(std::string name, std::string unit, std::string text) {
   return {std::move(name), std::move(unit), FieldKind::increment, false, false, std::move(text)};
 }
@@ -199,7 +194,6 @@ Result PhiErrorProcess::propagate(const Step& step, const double* const* x, std:
   const strapdown::SensorErrors errors = sensor_errors(x);
   strapdown::Navigation nav{vector_at<3>(x[position]), vector_at<3>(x[velocity]), vector_at<4>(x[attitude])};
   SampleMemory remembered = SampleMemory::load(memory);
-  Linearized linearized;
   std::optional<Folded> group;
   if (step.samples.size() > 1) group.emplace();
   bool is_moved = false;
@@ -208,14 +202,19 @@ Result PhiErrorProcess::propagate(const Step& step, const double* const* x, std:
     const strapdown::Increment measured = SampleMemory::increment(sample);
     const strapdown::Previous neighbours = remembered.before(sample);
     const strapdown::Increment increment = correct(measured, errors);
-    const strapdown::Step advanced =
-        strapdown::step(nav, increment, {corrected(neighbours.last, errors), corrected(neighbours.before, errors)});
+    const strapdown::MeanRates neighbour =
+        corrected(increment.sample_offset > 0.0 ? neighbours.before : neighbours.last, errors);
+    const strapdown::Step advanced = strapdown::step(nav, increment, {neighbour, neighbour});
     if (!(advanced.mid.cos_lat > least_cos_lat)) return Result::failed(near_pole);
     nav = advanced.nav;
     remembered.remember(neighbours, measured, sample);
-    linearized.transition = strapdown::transition(advanced.mid, input_sensitivity(increment, errors), order_);
-    linearized.noise = strapdown::process_noise(advanced.mid, density_);
-    if (group) group->then(linearized);
+    const Linearized linearized{strapdown::transition(advanced.mid, input_sensitivity(increment, errors), order_),
+                                strapdown::process_noise(advanced.mid, density_)};
+    if (group) {
+      group->then(linearized);
+    } else {
+      write(linearized, out);
+    }
     is_moved = true;
   }
   remembered.save(memory);
@@ -224,18 +223,17 @@ Result PhiErrorProcess::propagate(const Step& step, const double* const* x, std:
   vector_at<4>(out.x_plus[attitude]) = nav.q_nb;
   if (!is_moved) {
     write_identity(out);
-  } else {
-    if (group) linearized = group->blocks();
-    write(linearized.transition, linearized.noise, out);
+  } else if (group) {
+    write(group->blocks(), out);
   }
   return Result::ok();
 }
 
-void PhiErrorProcess::write(const TransitionBlocks& transition, const NoiseBlocks& noise,
-                            const ProcessOutput& out) const {
+void PhiErrorProcess::write(const Linearized& linearized, const ProcessOutput& out) const {
   for (std::size_t i = 0; i < declaration_.transition.size(); ++i)
-    matrix_at<3, 3>(out.transition[i]) = transition.*transition_[i];
-  for (std::size_t i = 0; i < declaration_.noise.size(); ++i) matrix_at<3, 3>(out.noise[i]) = noise.*noise_[i];
+    matrix_at<3, 3>(out.transition[i]) = linearized.transition.*transition_[i];
+  for (std::size_t i = 0; i < declaration_.noise.size(); ++i)
+    matrix_at<3, 3>(out.noise[i]) = linearized.noise.*noise_[i];
 }
 
 void PhiErrorProcess::write_identity(const ProcessOutput& out) const {

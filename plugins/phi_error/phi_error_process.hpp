@@ -11,6 +11,12 @@
 
 namespace binnacle::phi_error {
 
+/// The error model of one sample, or of a group of them.
+struct Linearized {
+  strapdown::TransitionBlocks transition;
+  strapdown::NoiseBlocks noise;
+};
+
 /// Advances position, velocity and attitude by an inertial sensor's increments (strapdown/mechanization.hpp), after
 /// taking off the bias and scale factor blocks that are plugged in (strapdown/error_model.hpp: signs and equations).
 ///
@@ -32,8 +38,7 @@ class PhiErrorProcess final : public ProcessModel {
 
   void declare_transition(const Binding& binding);
   void declare_noise();
-  void write(const strapdown::TransitionBlocks& transition, const strapdown::NoiseBlocks& noise,
-             const ProcessOutput& out) const;
+  void write(const Linearized& linearized, const ProcessOutput& out) const;
   void write_identity(const ProcessOutput& out) const;
 
   ProcessDeclaration declaration_;

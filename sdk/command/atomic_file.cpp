@@ -53,7 +53,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
 
 void AtomicFile::open_temporary() {
   std::error_code ignored;
-  if (std::filesystem::is_symlink(target_, ignored)) target_ = std::filesystem::weakly_canonical(target_);
+  if (std::filesystem::is_symlink(target_, ignored)) target_ = std::filesystem::weakly_canonical(target_, ignored);
   const auto folder = folder_of(target_);
   temporary_ = folder / fmt::format(".{}.tmp-{}", target_.filename().string(), ::getpid());
   file_ = open_unnamed(folder);

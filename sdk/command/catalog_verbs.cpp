@@ -26,7 +26,8 @@ std::string role_word(Role role) {
 /// The whole name, or a word of it: "block" stands for the state block, the first that has the word.
 Role role_called(const std::string& name) {
   std::string wanted = name;
-  std::replace_if(wanted.begin(), wanted.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+  std::replace_if(
+      wanted.begin(), wanted.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
   std::vector<std::string> words;
   for (const Role role : all_roles) {
     words.push_back(role_word(role));
@@ -108,9 +109,9 @@ std::vector<const ComponentType*> types_called(const Catalog& catalog, const std
   auto types = catalog.find_all(name);
   if (!types.empty()) return types;
   const std::string near = catalog.nearest(name);
-  throw UsageError(fmt::format("there is no component type '{}'{}", name,
-                               near.empty() ? "; `binnacle list` shows all of them"
-                                            : fmt::format("; did you mean '{}'?", near)));
+  throw UsageError(
+      fmt::format("there is no component type '{}'{}", name,
+                  near.empty() ? "; `binnacle list` shows all of them" : fmt::format("; did you mean '{}'?", near)));
 }
 
 const ComponentType* type_called(const Catalog& catalog, const std::string& name) {
@@ -160,7 +161,8 @@ int create(const TypeOptions& options) {
 Verb list_verb(CLI::App& command) {
   const auto options = std::make_shared<ListOptions>();
   CLI::App* app = command.add_subcommand("list", "The component types that there are");
-  app->add_option("ROLE", options->role, "Only those: block, process, measurement, derived, noise, source, transform, sink");
+  app->add_option("ROLE", options->role,
+                  "Only those: block, process, measurement, derived, noise, source, transform, sink");
   app->add_flag("--plugins", options->plugins, "The plugins, their versions and files instead");
   app->add_flag("--json", options->json, "As JSON");
   return {app, [options] { return list(*options); }};

@@ -18,8 +18,8 @@ std::string file_name(const std::string& filter) {
   std::string name;
   for (const char c : filter) {
     const auto byte = static_cast<unsigned char>(c);
-    const bool is_plain = byte >= 0x80 || std::isalnum(byte) || c == '_' || c == '-' || c == ' ' ||
-                          (c == '.' && !name.empty());
+    const bool is_plain =
+        byte >= 0x80 || std::isalnum(byte) || c == '_' || c == '-' || c == ' ' || (c == '.' && !name.empty());
     name += is_plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
   }
   return name + ".csv";

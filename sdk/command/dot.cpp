@@ -56,8 +56,7 @@ std::string owner(const std::string& pointer) {
 
 class FilterGraph {
  public:
-  explicit FilterGraph(const Json& filter)
-      : filter_(filter), root_("/filters/" + escaped(text_of(filter, "name"))) {
+  explicit FilterGraph(const Json& filter) : filter_(filter), root_("/filters/" + escaped(text_of(filter, "name"))) {
     for (const auto& derived : filter.at("derived")) derived_.insert(text_of(derived, "name"));
   }
 
@@ -65,11 +64,13 @@ class FilterGraph {
     std::string text = fmt::format("  subgraph cluster_{} {{\n    label={};\n    style=rounded;\n", index,
                                    quoted("filter " + text_of(filter_, "name")));
     for (const auto& block : filter_.at("blocks"))
-      text += "    " + node(at("blocks", block), block_label(block), "shape=box, style=\"filled\", fillcolor=\"#dce9f7\"");
+      text +=
+          "    " + node(at("blocks", block), block_label(block), "shape=box, style=\"filled\", fillcolor=\"#dce9f7\"");
     for (const auto& derived : filter_.at("derived"))
       text += "    " + node(at("derived", derived), two_lines(derived), "shape=box, style=\"dashed\"");
     for (const auto& process : filter_.at("process"))
-      text += "    " + node(at("process", process), two_lines(process), "shape=ellipse, style=\"filled\", fillcolor=\"#e3f2dc\"");
+      text += "    " + node(at("process", process), two_lines(process),
+                            "shape=ellipse, style=\"filled\", fillcolor=\"#e3f2dc\"");
     for (const auto& measurement : filter_.at("measurements"))
       text += "    " + node(at("measurements", measurement), measurement_label(measurement),
                             "shape=hexagon, style=\"filled\", fillcolor=\"#f7ecd2\"");
@@ -105,7 +106,7 @@ class FilterGraph {
   static std::string block_label(const Json& block) {
     std::size_t rows = 0;
     for (const auto& component : block.at("components")) rows += component.contains("row") ? 1 : 0;
-    return fmt::format("{}\n{} of {} rows", two_lines(block), rows, block.at("components").size());
+    return fmt::format("{}\n{} of {}", two_lines(block), rows, counted(block.at("components").size(), "row"));
   }
   static std::string measurement_label(const Json& measurement) {
     std::string label = text_of(measurement, "name");
@@ -143,8 +144,9 @@ std::string channel_edges(const Json& channels, std::set<std::string>& unnamed) 
 }  // namespace
 
 std::string dot_text(const Json& explained) {
-  std::string text = "digraph binnacle {\n  rankdir=LR;\n  node [fontname=\"sans-serif\", fontsize=10];\n"
-                     "  edge [fontname=\"sans-serif\", fontsize=9];\n";
+  std::string text =
+      "digraph binnacle {\n  rankdir=LR;\n  node [fontname=\"sans-serif\", fontsize=10];\n"
+      "  edge [fontname=\"sans-serif\", fontsize=9];\n";
   if (const std::string title = text_of(explained, "title"); !title.empty())
     text += "  label=" + quoted(title) + ";\n  labelloc=t;\n";
   for (const auto& source : explained.at("sources"))

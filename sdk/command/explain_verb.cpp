@@ -84,8 +84,7 @@ std::string layout_text(const Json& filter, const Json& filter_config) {
     for (const auto& component : block.at("components")) {
       const std::string label = component.at("name");
       table.row({component.contains("row") ? component.at("row").dump() : "-", name + "." + label, component.at("unit"),
-                 component.at("use"),
-                 component.contains("row") ? initial_sigma(block_config, label, index) : ""});
+                 component.at("use"), component.contains("row") ? initial_sigma(block_config, label, index) : ""});
       ++index;
     }
   }
@@ -114,7 +113,7 @@ std::string processes_text(const Json& filter) {
   return section("Process models", table);
 }
 
-/// Rows move with columns: × where Φ couples them, \ for a block with itself.
+/// Rows move with columns: x where Φ couples them, \ for a block with itself.
 std::string couplings_text(const Json& filter) {
   if (filter.at("couplings").empty()) return {};
   std::vector<std::string> names;
@@ -153,7 +152,7 @@ std::string measurements_text(const Json& filter) {
   Table table("llllll");
   for (const auto& measurement : filter.at("measurements"))
     table.row({measurement.at("name"), "on " + value_text(measurement.at("channel")), parts_text(measurement),
-               fmt::format("up to {} rows", measurement.at("max_rows").dump()), gate_text(measurement),
+               "up to " + counted(measurement.at("max_rows"), "row"), gate_text(measurement),
                measurement.contains("noise") ? "noise " + value_text(measurement.at("noise")) : ""});
   return section("Measurements", table);
 }
@@ -171,7 +170,7 @@ std::string start_text(const Json& filter) {
 
 std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
-  return fmt::format("\nFILTER {}: {} rows in the covariance\n", name, filter.at("dof").dump()) +
+  return fmt::format("\nFILTER {}: {} in the covariance\n", name, counted(filter.at("dof"), "row")) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
          measurements_text(filter) + start_text(filter);
 }
@@ -179,7 +178,8 @@ std::string filter_text(const Json& filter, const Json& filter_config) {
 std::string explanation_text(const Json& told, const Json& config) {
   const std::string title = told.at("title");
   std::string text = title.empty() ? "" : title + "\n";
-  text += sources_text(told.at("sources")) + transforms_text(told.at("transforms")) + channels_text(told.at("channels"));
+  text +=
+      sources_text(told.at("sources")) + transforms_text(told.at("transforms")) + channels_text(told.at("channels"));
   for (const auto& filter : told.at("filters"))
     text += filter_text(filter, config.at("filters").at(filter.at("name").get<std::string>()));
   text += fmt::format("\nUnused channels: {}\n",

@@ -20,8 +20,7 @@ LoadOptions ConfigOptions::load_options() const {
   LoadOptions options;
   for (const auto& text : vars_) {
     const auto at = text.find('=');
-    if (at == std::string::npos || at == 0)
-      throw UsageError(fmt::format("--var takes NAME=PATH; found '{}'", text));
+    if (at == std::string::npos || at == 0) throw UsageError(fmt::format("--var takes NAME=PATH; found '{}'", text));
     options.vars[text.substr(0, at)] = text.substr(at + 1);
   }
   options.sets = sets_;

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "table.hpp"
+
 namespace binnacle::command {
 
 namespace {
@@ -29,10 +31,6 @@ std::string line_of(const Diagnostic& diagnostic) {
   const auto at = line.find(mark);
   if (at != std::string::npos) line.replace(at, mark.size(), coloured(mark, diagnostic.severity));
   return line;
-}
-
-std::string counted(std::size_t count, const char* noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 std::string count_line(const Diagnostics& diagnostics) {

@@ -112,7 +112,8 @@ void add_window_rows(const Json& windows, std::vector<Column>& columns, Table& t
 void add_across_row(const std::string& title, const std::vector<Column>& columns,
                     double (*statistic)(const std::vector<double>&), Table& table) {
   Names row{title};
-  for (const auto& column : columns) row.push_back(column.magnitudes.empty() ? "-" : figure(statistic(column.magnitudes)));
+  for (const auto& column : columns)
+    row.push_back(column.magnitudes.empty() ? "-" : figure(statistic(column.magnitudes)));
   table.row(std::move(row));
 }
 
@@ -140,10 +141,26 @@ std::string window_table(const Json& windows, const std::set<std::string>& norms
   add_window_rows(windows, columns, table);
   if (windows.size() > 1) {
     add_across_row(fmt::format("over {} windows: mean", windows.size()), columns, mean, table);
-    add_across_row("median", columns, [](const std::vector<double>& values) { return median(values); }, table);
+    add_across_row(
+        "median", columns, [](const std::vector<double>& values) { return median(values); }, table);
     add_across_row("max", columns, largest, table);
   }
   return "\n" + table.text();
+}
+
+/// Over the windows of all filters: what the summary tells under "windows".
+std::string across_table(const Json& across) {
+  Table table("lrrrrrrrl");
+  table.row({"", "", "final", "", "", "rms", "", "", ""});
+  table.row({"over all filters", "windows", "mean", "median", "max", "mean", "median", "max", "unit"});
+  for (const auto& [name, entry] : across.items()) {
+    Names row{name, count_at(entry, "n")};
+    for (const char* key : {"final", "rms"})
+      for (const char* statistic : {"mean", "p50", "max"}) row.push_back(figure(number_at(entry.at(key), statistic)));
+    row.push_back(entry.value("unit", ""));
+    table.row(std::move(row));
+  }
+  return table.text() + "\n";
 }
 
 // ---- measurements, consistency
@@ -164,7 +181,7 @@ std::string measurement_table(const Json& measurements) {
     row.push_back(fmt::format("{} / {:.4g}", figure(number_at(entry, "nis_mean")), number_at(entry, "dof")));
     table.row(std::move(row));
     if (entry.contains("recoveries") && entry["recoveries"] != 0)
-      reasons += fmt::format("  {}: reopened {} times\n", name, entry["recoveries"].dump());
+      reasons += fmt::format("  {}: reopened {}\n", name, counted(entry["recoveries"], "time"));
     if (entry.contains("last_reason"))
       reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
   }
@@ -181,10 +198,17 @@ std::string consistency_table(const Json& consistency) {
 
 // ---- a filter
 
+/// Where a filter is scored against withheld samples, these figures are the reference's.
+bool is_part_of(const Json& figures, const Json& reference) {
+  for (const auto& [name, entry] : figures.items())
+    if (!reference.contains(name) || reference.at(name) != entry) return false;
+  return true;
+}
+
 std::string heading(const std::string& name, const Json& filter) {
-  std::string text = name;
+  std::string text = name + ": never started";
   if (filter.contains("start_s"))
-    text += fmt::format(": {:.3f} s to {:.3f} s", number_at(filter, "start_s"), number_at(filter, "end_s"));
+    text = fmt::format("{}: {:.3f} s to {:.3f} s", name, number_at(filter, "start_s"), number_at(filter, "end_s"));
   const double steps = number_at(filter, "steps"), filter_s = number_at(filter, "filter_s");
   text += fmt::format(", {} steps", count_at(filter, "steps"));
   if (steps > 0) text += fmt::format(", {} per step", duration(filter_s / steps));
@@ -198,7 +222,8 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
   text += error_table("error", filter.at("reference"), norms);
   if (filter.contains("withheld"))
     for (const auto& [measurement, figures] : filter.at("withheld").items())
-      text += error_table(fmt::format("withheld '{}'", measurement), figures, norms);
+      if (!is_part_of(figures, filter.at("reference")))
+        text += error_table(fmt::format("withheld '{}'", measurement), figures, norms);
   if (filter.contains("windows")) text += window_table(filter.at("windows"), norms);
   if (filter.contains("consistency")) text += consistency_table(filter.at("consistency"));
   return text + measurement_table(filter.at("measurements"));
@@ -210,6 +235,7 @@ std::string summary_text(const Json& summary, const Composition& composition) {
   std::string text = composition.title().empty() ? "" : composition.title() + "\n\n";
   for (const auto& filter : composition.filters())
     text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
+  if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));
   return text + fmt::format("wall time {}\n", duration(number_at(summary, "wall_s")));
 }
 

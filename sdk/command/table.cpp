@@ -48,6 +48,10 @@ std::string joined(const std::vector<std::string>& items, std::string_view separ
   return fmt::format("{}", fmt::join(items, separator));
 }
 
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string figure(double value) {
   const double magnitude = std::abs(value);
   if (!std::isfinite(value)) return std::isnan(value) ? "-" : fmt::format("{}", value);

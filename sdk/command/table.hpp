@@ -28,6 +28,9 @@ class Table {
 /// "a, b, c"
 std::string joined(const std::vector<std::string>& items, std::string_view separator = ", ");
 
+/// "1 row", "2 rows"
+std::string counted(std::size_t count, std::string_view noun);
+
 /// Four significant digits, without an exponent where that reads better: 0.1234, 12.34, 1.234e-06; "-" for NaN.
 std::string figure(double value);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loader and the catalog, on plugins that are good, broken, and hostile. BINNACLE_LOADER_TEST_PLUGINS is their folder.
+// The loader and the catalog, on plugins that are good, broken, and hostile; BINNACLE_LOADER_TEST_PLUGINS is their place.
 #include "binnacle/catalog.hpp"
 
 #include <unistd.h>
@@ -130,8 +130,7 @@ TEST_CASE("what is no plugin is refused before any of it runs", "[catalog]") {
               "(exports binnacle_guard_v2, not binnacle_guard_v1)"});
   CHECK(load("no_register") ==
         Lines{"no_register.so: error[B041]: not a plugin for this program: it exports no binnacle_register_v1"});
-  CHECK(load("absent") ==
-        Lines{"absent.so: error[B040]: the plugin cannot be opened: No such file or directory"});
+  CHECK(load("absent") == Lines{"absent.so: error[B040]: the plugin cannot be opened: No such file or directory"});
 }
 
 TEST_CASE("each field of a foreign guard is told, and no code of it runs", "[catalog]") {
@@ -144,17 +143,21 @@ TEST_CASE("each field of a foreign guard is told, and no code of it runs", "[cat
   REQUIRE(found.size() == 11);
   CHECK(found[0] == "wrong_guard.so: error[B042]: ABI of the standard library: host _GLIBCXX_USE_CXX11_ABI=" + cxx11 +
                         ", plugin _GLIBCXX_USE_CXX11_ABI=" + other + "; rebuild the plugin with the host's setting");
-  CHECK(found[1] == "wrong_guard.so: error[B042]: debug containers: host off, plugin _GLIBCXX_DEBUG; rebuild the "
-                    "plugin without _GLIBCXX_DEBUG");
+  CHECK(found[1] ==
+        "wrong_guard.so: error[B042]: debug containers: host off, plugin _GLIBCXX_DEBUG; rebuild the "
+        "plugin without _GLIBCXX_DEBUG");
   CHECK(found[2].find("wrong_guard.so: error[B042]: sanitizers: host ") == 0);
   if (host.sanitizers == 0) {
-    CHECK(found[2] == "wrong_guard.so: error[B042]: sanitizers: host none, plugin address; rebuild the plugin "
-                      "without -fsanitize");
+    CHECK(found[2] ==
+          "wrong_guard.so: error[B042]: sanitizers: host none, plugin address; rebuild the plugin "
+          "without -fsanitize");
   }
-  CHECK(found[3] == "wrong_guard.so: error[B042]: std::string: host size 32, alignment 8, plugin size 8, alignment 8; "
-                    "rebuild the plugin with this version's headers and compiler settings");
+  CHECK(found[3] ==
+        "wrong_guard.so: error[B042]: std::string: host size 32, alignment 8, plugin size 8, alignment 8; "
+        "rebuild the plugin with this version's headers and compiler settings");
   CHECK(found[4].find("wrong_guard.so: error[B042]: ParameterSpec: host size ") == 0);
-  CHECK(found[5].find("wrong_guard.so: error[B042]: instruction sets: host this processor lacks bit 63, plugin bit 63") == 0);
+  CHECK(found[5].find(
+            "wrong_guard.so: error[B042]: instruction sets: host this processor lacks bit 63, plugin bit 63") == 0);
   CHECK(found[6].find("wrong_guard.so: warning[B043]: container assertions: ") == 0);
   CHECK(found[7].find("wrong_guard.so: warning[B043]: Eigen version: host 3.") == 0);
   CHECK(found[8].find("wrong_guard.so: warning[B043]: EIGEN_MAX_ALIGN_BYTES: host ") == 0);
@@ -200,8 +203,7 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
   CHECK(told("text.so") ==
         "text.so: error[B041]: not a plugin for this program: it is no shared library (not an ELF file)");
   std::ofstream(scratch.path / "empty.so");
-  CHECK(told("empty.so") ==
-        "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
+  CHECK(told("empty.so") == "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
   fs::create_directory(scratch.path / "folder.so");
   CHECK(told("folder.so") == "folder.so: error[B040]: the plugin is not a file");
 
@@ -231,8 +233,8 @@ TEST_CASE("a second copy of a plugin is an error that names the first", "[catalo
   Diagnostics diagnostics;
   catalog.load(plugin("good"), diagnostics);
   catalog.load(scratch.path / "copy.so", diagnostics);
-  CHECK(diagnostics.text() == (scratch.path / "copy.so").string() + ": error[B046]: plugin 'good' is loaded already, from " +
-                                  plugin("good").string());
+  CHECK(diagnostics.text() == (scratch.path / "copy.so").string() +
+                                  ": error[B046]: plugin 'good' is loaded already, from " + plugin("good").string());
   CHECK(catalog.types().size() == 3);
 }
 
@@ -372,8 +374,9 @@ TEST_CASE("a type describes itself", "[catalog]") {
         "Example\n"
         "  {\"length\": \"3 m\", \"sigma\": \"1 m\"}\n");
   const auto json = describe_json(*catalog.find(Role::process_model, "rest"));
-  CHECK(json["parameters"].dump() ==
-        R"json([{"name":"q","type":"vector","unit":"@x/sqrt(s)","required":true,"at_least":0.0,"size_of_port":"x","text":"noise"}])json");
+  CHECK(
+      json["parameters"].dump() ==
+      R"json([{"name":"q","type":"vector","unit":"@x/sqrt(s)","required":true,"at_least":0.0,"size_of_port":"x","text":"noise"}])json");
   CHECK(json["ports"][1]["required"] == false);
   CHECK(json["fields"][0]["kind"] == "rate");
 }

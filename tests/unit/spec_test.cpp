@@ -67,8 +67,9 @@ using namespace binnacle::parameter;
 }  // namespace
 
 TEST_CASE("what is right arrives in SI, with defaults filled in", "[spec]") {
-  const Checked checked = check(gauss_markov(), R"({"type": "x", "blocks": {}, "tau": "1 h", "sigma": ["1 deg/h", 2, "3 rad/s"]})",
-                                port_x("rad/s", 3));
+  const Checked checked =
+      check(gauss_markov(), R"({"type": "x", "blocks": {}, "tau": "1 h", "sigma": ["1 deg/h", 2, "3 rad/s"]})",
+            port_x("rad/s", 3));
   CHECK(checked.text == "");
   const Parameters parameters(checked.value);
   CHECK(parameters.vector("tau").size() == 3);
@@ -110,12 +111,14 @@ TEST_CASE("a wrong unit is told with the right one", "[spec]") {
         "\"0.2 deg/h\"");
   CHECK(said_of(number("v", "rad/s"), "\"0.2 deg/hr\"") ==
         "c.json:1:7: error[B008] /v: 'v': unknown unit 'deg/hr'; did you mean 'deg/h'?");
-  CHECK(said_of(time("v"), "\"2 m\"") == "c.json:1:7: error[B007] /v: '2 m' is a length; 'v' is a time (s), for example \"1 s\"");
+  CHECK(said_of(time("v"), "\"2 m\"") ==
+        "c.json:1:7: error[B007] /v: '2 m' is a length; 'v' is a time (s), for example \"1 s\"");
 }
 
 TEST_CASE("a wrong type is told with the right one", "[spec]") {
-  CHECK(said_of(number("v", "s").above(0), "true") ==
-        "c.json:1:7: error[B006] /v: 'v' must be a number or text with a unit (s, > 0), for example \"1 h\"; found true");
+  CHECK(
+      said_of(number("v", "s").above(0), "true") ==
+      "c.json:1:7: error[B006] /v: 'v' must be a number or text with a unit (s, > 0), for example \"1 h\"; found true");
   CHECK(said_of(number("v", "1"), "{}") ==
         "c.json:1:7: error[B006] /v: 'v' must be a number, for example 1; found an empty object");
   CHECK(said_of(integer("v").at_least(1), "1.5") ==
@@ -148,8 +151,9 @@ TEST_CASE("wrong lengths and words", "[spec]") {
   CHECK(said_of(matrix("v", "1", 2, 2), "[[1, 2], [3]]") ==
         "c.json:1:16: error[B013] /v/1: row 1 of 'v' has 1 element, the first has 2");
   CHECK(said_of(matrix("v", "1", 2, 2), "[[1, 2]]") == "c.json:1:7: error[B013] /v: 'v' is 1 by 2; it takes 2 by 2");
-  CHECK(said(R"({"tau": 1, "sigma": 1, "form": "frist"})") ==
-        "c.json:1:32: error[B014] /form: 'form' cannot be 'frist'; did you mean 'first'? It is one of 'first', 'second'");
+  CHECK(
+      said(R"({"tau": 1, "sigma": 1, "form": "frist"})") ==
+      "c.json:1:32: error[B014] /form: 'form' cannot be 'frist'; did you mean 'first'? It is one of 'first', 'second'");
   CHECK(said(R"({"tau": 1, "sigma": 1, "form": "quadratic"})") ==
         "c.json:1:32: error[B014] /form: 'form' cannot be 'quadratic'; it is one of 'first', 'second'");
 }
@@ -219,7 +223,8 @@ TEST_CASE("defaults go through the same check", "[spec]") {
 
 TEST_CASE("paths start at the file that names them", "[spec]") {
   Diagnostics diagnostics;
-  const Document config = Document::parse(R"({"file": "../data/imu.csv"})", "/somewhere/configs/c.json", {}, diagnostics);
+  const Document config =
+      Document::parse(R"({"file": "../data/imu.csv"})", "/somewhere/configs/c.json", {}, diagnostics);
   const auto value = check_parameters({path("file").required(), path("other").defaults("\"x.csv\"")}, "csv", config, "",
                                       {}, {}, diagnostics);
   CHECK(diagnostics.text() == "");
@@ -256,8 +261,9 @@ TEST_CASE("instants and windows", "[spec]") {
   read_window(config, "/i", diagnostics);
   CHECK_FALSE(when("/none"));
   REQUIRE(diagnostics.items().size() == 4);
-  CHECK(diagnostics.items()[0].message == "'strat+60 s' does not begin with a number; expected something like '120 s'; "
-                                          "write \"228 s\" or \"start+60 s\"");
+  CHECK(diagnostics.items()[0].message ==
+        "'strat+60 s' does not begin with a number; expected something like '120 s'; "
+        "write \"228 s\" or \"start+60 s\"");
   CHECK(diagnostics.items()[1].message == "true is no time; write \"228 s\" or \"start+60 s\"");
   CHECK(diagnostics.items()[2].message == "the window ends before it begins");
   CHECK(diagnostics.items()[3].message ==
@@ -265,7 +271,8 @@ TEST_CASE("instants and windows", "[spec]") {
 }
 
 TEST_CASE("keys that the kernel owns", "[spec]") {
-  const Document config = document(R"({"evaluate": {"aftr": 1}, "sigma": ["1 deg", 2], "n": "three", "names": ["a", 1]})");
+  const Document config =
+      document(R"({"evaluate": {"aftr": 1}, "sigma": ["1 deg", 2], "n": "three", "names": ["a", 1]})");
   Diagnostics diagnostics;
   check_keys(config, "/evaluate", {"after", "windows"}, "'evaluate'", diagnostics);
   CHECK_FALSE(require_key(config, "/evaluate", "after", "evaluate", "a time", diagnostics));
@@ -287,15 +294,22 @@ TEST_CASE("a spec that contradicts itself is found out", "[spec]") {
   ComponentSpec spec;
   spec.type = "x";
   CHECK(spec_defects(spec).empty());
-  spec.parameters = {number("a", "deg"), number("a", "m"), vector("b", "@y"), choice("c", {}),
-                     number("d", "m").required().defaults("1"), number("e", "parsec")};
-  CHECK(spec_defects(spec) ==
-        Lines{"parameter 'a': the unit 'deg' is not SI", "parameter 'a' stands twice",
-              "parameter 'b' has the unit of the port 'y', which it lacks", "parameter 'c' has nothing to choose from",
-              "parameter 'd' is required and has a default", "parameter 'e': unknown unit 'parsec'; did you mean 'arcsec'?"});
-  spec.parameters = {number("a", "m").defaults("\"1 s\""), integer("b").defaults("{"), choice("c", {"x"}).defaults("\"y\"")};
+  spec.parameters = {number("a", "deg"),
+                     number("a", "m"),
+                     vector("b", "@y"),
+                     choice("c", {}),
+                     number("d", "m").required().defaults("1"),
+                     number("e", "parsec")};
+  CHECK(spec_defects(spec) == Lines{"parameter 'a': the unit 'deg' is not SI", "parameter 'a' stands twice",
+                                    "parameter 'b' has the unit of the port 'y', which it lacks",
+                                    "parameter 'c' has nothing to choose from",
+                                    "parameter 'd' is required and has a default",
+                                    "parameter 'e': unknown unit 'parsec'; did you mean 'arcsec'?"});
+  spec.parameters = {number("a", "m").defaults("\"1 s\""), integer("b").defaults("{"),
+                     choice("c", {"x"}).defaults("\"y\"")};
   CHECK(spec_defects(spec) == Lines{"default of 'a': '1 s' is a time; 'a' is a length (m), for example \"0.5 m\"",
-                                    "default of 'b': no JSON: {", "default of 'c': 'c' cannot be 'y'; it is one of 'x'"});
+                                    "default of 'b': no JSON: {",
+                                    "default of 'c': 'c' cannot be 'y'; it is one of 'x'"});
 }
 
 TEST_CASE("kinds and their patterns", "[spec]") {

@@ -23,8 +23,8 @@
 namespace binnacle::abi {
 
 inline constexpr std::uint64_t magic = 0x454c'4341'4e4e'4942;  // "BINNACLE", little-endian
-inline constexpr std::uint32_t api_major = 1;                   // changes with any interface; refused
-inline constexpr std::uint32_t api_minor = 0;                   // additions that old plugins need not know
+inline constexpr std::uint32_t api_major = 1;                  // changes with any interface; refused
+inline constexpr std::uint32_t api_minor = 0;                  // additions that old plugins need not know
 
 struct TypeLayout {
   std::uint32_t size;
@@ -32,19 +32,15 @@ struct TypeLayout {
 };
 
 /// The types that cross, in the order of TypeLayouts. Names for messages; the guard carries the numbers only.
-#define BINNACLE_ABI_TYPES(X)                                                                                    \
-  X(std::string) X(std::vector<double>) X(std::unique_ptr<Source>)                                               \
-  X(ParameterSpec) X(PortSpec) X(FieldSpec) X(ChannelPort) X(ComponentSpec)                                      \
-  X(ParameterValue) X(Parameters) X(ComponentError)                                                              \
-  X(NamedUnit) X(PortBinding) X(Binding) X(NoiseBinding)                                                         \
-  X(MatrixView) X(Result) X(Context)                                                                             \
-  X(Output) X(Norm) X(StateBlockDeclaration)                                                                     \
-  X(Coupling) X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput) X(ContinuousOutput)                  \
-  X(ResidualGroup) X(MeasurementDeclaration) X(Linearization)                                                    \
-  X(DerivedDeclaration) X(Innovation)                                                                            \
-  X(ChannelDeclaration) X(SampleView) X(SampleSlot)                                                              \
-  X(StateBlock) X(ProcessModel) X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator) X(Source) X(Transform)     \
-  X(Sink) X(Registry) X(Reporter) X(Emitter)
+#define BINNACLE_ABI_TYPES(X)                                                                                          \
+  X(std::string)                                                                                                       \
+  X(std::vector<double>) X(std::unique_ptr<Source>) X(ParameterSpec) X(PortSpec) X(FieldSpec) X(ChannelPort)           \
+      X(ComponentSpec) X(ParameterValue) X(Parameters) X(ComponentError) X(NamedUnit) X(PortBinding) X(Binding)        \
+          X(NoiseBinding) X(MatrixView) X(Result) X(Context) X(Output) X(Norm) X(StateBlockDeclaration) X(Coupling)    \
+              X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput) X(ContinuousOutput) X(ResidualGroup)       \
+                  X(MeasurementDeclaration) X(Linearization) X(DerivedDeclaration) X(Innovation) X(ChannelDeclaration) \
+                      X(SampleView) X(SampleSlot) X(StateBlock) X(ProcessModel) X(MeasurementModel) X(DerivedBlock)    \
+                          X(NoiseEstimator) X(Source) X(Transform) X(Sink) X(Registry) X(Reporter) X(Emitter)
 
 #define BINNACLE_ABI_COUNT(...) +1
 inline constexpr std::uint32_t type_count = 0 BINNACLE_ABI_TYPES(BINNACLE_ABI_COUNT);
@@ -55,7 +51,7 @@ static_assert(type_count <= max_types);
 /// Widths are fixed and there is no padding, so it reads the same whatever compiled it.
 struct Guard {
   std::uint64_t magic;
-  std::uint32_t size;                  // of this struct
+  std::uint32_t size;  // of this struct
   std::uint32_t api_major;
   std::uint32_t api_minor;
   std::uint32_t types_used;
@@ -68,7 +64,7 @@ struct Guard {
   std::uint32_t eigen_version;         // world · 10000 + major · 100 + minor
   std::uint32_t eigen_max_align;       // EIGEN_MAX_ALIGN_BYTES
   std::uint32_t reserved;
-  std::uint64_t instruction_sets;      // bit i: instruction_set_names[i]; x86 only
+  std::uint64_t instruction_sets;  // bit i: instruction_set_names[i]; x86 only
   std::uint64_t header_hash;
   char compiler[64];
   char name[64];
@@ -208,8 +204,8 @@ consteval Guard make_guard(const char* name, const char* version) {
   guard.api_minor = api_minor;
   guard.types_used = type_count;
   std::size_t i = 0;
-#define BINNACLE_ABI_LAYOUT(...)                                                   \
-  guard.types[i++] = {static_cast<std::uint32_t>(sizeof(__VA_ARGS__)),             \
+#define BINNACLE_ABI_LAYOUT(...)                                       \
+  guard.types[i++] = {static_cast<std::uint32_t>(sizeof(__VA_ARGS__)), \
                       static_cast<std::uint32_t>(alignof(__VA_ARGS__))};
   BINNACLE_ABI_TYPES(BINNACLE_ABI_LAYOUT)
 #undef BINNACLE_ABI_LAYOUT

@@ -27,9 +27,10 @@ enum class Role {
   transform,
   sink
 };
-inline constexpr Role all_roles[] = {Role::state_block,    Role::process_model, Role::measurement_model,
-                                     Role::derived_block,  Role::noise_estimator, Role::source,
-                                     Role::transform,      Role::sink};
+inline constexpr Role all_roles[] = {Role::state_block,       Role::process_model,
+                                     Role::measurement_model, Role::derived_block,
+                                     Role::noise_estimator,   Role::source,
+                                     Role::transform,         Role::sink};
 
 /// "state block", "process model", …
 const char* role_name(Role role);
@@ -42,9 +43,9 @@ class ComponentType {
  public:
   Role role = Role::state_block;
   ComponentSpec spec;
-  std::string plugin;           // "core"
-  std::string plugin_version;   // "1.0.0"
-  std::filesystem::path file;   // the library it came from
+  std::string plugin;          // "core"
+  std::string plugin_version;  // "1.0.0"
+  std::filesystem::path file;  // the library it came from
 
   /// "core/vector"
   std::string full_name() const { return plugin + "/" + spec.type; }
@@ -79,7 +80,7 @@ class ComponentType {
   template <class Base>
   std::shared_ptr<Base> create(Role wanted, const Binding& binding) const;
 
-  AnyFactory factory_ = nullptr;        // of the role's signature
+  AnyFactory factory_ = nullptr;  // of the role's signature
   std::shared_ptr<const void> library_;
 };
 
@@ -97,8 +98,8 @@ struct PluginPath {
   std::string pointer;
 };
 
-/// The folders searched besides the config's: those of BINNACLE_PLUGIN_PATH (separated by ':'), then lib/binnacle beside
-/// the folder of the running program, which is the installed and the build tree's.
+/// The folders searched besides the config's: those of BINNACLE_PLUGIN_PATH (separated by ':'), then lib/binnacle
+/// beside the folder of the running program, which is the installed and the build tree's.
 std::vector<std::filesystem::path> plugin_folders();
 
 /// Whatever is wrong goes to the diagnostics (codes B040…B046), to be thrown by the caller as LoadError.

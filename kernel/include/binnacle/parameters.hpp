@@ -54,7 +54,22 @@ struct ParameterValue {
   int cols = 0;
   std::vector<ParameterValue> elements;                             // list
   std::vector<std::pair<std::string, ParameterValue>> members;      // object, map: in the order of the config
+
+  // Defined below, where the type is complete: std::pair of it asks for these before (clang 14 with libstdc++).
+  ParameterValue();
+  ParameterValue(const ParameterValue&);
+  ParameterValue(ParameterValue&&) noexcept;
+  ParameterValue& operator=(const ParameterValue&);
+  ParameterValue& operator=(ParameterValue&&) noexcept;
+  ~ParameterValue();
 };
+
+inline ParameterValue::ParameterValue() = default;
+inline ParameterValue::ParameterValue(const ParameterValue&) = default;
+inline ParameterValue::ParameterValue(ParameterValue&&) noexcept = default;
+inline ParameterValue& ParameterValue::operator=(const ParameterValue&) = default;
+inline ParameterValue& ParameterValue::operator=(ParameterValue&&) noexcept = default;
+inline ParameterValue::~ParameterValue() = default;
 
 /// The parameters of one component, or of one object inside them. Everything declared with a default or as required is
 /// there. Asking for an undeclared name or a wrong type is a defect of the plugin and throws std::logic_error.

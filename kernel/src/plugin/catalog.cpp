@@ -86,7 +86,7 @@ std::vector<fs::path> plugin_folders() {
 }
 
 struct Catalog::Contents {
-  std::set<fs::path> seen;               // canonical
+  std::set<fs::path> seen;  // canonical
   std::vector<PluginInfo> plugins;
   std::deque<ComponentType> components;  // a deque: pointers stay good while plugins are added
 };
@@ -208,8 +208,8 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
                       in_quotes(name) + " is " + article(role_name(elsewhere->role)) + ", not " + article(wanted));
     return nullptr;
   }
-  const std::string near = closest(
-      name, names_of(contents_->components, name, [&](const ComponentType& type) { return type.role == role; }));
+  const std::string near = closest(name, names_of(contents_->components, name,
+                                                  [&](const ComponentType& type) { return type.role == role; }));
   diagnostics.error("B011", origin, pointer,
                     "unknown " + wanted + " " + in_quotes(name) + "; " +
                         (near.empty() ? plugin_names(plugins()) : "did you mean " + in_quotes(near) + "?"));
@@ -239,8 +239,7 @@ std::vector<const ComponentType*> Catalog::types() const {
 
 std::vector<PluginInfo> Catalog::plugins() const {
   std::vector<PluginInfo> plugins = contents_->plugins;
-  std::sort(plugins.begin(), plugins.end(),
-            [](const PluginInfo& a, const PluginInfo& b) { return a.name < b.name; });
+  std::sort(plugins.begin(), plugins.end(), [](const PluginInfo& a, const PluginInfo& b) { return a.name < b.name; });
   return plugins;
 }
 

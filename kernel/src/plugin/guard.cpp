@@ -21,9 +21,9 @@ static_assert(std::size(type_names) == type_count);
 
 // In the order of detail::instruction_set_bits(); the names that -m and __builtin_cpu_supports take.
 constexpr const char* instruction_set_names[] = {
-    "sse3",     "ssse3",    "sse4.1",   "sse4.2",      "popcnt",     "avx",          "avx2",         "fma",
-    "bmi",      "bmi2",     "avx512f",  "avx512cd",    "avx512dq",   "avx512bw",     "avx512vl",     "avx512ifma",
-    "avx512vbmi", "avx512vnni", "avx512vbmi2", "avx512bitalg", "avx512vpopcntdq", "fma4", "xop", "sse4a"};
+    "sse3",       "ssse3",      "sse4.1",      "sse4.2",       "popcnt",          "avx",      "avx2",     "fma",
+    "bmi",        "bmi2",       "avx512f",     "avx512cd",     "avx512dq",        "avx512bw", "avx512vl", "avx512ifma",
+    "avx512vbmi", "avx512vnni", "avx512vbmi2", "avx512bitalg", "avx512vpopcntdq", "fma4",     "xop",      "sse4a"};
 constexpr std::size_t instruction_set_count = std::size(instruction_set_names);
 
 std::string join(const std::vector<std::string>& words, const char* none) {
@@ -82,11 +82,11 @@ std::string layout_text(const TypeLayout& layout) {
 }
 
 std::string sanitizer_mend() {
-  return host.sanitizers ? "rebuild the plugin with -fsanitize=" +
-                               std::string(host.sanitizers & thread_sanitizer    ? "thread"
-                                           : host.sanitizers & memory_sanitizer ? "memory"
-                                                                                : "address")
-                         : "rebuild the plugin without -fsanitize";
+  return host.sanitizers
+             ? "rebuild the plugin with -fsanitize=" + std::string(host.sanitizers & thread_sanitizer   ? "thread"
+                                                                   : host.sanitizers & memory_sanitizer ? "memory"
+                                                                                                        : "address")
+             : "rebuild the plugin without -fsanitize";
 }
 
 /// Collects the fields that differ.
@@ -136,8 +136,7 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   c.field("number of types", a.types_used, b.types_used, refused, number,
           "rebuild the plugin with this version's headers");
   if (!c.differences.empty()) return c.differences;
-  c.field("API minor", a.api_minor, b.api_minor, warned, number,
-          "rebuild the plugin with this version's headers");
+  c.field("API minor", a.api_minor, b.api_minor, warned, number, "rebuild the plugin with this version's headers");
   c.field("standard library", a.standard_library, b.standard_library, refused, standard_library_text,
           "rebuild the plugin with " + standard_library_text(a.standard_library));
   if (a.standard_library == b.standard_library && a.standard_library_abi != b.standard_library_abi) {
@@ -145,7 +144,8 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
                              refused, "rebuild the plugin with the host's setting"});
   }
   c.field("debug containers", a.debug_containers, b.debug_containers, refused, debug_containers_text,
-          a.debug_containers ? "rebuild the plugin with the host's setting" : "rebuild the plugin without _GLIBCXX_DEBUG");
+          a.debug_containers ? "rebuild the plugin with the host's setting"
+                             : "rebuild the plugin without _GLIBCXX_DEBUG");
   c.field("sanitizers", a.sanitizers, b.sanitizers, refused, sanitizers_text, sanitizer_mend());
   compare_types(a, b, c.differences);
   compare_instruction_sets(b, host_supports, c.differences);
@@ -156,8 +156,9 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   c.field("EIGEN_MAX_ALIGN_BYTES", a.eigen_max_align, b.eigen_max_align, warned, number,
           "none needed; no owning Eigen object crosses");
   c.field("header hash", a.header_hash, b.header_hash, warned, hex, "rebuild the plugin with this version's headers");
-  c.field("compiler", text_of(a.compiler), text_of(b.compiler), warned, [](const std::string& text) { return text; },
-          "none needed; rebuild with one compiler if something is odd");
+  c.field(
+      "compiler", text_of(a.compiler), text_of(b.compiler), warned, [](const std::string& text) { return text; },
+      "none needed; rebuild with one compiler if something is odd");
   return c.differences;
 }
 

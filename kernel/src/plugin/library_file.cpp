@@ -4,10 +4,10 @@
 
 #include <elf.h>
 
+#include <link.h>
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <link.h>
 #include <string_view>
 #include <vector>
 

@@ -177,9 +177,9 @@ std::optional<abi::Guard> check_exports(const std::filesystem::path& file, Diagn
   if (!library.unreadable.empty()) {
     reason = library.unreadable;
   } else if (!library.guard) {
-    reason = library.other_guard.empty()
-                 ? std::string("it exports no ") + guard_symbol
-                 : "it is one for another major version (exports " + library.other_guard + ", not " + guard_symbol + ")";
+    reason = library.other_guard.empty() ? std::string("it exports no ") + guard_symbol
+                                         : "it is one for another major version (exports " + library.other_guard +
+                                               ", not " + guard_symbol + ")";
   } else if (!library.has_register) {
     reason = std::string("it exports no ") + register_symbol;
   }

@@ -49,11 +49,13 @@ namespace {
 /// A value on its way through the check. A default has no place of its own: messages point at its component.
 struct Node {
   const Json& json;
-  std::string label;    // how messages call it
+  std::string label;  // how messages call it
   std::string pointer;
   bool is_default = false;
 
-  Node element(std::size_t i) const { return {json[i], label, is_default ? pointer : join_pointer(pointer, i), is_default}; }
+  Node element(std::size_t i) const {
+    return {json[i], label, is_default ? pointer : join_pointer(pointer, i), is_default};
+  }
   Node member(const std::string& key, std::string member_label) const {
     return {json.at(key), std::move(member_label), is_default ? pointer : join_pointer(pointer, key), is_default};
   }
@@ -205,8 +207,9 @@ class Checker {
     if (node.json.is_number_float() && (as_double != std::floor(as_double) || std::abs(as_double) > largest)) {
       return wrong_type(spec, node);
     }
-    const bool fits = !node.json.is_number_unsigned() ||
-                      node.json.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    const bool fits =
+        !node.json.is_number_unsigned() ||
+        node.json.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
     if (!fits || !in_range(spec, as_double)) {
       const std::string range = fits ? range_text(spec) : "64 bits";
       error(node, "B009", in_quotes(node.label) + " is " + node.json.dump() + ", out of range (" + range + ")");
@@ -214,8 +217,7 @@ class Checker {
     }
     ParameterValue result;
     result.type = Type::integer;
-    result.integer =
-        node.json.is_number_float() ? static_cast<std::int64_t>(as_double) : node.json.get<std::int64_t>();
+    result.integer = node.json.is_number_float() ? static_cast<std::int64_t>(as_double) : node.json.get<std::int64_t>();
     return result;
   }
 
@@ -293,8 +295,9 @@ class Checker {
   ParameterValue matrix(const ParameterSpec& spec, const Node& node) {
     const std::optional<int> rows = wanted_size(spec, spec.size);
     const std::optional<int> cols = wanted_size(spec, spec.cols);
-    const bool is_list_of_lists = node.json.is_array() && !node.json.empty() &&
-                                  std::all_of(node.json.begin(), node.json.end(), [](const Json& row) { return row.is_array(); });
+    const bool is_list_of_lists =
+        node.json.is_array() && !node.json.empty() &&
+        std::all_of(node.json.begin(), node.json.end(), [](const Json& row) { return row.is_array(); });
     if (!is_list_of_lists) return wrong_type(spec, node);
     const std::size_t width = node.json.front().size();
     for (std::size_t i = 0; i < node.json.size(); ++i) {
@@ -304,7 +307,8 @@ class Checker {
                 count_text(node.json[i].size(), "element", "elements") + ", the first has " + std::to_string(width));
       return {};
     }
-    if ((rows && static_cast<std::size_t>(*rows) != node.json.size()) || (cols && static_cast<std::size_t>(*cols) != width)) {
+    if ((rows && static_cast<std::size_t>(*rows) != node.json.size()) ||
+        (cols && static_cast<std::size_t>(*cols) != width)) {
       error(node, "B013",
             in_quotes(node.label) + " is " + std::to_string(node.json.size()) + " by " + std::to_string(width) +
                 "; it takes " + describe_short(spec, ports_));
@@ -428,7 +432,8 @@ class Checker {
     for (const auto& [key, json] : node.json.items()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       const std::string near = closest(key, known);
-      const auto spec = std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == near; });
+      const auto spec =
+          std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == near; });
       const std::string detail = spec == specs.end() ? "" : " (" + describe_short(*spec, ports_) + ")";
       const std::string place = node.is_default ? node.pointer : join_pointer(node.pointer, key);
       diagnostics_.error("B012", document_.key_origin(place), place,
@@ -475,8 +480,7 @@ void check_keys(const Document& document, const std::string& pointer, const std:
     if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
     const std::string place = join_pointer(pointer, key);
     diagnostics.error("B012", document.key_origin(place), place,
-                      "unknown key of " + std::string(what) +
-                          unknown_hint(closest(key, allowed), "", allowed));
+                      "unknown key of " + std::string(what) + unknown_hint(closest(key, allowed), "", allowed));
   }
 }
 
@@ -488,7 +492,8 @@ void check_unit(const ParameterSpec& spec, const ComponentSpec& component, std::
   const bool has_unit = takes_quantities(spec.type) || !spec.unit.empty();
   if (!has_unit || spec.unit == "*") return;
   const auto is_port = [&](const std::string& name) {
-    return std::any_of(component.ports.begin(), component.ports.end(), [&](const PortSpec& p) { return p.name == name; });
+    return std::any_of(component.ports.begin(), component.ports.end(),
+                       [&](const PortSpec& p) { return p.name == name; });
   };
   if (!spec.size_of_port.empty() && !is_port(spec.size_of_port))
     defects.push_back("parameter '" + spec.name + "' is sized by the port '" + spec.size_of_port + "', which it lacks");

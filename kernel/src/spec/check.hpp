@@ -92,7 +92,8 @@ const nlohmann::ordered_json* object_at(const Document& document, const std::str
 const nlohmann::ordered_json* array_at(const Document& document, const std::string& pointer, std::string_view what,
                                        Diagnostics& diagnostics);
 
-/// B012 for every key of the object at `pointer` which is not allowed: `unknown key of 'evaluate'; did you mean 'after'?`
+/// B012 for every key of the object at `pointer` which is not allowed:
+/// `unknown key of 'evaluate'; did you mean 'after'?`
 void check_keys(const Document& document, const std::string& pointer, const std::vector<std::string>& allowed,
                 std::string_view what, Diagnostics& diagnostics);
 /// B010 unless the object at `pointer` has the key: `missing key 'channel' of 'fix': name of a channel`. `what` is the

@@ -23,8 +23,8 @@ const char* kind_name(FieldKind kind) {
 const char* access_name(PortAccess access) { return access == PortAccess::advances ? "advances" : "reads"; }
 
 const char* type_name(ParameterType type) {
-  constexpr const char* names[] = {"number", "integer", "boolean", "text", "choice", "path",  "vector",
-                                   "matrix", "time",    "list",    "map",  "object"};
+  constexpr const char* names[] = {"number", "integer", "boolean", "text", "choice", "path",
+                                   "vector", "matrix",  "time",    "list", "map",    "object"};
   return names[static_cast<std::size_t>(type)];
 }
 
@@ -47,7 +47,8 @@ std::string table(const std::string& title, const std::vector<Row>& rows) {
   std::string text = "\n" + title + "\n";
   for (const Row& row : rows) {
     std::string line = " ";
-    for (std::size_t i = 0; i < row.size(); ++i) line += " " + row[i] + std::string(widths[i] - width_of(row[i]) + 1, ' ');
+    for (std::size_t i = 0; i < row.size(); ++i)
+      line += " " + row[i] + std::string(widths[i] - width_of(row[i]) + 1, ' ');
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
@@ -91,14 +92,15 @@ const char* fields_title(Role role) {
 
 std::string describe(const ComponentType& type) {
   const ComponentSpec& spec = type.spec;
-  std::string text = type.full_name() + ": " + role_name(type.role) + " (plugin " + type.plugin + " " +
-                     type.plugin_version + ")\n";
+  std::string text =
+      type.full_name() + ": " + role_name(type.role) + " (plugin " + type.plugin + " " + type.plugin_version + ")\n";
   if (!spec.summary.empty()) text += "  " + spec.summary + "\n";
   if (!spec.source.empty()) text += "  Source: " + spec.source + "\n";
   if (!spec.kind.empty()) text += "  Kind: " + spec.kind + "\n";
   std::vector<Row> ports;
   for (const PortSpec& port : spec.ports) {
-    ports.push_back({port.name, port.kind, access_name(port.access), port.optional ? "optional" : "required", port.text});
+    ports.push_back(
+        {port.name, port.kind, access_name(port.access), port.optional ? "optional" : "required", port.text});
   }
   text += table("Ports (\"blocks\")", ports);
   text += table(fields_title(type.role), field_rows(spec.fields));
@@ -153,8 +155,8 @@ Json fields_json(const std::vector<FieldSpec>& fields) {
 
 Json describe_json(const ComponentType& type) {
   const ComponentSpec& spec = type.spec;
-  Json json{{"name", type.full_name()}, {"role", role_name(type.role)}, {"plugin", type.plugin},
-            {"version", type.plugin_version}, {"summary", spec.summary}, {"source", spec.source}};
+  Json json{{"name", type.full_name()},       {"role", role_name(type.role)}, {"plugin", type.plugin},
+            {"version", type.plugin_version}, {"summary", spec.summary},      {"source", spec.source}};
   if (!spec.kind.empty()) json["kind"] = spec.kind;
   json["parameters"] = Json::array();
   for (const ParameterSpec& parameter : spec.parameters) json["parameters"].push_back(parameter_json(parameter));

@@ -13,8 +13,8 @@ namespace binnacle {
 /// "vector:3:rad".
 bool kind_matches(std::string_view pattern, std::string_view kind);
 
-/// The kind with its units in canonical SI text ("vector:3:1/s*rad" is "vector:3:rad/s"), or a refusal of a unit that is
-/// not SI. The first part is never a unit.
+/// The kind with its units in canonical SI text ("vector:3:1/s*rad" is "vector:3:rad/s"), or a refusal of a unit that
+/// is not SI. The first part is never a unit.
 Parsed<std::string> canonical_kind(std::string_view kind);
 
 }  // namespace binnacle

@@ -87,8 +87,7 @@ std::optional<Time> read_time(const Document& document, const std::string& point
   return read_time(document, pointer, parameter::time(""), diagnostics);
 }
 
-std::optional<std::string> read_string(const Document& document, const std::string& pointer,
-                                       Diagnostics& diagnostics) {
+std::optional<std::string> read_string(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
   ParameterValue value = checked(parameter::text(""), ParameterType::text, document, pointer, diagnostics);
   return is_there(value) ? std::optional(std::move(value.text)) : std::nullopt;
 }

@@ -25,7 +25,20 @@ Json closed_object(Json properties, const std::vector<std::string>& required = {
   return schema;
 }
 
-Json named(const Json& value) { return {{"type", "object"}, {"additionalProperties", value}}; }
+/// What extends another object is a patch: which of its parts must be there does not show in it.
+Json or_patch(Json whole) {
+  Json schema{{"if", {{"type", "object"}, {"required", {"extends"}}}}};
+  schema["then"] = Json::object();
+  schema["else"] = std::move(whole);
+  return schema;
+}
+
+/// Free keys, each with such a value.
+Json named(const Json& value) { return or_patch({{"type", "object"}, {"additionalProperties", value}}); }
+
+Json some_named(const Json& value) {
+  return or_patch({{"type", "object"}, {"minProperties", 1}, {"additionalProperties", value}});
+}
 
 Json list_of(const Json& items) { return {{"type", "array"}, {"items", items}}; }
 
@@ -103,7 +116,7 @@ Json object_schema(const std::vector<ParameterSpec>& members) {
   Json properties = Json::object();
   std::vector<std::string> required;
   add_parameters(members, properties, required);
-  return closed_object(std::move(properties), required);
+  return or_patch(closed_object(std::move(properties), required));
 }
 
 // ---- components
@@ -217,8 +230,8 @@ Json choice_of(const std::vector<std::pair<Json, std::string>>& types) {
   if (types.empty()) return schema;
   schema["allOf"] = Json::array();
   for (const auto& [names, definition] : types) {
-    schema["allOf"].push_back({{"if", {{"required", {"type"}}, {"properties", {{"type", {{"enum", names}}}}}}},
-                               {"then", ref(definition)}});
+    schema["allOf"].push_back(
+        {{"if", {{"required", {"type"}}, {"properties", {{"type", {{"enum", names}}}}}}}, {"then", ref(definition)}});
   }
   return schema;
 }
@@ -252,9 +265,9 @@ void add_components(const Catalog& catalog, Json& definitions) {
     }
     choices[type->role].emplace_back(names, definition_name(*type));
   }
-  for (const Role role : all_roles) definitions[place_of(role)] = choice_of(choices[role]);
+  for (const Role role : all_roles) definitions[place_of(role)] = or_patch(choice_of(choices[role]));
   for (auto& [names, definition] : choices[Role::measurement_model]) definition += ".alone";
-  definitions["lone_measurement"] = choice_of(choices[Role::measurement_model]);
+  definitions["lone_measurement"] = or_patch(choice_of(choices[Role::measurement_model]));
 }
 
 // ---- what the kernel owns
@@ -275,7 +288,8 @@ void add_kernel_definitions(Json& definitions) {
                        {"covariance", {{"anyOf", {name, list_of(name)}}}}},
                       {"channel"}),
         {{"type", "object"}, {"not", {{"required", {"channel"}}}}, {"additionalProperties", quantity}},
-        list_of(quantity), quantity}}};
+        list_of(quantity),
+        quantity}}};
   definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
                           {"anyOf", {named(quantity), list_of(quantity), quantity}}};
   definitions["components"] = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
@@ -284,34 +298,33 @@ void add_kernel_definitions(Json& definitions) {
                          {"exclusiveMaximum", 1},
                          {"description", "probability with which a right sample passes"}};
   definitions["noise"] = ref("noise_estimator");
-  definitions["recover"] = closed_object(
-      {{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}}, {"after", "inflate"});
+  definitions["recover"] =
+      closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
+                    {"after", "inflate"});
   const Json windows = list_of(ref("window"));
   definitions["withhold"] = {
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
-  definitions["stacked_measurement"] =
-      closed_object({{"stack", {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", ref("measurement_model")}}},
-                     {"channel", ref("channel")},
-                     {"noise", ref("noise")},
-                     {"gate", ref("gate")},
-                     {"recover", ref("recover")},
-                     {"withhold", ref("withhold")}},
-                    {"stack", "channel"});
+  definitions["stacked_measurement"] = or_patch(closed_object({{"stack", some_named(ref("measurement_model"))},
+                                                               {"channel", ref("channel")},
+                                                               {"noise", ref("noise")},
+                                                               {"gate", ref("gate")},
+                                                               {"recover", ref("recover")},
+                                                               {"withhold", ref("withhold")}},
+                                                              {"stack", "channel"}));
   definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
                                 {"then", ref("stacked_measurement")},
                                 {"else", ref("lone_measurement")}};
-  definitions["filter"] = closed_object({{"blocks", {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", ref("state_block")}}},
-                                         {"derived", named(ref("derived_block"))},
-                                         {"process", named(ref("process_model"))},
-                                         {"measurements", named(ref("measurement"))}},
-                                        {"blocks"});
-  definitions["reference"] = {
-      {"anyOf",
-       {closed_object({{"withheld", name}, {"filter", name}}, {"withheld"}),
-        closed_object({{"channel", name},
-                       {"blocks", named({{"anyOf", {list_of(name), named(name)}}})},
-                       {"invalid", {{"type", "number"}}}},
-                      {"channel", "blocks"})}}};
+  definitions["filter"] = or_patch(closed_object({{"blocks", some_named(ref("state_block"))},
+                                                  {"derived", named(ref("derived_block"))},
+                                                  {"process", named(ref("process_model"))},
+                                                  {"measurements", named(ref("measurement"))}},
+                                                 {"blocks"}));
+  definitions["reference"] = {{"anyOf",
+                               {closed_object({{"withheld", name}, {"filter", name}}, {"withheld"}),
+                                closed_object({{"channel", name},
+                                               {"blocks", named({{"anyOf", {list_of(name), named(name)}}})},
+                                               {"invalid", {{"type", "number"}}}},
+                                              {"channel", "blocks"})}}};
 }
 
 Json evaluate_schema() {
@@ -333,7 +346,7 @@ Json sections() {
           {"vars", {{"type", "object"}}},
           {"sources", named(ref("source"))},
           {"transforms", named(ref("transform"))},
-          {"filters", {{"type", "object"}, {"minProperties", 1}, {"additionalProperties", ref("filter")}}},
+          {"filters", some_named(ref("filter"))},
           {"sinks", named(ref("sink"))},
           {"reference", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}}},
           {"evaluate", evaluate_schema()},
@@ -351,7 +364,6 @@ Json schema(const Catalog& catalog) {
   const Json whole = sections();
   Json any = Json::object();
   for (const auto& [key, section] : whole.items()) any[key] = Json::object();
-  // What extends another config is a patch: which of its parts must be there does not show in it.
   return {{"$schema", "http://json-schema.org/draft-07/schema#"},
           {"title", "Binnacle config"},
           {"type", "object"},

@@ -151,7 +151,8 @@ class Skeleton {
     Json json{{"type", type.full_name()}};
     comments_[place + "/type"] = type.spec.summary;
     if (reserved.is_object()) json.update(reserved);
-    for (const PortSpec& port : type.spec.ports) comments_[place + "/blocks/" + port.name] = port.kind + ": " + port.text;
+    for (const PortSpec& port : type.spec.ports)
+      comments_[place + "/blocks/" + port.name] = port.kind + ": " + port.text;
     add_parameters(type.spec.parameters, place, json);
     const Json example = Json::parse(type.spec.example, nullptr, false, true);
     if (example.is_object()) json.update(example);

@@ -43,7 +43,8 @@ std::string range_text(const ParameterSpec& spec) {
   std::string text;
   if (std::isfinite(spec.minimum)) text = (spec.minimum_excluded ? "> " : ">= ") + number_text(spec.minimum, 6);
   if (std::isfinite(spec.maximum)) {
-    text += (text.empty() ? "" : ", ") + std::string(spec.maximum_excluded ? "< " : "<= ") + number_text(spec.maximum, 6);
+    text +=
+        (text.empty() ? "" : ", ") + std::string(spec.maximum_excluded ? "< " : "<= ") + number_text(spec.maximum, 6);
   }
   return text;
 }
@@ -181,15 +182,15 @@ std::string example_of(const ParameterSpec& spec, const PortUnits& ports) {
     case ParameterType::vector:
       if (!spec.size_of_port.empty()) return element;
       return repeated(element, spec.size == ParameterSpec::any_size ? 1 : spec.size);
-    case ParameterType::matrix:
-      return repeated(repeated(element, std::max(1, spec.cols)), std::max(1, spec.size));
+    case ParameterType::matrix: return repeated(repeated(element, std::max(1, spec.cols)), std::max(1, spec.size));
     case ParameterType::list: return spec.members.empty() ? "[]" : "[" + example_of(spec.members.front(), ports) + "]";
     case ParameterType::map:
       return spec.members.empty() ? "{}" : "{\"NAME\": " + example_of(spec.members.front(), ports) + "}";
     case ParameterType::object: {
       std::string text;
       for (const ParameterSpec& member : spec.members) {
-        if (member.is_required) text += (text.empty() ? "" : ", ") + ("\"" + member.name + "\": ") + example_of(member, ports);
+        if (member.is_required)
+          text += (text.empty() ? "" : ", ") + ("\"" + member.name + "\": ") + example_of(member, ports);
       }
       return "{" + text + "}";
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A plugin without fault: what the tool chain adds to it, the check passes over.
+#include <iostream>
 #include <stdexcept>
 #include <string>
 

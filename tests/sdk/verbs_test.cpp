@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The other verbs: what they print can be read by people and parsed by programs.
+#include "catch.hpp"
+
+#include <filesystem>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+using namespace binnacle::test;
+using nlohmann::json;
+
+namespace {
+
+json parsed(const Workbench& bench, const std::vector<std::string>& arguments) {
+  const auto outcome = binnacle::test::binnacle(bench, arguments);
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  return json::parse(outcome.out);
+}
+
+void is_usage_error(const Workbench& bench, const std::vector<std::string>& arguments, const std::string& first_line) {
+  const auto outcome = binnacle::test::binnacle(bench, arguments);
+  CHECK(outcome.status == 2);
+  CHECK(outcome.out.empty());
+  CHECK(outcome.err.substr(0, outcome.err.find('\n')) == first_line);
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a wrong command line is exit status 2, with what was meant") {
+  const Workbench bench;
+  is_usage_error(bench, {"rnu", "good.json"}, "error: unknown verb 'rnu'; did you mean 'run'?");
+  is_usage_error(bench, {"run", "good.json", "--sumary", "x"},
+                 "error: unknown option '--sumary'; did you mean '--summary'?");
+  is_usage_error(bench, {"run", "--sumary=x"}, "error: unknown option '--sumary'; did you mean '--summary'?");
+  is_usage_error(bench, {"run"}, "error: CONFIG is required");
+  is_usage_error(bench, {"explain", "good.json", "more"}, "error: 'more' is one argument too many");
+  is_usage_error(bench, {"run", "good.json", "--var", "data"}, "error: --var takes NAME=PATH; found 'data'");
+  is_usage_error(bench, {"describe", "vectro"}, "error: there is no component type 'vectro'; did you mean 'vector'?");
+  const auto nothing = binnacle::test::binnacle(bench, {});
+  CHECK(nothing.status == 2);
+  CHECK(has(nothing.err, "explain"));
+}
+
+TEST_CASE("--help is no error, and names only what there is") {
+  const Workbench bench;
+  const auto help = binnacle::test::binnacle(bench, {"--help"});
+  CHECK(help.status == 0);
+  for (const char* verb : {"run", "check", "explain", "list", "describe", "create", "schema", "graph", "version"}) {
+    INFO(verb);
+    CHECK(has(help.out, std::string("\n  ") + verb));
+    CHECK(binnacle::test::binnacle(bench, {verb, "--help"}).status == 0);
+  }
+}
+
+TEST_CASE("list tells every component type") {
+  const Workbench bench;
+  const auto types = parsed(bench, {"list", "--json"});
+  std::set<std::string> names;
+  for (const auto& type : types) {
+    names.insert(type.at("name"));
+    CHECK_FALSE(type.at("summary").get<std::string>().empty());
+  }
+  for (const char* name : {"core/vector", "core/random_walk", "core/linear_measurement", "csv/csv"})
+    CHECK(names.contains(name));
+  for (const auto& type : parsed(bench, {"list", "block", "--json"})) CHECK(type.at("role") == "state block");
+  CHECK(has(binnacle::test::binnacle(bench, {"list"}).out, "process model\n"));
+  CHECK(has(binnacle::test::binnacle(bench, {"list", "--plugins"}).out, "core.so\n"));
+}
+
+TEST_CASE("every listed type can be described, and created") {
+  const Workbench bench;
+  for (const auto& type : parsed(bench, {"list", "--json"})) {
+    const std::string name = type.at("name");
+    INFO(name);
+    CHECK(parsed(bench, {"describe", name, "--json"}).at("name") == name);
+    CHECK(has(binnacle::test::binnacle(bench, {"describe", name}).out, name + ": "));
+    CHECK(parsed(bench, {"create", name, "--json"}).at("binnacle") == 1);
+  }
+}
+
+TEST_CASE("explain tells the layout of the state and the channels") {
+  const Workbench bench;
+  const auto text = binnacle::test::binnacle(bench, {"explain", "good.json"}).out;
+  for (const char* part :
+       {"FILTER walk: 1 row", "place.x", "advanced by wander", "estimated", "heard by /filters/walk/measurements/seen",
+        "gate 0.999 (NIS <= 10.83)", "Unused channels: none"}) {
+    INFO(part);
+    CHECK(has(text, part));
+  }
+  CHECK(parsed(bench, {"explain", "good.json", "--json"}).at("filters").at(0).at("dof") == 1);
+}
+
+TEST_CASE("graph is DOT that Graphviz draws") {
+  const Workbench bench;
+  const auto dot = binnacle::test::binnacle(bench, {"graph", "good.json"}).out;
+  CHECK(has(dot, "\"/sources/fix\" -> \"/filters/walk/measurements/seen\""));
+  CHECK(has(dot, "\"/filters/walk/process/wander\" -> \"/filters/walk/blocks/place\""));
+  const auto drawn = binnacle::test::binnacle(bench, {"graph", "good.json", "--svg", "graph.svg"});
+  INFO(drawn.err);
+  REQUIRE(drawn.status == 0);
+  CHECK(drawn.err.empty());
+  CHECK(has(read_file(bench.path("graph.svg")), "</svg>"));
+}
+
+TEST_CASE("names with quotes and slashes are drawn and recorded too") {
+  const Workbench bench;
+  bench.spoil("\"walk\": {", "\"a/b \\\"c\\\"\": {");
+  const std::string without_reference = "/reference=[]";
+  CHECK(
+      binnacle::test::binnacle(bench, {"graph", "bad.json", "--set", without_reference, "--svg", "graph.svg"}).status ==
+      0);
+  REQUIRE(binnacle::test::binnacle(bench, {"run", "bad.json", "--set", without_reference, "--out", "out"}).status == 0);
+  CHECK(std::filesystem::exists(bench.path("out/a%2Fb %22c%22.csv")));
+}
+
+TEST_CASE("version tells the guard") {
+  const Workbench bench;
+  const auto version = parsed(bench, {"version", "--json"});
+  CHECK_FALSE(version.at("version").get<std::string>().empty());
+  CHECK(version.at("guard").contains("API"));
+  CHECK(has(binnacle::test::binnacle(bench, {"version"}).out, "binnacle " + version.at("version").get<std::string>()));
+}
