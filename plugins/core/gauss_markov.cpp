@@ -13,8 +13,11 @@ ComponentSpec GaussMarkov::spec() {
   spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8; paper 001, section 3";
   spec.parameters = {
       parameter::vector("tau", "s").sized_by("x").above(0).required().about("correlation time"),
-      parameter::vector("sigma", "@x").sized_by("x").at_least(0).required().about(
-          "standard deviation in the steady state; the driving noise is 2 sigma^2 / tau"),
+      parameter::vector("sigma", "@x")
+          .sized_by("x")
+          .at_least(0)
+          .required()
+          .about("standard deviation in the steady state; the driving noise is 2 sigma^2 / tau"),
   };
   spec.ports = {advances("x", "vector:*:*", "the correlated vector")};
   spec.example = R"json({"blocks": {"x": "gyro_bias"}, "tau": "1 h", "sigma": "0.1 deg/h"})json";

@@ -11,8 +11,10 @@ ComponentSpec Integrated::spec() {
   spec.type = "integrated";
   spec.summary = "A vector whose rate is another vector: position of velocity, angle of a drift.";
   spec.source = "Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
-  spec.parameters = {parameter::vector("q", "@x/sqrt(s)").sized_by("x").at_least(0).about(
-      "root of the power spectral density of white noise added to the rate; none if absent")};
+  spec.parameters = {parameter::vector("q", "@x/sqrt(s)")
+                         .sized_by("x")
+                         .at_least(0)
+                         .about("root of the power spectral density of white noise added to the rate; none if absent")};
   spec.ports = {advances("x", "vector:*:*", "the integral"),
                 reads("rate", "vector:*:*", "its rate of change: as long as x, in the unit of x per second")};
   spec.example = R"json({"blocks": {"x": "heading", "rate": "heading_drift"}, "q": "0.1 deg/sqrt(h)"})json";
@@ -22,8 +24,7 @@ ComponentSpec Integrated::spec() {
 Integrated::Integrated(const Binding& binding) : dof_(binding.port("x").dof) {
   const int rates = binding.port("rate").dof;
   if (rates != dof_)
-    throw ComponentError("the rate has " + std::to_string(rates) + " components, the integral " +
-                             std::to_string(dof_),
+    throw ComponentError("the rate has " + std::to_string(rates) + " components, the integral " + std::to_string(dof_),
                          "/blocks/rate");
   declaration_.transition = {{0, 1, Structure::diagonal}};
   if (binding.parameters().has("q")) {

@@ -17,7 +17,7 @@ Eigen::MatrixXd noise_input(const Parameters& parameters, Eigen::Index dof) {
   return G;
 }
 
-/// q: one per column of G; one number stands for all.
+/// q: one per column of G; one element stands for all.
 Eigen::VectorXd noise_density(const Parameters& parameters, Eigen::Index noises) {
   const auto q = parameters.vector("q");
   if (q.size() == 1) return Eigen::VectorXd::Constant(noises, q[0] * q[0]);
@@ -36,14 +36,19 @@ ComponentSpec Linear::spec() {
   spec.summary = "Any linear time-invariant process, dx/dt = F x + G w, by its matrices.";
   spec.source = "Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
   spec.parameters = {
-      parameter::matrix("F", "1/s").sized_by("x").required().about(
-          "dynamics, row by row; elements between unlike quantities are SI numbers"),
+      parameter::matrix("F", "1/s")
+          .sized_by("x")
+          .required()
+          .about("dynamics, row by row; elements between unlike quantities are SI numbers"),
       parameter::matrix("G", "1").about("how the noises enter, a column per noise; the identity if absent"),
-      parameter::vector("q", "@x/sqrt(s)").at_least(0).about(
-          "root of the power spectral density of each noise; no noise if absent"),
+      parameter::vector("q", "@x/sqrt(s)")
+          .at_least(0)
+          .about("root of the power spectral density of each noise, a list; one element stands for all, no noise if "
+                 "absent"),
   };
   spec.ports = {advances("x", "vector:*:*", "the state vector")};
-  spec.example = R"json({"blocks": {"x": "roll_motion"}, "F": [[0, 1], [-3.92, -0.885]], "G": [[0], [1]], "q": [0.038]})json";
+  spec.example = R"json({"blocks": {"x": "roll_motion"}, "F": [[0, 1], [-3.92, -0.885]], "G": [[0], [1]],
+    "q": [0.038]})json";
   return spec;
 }
 

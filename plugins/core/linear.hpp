@@ -20,7 +20,7 @@ class Linear final : public ProcessModel {
 
  private:
   ProcessDeclaration declaration_;
-  Eigen::MatrixXd F_;   // 1/s
+  Eigen::MatrixXd F_;    // 1/s
   Eigen::MatrixXd GQG_;  // G diag(q²) Gᵀ [unit²/s]; empty: no noise
 };
 

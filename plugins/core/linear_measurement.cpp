@@ -49,8 +49,10 @@ ComponentSpec LinearMeasurement::spec() {
   spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 4.2";
   spec.parameters = {
       parameter::matrix("H", "1").about("what a row sees of the block, row by row; the identity if absent"),
-      parameter::vector("sigma", "@x").above(0).required().about(
-          "standard deviation of each row's white noise; one number stands for all rows"),
+      parameter::vector("sigma", "@x")
+          .above(0)
+          .required()
+          .about("standard deviation of each row's white noise, a list; one element stands for all rows"),
   };
   spec.ports = {reads("x", "vector:*:*", "the vector that is measured"),
                 may_read("bias", "vector:*:*", "b, an additive error of the sensor: a component per row")};
@@ -91,9 +93,8 @@ LinearMeasurement::LinearMeasurement(const Binding& binding)
   declaration_.groups = {std::move(group)};
 }
 
-Result LinearMeasurement::linearize(const SampleView& sample, const SampleView* /*auxiliary*/,
-                                    const double* const* x, const Context& /*context*/, std::byte* /*memory*/,
-                                    Linearization& out) const {
+Result LinearMeasurement::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
+                                    const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
   const int rows = static_cast<int>(H_.rows());
   const auto z = vector_at(sample.fields, rows);
   if (!z.allFinite()) return Result::invalid("a measured value is not finite");

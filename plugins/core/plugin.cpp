@@ -6,8 +6,8 @@
 #include "integrated.hpp"
 #include "linear.hpp"
 #include "linear_measurement.hpp"
-#include "random_constant.hpp"
 #include "pushed_source.hpp"
+#include "random_constant.hpp"
 #include "random_walk.hpp"
 #include "vector_block.hpp"
 

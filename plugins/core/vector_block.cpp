@@ -97,9 +97,7 @@ void VectorBlock::minus(const double* y, const double* x, double* delta) const {
   for (int i = 0; i < declaration_.stored_size; ++i) delta[i] = y[i] - x[i];
 }
 
-void VectorBlock::read(const double* x, double* outputs) const {
-  std::copy_n(x, declaration_.stored_size, outputs);
-}
+void VectorBlock::read(const double* x, double* outputs) const { std::copy_n(x, declaration_.stored_size, outputs); }
 
 Result VectorBlock::write(const double* outputs, double* x) const {
   for (int i = 0; i < declaration_.stored_size; ++i)

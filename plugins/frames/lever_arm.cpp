@@ -19,8 +19,9 @@ ComponentSpec LeverArm::spec() {
   ComponentSpec spec;
   spec.type = "lever_arm";
   spec.summary = "The position of another point of the body: an antenna, an axle.";
-  spec.source = "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
-                "section 2.5.5";
+  spec.source =
+      "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
+      "section 2.5.5";
   spec.kind = "position";
   spec.parameters = {arm_parameter()};
   spec.ports = {reads("position", "position", "of the IMU"), reads("attitude", "attitude", "of the body"), arm_port()};

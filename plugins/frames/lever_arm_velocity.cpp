@@ -44,8 +44,9 @@ ComponentSpec LeverArmVelocity::spec() {
   ComponentSpec spec;
   spec.type = "lever_arm_velocity";
   spec.summary = "The velocity of another point of a turning body: an antenna, an axle.";
-  spec.source = "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
-                "section 2.5.5";
+  spec.source =
+      "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
+      "section 2.5.5";
   spec.kind = "velocity.ned";
   spec.parameters = {arm_parameter()};
   spec.ports = {reads("velocity", "velocity.ned", "of the IMU"),
@@ -74,8 +75,7 @@ Result LeverArmVelocity::evaluate(const double* const* x, const Context& context
   if (!context.drive) return Result::unsupported("the angular rate is not known before the first input sample");
   const Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
   const Vector3d per_scale = (1.0 + read_or_zero(x[gyro_scale_port]).array()).inverse();
-  const Vector3d omega_ib =
-      (vector_at<3>(context.drive) - read_or_zero(x[gyro_bias_port])).cwiseProduct(per_scale);
+  const Vector3d omega_ib = (vector_at<3>(context.drive) - read_or_zero(x[gyro_bias_port])).cwiseProduct(per_scale);
   const Vector3d arm = arm_ + read_or_zero(x[arm_block_port]);
   const EarthRate earth = earth_rate(x[position_port]);
   const Vector3d arm_n = C_nb * arm;

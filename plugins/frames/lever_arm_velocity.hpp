@@ -10,8 +10,9 @@
 namespace binnacle::frames {
 
 /// v' = v + C_nb (ω_ib × l) − ω_ie × (C_nb l), that is C_nb (ω_eb × l) in the navigation axes of the IMU.
-/// ω_ib = (drive − gyro_bias)/(1 + gyro_scale); l = `arm` + the block on port `arm`. The transport rate turns the axes,
-/// not the body against the earth, so it does not enter. Without a position the earth rate is left out (7.3e-5 |l| m/s).
+/// ω_ib = (drive − gyro_bias)/(1 + gyro_scale); l = `arm` + the block on port `arm`. The transport rate turns the
+/// axes, not the body against the earth, so it does not enter. Without a position the earth rate is left out
+/// (7.3e-5 |l| m/s).
 /// With u = C_nb (ω_ib × l), a = C_nb l, D = diag(1/(1 + gyro_scale)):
 ///   J_velocity = I             J_attitude = −[u×] + [ω_ie×][a×]     J_gyro_bias = C_nb [l×] D
 ///   J_arm = C_nb [ω_ib×] − [ω_ie×] C_nb      J_gyro_scale = C_nb [l×] D diag(ω_ib)

@@ -18,7 +18,7 @@ enum Field { lat, lon, height, first_sigma };
 ComponentSpec PositionFix::spec() {
   ComponentSpec spec;
   spec.type = "position_fix";
-  spec.summary = "A geodetic position from a receiver, with the receiver's own standard deviations where it has them.";
+  spec.summary = "A geodetic position from a receiver, with its own standard deviations where it has them.";
   spec.source = "paper 003, equation (11)";
   spec.parameters = ReportedSigma::parameters("m");
   spec.ports = {reads("position", "position", "of the antenna: a position block, or a lever_arm")};

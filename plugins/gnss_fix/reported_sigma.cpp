@@ -9,19 +9,22 @@ namespace binnacle::gnss_fix {
 
 std::vector<ParameterSpec> ReportedSigma::parameters(const std::string& unit) {
   return {
-      parameter::vector("sigma", unit, 3).above(0).about(
-          "standard deviation north, east, down of axes for which the channel reports none; then required"),
+      parameter::vector("sigma", unit, 3)
+          .above(0)
+          .about("standard deviation north, east, down of axes for which the channel reports none; then required"),
       parameter::number("scale", "1").defaults("1").above(0).about("factor on the reported standard deviations"),
-      parameter::vector("floor", unit, 3).defaults("0").at_least(0).about(
-          "north, east, down; reported standard deviations, scaled, are not believed below it"),
+      parameter::vector("floor", unit, 3)
+          .defaults("0")
+          .at_least(0)
+          .about("north, east, down; reported standard deviations, scaled, are not believed below it"),
   };
 }
 
 std::vector<FieldSpec> ReportedSigma::fields(const std::string& prefix, const std::string& unit) {
   std::vector<FieldSpec> fields;
   for (const auto& [suffix, axis] : {std::pair{"_n", "north"}, std::pair{"_e", "east"}, std::pair{"_d", "down"}})
-    fields.push_back({prefix + suffix, unit, FieldKind::level, true, false,
-                      std::string("reported standard deviation, ") + axis});
+    fields.push_back(
+        {prefix + suffix, unit, FieldKind::level, true, false, std::string("reported standard deviation, ") + axis});
   return fields;
 }
 

@@ -13,7 +13,7 @@ constexpr int first_sigma = 3;  // after vn, ve, vd
 ComponentSpec VelocityFix::spec() {
   ComponentSpec spec;
   spec.type = "velocity_fix";
-  spec.summary = "A velocity over ground from a receiver, with the receiver's own standard deviations where it has them.";
+  spec.summary = "A velocity over ground from a receiver, with its own standard deviations where it has them.";
   spec.source = "paper 003, equation (11)";
   spec.parameters = ReportedSigma::parameters("m/s");
   spec.ports = {reads("velocity", "velocity.ned", "of the antenna: a velocity block, or a lever_arm_velocity")};

@@ -7,8 +7,8 @@
 
 namespace binnacle::phi_error {
 
-/// Stored: quaternion (w, x, y, z), body to navigation. Error: phi north, east, down [rad], q_true = exp(phi) ⊗ q̂, that is
-/// Ĉ = (I − [φ×]) C as in papers 001 (3) and 003 (3).
+/// Stored: quaternion (w, x, y, z), body to navigation. Error: phi north, east, down [rad], q_true = exp(phi) ⊗ q̂,
+/// that is Ĉ = (I − [φ×]) C as in papers 001 (3) and 003 (3).
 class AttitudeBlock final : public StateBlock {
  public:
   static ComponentSpec spec();

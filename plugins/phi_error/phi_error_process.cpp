@@ -111,8 +111,7 @@ class Folded {
 
   static Rows assemble(const TransitionBlocks& blocks) {
     Rows rows = Rows::Zero();
-    for (const auto& place : transition_places)
-      rows.block<3, 3>(3 * place.to, 3 * place.from) = blocks.*place.block;
+    for (const auto& place : transition_places) rows.block<3, 3>(3 * place.to, 3 * place.from) = blocks.*place.block;
     return rows;
   }
   static Square assemble(const NoiseBlocks& blocks) {
@@ -136,10 +135,14 @@ ComponentSpec PhiErrorProcess::spec() {
   spec.summary = "Strapdown inertial navigation in north-east-down axes with the tilt (phi) error model.";
   spec.source = "papers 001 and 003, equations (1) to (3), with exact gravity and transport terms";
   spec.parameters = {
-      parameter::vector("gyro_noise", "rad/s/sqrt(Hz)", 3).at_least(0).required().about(
-          "angle random walk per body axis, root of the power spectral density"),
-      parameter::vector("accel_noise", "m/s^2/sqrt(Hz)", 3).at_least(0).required().about(
-          "velocity random walk per body axis, root of the power spectral density"),
+      parameter::vector("gyro_noise", "rad/s/sqrt(Hz)", 3)
+          .at_least(0)
+          .required()
+          .about("angle random walk per body axis, root of the power spectral density"),
+      parameter::vector("accel_noise", "m/s^2/sqrt(Hz)", 3)
+          .at_least(0)
+          .required()
+          .about("velocity random walk per body axis, root of the power spectral density"),
       parameter::choice("order", {"first", "second"})
           .defaults("\"second\"")
           .about("of the transition matrix in the step: I + F dt, or with F^2 dt^2/2 (and Q likewise)"),
@@ -155,8 +158,7 @@ ComponentSpec PhiErrorProcess::spec() {
     spec.fields.push_back(increment_field(std::string("w") + axis, "rad",
                                           "integral of the angular rate with respect to inertial space, body axes"));
   for (const char* axis : {"x", "y", "z"})
-    spec.fields.push_back(
-        increment_field(std::string("f") + axis, "m/s", "integral of the specific force, body axes"));
+    spec.fields.push_back(increment_field(std::string("f") + axis, "m/s", "integral of the specific force, body axes"));
   spec.example = R"json({"input": "imu", "blocks": {"position": "position", "velocity": "velocity",
     "attitude": "attitude", "gyro_bias": "gyro_bias", "accel_bias": "accel_bias"},
     "gyro_noise": "0.3 deg/sqrt(h)", "accel_noise": "100 ug/sqrt(Hz)"})json";

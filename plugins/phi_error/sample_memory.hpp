@@ -13,8 +13,8 @@ namespace binnacle::phi_error {
 
 /// The neighbours of the sample to come, as measured, and the sample last begun. All zero: nothing is known.
 ///
-/// They are corrected when they are used, by the errors estimated then: a line through the rates of two samples that were
-/// corrected differently would show a change of the estimate as a motion.
+/// They are corrected when they are used, by the errors estimated then: a line through the rates of two samples that
+/// were corrected differently would show a change of the estimate as a motion.
 class SampleMemory {
  public:
   static SampleMemory load(const std::byte* memory) {
@@ -46,8 +46,7 @@ class SampleMemory {
     return {last_.rates(), before_.rates()};
   }
 
-  void remember(const strapdown::Previous& measured, const strapdown::Increment& increment,
-                const InputSample& sample) {
+  void remember(const strapdown::Previous& measured, const strapdown::Increment& increment, const InputSample& sample) {
     const strapdown::Previous next = strapdown::remember(measured, increment);
     last_ = Rates(next.last);
     before_ = Rates(next.before);
@@ -57,7 +56,7 @@ class SampleMemory {
 
  private:
   struct Rates {
-    double dt = 0;        // s; 0: none
+    double dt = 0;         // s; 0: none
     double omega[3] = {};  // rad/s
     double f[3] = {};      // m/s²
 

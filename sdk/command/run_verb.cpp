@@ -79,6 +79,7 @@ class Watch : public RunObserver {
  public:
   Watch(CsvRecorder* recorder, bool shows_progress) : recorder_(recorder), line_(shows_progress) {}
 
+  bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) override {
     if (recorder_) recorder_->begin(filter, name, columns);
   }

@@ -45,7 +45,7 @@ std::string ins_config(int extra, const std::string& order = "") {
         "strapdown": {"type": "phi_error", "input": "imu",
           "blocks": {"position": "position", "velocity": "velocity", "attitude": "attitude", "gyro_bias": "gyro_bias",
                      "accel_bias": "accel_bias", "gyro_scale": "gyro_scale", "accel_scale": "accel_scale"},
-          "gyro_noise": "0.1 deg/sqrt(h)", "accel_noise": "0.03 m/s/sqrt(h)")" + order_text + R"(},
+          "gyro_noise": 2.9e-5, "accel_noise": 5e-4)" + order_text + R"(},
         "bg": {"type": "gauss_markov", "blocks": {"x": "gyro_bias"}, "tau": "1 h", "sigma": "10 deg/h"},
         "ba": {"type": "gauss_markov", "blocks": {"x": "accel_bias"}, "tau": "1 h", "sigma": "1 mg"},
         "sg": {"type": "random_constant", "blocks": {"x": "gyro_scale"}},

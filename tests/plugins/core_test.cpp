@@ -170,11 +170,10 @@ TEST_CASE("linear: the ship's roll of paper 004 has its stated steady state", "[
   const AdditiveKind roll(2, "1");
   const double zeta = 0.2235, omega = 1.98, sigma = 0.825;
   const double q = std::sqrt(4 * zeta * omega * omega * omega * sigma * sigma);
-  const auto model = bind<Linear>({{{"F", {{0.0, 1.0}, {-omega * omega, -2 * zeta * omega}}},
-                                    {"G", {{0.0}, {1.0}}},
-                                    {"q", q}},
-                                   {{"x", &roll}},
-                                   {}});
+  const auto model = bind<Linear>(
+      {{{"F", {{0.0, 1.0}, {-omega * omega, -2 * zeta * omega}}}, {"G", {{0.0}, {1.0}}}, {"q", Json::array({q})}},
+       {{"x", &roll}},
+       {}});
   Complaints out;
   const auto [F, GQG] = ProcessCheck(*model, Linear::spec()).continuous({{&roll, {0.1, 0.2}}}, out);
   REQUIRE_NO_COMPLAINTS(out);
@@ -192,7 +191,8 @@ TEST_CASE("linear: what it refuses, and its noise by default", "[core]") {
   const Json F = {{0, 1}, {0, 0}};
   REQUIRE_THROWS_AS(bind<Linear>(with({{"F", {{0.0, 1.0, 2.0}, {0, 0, 0}}}})), ComponentError);
   REQUIRE_THROWS_AS(bind<Linear>(with({{"F", F}, {"G", {{1.0}, {0.0}}}})), ComponentError);
-  REQUIRE_THROWS_AS(bind<Linear>(with({{"F", F}, {"G", {{1.0}, {0.0}, {0.0}}}, {"q", 1.0}})), ComponentError);
+  REQUIRE_THROWS_AS(bind<Linear>(with({{"F", F}, {"G", {{1.0}, {0.0}, {0.0}}}, {"q", Json::array({1.0})}})),
+                    ComponentError);
   REQUIRE_THROWS_AS(bind<Linear>(with({{"F", F}, {"G", {{1.0}, {0.0}}}, {"q", {1.0, 2.0}}})), ComponentError);
   REQUIRE(bind<Linear>(with({{"F", F}}))->declaration().noise.empty());
   const auto model = bind<Linear>(with({{"F", F}, {"q", {2.0, 3.0}}}));
@@ -214,8 +214,8 @@ TEST_CASE("linear measurement: H, residual, bias, refusals", "[core]") {
   sample.t = 0;
   sample.fields = z.data();
 
-  const auto model = bind<LinearMeasurement>(
-      {{{"H", H}, {"sigma", {0.1, 0.2}}}, {{"x", &block}, {"bias", &bias}}, no_more_than_two});
+  const auto model =
+      bind<LinearMeasurement>({{{"H", H}, {"sigma", {0.1, 0.2}}}, {{"x", &block}, {"bias", &bias}}, no_more_than_two});
   const PortStates ports{{&block, {1.0, 2.0, 3.0}, 0.1, 1e-15}, {&bias, {0.01, -0.02}, 0.1, 1e-15}};
   REQUIRE_NO_COMPLAINTS(check_measurement(*model, LinearMeasurement::spec(), sample, ports, {}, {1e-10}));
   Complaints out;
@@ -226,11 +226,10 @@ TEST_CASE("linear measurement: H, residual, bias, refusals", "[core]") {
   REQUIRE(model->declaration().groups[0].port == -1);
   REQUIRE(model->declaration().groups[0].unit == "rad");
 
-  const auto direct = bind<LinearMeasurement>(
-      {{{"sigma", 0.3}}, {{"x", &bias}}, no_more_than_two});
+  const auto direct = bind<LinearMeasurement>({{{"sigma", Json::array({0.3})}}, {{"x", &bias}}, no_more_than_two});
   REQUIRE(direct->declaration().groups[0].port == 0);
-  REQUIRE_NO_COMPLAINTS(check_measurement(*direct, LinearMeasurement::spec(), sample,
-                                          {{&bias, {0.01, -0.02}}, {}}, {}, {1e-10}));
+  REQUIRE_NO_COMPLAINTS(
+      check_measurement(*direct, LinearMeasurement::spec(), sample, {{&bias, {0.01, -0.02}}, {}}, {}, {1e-10}));
   const std::vector<double> lost{0.4, std::nan(""), 0, 0, 0, 0, 0, 0};
   sample.fields = lost.data();
   REQUIRE(linearize(*direct, sample, {{&bias, {0, 0}}, {}}, {}, out).result.verdict == Verdict::invalid);
@@ -238,9 +237,11 @@ TEST_CASE("linear measurement: H, residual, bias, refusals", "[core]") {
   const auto with = [&](Json parameters, Ports bound) {
     return Setup{std::move(parameters), std::move(bound), no_more_than_two};
   };
-  REQUIRE_THROWS_AS(bind<LinearMeasurement>(with({{"sigma", 1.0}}, {{"x", &block}})), ComponentError);
-  REQUIRE_THROWS_AS(bind<LinearMeasurement>(with({{"sigma", 1.0}, {"H", {{1.0}}}}, {{"x", &block}})), ComponentError);
+  REQUIRE_THROWS_AS(bind<LinearMeasurement>(with({{"sigma", Json::array({1.0})}}, {{"x", &block}})), ComponentError);
+  REQUIRE_THROWS_AS(bind<LinearMeasurement>(with({{"sigma", Json::array({1.0})}, {"H", {{1.0}}}}, {{"x", &block}})),
+                    ComponentError);
   REQUIRE_THROWS_AS(bind<LinearMeasurement>(with({{"sigma", {1, 2, 3}}, {"H", H}}, {{"x", &block}})), ComponentError);
-  REQUIRE_THROWS_AS(bind<LinearMeasurement>(with({{"sigma", 1}, {"H", H}}, {{"x", &block}, {"bias", &block}})),
+  REQUIRE_THROWS_AS(bind<LinearMeasurement>(
+                        with({{"sigma", Json::array({1})}, {"H", H}}, {{"x", &block}, {"bias", &block}})),
                     ComponentError);
 }

@@ -41,7 +41,9 @@ const Place places[] = {
     {"upside down", {0.1, 0.3, 3000}, {100, -90, 20}, {3.0, -0.6, -2.7}, {-1.5, 0.7, 0.4}},
 };
 
-PortState position_state(const PositionKind& kind, const Place& place) { return {&kind, numbers(place.lla), 10.0, 4e-9}; }
+PortState position_state(const PositionKind& kind, const Place& place) {
+  return {&kind, numbers(place.lla), 10.0, 4e-9};
+}
 PortState attitude_state(const AttitudeKind& kind, const Place& place) {
   return {&kind, numbers(strapdown::quaternion_from_euler(place.roll_pitch_yaw)), 1e-2, 4e-16};
 }
@@ -63,7 +65,8 @@ TEST_CASE("lever arm: Jacobians and geometry", "[frames]") {
       {{{"arm", {1.5, -0.4, -2.0}}}, {{"position", &position}, {"attitude", &attitude}, {"arm", &arm}}, {}});
   for (const Place& place : places) {
     INFO(place.name);
-    const PortStates ports{position_state(position, place), attitude_state(attitude, place),
+    const PortStates ports{position_state(position, place),
+                           attitude_state(attitude, place),
                            {&arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
     // |l| tan(lat)/R: the meridians converge between the two points.
     const double convergence = 3 * (1 + std::abs(std::tan(place.lla[0]))) / 6.36e6;
@@ -71,7 +74,8 @@ TEST_CASE("lever arm: Jacobians and geometry", "[frames]") {
 
     const Vector3d l{1.6, -0.2, -2.3};
     const Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(ports[1].x.data()));
-    const Vector3d chord = strapdown::ecef_from_lla(value_of<3>(*model, ports, {})) - strapdown::ecef_from_lla(place.lla);
+    const Vector3d chord =
+        strapdown::ecef_from_lla(value_of<3>(*model, ports, {})) - strapdown::ecef_from_lla(place.lla);
     const Vector3d chord_n = strapdown::C_en(place.lla[0], place.lla[1]).transpose() * chord;
     REQUIRE((chord_n - C_nb * l).norm() < 1e-5);
   }
@@ -101,8 +105,12 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
   const AttitudeKind attitude;
   const AdditiveKind velocity("velocity.ned", 3, "m/s"), arm(3, "m"), bias(3, "rad/s"), scale(3, "1");
   const Setup all{{{"arm", {1.5, -0.4, -2.0}}},
-                  {{"velocity", &velocity}, {"attitude", &attitude}, {"position", &position},
-                   {"gyro_bias", &bias}, {"gyro_scale", &scale}, {"arm", &arm}},
+                  {{"velocity", &velocity},
+                   {"attitude", &attitude},
+                   {"position", &position},
+                   {"gyro_bias", &bias},
+                   {"gyro_scale", &scale},
+                   {"arm", &arm}},
                   {}};
   Setup least = all;
   for (const char* open : {"position", "gyro_bias", "gyro_scale", "arm"}) least.ports.erase(open);
@@ -122,8 +130,8 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
       REQUIRE(model->declaration().reads.size() == 6);
       REQUIRE_NO_COMPLAINTS(check_derived(*model, LeverArmVelocity::spec(), velocity, ports, context, {2e-5}, 4e-14));
       ports[2] = ports[3] = ports[4] = ports[5] = {};
-      REQUIRE_NO_COMPLAINTS(
-          check_derived(*bind<LeverArmVelocity>(least), LeverArmVelocity::spec(), velocity, ports, context, {1e-7}, 4e-14));
+      REQUIRE_NO_COMPLAINTS(check_derived(*bind<LeverArmVelocity>(least), LeverArmVelocity::spec(), velocity, ports,
+                                          context, {1e-7}, 4e-14));
     }
   }
 }
@@ -167,12 +175,10 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
     const Vector3d chord = (point(after) - point(start)) / dt;
     const Matrix3d C_ne = strapdown::C_en(middle.lla[0], middle.lla[1]).transpose();
     const Context context{0, place.omega.data()};
-    const Vector3d relative = value_of<3>(*model,
-                                          {{&velocity, {0, 0, 0}},
-                                           {&attitude, numbers(middle.q_nb)},
-                                           {&position, numbers(middle.lla)},
-                                           none, none, none},
-                                          context);
+    const Vector3d relative = value_of<3>(
+        *model,
+        {{&velocity, {0, 0, 0}}, {&attitude, numbers(middle.q_nb)}, {&position, numbers(middle.lla)}, none, none, none},
+        context);
     REQUIRE((C_ne * chord - relative).norm() < 3e-6);  // earth and transport rate are 1e-4 to 4e-4 m/s here
   }
 }
@@ -186,7 +192,8 @@ TEST_CASE("mounted attitude: Jacobians", "[frames]") {
   for (const Place& place : places)
     for (const double size : {0.0, 1e-9, 0.02, 0.8}) {
       INFO(place.name << ", misalignment " << size);
-      const PortStates ports{attitude_state(attitude, place), {&misalignment, {size, -2 * size, 0.5 * size}, 1e-2, 4e-16}};
+      const PortStates ports{attitude_state(attitude, place),
+                             {&misalignment, {size, -2 * size, 0.5 * size}, 1e-2, 4e-16}};
       REQUIRE_NO_COMPLAINTS(
           check_derived(*bind<MountedAttitude>(setup), MountedAttitude::spec(), attitude, ports, {}, {1e-8}, 1e-15));
       Setup fixed = setup;
@@ -211,7 +218,7 @@ TEST_CASE("mounted attitude: paper 001 (7), and the angles of a mount", "[frames
   REQUIRE(std::abs(v_b[1] + zeta[2] * 20) < 1e-8);
   REQUIRE(std::abs(v_b[2] - zeta[1] * 20) < 1e-8);
 
-  // A sensor turned by +90 deg about down in its vehicle: its x axis points to the right, so the vehicle heads west of it.
+  // A sensor turned by +90 deg about down in its vehicle: its x axis points to the right, so the vehicle points west.
   const auto turned = bind<MountedAttitude>({{{"yaw", 90 * degree}}, {{"attitude", &attitude}}, {}});
   const PortState north{&attitude, {1, 0, 0, 0}};
   const Vector3d vehicle = strapdown::euler_from_quaternion(value_of<4>(*turned, {north, {}}, {}));
@@ -240,8 +247,10 @@ class OneSample final : public Emitter {
 }  // namespace
 
 TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes with it", "[frames]") {
-  const nlohmann::json mount{
-      {"roll", 170.79 * degree}, {"pitch", 60.5 * degree}, {"yaw", 167.45 * degree}, {"flip", "flu_to_frd"}};
+  const nlohmann::json mount{{"roll", 170.79 * degree},
+                             {"pitch", 60.5 * degree},
+                             {"yaw", 167.45 * degree},
+                             {"flip", "flu_to_frd"}};
   const auto model = bind<RotateAxes>({mount, {}, {}});
   REQUIRE(model->channels().size() == 1);
   REQUIRE(model->channels()[0].name.empty());
@@ -250,11 +259,10 @@ TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes 
   REQUIRE(model->memory_bytes() == 0);
 
   // Written out: Rz Ry Rx to forward-left-up, then y and z reversed.
-  const Matrix3d C = Vector3d(1, -1, -1).asDiagonal() *
-                     (Eigen::AngleAxisd(167.45 * degree, Vector3d::UnitZ()) *
-                      Eigen::AngleAxisd(60.5 * degree, Vector3d::UnitY()) *
-                      Eigen::AngleAxisd(170.79 * degree, Vector3d::UnitX()))
-                         .toRotationMatrix();
+  const Matrix3d C = Vector3d(1, -1, -1).asDiagonal() * (Eigen::AngleAxisd(167.45 * degree, Vector3d::UnitZ()) *
+                                                         Eigen::AngleAxisd(60.5 * degree, Vector3d::UnitY()) *
+                                                         Eigen::AngleAxisd(170.79 * degree, Vector3d::UnitX()))
+                                                            .toRotationMatrix();
   const double raw[6] = {0.1, -0.2, 0.3, 1.0, -2.0, 9.0};
   SampleView sample;
   sample.t0 = 100;

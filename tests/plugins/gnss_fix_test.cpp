@@ -41,8 +41,8 @@ TEST_CASE("position fix: residual and H at several places", "[gnss_fix]") {
     REQUIRE((m.residual - Eigen::Vector3d(12, -7, 3)).norm() < 1e-8);
     REQUIRE(m.R.isApprox(Eigen::Vector3d(1, 4, 16).asDiagonal().toDenseMatrix()));
     // H = I but for what the radii change over the residual: |r| (1 + tan(lat))/R.
-    REQUIRE_NO_COMPLAINTS(
-        check_measurement(*model, PositionFix::spec(), sample_of(z), ports, {}, {15 / 6.35e6 * (1 + std::abs(std::tan(lat)))}, 1e-8));
+    REQUIRE_NO_COMPLAINTS(check_measurement(*model, PositionFix::spec(), sample_of(z), ports, {},
+                                            {15 / 6.35e6 * (1 + std::abs(std::tan(lat)))}, 1e-8));
   }
 }
 
@@ -71,8 +71,8 @@ TEST_CASE("reported standard deviations: scale, floor, and what stands in", "[gn
   };
   const std::vector<double> fields{0.6, 2.0, 0.0, 0.2, 3.0, 5.0};
   REQUIRE(roots({{}, ports, {}}, fields).isApprox(Eigen::Vector3d(0.2, 3, 5)));
-  REQUIRE(roots({{{"scale", 2.0}, {"floor", {0.5, 0.5, 20.0}}}, ports, {}}, fields)
-              .isApprox(Eigen::Vector3d(0.5, 6, 20)));
+  REQUIRE(
+      roots({{{"scale", 2.0}, {"floor", {0.5, 0.5, 20.0}}}, ports, {}}, fields).isApprox(Eigen::Vector3d(0.5, 6, 20)));
   REQUIRE(roots({{{"floor", 0.5}}, ports, {}}, fields).isApprox(Eigen::Vector3d(0.5, 3, 5)));
   // A channel without deviations: sigma as it is given, neither scaled nor floored.
   const double nan = std::nan("");

@@ -101,9 +101,7 @@ class AttitudeKind final : public KindBlock {
 
  private:
   static Eigen::Quaterniond load(const double* x) { return {x[0], x[1], x[2], x[3]}; }
-  static void store(const Eigen::Quaterniond& q, double* x) {
-    x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z();
-  }
+  static void store(const Eigen::Quaterniond& q, double* x) { x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z(); }
 };
 
 }  // namespace binnacle::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds a model against its own declaration: Jacobians against differences on the manifold, Qd against fine integration.
+// Holds a model against its declaration: Jacobians against differences on the manifold, Qd against fine integration.
 #pragma once
 
 #include <algorithm>
@@ -181,15 +181,15 @@ class ProcessCheck {
         if (!ports[from].block) continue;
         const auto key = std::pair(static_cast<int>(to), static_cast<int>(from));
         detail::compare("transition " + spec_.ports[to].name + " by " + spec_.ports[from].name,
-                        numeric(ports, step, memory, nominal, to, from), nominal.transition.at(key), is_declared(key), to == from,
-                        detail::roundoff(ports[to].resolution, ports[from].step),
+                        numeric(ports, step, memory, nominal, to, from), nominal.transition.at(key), is_declared(key),
+                        to == from, detail::roundoff(ports[to].resolution, ports[from].step),
                         tolerance.neglected * ports[to].step / ports[from].step, tolerance, out);
       }
     }
     return out;
   }
 
-  /// The greatest difference between Φ and the differences of x⁺, scaled by the steps of the ports: to see its order in dt.
+  /// The greatest difference between Φ and the differences of x⁺, scaled by the steps of the ports; shows its order.
   double transition_error(const PortStates& ports, const Step& step, const std::vector<std::byte>& memory) const {
     Complaints out;
     const Propagation nominal = propagate(ports, step, memory, out);
@@ -285,7 +285,8 @@ class ProcessCheck {
     }
     bool equals(const Call& other) const {
       const auto same = [](const auto& a, const auto& b) {
-        return std::equal(a.begin(), a.end(), b.begin(), [](const auto& p, const auto& q) { return p.take() == q.take(); });
+        return std::equal(a.begin(), a.end(), b.begin(),
+                          [](const auto& p, const auto& q) { return p.take() == q.take(); });
       };
       return memory == other.memory && same(x_plus, other.x_plus) && same(transition, other.transition) &&
              same(noise, other.noise);
@@ -538,8 +539,8 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
 
 /// The laws of a state block at x for errors of several sizes; `largest`: a δ near the edge of the chart.
 /// resolution: of ⊟ in the error components; relative: what a chart may lose on a large δ.
-inline Complaints check_block(const StateBlock& block, const std::vector<double>& x, double largest,
-                              double resolution, double relative = 1e-12) {
+inline Complaints check_block(const StateBlock& block, const std::vector<double>& x, double largest, double resolution,
+                              double relative = 1e-12) {
   Complaints out;
   const StateBlockDeclaration& declared = block.declaration();
   const auto dof = static_cast<std::size_t>(declared.dof());
@@ -568,7 +569,8 @@ inline Complaints check_block(const StateBlock& block, const std::vector<double>
       Eigen::VectorXd delta = zero;
       for (std::size_t i = 0; i < dof; ++i)
         delta[static_cast<Eigen::Index>(i)] =
-            direction < dof ? (i == direction) : std::cos(1.7 * static_cast<double>(direction) + 2.3 * static_cast<double>(i));
+            direction < dof ? (i == direction)
+                            : std::cos(1.7 * static_cast<double>(direction) + 2.3 * static_cast<double>(i));
       delta *= size * largest / delta.norm();
       const std::vector<double> y = plus(x, delta);
       near("(x [+] d) [-] x = d", minus(y, x), delta);

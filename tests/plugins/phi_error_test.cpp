@@ -33,11 +33,46 @@ struct Flight {
   Vector3d omega_rate, f_rate;  // their change per second
 };
 const Flight flights[] = {
-    {"a car", {0.65, 2.2, 60}, {8, -5, 0.1}, {0.02, -0.03, 2.5}, {0.05, -0.1, 0.6}, {0.5, 3, -9.8}, {1, 2, -1}, {3, 4, 5}},
-    {"a fast aircraft", {0.8, -1.3, 11000}, {180, 170, -4}, {0.9, 0.2, 0.75}, {0.8, 0.3, -0.2}, {2, -1, -14}, {1, -1, 2}, {9, 5, 7}},
-    {"the southern hemisphere", {-0.59, 2.6, 400}, {-12, 30, 1}, {-0.2, 0.1, -1.9}, {-0.3, 0.2, 0.1}, {-2, 1, -9}, {1, 1, 1}, {4, 3, 2}},
-    {"a high latitude", {1.4, -3.1, 5}, {30, 40, 0}, {0.1, 0.02, 3.1}, {0.1, 0.2, -0.5}, {0.2, 0.3, -9.83}, {-1, 1, 0}, {3, 3, 3}},
-    {"upside down", {0.1, 0.3, 3000}, {100, -90, 20}, {3.0, -0.6, -2.7}, {-1.5, 0.7, 0.4}, {1, -2, 8}, {2, -2, 1}, {8, -6, 4}},
+    {"a car",
+     {0.65, 2.2, 60},
+     {8, -5, 0.1},
+     {0.02, -0.03, 2.5},
+     {0.05, -0.1, 0.6},
+     {0.5, 3, -9.8},
+     {1, 2, -1},
+     {3, 4, 5}},
+    {"a fast aircraft",
+     {0.8, -1.3, 11000},
+     {180, 170, -4},
+     {0.9, 0.2, 0.75},
+     {0.8, 0.3, -0.2},
+     {2, -1, -14},
+     {1, -1, 2},
+     {9, 5, 7}},
+    {"the southern hemisphere",
+     {-0.59, 2.6, 400},
+     {-12, 30, 1},
+     {-0.2, 0.1, -1.9},
+     {-0.3, 0.2, 0.1},
+     {-2, 1, -9},
+     {1, 1, 1},
+     {4, 3, 2}},
+    {"a high latitude",
+     {1.4, -3.1, 5},
+     {30, 40, 0},
+     {0.1, 0.02, 3.1},
+     {0.1, 0.2, -0.5},
+     {0.2, 0.3, -9.83},
+     {-1, 1, 0},
+     {3, 3, 3}},
+    {"upside down",
+     {0.1, 0.3, 3000},
+     {100, -90, 20},
+     {3.0, -0.6, -2.7},
+     {-1.5, 0.7, 0.4},
+     {1, -2, 8},
+     {2, -2, 1},
+     {8, -6, 4}},
 };
 
 /// The process under test on plain blocks of its kinds, everything plugged in or nothing.
@@ -67,7 +102,10 @@ struct Bench {
     PortStates all{{&position, numbers(flight.lla), 100.0, 4e-9},
                    {&velocity, numbers(flight.v_n), 1.0, 1e-13},
                    {&attitude, numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw)), 1e-2, 4e-16},
-                   {}, {}, {}, {}};
+                   {},
+                   {},
+                   {},
+                   {}};
     if (has_sensor_errors) {
       all[3] = {&gyro_bias, {0.01, -0.02, 0.03}, 1e-2, 1e-16};
       all[4] = {&accel_bias, {0.1, 0.2, -0.3}, 1.0, 1e-16};
@@ -299,8 +337,8 @@ TEST_CASE("noise: its size after a second is the random walk of its unit", "[phi
   const Bench bench("second", false, {0.01, 0.01, 0.02}, {0.3, 0.3, 0.5});
   Samples samples(still);
   Complaints out;
-  const auto p = bench.check().propagate(bench.ports(still), samples.whole(0, 0.01).step(),
-                                         bench.check().fresh_memory(), out);
+  const auto p =
+      bench.check().propagate(bench.ports(still), samples.whole(0, 0.01).step(), bench.check().fresh_memory(), out);
   REQUIRE(std::abs(std::sqrt(100 * p.noise.at({2, 2})(2, 2)) - 0.02) < 1e-8);
   REQUIRE(std::abs(std::sqrt(100 * p.noise.at({1, 1})(2, 2)) - 0.5) < 1e-6);
 }
@@ -397,8 +435,14 @@ TEST_CASE("what the sensors are known to do wrong is taken off, from the neighbo
 TEST_CASE("at rest on the turning earth it stays at rest", "[phi_error]") {
   const Vector3d lla{0.65, 2.2, 60}, angles{0.1, -0.2, 1.0};
   const Eigen::Matrix3d C_bn = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles)).transpose();
-  const Flight rest{"rest", lla, Vector3d::Zero(), angles, C_bn * strapdown::omega_ie_n(lla[0]),
-                    C_bn * Vector3d(0, 0, -strapdown::gravity(lla[0], lla[2]).down), Vector3d::Zero(), Vector3d::Zero()};
+  const Flight rest{"rest",
+                    lla,
+                    Vector3d::Zero(),
+                    angles,
+                    C_bn * strapdown::omega_ie_n(lla[0]),
+                    C_bn * Vector3d(0, 0, -strapdown::gravity(lla[0], lla[2]).down),
+                    Vector3d::Zero(),
+                    Vector3d::Zero()};
   const Bench bench("second", false);
   Samples samples(rest);
   for (int i = 0; i < 1000; ++i) samples.whole(0.01 * i, 0.01 * (i + 1));
@@ -421,7 +465,8 @@ TEST_CASE("dt = 0 changes nothing; a pole stops it with a reason", "[phi_error]"
   const PortStates ports = bench.ports(pole);
   std::array<double, 10> x_plus;
   double* at[] = {x_plus.data(), x_plus.data() + 3, x_plus.data() + 6, nullptr, nullptr, nullptr, nullptr};
-  const Result result = bench.model->propagate(step, test::detail::pointers(ports).data(), memory.data(), {at, nullptr, nullptr});
+  const Result result =
+      bench.model->propagate(step, test::detail::pointers(ports).data(), memory.data(), {at, nullptr, nullptr});
   REQUIRE(result.verdict == Verdict::failed);
   REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
 }

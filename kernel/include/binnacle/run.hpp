@@ -26,6 +26,8 @@ struct RecordColumn {
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
+  /// Whether begin() and record() are wanted; reading estimates and their 1-σ costs more than a filter step.
+  virtual bool wants_records() const { return true; }
   /// Before the first record of each filter: what its rows hold, outputs and then their 1-σ.
   virtual void begin(int /*filter*/, const std::string& /*name*/, const std::vector<RecordColumn>& /*columns*/) {}
   /// Estimates at t, at most as often as the config's `record` says.

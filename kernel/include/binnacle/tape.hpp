@@ -11,7 +11,7 @@
 namespace binnacle {
 
 /// One propagation. Stored states are laid out as FilterInfo tells; rows of Φ and P are the estimated and considered
-/// error components. Matrices are there only for a tape that wants_matrices().
+/// error components. P0 and P1 are there for a tape that wants_covariance() or wants_matrices(), Phi for the latter.
 struct StepRecord {
   Time t0 = no_time;
   Time t1 = no_time;
@@ -47,6 +47,8 @@ class StepTape {
  public:
   virtual ~StepTape() = default;
   virtual bool wants_matrices() const { return false; }
+  /// P before and after each step, at the price of a copy of P.
+  virtual bool wants_covariance() const { return wants_matrices(); }
   /// The filter has just started: x and P are its initial values.
   virtual void started(Time /*t*/, const double* /*x*/, MatrixView /*P*/) {}
   virtual void stepped(const StepRecord& /*record*/) {}

@@ -63,6 +63,7 @@ class Composer {
   void load_plugins();
   void order_nodes();
   void lay_out();
+  void warn_of_unheard();
 
   // channels.cpp
   void add_sources();
@@ -139,6 +140,9 @@ class Composer {
   bool load_errors_ = false;
   bool config_errors_ = false;
 };
+
+/// Who hears each channel, by JSON pointer.
+std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan);
 
 /// "a, b, c" for messages, cut after a dozen.
 std::string listed(const std::vector<std::string>& names);

@@ -180,6 +180,19 @@ void Composer::lay_out() {
   }
 }
 
+// A source or transform none of whose channels is heard works for nothing: most likely a name is wrong somewhere.
+void Composer::warn_of_unheard() {
+  const auto heard = listeners(*plan_);
+  const auto check = [&](const std::string& name, const std::string& pointer, const std::vector<int>& channels) {
+    const bool is_heard = std::any_of(channels.begin(), channels.end(),
+                                      [&](int channel) { return !heard[as_size(channel)].empty(); });
+    if (!is_heard)
+      diagnostics_.warning("B031", document().key_origin(pointer), pointer, "nothing listens to '" + name + "'");
+  };
+  for (const auto& source : plan_->sources) check(source.name, source.pointer, source.channels);
+  for (const auto& transform : plan_->transforms) check(transform.name, transform.pointer, transform.channels);
+}
+
 std::unique_ptr<CompositionPlan> Composer::compose() {
   read_head();
   load_plugins();
@@ -198,6 +211,7 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
+  warn_of_unheard();
 
   std::uint64_t hash = document().hash();
   const auto mix = [&hash](std::string_view text) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -89,6 +90,12 @@ struct EvaluationPlan {
   std::vector<std::string> metrics;
 };
 
+/// Sources are opened by the first run of a composition, whichever thread that is, and stay open.
+struct SourceOpening {
+  std::once_flag once;
+  Diagnostics warnings;
+};
+
 struct CompositionPlan {
   Document document;
   Catalog catalog;
@@ -103,6 +110,7 @@ struct CompositionPlan {
   Time record_every = 0;
   Layout layout;
   std::uint64_t hash = 0;
+  std::shared_ptr<SourceOpening> opening = std::make_shared<SourceOpening>();
 
   int channel(std::string_view name) const {
     for (std::size_t i = 0; i < channels.size(); ++i)

@@ -127,7 +127,14 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
   return explanation;
 }
 
-/// Who hears each channel, by JSON pointer.
+bool is_filter_output(const CompositionPlan& plan, std::size_t channel) {
+  return std::any_of(plan.filters.begin(), plan.filters.end(), [&](const FilterPlan& filter) {
+    return filter.output_channel == static_cast<int>(channel);
+  });
+}
+
+}  // namespace
+
 std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan) {
   std::vector<std::vector<std::string>> heard(plan.channels.size());
   const auto add = [&](int channel, const std::string& pointer) {
@@ -155,14 +162,6 @@ std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan) {
   for (const auto& reference : plan.evaluation.references) add(reference.channel, "/reference");
   return heard;
 }
-
-bool is_filter_output(const CompositionPlan& plan, std::size_t channel) {
-  return std::any_of(plan.filters.begin(), plan.filters.end(), [&](const FilterPlan& filter) {
-    return filter.output_channel == static_cast<int>(channel);
-  });
-}
-
-}  // namespace
 
 Json Composition::explain() const {
   const auto heard = listeners(*plan_);

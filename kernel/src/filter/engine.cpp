@@ -111,7 +111,7 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
 
 void Engine::attach(StepTape* tape) {
   tape_ = tape;
-  if (tape && tape->wants_matrices()) {
+  if (tape) {
     P_before_.assign(as_size(padded(plan_.n)) * as_size(plan_.n), 0.0);
     Phi_dense_.assign(as_size(plan_.n) * as_size(plan_.n), 0.0);
   }
@@ -119,7 +119,6 @@ void Engine::attach(StepTape* tape) {
 
 void Engine::reset() {
   head() = FilterHead{};
-  diagnosis_.clear();
   for (std::int32_t i = 0; i < plan_.queue_capacity; ++i) {
     plan_.queue.in(arena_)[i] = QueueEntry{};
     plan_.queue.in(arena_)[i].slot = i;
@@ -151,9 +150,15 @@ void Engine::reset() {
     }
 }
 
-void Engine::fail(std::string diagnosis) {
-  diagnosis_ = std::move(diagnosis);
+void Engine::fail(const std::string& diagnosis) {
+  std::strncpy(head().diagnosis, diagnosis.c_str(), sizeof head().diagnosis - 1);
   head().broken = 1;
+}
+
+void Engine::stop_for_exception(const char* what) {
+  char time[48];
+  std::snprintf(time, sizeof time, " at %.9g s: ", seconds(head().t));
+  fail("'" + (component_ ? *component_ : std::string("a plugin")) + "' threw in " + call_ + time + what);
 }
 
 namespace {
@@ -232,6 +237,7 @@ void Engine::start_blocks(Time t) {
       const auto count = block.declaration().outputs.size();
       if (outputs.size() < count) outputs.resize(count);
       for (std::size_t i = 0; i < count; ++i) outputs[i] = view.fields[initial.fields[i]];
+      calling(block.type, "write");
       const Result result = block.block->write(outputs.data(), value);
       if (!result) {
         fail("block '" + block.name + "' refuses its initial value: " + result.reason);

@@ -37,7 +37,9 @@ class Engine {
   bool started() const { return status().started != 0; }
   bool broken() const { return status().broken != 0; }
   /// "velocity.north is not finite at 12.3 s"; empty while the filter is well.
-  const std::string& diagnosis() const { return diagnosis_; }
+  const char* diagnosis() const { return status().diagnosis; }
+  /// Stops the filter because the plugin call under way threw.
+  void stop_for_exception(const char* what);
   const Ledger& ledger(int measurement) const {
     return *plan_.measurements[static_cast<std::size_t>(measurement)].ledger.in(arena_);
   }
@@ -68,7 +70,11 @@ class Engine {
   void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
   void hold_frozen();
   void check_health();
-  void fail(std::string diagnosis);
+  void fail(const std::string& diagnosis);
+  void calling(const std::string& component, const char* call) {
+    component_ = &component;
+    call_ = call;
+  }
 
   Result evaluate_derived(const std::vector<int>& values, bool with_jacobians);
   Context context(const std::vector<int>& drive, double* storage);
@@ -86,7 +92,8 @@ class Engine {
   const std::vector<ChannelPlan>& channels_;
   std::byte* arena_;
   StepTape* tape_ = nullptr;
-  std::string diagnosis_;
+  const std::string* component_ = nullptr;  // whose code runs: named if it throws
+  const char* call_ = "";
 
   // Scratch. Sized in the constructor, never resized.
   std::vector<double> workspace_;

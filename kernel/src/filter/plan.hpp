@@ -171,6 +171,7 @@ struct PartPlan {
 /// What became of a measurement's samples. Lies in the arena.
 struct Ledger {
   std::int64_t offered = 0;
+  std::int64_t reached = 0;             // by the filter's time: offered less late and waiting
   std::int64_t outcomes[outcome_count] = {};
   std::int64_t before_start = 0;
   std::int64_t recoveries = 0;
@@ -231,6 +232,7 @@ struct FilterHead {
   std::int32_t queued = 0;
   std::int32_t drive_known = 0;
   std::int32_t just_started = 0;        // the next input sample may begin before the filter's time
+  char diagnosis[192] = {};             // why it broke
 };
 
 struct PendingInput {

@@ -96,6 +96,7 @@ Result Engine::evaluate_derived(const std::vector<int>& values, bool with_jacobi
       jacobians_[r] = MatrixView{at(read.jacobian), dof, columns, dof};
       if (with_jacobians) std::fill_n(at(read.jacobian), dof * columns, 0.0);
     }
+    calling(derived.type, "evaluate");
     const Result result =
         derived.derived->evaluate(port_values_.data(), context(derived.drive, drive_fields_.data()),
                                   at(derived.value), with_jacobians ? jacobians_.data() : nullptr);
@@ -155,6 +156,7 @@ bool Engine::propagate_models(Time t0, Time t1, int samples) {
                              ? nullptr
                              : x_plus_.data() + plan_.blocks[as_size(value)].stored_offset;
     }
+    calling(process.type, process.van_loan_group >= 0 ? "linearized" : "propagate");
     if (process.van_loan_group >= 0) {
       process.model->linearized(port_values_.data(),
                                 ContinuousOutput{phi_.data() + process.first_transition,
@@ -292,7 +294,8 @@ void Engine::step(Time t1, int samples) {
 
   const bool records = tape_ && tape_->wants_matrices();
   const auto p_size = as_size(padded(plan_.n)) * as_size(plan_.n);
-  if (records) std::copy_n(P(), p_size, P_before_.data());
+  const bool keeps_P = records || (tape_ && tape_->wants_covariance());
+  if (keeps_P) std::copy_n(P(), p_size, P_before_.data());
   predict(plan_.transition, phi_.data(), noise_.data(), P(), predict_scratch_.data());
 
   if (tape_) {
@@ -301,9 +304,11 @@ void Engine::step(Time t1, int samples) {
     record.t1 = t1;
     record.x0 = x();
     record.x1 = x_plus_.data();
-    if (records) {
+    if (keeps_P) {
       record.P0 = {P_before_.data(), plan_.n, plan_.n, padded(plan_.n)};
       record.P1 = covariance();
+    }
+    if (records) {
       std::fill(Phi_dense_.begin(), Phi_dense_.end(), 0.0);
       for (int i = 0; i < plan_.n; ++i) Phi_dense_[as_size(i + i * plan_.n)] = 1;
       for (const auto& diagonal : plan_.transition.diagonals)

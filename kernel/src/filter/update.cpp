@@ -23,7 +23,7 @@ Outcome outcome_of(Verdict verdict) {
 }  // namespace
 
 bool Engine::is_withheld(const MeasurementPlan& plan, Time t) const {
-  if (plan.withhold_every > 0 && plan.ledger.in(arena_)->offered % plan.withhold_every == 0) return true;
+  if (plan.withhold_every > 0 && plan.ledger.in(arena_)->reached % plan.withhold_every == 0) return true;
   return std::any_of(plan.withheld.begin(), plan.withheld.end(),
                      [&](const TimeSpan& window) { return window.contains(t, status().start); });
 }
@@ -76,6 +76,7 @@ Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, 
     out.H = jacobians_.data();
     out.R = MatrixView{R_nominal_.data() + rows + rows * m_max, part_rows, part_rows, m_max};
     out.row_keys = row_keys_.data() + rows;
+    calling(part.type, "linearize");
     const Result result =
         part.model->linearize(seen, auxiliary_views_.data(), port_values_.data(),
                               context(part.drive, drive_fields_.data()),
@@ -122,6 +123,7 @@ void Engine::assemble(const PartPlan& part, int first_row, int rows) {
 void Engine::process(int measurement, const SampleView& sample) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   Ledger& ledger = *plan.ledger.in(arena_);
+  ++ledger.reached;
   work_.m_max = plan.max_rows;
 
   std::byte* const backup = memory_backup_.data();
@@ -163,6 +165,7 @@ void Engine::process(int measurement, const SampleView& sample) {
     innovation.residual = work_.r;
     innovation.HPHt = MatrixView{work_.HPHt, m, m, work_.m_max};
     innovation.R_nominal = MatrixView{R_nominal_.data(), m, m, work_.m_max};
+    calling(plan.noise_type, "estimate");
     plan.noise->estimate(innovation, noise_memory, MatrixView{work_.R, m, m, work_.m_max});
   }
   const auto roll_back_noise = [&] {
@@ -210,6 +213,7 @@ void Engine::process(int measurement, const SampleView& sample) {
       post_fit_[as_size(i)] = work_.r[i] - predicted;
     }
     project(plan.columns, P(), plan_.n, m, work_);
+    calling(plan.noise_type, "after");
     plan.noise->after(Outcome::accepted, post_fit_.data(), MatrixView{work_.HPHt, m, m, work_.m_max}, noise_memory);
   }
   inject(delta_.data());
@@ -227,6 +231,7 @@ void Engine::inject(double* delta) {
     for (std::size_t a = 0; a < block.active.size(); ++a)
       block_delta_[as_size(block.active[a])] = delta[as_size(block.first) + a];
     double* value = x() + block.stored_offset;
+    calling(block.type, "plus");
     block.block->plus(value, block_delta_.data(), value);
     double* reset = block_reset_.data();
     if (!block.block->reset_jacobian(block_delta_.data(), reset)) continue;

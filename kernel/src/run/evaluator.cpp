@@ -122,6 +122,8 @@ class Evaluator::FilterScore : public StepTape {
     }
   }
 
+  bool wants_covariance() const override { return !pending_.empty(); }
+
   void stepped(const StepRecord& record) override {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
@@ -137,7 +139,7 @@ class Evaluator::FilterScore : public StepTape {
       block.block->minus(x1, x0, delta_.data());
       for (int c = 0; c < block.dof(); ++c) delta_[as_size(c)] *= fraction;
       block.block->plus(x0, delta_.data(), between_.data());
-      score_block(pending_[i], between_.data());
+      score_block(pending_[i], between_.data(), record.P0);
     }
     pending_.resize(kept);
   }
@@ -314,10 +316,11 @@ class Evaluator::FilterScore : public StepTape {
 
   void score(const Pending& pending, const double* state) {
     const auto& block = plan_.blocks[as_size(references_[as_size(pending.reference)].plan->block)];
-    score_block(pending, state + block.stored_offset);
+    score_block(pending, state + block.stored_offset, engine_.covariance());
   }
 
-  void score_block(const Pending& pending, const double* estimate) {
+  /// P: a posteriori at the last update before the reference, or at its very time.
+  void score_block(const Pending& pending, const double* estimate, MatrixView P) {
     auto& reference = references_[as_size(pending.reference)];
     const auto& block = plan_.blocks[as_size(reference.plan->block)];
     const auto& declaration = block.declaration();
@@ -325,7 +328,7 @@ class Evaluator::FilterScore : public StepTape {
       if (!block.block->write(pending.values.data(), truth_.data())) return;
       block.block->minus(truth_.data(), estimate, delta_.data());
       push_errors(reference.series, declaration, pending.t, delta_.data());
-      score_consistency(reference, block, pending.t);
+      score_consistency(reference, block, pending.t, P);
     }
     block.block->read(estimate, outputs_.data());
     for (std::size_t i = 0; i < declaration.outputs.size(); ++i) {
@@ -337,10 +340,9 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   /// NEES of the active components: δᵀ P⁻¹ δ by Cholesky; left out where P is singular.
-  void score_consistency(Reference& reference, const BlockPlan& block, Time t) {
+  void score_consistency(Reference& reference, const BlockPlan& block, Time t, MatrixView P) {
     const int n = static_cast<int>(block.active.size());
     if (n == 0) return;
-    const MatrixView P = engine_.covariance();
     double* const L = covariance_.data();
     double* const y = L + n * n;
     double nees = 0;

@@ -150,13 +150,15 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   const auto begin = std::chrono::steady_clock::now();
   const auto& plan = composition->plan();
   RunResult result;
-  open_sources(plan, result.warnings);
+  std::call_once(plan.opening->once, [&] { open_sources(plan, plan.opening->warnings); });
+  result.warnings = plan.opening->warnings;
 
   Runtime runtime(plan);
   runtime.reset(options.seed, options.run);
   Evaluator evaluator(runtime);
   std::unique_ptr<Recorder> recorder;
-  if (options.observer) recorder = std::make_unique<Recorder>(runtime, *options.observer, composition->record_every());
+  if (options.observer && options.observer->wants_records())
+    recorder = std::make_unique<Recorder>(runtime, *options.observer, composition->record_every());
   for (const auto& sink : plan.sinks) sink.sink->open();
 
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {

@@ -185,7 +185,14 @@ void Runtime::run_transform(int index) {
   for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
     const auto& input = transform.inputs[i];
     if (input.channel < 0 || !channels_[as_size(input.channel)].is_present) continue;
-    transform.transform->on(static_cast<int>(i), read_input(input), transform.memory.in(arena_.get()), emitter);
+    try {
+      transform.type->guarded("on", [&] {
+        transform.transform->on(static_cast<int>(i), read_input(input), transform.memory.in(arena_.get()), emitter);
+      });
+    } catch (const ComponentError& error) {
+      throw FilterError(Diagnostic{Severity::error, "B045", plan_.document.origin(transform.pointer), transform.pointer,
+                                   error.what()});
+    }
   }
 }
 
@@ -196,18 +203,8 @@ void Runtime::run_sink(int index) {
       sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i]));
 }
 
-void Runtime::run_filter(int index, Time t) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto& routes = routes_[as_size(index)];
-  Engine& engine = *engines_[as_size(index)];
+void Runtime::feed_filter(Engine& engine, const Routes& routes, Time t) {
   const auto& plan = engine.plan();
-  const auto accepted = [&] {
-    std::int64_t count = 0;
-    for (std::size_t m = 0; m < plan.measurements.size(); ++m)
-      count += engine.ledger(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
-    return count;
-  };
-  const std::int64_t before = routes.output_is_heard ? accepted() : 0;
   bool is_touched = false;
   const auto each = [&](const std::vector<std::pair<int, int>>& list, auto push) {
     for (const auto& [channel, target] : list)
@@ -224,6 +221,28 @@ void Runtime::run_filter(int index, Time t) {
   }
   each(routes.measurements, [&](int target, const SampleView& sample) { engine.push_measurement(target, sample); });
   if (is_touched && !engine.started()) engine.try_start(t);
+}
+
+void Runtime::run_filter(int index, Time t) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& routes = routes_[as_size(index)];
+  Engine& engine = *engines_[as_size(index)];
+  const auto& plan = engine.plan();
+  const auto accepted = [&] {
+    std::int64_t count = 0;
+    for (std::size_t m = 0; m < plan.measurements.size(); ++m)
+      count += engine.ledger(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
+    return count;
+  };
+  const std::int64_t before = routes.output_is_heard ? accepted() : 0;
+  // What a plugin throws ends at the border: its filter stops, named, and the others go on.
+  try {
+    feed_filter(engine, routes, t);
+  } catch (const std::exception& error) {
+    engine.stop_for_exception(error.what());
+  } catch (...) {
+    engine.stop_for_exception("something that is no std::exception");
+  }
   if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) {
     auto& output = channels_[as_size(plan.output_channel)];
     SampleSlot& slot = output_slots_[as_size(plan.output_channel)];
@@ -258,7 +277,16 @@ void Runtime::fetch(std::size_t index) {
   }
   int channel = 0;
   const Time previous = head.t;
-  const SourceStatus status = source.source->next(source.memory.in(arena_.get()), slots.data(), channel);
+  SourceStatus status = SourceStatus::error;
+  try {
+    status = source.type->guarded(
+        "next", [&] { return source.source->next(source.memory.in(arena_.get()), slots.data(), channel); });
+  } catch (const ComponentError& error) {
+    throw DataError(Diagnostic{Severity::error, error.is_data_error() ? error.code() : "B045",
+                               error.is_data_error() ? Origin{error.file(), error.line(), 0}
+                                                     : plan_.document.origin(source.pointer),
+                               source.pointer, error.what()});
+  }
   if (status == SourceStatus::error)
     throw DataError(Diagnostic{Severity::error, "B061", {}, source.pointer, "source '" + source.name + "' cannot go on"});
   if (status != SourceStatus::sample) {

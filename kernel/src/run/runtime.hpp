@@ -62,6 +62,7 @@ class Runtime {
 
   void fetch(std::size_t source);
   void run_filter(int index, Time t);
+  void feed_filter(Engine& engine, const Routes& routes, Time t);
   void run_transform(int index);
   void run_sink(int index);
   SampleView read_input(const NodeInput& input);

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "document.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+
+namespace binnacle::test {
+
+std::filesystem::path in_project(const std::string& path) { return std::filesystem::path(BINNACLE_TEST_PROJECT) / path; }
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error("cannot read " + path.string());
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string Fence::text() const {
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  return text;
+}
+
+MarkdownFile::MarkdownFile(const std::string& path) : path_(in_project(path)), text_(text_of(path_)) {}
+
+std::vector<Fence> MarkdownFile::fences(const std::string& language) const {
+  std::vector<Fence> found;
+  std::istringstream stream(text_);
+  bool is_inside = false, is_wanted = false;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind("```", 0) == 0) {
+      is_inside = !is_inside;
+      is_wanted = is_inside && line.substr(3) == language;
+      if (is_wanted) found.push_back({language, {}});
+    } else if (is_wanted) {
+      found.back().lines.push_back(line);
+    }
+  }
+  return found;
+}
+
+std::vector<std::string> MarkdownFile::links() const {
+  static const std::regex link(R"(\]\(([A-Za-z0-9_./-]+)(#[A-Za-z0-9_-]*)?\))");
+  std::vector<std::string> found;
+  for (std::sregex_iterator at(text_.begin(), text_.end(), link), end; at != end; ++at) found.push_back((*at)[1]);
+  return found;
+}
+
+}  // namespace binnacle::test

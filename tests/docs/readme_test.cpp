@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// README.md: its commands run, print what it says they print, and its excerpts are those of the quickstart.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <sys/wait.h>
+
+#include "catch.hpp"
+#include "document.hpp"
+
+namespace {
+
+using namespace binnacle::test;
+namespace fs = std::filesystem;
+
+const char* const command = "build/release/bin/binnacle";
+
+/// A folder that looks like the project's root to those who type what the README says.
+class Root {
+ public:
+  Root() {
+    std::string name = (fs::temp_directory_path() / "binnacle-docs.XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+    folder_ = name;
+    fs::create_directories(folder_ / "build/release/bin");
+    fs::create_symlink(DOCS_COMMAND, folder_ / command);
+    fs::create_symlink(DOCS_EMBED, folder_ / "embed");
+    fs::create_symlink(in_project("configs"), folder_ / "configs");
+    for (const auto& block : MarkdownFile("README.md").fences("json"))
+      if (block.lines.front().rfind("// ranges.json:", 0) == 0) std::ofstream(folder_ / "ranges.json") << block.text();
+  }
+  ~Root() { fs::remove_all(folder_); }
+  Root(const Root&) = delete;
+  Root& operator=(const Root&) = delete;
+
+  /// Exit status; `output` is stdout and stderr together.
+  int run(const std::string& script, std::string& output) const {
+    const std::string line = "cd '" + folder_.string() + "' && export NO_COLOR=1 BINNACLE_PLUGIN_PATH='" +
+                             BINNACLE_TEST_PLUGINS + ":" + DOCS_PLUGINS + "' && { " + script + "\n} 2>&1";
+    FILE* pipe = ::popen(line.c_str(), "r");
+    if (!pipe) throw std::runtime_error("no shell");
+    output.clear();
+    char buffer[4096];
+    while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) output.append(buffer, n);
+    const int status = ::pclose(pipe);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  fs::path folder_;
+};
+
+std::string without_times(const std::string& text) {
+  static const std::regex times(R"([0-9.]+ (ns|us|ms|s|min)( per step)?\n)");
+  return std::regex_replace(text, times, "TIME$2\n");
+}
+
+std::string without_blanks(std::string text) {
+  text = std::regex_replace(text, std::regex(R"((^|\s)//[^\n]*)"), "");
+  return std::regex_replace(text, std::regex(R"(\s+)"), "");
+}
+
+std::vector<std::string> commands_of(const MarkdownFile& document, bool with_data) {
+  std::vector<std::string> found;
+  for (const auto& block : document.fences("sh"))
+    for (const auto& line : block.lines)
+      if (line.rfind(command, 0) == 0 && (line.find("--var drives=") != std::string::npos) == with_data)
+        found.push_back(line);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("the commands of the README exit with 0") {
+  const Root root;
+  const auto commands = commands_of(MarkdownFile("README.md"), false);
+  REQUIRE(commands.size() > 5);
+  for (const auto& line : commands) {
+    std::string output;
+    const int status = root.run(line, output);
+    INFO(line << "\n" << output);
+    CHECK(status == 0);
+  }
+}
+
+TEST_CASE("the commands of the README on recorded drives exit with 0") {
+  const std::string folder = "../shared/data/drives";
+  const auto commands = commands_of(MarkdownFile("README.md"), true);
+  REQUIRE_FALSE(commands.empty());
+  if (!fs::exists(in_project(folder))) {
+    std::puts("SKIPPED: no data");
+    return;
+  }
+  const Root root;
+  for (std::string line : commands) {
+    REQUIRE(line.find(folder) != std::string::npos);
+    line.replace(line.find(folder), folder.size(), in_project(folder).lexically_normal().string());
+    std::string output;
+    const int status = root.run(line, output);
+    INFO(line << "\n" << output);
+    CHECK(status == 0);
+  }
+}
+
+TEST_CASE("what the README shows after a $ is what is printed") {
+  int shown = 0;
+  for (const auto& block : MarkdownFile("README.md").fences("text")) {
+    if (block.lines.front().rfind("$ ", 0) != 0) continue;
+    ++shown;
+    std::string script, expected, output;
+    for (const auto& line : block.lines) {
+      const bool is_typed = line.rfind("$ ", 0) == 0;
+      (is_typed ? script : expected) += (is_typed ? line.substr(2) : line) + "\n";
+    }
+    Root().run(script, output);
+    INFO(script);
+    CHECK(without_times(output) == without_times(expected));
+  }
+  CHECK(shown == 4);
+}
+
+TEST_CASE("every JSON excerpt of the README is part of the quickstart") {
+  const std::string quickstart = without_blanks(text_of(in_project("configs/quickstart.json")));
+  int excerpts = 0;
+  for (const auto& block : MarkdownFile("README.md").fences("json")) {
+    if (block.lines.front().rfind("// ranges.json:", 0) == 0) continue;
+    ++excerpts;
+    INFO(block.text());
+    CHECK(quickstart.find(without_blanks(block.text())) != std::string::npos);
+  }
+  CHECK(excerpts > 5);
+}
+
+TEST_CASE("links between the documents lead somewhere") {
+  std::vector<std::string> documents{"README.md", "kernel/DESIGN.md", "configs/README.md", "configs/drives/README.md",
+                                     "sdk/docs/diagnostics.md"};
+  for (const auto& plugin : fs::directory_iterator(in_project("plugins")))
+    if (fs::exists(plugin.path() / "README.md"))
+      documents.push_back("plugins/" + plugin.path().filename().string() + "/README.md");
+  for (const auto& path : documents) {
+    const MarkdownFile document(path);
+    for (const auto& link : document.links()) {
+      INFO(path << " links to " << link);
+      CHECK(fs::exists(document.folder() / link));
+    }
+  }
+}
