@@ -44,7 +44,7 @@ std::string line(const std::string& blocks_extra = "", const std::string& measur
         "move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
         "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.2}},
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"},
-                               "sigma": 0.7)" + measurement_extra + R"(}}}}})";
+                               "sigma": [0.7])" + measurement_extra + R"(}}}}})";
 }
 
 /// The same filter, dense.
@@ -146,7 +146,7 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
            hold + R"(}},
         "process": {"decay": {"type": "gauss_markov", "blocks": {"x": "x"}, "tau": "1 s", "sigma": 1}},
         "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
-                                 "H": [[1, 1, 1]], "sigma": 0.1}}}}})";
+                                 "H": [[1, 1, 1]], "sigma": [0.1]}}}}})";
   };
   Filter free = compose(config(""));
   Filter held = compose(config(R"(, "hold": true)"));
@@ -246,8 +246,8 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
       "process": {"move": {"type": "integrated", "blocks": {"x": "p", "rate": "v"}},
                   "wander": {"type": "random_walk", "blocks": {"x": "v"}, "q": 0.2}},
       "measurements": )";
-  const std::string p = R"("type": "linear_measurement", "blocks": {"x": "p"}, "fields": {"z0": "a"}, "sigma": 0.5)";
-  const std::string v = R"("type": "linear_measurement", "blocks": {"x": "v"}, "fields": {"z0": "b"}, "sigma": 0.1)";
+  const std::string p = R"("type": "linear_measurement", "blocks": {"x": "p"}, "fields": {"z0": "a"}, "sigma": [0.5])";
+  const std::string v = R"("type": "linear_measurement", "blocks": {"x": "v"}, "fields": {"z0": "b"}, "sigma": [0.1])";
   Filter stacked = compose(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
   Filter apart = compose(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
   for (int i = 0; i < 10; ++i)
@@ -282,7 +282,7 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
       "derived": {"twice": {"type": "square", "blocks": {"x": "once"}},
                   "once": {"type": "square", "blocks": {"x": "x"}}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
-      "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "twice"}, "sigma": 1}}}}})");
+      "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "twice"}, "sigma": [1]}}}}})");
   KeepS tape;
   filter.attach(0, &tape);
   push(filter, "z", 0, {0, 0});
@@ -303,7 +303,7 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
       "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "1"}}}},
       "filters": {"f": {"blocks": {"x": {"type": "vector", "size": 1, "sigma": 1}},
         "process": {"bad": {"type": "breaking", "blocks": {"x": "x"}, "after": "2 s")") + more + R"(}},
-        "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": 1}}}}})";
+        "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})";
   };
   for (const char* more : {"", R"(, "politely": true)"}) {
     Filter filter = compose(config(more));
@@ -466,7 +466,9 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
       if (i % 25 == 20) drive->fix((i + 1) * 5 * ms - 2 * ms);   // inside the sample just taken: late for one, not for four
     }
   REQUIRE(one.time(0) == 1000 * ms);
-  REQUIRE(four.time(0) == 1000 * ms);
+  // Up to three whole samples wait for their group.
+  REQUIRE(four.time(0) <= 1000 * ms);
+  REQUIRE(four.time(0) > 980 * ms);
   REQUIRE(one.counts(0, 0).by_outcome[static_cast<int>(Outcome::late)] == 8);
   REQUIRE(four.counts(0, 0).by_outcome[static_cast<int>(Outcome::late)] < 8);
   double pa[3], pb[3];

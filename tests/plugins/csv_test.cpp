@@ -334,7 +334,7 @@ TEST_CASE("csv: unit and offset of the labels") {
           "/time/unit: labels need a unit of time of whole nanoseconds, like \"s\", \"ms\", \"us\", \"ns\" or \"h\"");
 }
 
-TEST_CASE("csv: only the window is read, after the offset; its first sample starts the clock") {
+TEST_CASE("csv: only the window is read, after the offset, and its first sample starts the clock") {
   const TemporaryFile file("t,w,a\n1,nan,1\n2,2,2\n3,3,3\n4,4,4\n5,x,5,5\n");
   auto value = with(rate_and_level(file.path()), "time", object({{"unit", unit("s")}, {"offset", instant(10)}}));
   value = with(value, "window", list({instant(12), instant(13.5)}));

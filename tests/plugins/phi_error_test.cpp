@@ -450,7 +450,7 @@ TEST_CASE("at rest on the turning earth it stays at rest", "[phi_error]") {
   REQUIRE(distance(bench, walk(bench, start, samples.steps(), bench.check().fresh_memory()).ports, start) < 1e-8);
 }
 
-TEST_CASE("dt = 0 changes nothing; a pole stops it with a reason", "[phi_error]") {
+TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_error]") {
   const Bench bench;
   const auto check = bench.check();
   Samples nothing(flights[0]);

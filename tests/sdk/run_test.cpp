@@ -53,7 +53,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("--summary holds the errors, the windows and what became of every sample") {
+TEST_CASE("the --summary file holds the errors, the windows and what became of every sample") {
   const Workbench bench;
   const auto outcome = run(bench, {"--summary", "summary.json"});
   REQUIRE(outcome.status == 0);
@@ -121,7 +121,7 @@ TEST_CASE("recorded times are exact to the nanosecond") {
   CHECK(text.find("\n1600000001.000000001,") != std::string::npos);
 }
 
-TEST_CASE("--set and --var change a config from outside") {
+TEST_CASE("options --set and --var change a config from outside") {
   const Workbench bench;
   const auto config_of = [&](const std::vector<std::string>& options) {
     auto all = options;
@@ -156,7 +156,7 @@ TEST_CASE("a place that cannot be written is told before the run, exit status 2"
   CHECK(names_in(bench.folder()) == before);
 }
 
-TEST_CASE("a device is written to, not replaced; a full one is exit status 5") {
+TEST_CASE("a device is written to, not replaced, and a full one is exit status 5") {
   const Workbench bench;
   const auto outcome = run(bench, {"--quiet", "--summary", "/dev/stdout"});
   CHECK(outcome.status == 0);

@@ -299,7 +299,7 @@ TEST_CASE("what a constructor throws is contained, and names plugin, component, 
   CHECK_THROWS_AS(type.create_sink(binding(nothing)), std::logic_error);
 }
 
-TEST_CASE("objects and errors outlive the catalog; the library stays with them", "[catalog]") {
+TEST_CASE("objects and errors outlive the catalog, and the library stays with them", "[catalog]") {
   std::shared_ptr<StateBlock> block;
   std::shared_ptr<Source> source;
   ComponentType copy;

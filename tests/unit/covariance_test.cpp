@@ -22,7 +22,8 @@ MatrixXd random_matrix(int rows, int columns, std::mt19937& engine) {
 
 MatrixXd random_covariance(int n, std::mt19937& engine) {
   const MatrixXd A = random_matrix(n, n, engine);
-  return A * A.transpose() + MatrixXd::Identity(n, n);
+  const MatrixXd P = A * A.transpose() + MatrixXd::Identity(n, n);
+  return 0.5 * (P + P.transpose());  // to the bit
 }
 
 /// P as the filter stores it: columns padded to whole strips.

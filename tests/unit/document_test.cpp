@@ -300,7 +300,7 @@ TEST_CASE("a path starts where its first component was named", "[document]") {
   CHECK_THROWS_AS(given.resolve_path("/none"), std::invalid_argument);
 }
 
-TEST_CASE("--set reads JSON, else a text, and knows its origin", "[document]") {
+TEST_CASE("option --set reads JSON, else a text, and knows its origin", "[document]") {
   const std::string text = "{\"a\": {\"b\": 1, \"c/d\": 2}, \"l\": [1, 2]}";
   CHECK(resolved(text, with_sets({"/a/b=2.5", "/a/c~1d=2 h", "/l/-={\"k\": 1, \"n\": null}", "/l/0=true",
                                   "/new/x/y=\"3\"", "/e=a=b"})) ==

@@ -205,7 +205,7 @@ TEST_CASE("correcting increments and its derivatives", "[strapdown][error]") {
   REQUIRE(correct(cut, {}).sample_offset == 0.003);
 }
 
-TEST_CASE("every transition block against differences; errors fall as dt^2 and dt^3", "[strapdown][error]") {
+TEST_CASE("every transition block against differences, and errors fall as dt^2 and dt^3", "[strapdown][error]") {
   for (const Scenario& s : scenarios()) {
     for (Order order : {Order::first, Order::second}) {
       const std::array<double, 3> intervals = {0.2, 0.1, 0.05};

@@ -87,15 +87,15 @@ int Composer::channel_named(const std::string& name, const std::string& pointer,
 
 bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_index,
                           const std::string& component_pointer, const std::string& channel_pointer,
-                          const std::string& type, FieldMap& map, const std::string& mapping_key) {
+                          const std::string& type, FieldMap& map, const std::vector<FieldSpec>& mappable) {
   const auto& channel = plan_->channels[static_cast<std::size_t>(channel_index)];
   const auto& fields = channel.declaration.fields;
-  const std::string mapping_pointer = join_pointer(component_pointer, mapping_key);
+  const std::string mapping_pointer = join_pointer(component_pointer, "fields");
   const auto* mapping = object_at(document(), mapping_pointer, "'fields'", diagnostics_);
   const std::size_t errors = error_count();
   if (mapping) {
     std::vector<std::string> allowed;
-    for (const auto& field : wanted) allowed.push_back(field.name);
+    for (const auto& field : mappable.empty() ? wanted : mappable) allowed.push_back(field.name);
     check_keys(document(), mapping_pointer, allowed, "'fields' of '" + type + "'", diagnostics_);
   }
   int declared = 0;
@@ -166,6 +166,12 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
   return error_count() == errors;
 }
 
+std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec) {
+  std::vector<FieldSpec> fields = spec.fields;
+  for (const auto& input : spec.inputs) fields.insert(fields.end(), input.fields.begin(), input.fields.end());
+  return fields;
+}
+
 bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs) {
   const std::size_t errors = error_count();
   const bool is_single = spec.inputs.size() == 1;
@@ -176,6 +182,7 @@ bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer
   for (const auto& input : spec.inputs) names.push_back(input.name);
   if (named) check_keys(document(), inputs_pointer, names, "'inputs' of '" + spec.type + "'", diagnostics_);
   bool is_told = false;
+  const std::vector<FieldSpec> mappable = mappable_fields(spec);
   for (const auto& wanted : spec.inputs) {
     NodeInput input;
     std::string channel_pointer;
@@ -192,7 +199,7 @@ bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer
       if (const auto name = read_string(document(), channel_pointer, diagnostics_)) {
         input.channel = channel_named(*name, channel_pointer, is_told);
         if (input.channel >= 0)
-          map_fields(wanted.fields, input.channel, pointer, channel_pointer, spec.type, input.fields);
+          map_fields(wanted.fields, input.channel, pointer, channel_pointer, spec.type, input.fields, mappable);
       }
     inputs.push_back(std::move(input));
   }
@@ -250,7 +257,11 @@ void Composer::add_transforms() {
             input.name = transform.type->spec.inputs[i].name;
             input.bound = transform.inputs[i].channel >= 0;
             inputs.push_back(input);
-            for (const auto& item : transform.inputs[i].fields.epoch) fields_bound.push_back(item.index >= 0);
+            const auto first = fields_bound.size();
+            fields_bound.resize(first + transform.type->spec.inputs[i].fields.size(), false);
+            for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})
+              for (const auto& item : *items)
+                fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
           }
           guarded(pointer, [&] {
             transform.transform =

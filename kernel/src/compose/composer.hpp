@@ -76,7 +76,7 @@ class Composer {
   int channel_named(const std::string& name, const std::string& pointer, bool& is_told);
   bool map_fields(const std::vector<FieldSpec>& wanted, int channel, const std::string& component_pointer,
                   const std::string& channel_pointer, const std::string& type, FieldMap& map,
-                  const std::string& mapping_key = "fields");
+                  const std::vector<FieldSpec>& mappable = {});
 
   // blocks.cpp
   void begin_filters();
@@ -140,6 +140,9 @@ class Composer {
   bool load_errors_ = false;
   bool config_errors_ = false;
 };
+
+/// All fields that the one key "fields" of a component may map: of its sample and of all its inputs.
+std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec);
 
 /// Who hears each channel, by JSON pointer.
 std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan);

@@ -134,6 +134,7 @@ void Composer::find_input(FilterBuild& build) {
   if (build.plan.input_channel < 0) return;
   const auto& channel = plan_->channels[as_size(build.plan.input_channel)];
   build.plan.input_fields = channel.epoch_fields;
+  build.plan.input_used.assign(as_size(channel.epoch_fields), 0);
   for (const auto& field : channel.declaration.fields)
     if (!field.per_row) build.plan.input_kinds.push_back(field.kind);
 }
@@ -157,7 +158,9 @@ bool Composer::find_drive(FilterBuild& build, const ComponentType& type, const s
     if (index < 0 && !wanted.optional)
       error("B021", pointer, "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" +
                                  type.spec.type + "' needs");
-    if (index >= 0) drive.push_back(index);
+    if (index < 0) continue;
+    drive.push_back(index);
+    build.plan.input_used[as_size(index)] = 1;
   }
   if (drive.size() != type.spec.drive.size()) drive.clear();
   return error_count() == errors;
@@ -216,6 +219,15 @@ void Composer::add_derived(FilterBuild& build) {
       const int dof = plan.dof();
       plan.value = build.reserve(as_size(declaration.stored_size));
       std::set<int> blocks;
+      const bool reads_are_bound = std::all_of(declaration.reads.begin(), declaration.reads.end(), [&](int port) {
+        return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
+      });
+      if (!reads_are_bound) {
+        error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
+        build.failed_values.insert(name);
+        build.is_complete = false;
+        continue;
+      }
       for (const int port : declaration.reads) {
         const int value = plan.ports[as_size(port)];
         const int columns = build.values[as_size(value)].dof;
@@ -291,7 +303,10 @@ void Composer::add_processes(FilterBuild& build) {
           is_whole = false;
         else if (map_fields(type->spec.fields, build.plan.input_channel, pointer, input_pointer, type->spec.type,
                             plan.fields))
-          for (const auto& item : plan.fields.epoch) fields_bound[as_size(item.declared)] = item.index >= 0;
+          for (const auto& item : plan.fields.epoch) {
+            fields_bound[as_size(item.declared)] = item.index >= 0;
+            if (item.index >= 0) build.plan.input_used[as_size(item.index)] = 1;
+          }
         const std::string samples_pointer = join_pointer(pointer, "samples_per_step");
         if (at(samples_pointer)) {
           auto spec = parameter::integer("samples_per_step");
@@ -316,6 +331,28 @@ void Composer::add_processes(FilterBuild& build) {
         plan.model = type->create_process_model(Binding(name, Parameters(parameters), bindings, fields_bound));
       });
       if (!plan.model) {
+        is_whole = false;
+        continue;
+      }
+      const auto is_sound = [&](const Coupling& coupling, bool is_noise) {
+        const auto is_bound_port = [&](int port) {
+          return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
+        };
+        const auto is_advanced = [&](int port) { return type->spec.ports[as_size(port)].access == PortAccess::advances; };
+        return is_bound_port(coupling.to) && is_bound_port(coupling.from) && is_advanced(coupling.to) &&
+               (!is_noise || is_advanced(coupling.from)) &&
+               (coupling.structure == Structure::dense ||
+                bindings[as_size(coupling.to)].dof == bindings[as_size(coupling.from)].dof);
+      };
+      const auto& declared = plan.model->declaration();
+      const bool couplings_are_sound =
+          std::all_of(declared.transition.begin(), declared.transition.end(),
+                      [&](const Coupling& coupling) { return is_sound(coupling, false); }) &&
+          std::all_of(declared.noise.begin(), declared.noise.end(),
+                      [&](const Coupling& coupling) { return is_sound(coupling, true); });
+      if (!couplings_are_sound) {
+        error("B030", pointer,
+              "'" + type->spec.type + "' declares a coupling of ports that are open, not advanced, or of unequal dof");
         is_whole = false;
         continue;
       }
@@ -430,7 +467,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   if (measurement.channel >= 0) {
     const std::string channel_pointer = join_pointer(measurement.pointer, "channel");
     is_whole = map_fields(type->spec.fields, measurement.channel, pointer, channel_pointer, type->spec.type,
-                          part.fields) && is_whole;
+                          part.fields, mappable_fields(type->spec)) && is_whole;
     for (const auto& item : part.fields.epoch) fields_bound[as_size(item.declared)] = item.index >= 0;
     for (const auto& item : part.fields.row) fields_bound[as_size(item.declared)] = item.index >= 0;
     const auto& channel = plan_->channels[as_size(measurement.channel)];
@@ -470,6 +507,10 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
     return false;
   }
   for (const int port : declaration.reads) {
+    if (port < 0 || as_size(port) >= part.ports.size() || part.ports[as_size(port)] < 0) {
+      error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
+      return false;
+    }
     const int value = part.ports[as_size(port)];
     const int dof = build.values[as_size(value)].dof;
     part.reads.push_back({value, dof, build.reserve(as_size(declaration.max_rows * dof)), {}});

@@ -13,6 +13,7 @@ namespace binnacle {
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* broken_reason = "the filter is broken";
 
 std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
@@ -158,6 +159,8 @@ void Engine::fail(const std::string& diagnosis) {
 void Engine::stop_for_exception(const char* what) {
   char time[48];
   std::snprintf(time, sizeof time, " at %.9g s: ", seconds(head().t));
+  if (in_process_ >= 0)
+    conclude(in_process_, head().t, Outcome::rejected, "its plugin threw", 0, 0, false, nullptr);
   fail("'" + (component_ ? *component_ : std::string("a plugin")) + "' threw in " + call_ + time + what);
 }
 
@@ -283,7 +286,7 @@ void Engine::push_input(const SampleView& sample) {
   auto& h = head();
   if (h.broken) return;
   for (int i = 0; i < plan_.input_fields; ++i)
-    if (!std::isfinite(sample.fields[i])) {
+    if (plan_.input_used[as_size(i)] && !std::isfinite(sample.fields[i])) {
       ++h.gaps;
       return;
     }
@@ -403,14 +406,25 @@ void Engine::drain_queue(Time until) {
     --h.queued;
     queue[h.queued].slot = entry.slot;
     advance_to(entry.t);
-    if (!h.broken) process(entry.measurement, sample);
+    process_or_reject(entry.measurement, sample);
   }
+}
+
+void Engine::process_or_reject(int measurement, const SampleView& sample) {
+  if (head().broken)
+    conclude(measurement, sample.t, Outcome::rejected, broken_reason, 0, 0, false, nullptr);
+  else
+    process(measurement, sample);
 }
 
 void Engine::push_measurement(int measurement, const SampleView& sample) {
   auto& h = head();
   Ledger& ledger = *plan_.measurements[as_size(measurement)].ledger.in(arena_);
-  if (h.broken) return;
+  if (h.broken) {
+    ++ledger.offered;
+    conclude(measurement, sample.t, Outcome::rejected, broken_reason, 0, 0, false, nullptr);
+    return;
+  }
   if (!h.started) {
     if (!plan_.initial.empty() || plan_.input_channel >= 0) {
       ++ledger.before_start;
@@ -429,17 +443,18 @@ void Engine::push_measurement(int measurement, const SampleView& sample) {
     return;
   }
   advance_to(sample.t);
-  if (!h.broken) process(measurement, sample);
+  process_or_reject(measurement, sample);
 }
 
 void Engine::finish() {
   auto& h = head();
-  if (h.broken || !h.started) return;
-  if (h.pending > 0) step_pending(h.pending);
+  if (!h.started) return;
+  if (!h.broken && h.pending > 0) step_pending(h.pending);
   const QueueEntry* queue = plan_.queue.in(arena_);
   for (int i = 0; i < h.queued; ++i)
     // Offered, but never reached by the input.
-    conclude(queue[i].measurement, queue[i].t, Outcome::unsupported, "no input up to its time", 0, 0, false, nullptr);
+    conclude(queue[i].measurement, queue[i].t, h.broken ? Outcome::rejected : Outcome::unsupported,
+             h.broken ? broken_reason : "no input up to its time", 0, 0, false, nullptr);
   h.queued = 0;
 }
 

@@ -80,6 +80,7 @@ class Engine {
   Context context(const std::vector<int>& drive, double* storage);
   void enqueue(int measurement, const SampleView& sample);
   void process(int measurement, const SampleView& sample);
+  void process_or_reject(int measurement, const SampleView& sample);
   Result linearize(const MeasurementPlan& plan, const SampleView& sample, int& rows);
   void assemble(const PartPlan& part, int first_row, int rows);
   void inject(double* delta);
@@ -94,6 +95,7 @@ class Engine {
   StepTape* tape_ = nullptr;
   const std::string* component_ = nullptr;  // whose code runs: named if it throws
   const char* call_ = "";
+  int in_process_ = -1;                     // measurement that has no outcome yet
 
   // Scratch. Sized in the constructor, never resized.
   std::vector<double> workspace_;

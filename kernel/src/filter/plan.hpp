@@ -267,6 +267,7 @@ struct FilterPlan {
   int input_channel = -1;               // index in the composition's channels
   int input_fields = 0;
   std::vector<FieldKind> input_kinds;   // of its per-epoch fields
+  std::vector<unsigned char> input_used;  // whether a process or the drive reads it: then it must be finite
   int samples_per_step = 1;
   int queue_capacity = 0;
   std::size_t queue_doubles = 0;        // per entry

@@ -152,7 +152,9 @@ bool Engine::propagate_models(Time t0, Time t1, int samples) {
     for (std::size_t p = 0; p < process.ports.size(); ++p) {
       const int value = process.ports[p];
       port_values_[p] = value < 0 ? nullptr : values_[as_size(value)];
-      port_outputs_[p] = value < 0 || value >= static_cast<int>(plan_.blocks.size())
+      const bool is_advanced = value >= 0 && value < static_cast<int>(plan_.blocks.size()) &&
+                               &plan_.processes[as_size(plan_.blocks[as_size(value)].process)] == &process;
+      port_outputs_[p] = !is_advanced
                              ? nullptr
                              : x_plus_.data() + plan_.blocks[as_size(value)].stored_offset;
     }
@@ -200,6 +202,15 @@ void Engine::run_van_loan(const VanLoanGroup& group, double dt) {
   };
   spread(group.dynamics, phi_, F, false);
   spread(group.noise, noise_, Q, true);
+  // What is frozen is taken as known: its noise must not reach others through the coupling.
+  for (const auto& part : group.advanced) {
+    const auto& use = plan_.blocks[as_size(part.value)].use;
+    for (int i = 0; i < part.dof; ++i) {
+      if (use[as_size(i)] != Use::frozen) continue;
+      const auto row = as_size(part.first + i);
+      for (std::size_t j = 0; j < n; ++j) Q[row + j * n] = Q[j + row * n] = 0;
+    }
+  }
   discretize(F, Q, group.columns, dt, Phi, Qd, work);
 
   const auto collect = [&](const std::vector<VanLoanGroup::Block>& blocks, const std::vector<double*>& table,

@@ -83,6 +83,9 @@ Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, 
                               part.memory.count > 0 ? part.memory.in(arena_) : nullptr, out);
     if (!result) return result;
     if (out.rows < 0 || out.rows > part_rows) return Result::failed("the model wrote more rows than it declared");
+    for (int j = 0; j < part_rows; ++j)  // what a model wrote beyond its rows is not the next part's
+      for (int i = 0; i < part_rows; ++i)
+        if (i >= out.rows || j >= out.rows) out.R(i, j) = 0;
     assemble(part, rows, out.rows);
     rows += out.rows;
   }
@@ -124,6 +127,7 @@ void Engine::process(int measurement, const SampleView& sample) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   Ledger& ledger = *plan.ledger.in(arena_);
   ++ledger.reached;
+  in_process_ = measurement;
   work_.m_max = plan.max_rows;
 
   std::byte* const backup = memory_backup_.data();
@@ -234,6 +238,7 @@ void Engine::inject(double* delta) {
     calling(block.type, "plus");
     block.block->plus(value, block_delta_.data(), value);
     double* reset = block_reset_.data();
+    calling(block.type, "reset_jacobian");
     if (!block.block->reset_jacobian(block_delta_.data(), reset)) continue;
     const int active = static_cast<int>(block.active.size());
     double* compact = reset;
@@ -252,6 +257,7 @@ void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reas
   const auto& plan = plan_.measurements[as_size(measurement)];
   Ledger& ledger = *plan.ledger.in(arena_);
   ++ledger.outcomes[static_cast<int>(outcome)];
+  in_process_ = -1;
   if (outcome == Outcome::accepted) {
     ledger.nis_sum += nis;
     ++ledger.nis_count;

@@ -2,7 +2,6 @@
 #include "run/evaluator.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -106,7 +105,8 @@ class Evaluator::FilterScore : public StepTape {
       pending.reference = static_cast<int>(i);
       pending.t = sample.t;
       bool is_told = false, is_finite = true;
-      for (std::size_t k = 0; k < plan.fields.size() && k < pending.values.size(); ++k) {
+      pending.values.assign(plan.fields.size(), 0.0);
+      for (std::size_t k = 0; k < plan.fields.size(); ++k) {
         if (plan.fields[k] < 0) continue;
         pending.values[k] = sample.fields[plan.fields[k]];
         is_finite = is_finite && std::isfinite(pending.values[k]);
@@ -148,7 +148,8 @@ class Evaluator::FilterScore : public StepTape {
     if (record.outcome != Outcome::withheld) return;
     for (auto& group : withheld_) {
       if (group.measurement != record.measurement) continue;
-      const int rows = group.rows == 0 ? record.rows : group.rows;
+      const int rows = std::min(group.rows == 0 ? record.rows : group.rows, record.rows - group.first_row);
+      if (rows < 1 || (group.norms && rows < group.norms->dof())) continue;
       if (!group.norms) {
         double squares = 0;
         for (int i = 0; i < rows; ++i) squares += record.residual[group.first_row + i] * record.residual[group.first_row + i];
@@ -232,7 +233,7 @@ class Evaluator::FilterScore : public StepTape {
   struct Pending {
     int reference = 0;
     Time t = no_time;
-    std::array<double, 16> values{};
+    std::vector<double> values;
   };
 
   static std::vector<Series> make_series(const ErrorNames& names) {

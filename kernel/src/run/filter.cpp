@@ -76,6 +76,10 @@ Filter::Block Filter::block(std::string_view name) const {
 }
 
 void Filter::push(int channel, Time t0, Time t, std::span<const double> fields) {
+  const auto& plan = composition_->plan().channels.at(as_size(channel));
+  if (static_cast<int>(fields.size()) != plan.epoch_fields)
+    throw std::invalid_argument("channel '" + plan.name + "' has " + std::to_string(plan.epoch_fields) +
+                                " fields; got " + std::to_string(fields.size()));
   SampleView sample;
   sample.t = t;
   sample.t0 = t0;
@@ -85,11 +89,17 @@ void Filter::push(int channel, Time t0, Time t, std::span<const double> fields) 
 }
 
 void Filter::push(int channel, const SampleView& sample) {
-  runtime_->deliver(channel, sample);
+  add(channel, sample);
   runtime_->end_instant(sample.t);
 }
 
-void Filter::add(int channel, const SampleView& sample) { runtime_->deliver(channel, sample); }
+void Filter::add(int channel, const SampleView& sample) {
+  const auto& plan = composition_->plan().channels.at(as_size(channel));
+  if (sample.rows < 0 || sample.rows > plan.declaration.max_rows)
+    throw std::invalid_argument("channel '" + plan.name + "' takes at most " +
+                                std::to_string(plan.declaration.max_rows) + " rows; got " + std::to_string(sample.rows));
+  runtime_->deliver(channel, sample);
+}
 void Filter::commit(Time t) { runtime_->end_instant(t); }
 
 bool Filter::started(int filter) const { return runtime_->engine(filter).started(); }

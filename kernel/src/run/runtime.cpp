@@ -274,6 +274,7 @@ void Runtime::fetch(std::size_t index) {
     slots[i].t = slots[i].t0 = no_time;
     slots[i].rows = 0;
     slots[i].has_covariance = false;
+    std::fill_n(source.slots[i].in(arena_.get()), source.slots[i].count, not_a_number);
   }
   int channel = 0;
   const Time previous = head.t;
@@ -289,10 +290,17 @@ void Runtime::fetch(std::size_t index) {
   }
   if (status == SourceStatus::error)
     throw DataError(Diagnostic{Severity::error, "B061", {}, source.pointer, "source '" + source.name + "' cannot go on"});
+  if (status == SourceStatus::wait) return;  // asked again at the next instant
   if (status != SourceStatus::sample) {
     head.status = 2;
     return;
   }
+  if (channel < 0 || as_size(channel) >= slots.size() || slots[as_size(channel)].t == no_time ||
+      slots[as_size(channel)].rows < 0 ||
+      slots[as_size(channel)].rows >
+          plan_.channels[as_size(source.channels[as_size(channel)])].declaration.max_rows)
+    throw DataError(Diagnostic{Severity::error, "B045", plan_.document.origin(source.pointer), source.pointer,
+                               "source '" + source.name + "' emitted a sample that it did not declare"});
   const auto& slot = slots[as_size(channel)];
   if (previous != no_time && slot.t < previous)
     throw DataError(Diagnostic{Severity::error, "B063", {}, source.pointer,
@@ -331,7 +339,15 @@ bool Runtime::next_instant() {
 }
 
 void Runtime::finish() {
-  for (auto& engine : engines_) engine->finish();
+  for (auto& engine : engines_) {
+    try {
+      engine->finish();
+    } catch (const std::exception& error) {
+      engine->stop_for_exception(error.what());
+    } catch (...) {
+      engine->stop_for_exception("something that is no std::exception");
+    }
+  }
 }
 
 }  // namespace binnacle
