@@ -23,6 +23,7 @@ struct RowGroup {
   int first_row = 0;  // of P
   int rows = 0;       // 1…3
   std::vector<Column> columns;
+  std::vector<int> indices;  // columns[c].column, close together; filled by finish()
 };
 
 /// The structure of one Φ and Qd, fixed when the filter is composed.
