@@ -44,8 +44,8 @@ template <int R>
 inline void combine_rows(const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
                          int stride, double* out) {
   int i = first;
-  for (; i + 8 <= ld; i += 8) combine_strip<R, 4>(in + i, ld, count, columns, coefficients, stride, out + i);
-  if (i < ld) combine_strip<R, 2>(in + i, ld, count, columns, coefficients, stride, out + i);
+  for (; i + 6 <= ld; i += 6) combine_strip<R, 3>(in + i, ld, count, columns, coefficients, stride, out + i);
+  for (; i < ld; i += 2) combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i);
 }
 
 inline void combine(int rows, const double* in, int ld, int first, int count, const int* columns,
@@ -57,14 +57,107 @@ inline void combine(int rows, const double* in, int ld, int first, int count, co
   }
 }
 
+/// The group's coefficients in one run of memory; returns its end.
+template <int R>
+inline double* collect_rows(const RowGroup& group, const double* const* phi, double* to) {
+  for (const auto& column : group.columns) {
+    const double* from = phi[column.block] + column.offset;
+    for (int r = 0; r < R; ++r) to[r] = from[r];
+    to += R;
+  }
+  return to;
+}
+
+inline double* collect(const RowGroup& group, const double* const* phi, double* to) {
+  switch (group.rows) {
+    case 1: return collect_rows<1>(group, phi, to);
+    case 2: return collect_rows<2>(group, phi, to);
+    default: return collect_rows<3>(group, phi, to);
+  }
+}
+
+/// P(j, i) = P(i, j) for i > j, two by two.
+void mirror_lower(double* P, int n, int ld) {
+  const auto column = [=](int j) { return P + static_cast<std::ptrdiff_t>(j) * ld; };
+  int j = 0;
+  for (; j + 1 < n; j += 2) {
+    double* left = column(j);
+    double* right = column(j + 1);
+    right[j] = left[j + 1];
+    int i = j + 2;
+    for (; i + 1 < n; i += 2) {
+      const Pair a = load(left + i);
+      const Pair b = load(right + i);
+      store(column(i) + j, Pair{a[0], b[0]});
+      store(column(i + 1) + j, Pair{a[1], b[1]});
+    }
+    if (i < n) store(column(i) + j, Pair{left[i], right[i]});
+  }
+}
+
+/// out(j, i) = in(i, j) for `columns` columns of ld rows, two by two; out has ld_out rows, the rest of them zero.
+void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
+  for (int j = 0; j < ld_out; j += 2) {
+    const double* left = in + static_cast<std::ptrdiff_t>(j) * ld;
+    const double* right = left + ld;
+    for (int i = 0; i < ld; i += 2) {
+      const Pair a = j < columns ? load(left + i) : Pair{};
+      const Pair b = j + 1 < columns ? load(right + i) : Pair{};
+      double* to = out + j + static_cast<std::ptrdiff_t>(i) * ld_out;
+      store(to, Pair{a[0], b[0]});
+      store(to + ld_out, Pair{a[1], b[1]});
+    }
+  }
+}
+
+/// Rows i … i+2·Pairs−1 of P(·, c+r) += Σ_j K_j u_j(c+r) + U_j k_j(c+r), for r < R.
+template <int R, int Pairs>
+inline void add_products_strip(double* P, int ld, int i, int c, int m, const double* K, const double* U) {
+  Pair sum[R][Pairs];
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < Pairs; ++k) sum[r][k] = load(P + i + 2 * k + static_cast<std::ptrdiff_t>(c + r) * ld);
+  const auto add = [&](const double* rows, const double* factors) {
+    Pair value[Pairs];
+    for (int k = 0; k < Pairs; ++k) value[k] = load(rows + i + 2 * k);
+    for (int r = 0; r < R; ++r) {
+      const Pair factor = both(factors[c + r]);
+      for (int k = 0; k < Pairs; ++k) sum[r][k] += factor * value[k];
+    }
+  };
+  for (int j = 0; j < m; ++j) {
+    const auto at = static_cast<std::ptrdiff_t>(j) * ld;
+    add(K + at, U + at);
+    add(U + at, K + at);
+  }
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < Pairs; ++k) store(P + i + 2 * k + static_cast<std::ptrdiff_t>(c + r) * ld, sum[r][k]);
+}
+
+template <int R>
+inline void add_products(double* P, int ld, int c, int m, const double* K, const double* U) {
+  int i = c / strip * strip;  // only the lower triangle is needed
+  for (; i + 8 <= ld; i += 8) add_products_strip<R, 4>(P, ld, i, c, m, K, U);
+  if (i < ld) add_products_strip<R, 2>(P, ld, i, c, m, K, U);
+}
+
 }  // namespace
 
 void finish(TransitionPlan& plan) {
   std::vector<bool> is_coupled(static_cast<std::size_t>(plan.n), false);
   for (const auto& group : plan.groups)
     for (int r = 0; r < group.rows; ++r) is_coupled[static_cast<std::size_t>(group.first_row + r)] = true;
-  for (int row = 0; row < plan.n; ++row)
-    (is_coupled[static_cast<std::size_t>(row)] ? plan.coupled : plan.uncoupled).push_back(row);
+  const auto append = [](std::vector<RowRun>& runs, int row) {
+    if (runs.empty() || runs.back().end() != row) {
+      const int position = runs.empty() ? 0 : runs.back().position + runs.back().count;
+      runs.push_back({row, 0, position});
+    }
+    ++runs.back().count;
+  };
+  for (int row = 0; row < plan.n; ++row) {
+    const bool coupled = is_coupled[static_cast<std::size_t>(row)];
+    append(coupled ? plan.coupled : plan.uncoupled, row);
+    plan.coupled_rows += coupled;
+  }
   std::sort(plan.groups.begin(), plan.groups.end(),
             [](const RowGroup& a, const RowGroup& b) { return a.first_row < b.first_row; });
   for (auto& group : plan.groups)
@@ -72,13 +165,12 @@ void finish(TransitionPlan& plan) {
 }
 
 std::size_t predict_scratch(const TransitionPlan& plan) {
-  const auto coupled = plan.coupled.size();
+  const auto coupled = static_cast<std::size_t>(plan.coupled_rows);
   const auto ld = static_cast<std::size_t>(padded(plan.n));
-  const auto ld_coupled = static_cast<std::size_t>(padded(static_cast<int>(coupled)));
+  const auto ld_coupled = static_cast<std::size_t>(padded(plan.coupled_rows));
   std::size_t coefficients = 0;
   for (const auto& group : plan.groups) coefficients += group.columns.size() * static_cast<std::size_t>(group.rows);
-  return ld * coupled + 2 * ld_coupled * static_cast<std::size_t>(plan.n) + static_cast<std::size_t>(plan.n) +
-         coefficients;
+  return ld * coupled + ld_coupled * ld + ld_coupled * coupled + static_cast<std::size_t>(plan.n) + coefficients;
 }
 
 // With A the coupled rows (dense groups) and B the others (identity or a single diagonal element d):
@@ -86,41 +178,39 @@ std::size_t predict_scratch(const TransitionPlan& plan) {
 //   P'_BA = d_B M_BA                because Φ_B is diagonal
 //   P'_AA = Φ_A M                   by the same strip kernel, on the transpose of M
 //   P'_BB = d_B d_B' P_BB
+// Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
 void predict(const TransitionPlan& plan, const double* const* phi, const double* const* noise, double* P,
              double* scratch) {
   const int n = plan.n;
   const int ld = padded(n);
-  const int coupled = static_cast<int>(plan.coupled.size());
+  const int coupled = plan.coupled_rows;
   const int ld_coupled = padded(coupled);
-  double* const M = scratch;                                               // ld × coupled
-  double* const Mt = M + static_cast<std::ptrdiff_t>(ld) * coupled;        // ld_coupled × n
-  double* const PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * n;    // ld_coupled × coupled
-  double* const d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * n;     // n
-  double* const coefficients = d + n;                                      // of all groups, one after the other
+  const bool scales = !plan.diagonals.empty();
+  double* const M = scratch;                                                      // ld × coupled
+  double* const Mt = M + static_cast<std::ptrdiff_t>(ld) * coupled;               // ld_coupled × ld
+  double* const PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;          // ld_coupled × coupled
+  double* const d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * coupled;      // n
+  double* const coefficients = d + n;  // of all groups, one after the other
+
+  if (scales) {
+    std::fill_n(d, n, 1.0);
+    for (const auto& diagonal : plan.diagonals) d[diagonal.row] = phi[diagonal.block][diagonal.offset];
+  }
 
   if (coupled > 0) {
     double* out = M;
     double* next = coefficients;
     for (const auto& group : plan.groups) {
       const double* own = next;
-      for (const auto& column : group.columns) {
-        const double* from = phi[column.block] + column.offset;
-        for (int r = 0; r < group.rows; ++r) *next++ = from[r];
-      }
+      next = collect(group, phi, next);
       combine(group.rows, P, ld, 0, static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows, out);
       out += static_cast<std::ptrdiff_t>(group.rows) * ld;
     }
-    for (int a = 0; a < coupled; ++a) {
-      const double* column = M + static_cast<std::ptrdiff_t>(a) * ld;
-      for (int i = 0; i < n; ++i) Mt[a + static_cast<std::ptrdiff_t>(i) * ld_coupled] = column[i];
-    }
-    for (int a = coupled; a < ld_coupled; ++a)
-      for (int i = 0; i < n; ++i) Mt[a + static_cast<std::ptrdiff_t>(i) * ld_coupled] = 0;
+    transpose(M, ld, coupled, Mt, ld_coupled);
     out = PAA;
     int position = 0;
     const double* own = coefficients;
     for (const auto& group : plan.groups) {
-      // Only the lower triangle is needed: start at the strip that holds the group's first row.
       combine(group.rows, Mt, ld_coupled, position / strip * strip, static_cast<int>(group.indices.size()),
               group.indices.data(), own, group.rows, out);
       own += group.indices.size() * static_cast<std::size_t>(group.rows);
@@ -129,57 +219,52 @@ void predict(const TransitionPlan& plan, const double* const* phi, const double*
     }
   }
 
-  if (!plan.diagonals.empty()) {
-    std::fill_n(d, n, 1.0);
-    for (const auto& diagonal : plan.diagonals) d[diagonal.row] = phi[diagonal.block][diagonal.offset];
-    for (const int j : plan.uncoupled) {
-      double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
-      // Symmetric to the bit: (d_i d_j) is the same product both ways.
-      for (int i = 0; i < n; ++i) column[i] *= d[i] * d[j];
-    }
-  }
+  if (scales)
+    for (const auto& columns : plan.uncoupled)
+      for (int j = columns.first; j < columns.end(); ++j) {
+        double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
+        for (const auto& rows : plan.uncoupled)
+          for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] *= d[i] * d[j];
+      }
 
-  for (int a = 0; a < coupled; ++a) {
-    const int row = plan.coupled[static_cast<std::size_t>(a)];
-    double* column = P + static_cast<std::ptrdiff_t>(row) * ld;
-    const double* m = M + static_cast<std::ptrdiff_t>(a) * ld;
-    if (plan.diagonals.empty()) {
-      for (const int b : plan.uncoupled) column[b] = P[row + static_cast<std::ptrdiff_t>(b) * ld] = m[b];
-    } else {
-      for (const int b : plan.uncoupled) column[b] = P[row + static_cast<std::ptrdiff_t>(b) * ld] = d[b] * m[b];
+  for (const auto& columns : plan.coupled)
+    for (int j = columns.first; j < columns.end(); ++j) {
+      double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
+      const int a = columns.position + j - columns.first;
+      const double* m = M + static_cast<std::ptrdiff_t>(a) * ld;
+      for (const auto& rows : plan.uncoupled) {
+        if (rows.first > j) {
+          for (int i = rows.first; i < rows.end(); ++i) column[i] = scales ? d[i] * m[i] : m[i];
+        } else {
+          for (int i = rows.first; i < rows.end(); ++i)
+            P[j + static_cast<std::ptrdiff_t>(i) * ld] = scales ? d[i] * m[i] : m[i];
+        }
+      }
+      const double* aa = PAA + static_cast<std::ptrdiff_t>(a) * ld_coupled;
+      for (const auto& rows : plan.coupled)
+        for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] = aa[rows.position + i - rows.first];
     }
-    const double* aa = PAA + static_cast<std::ptrdiff_t>(a) * ld_coupled;
-    for (int b = a; b < coupled; ++b) {
-      const int other = plan.coupled[static_cast<std::size_t>(b)];
-      column[other] = P[row + static_cast<std::ptrdiff_t>(other) * ld] = aa[b];
-    }
-  }
 
   for (const auto& q : plan.noise) {
     const double* block = noise[q.block];
     if (q.stride == 0) {
-      for (int i = 0; i < q.rows; ++i) {
-        const auto at = q.row + i + static_cast<std::ptrdiff_t>(q.column + i) * ld;
-        P[at] += block[i];
-        if (q.row != q.column) P[q.column + i + static_cast<std::ptrdiff_t>(q.row + i) * ld] = P[at];
-      }
-    } else if (q.row == q.column) {
-      // A model's block is symmetric only to rounding: its lower triangle is what counts.
+      const int row = std::max(q.row, q.column);
+      const int column = std::min(q.row, q.column);
+      for (int i = 0; i < q.rows; ++i) P[row + i + static_cast<std::ptrdiff_t>(column + i) * ld] += block[i];
+    } else if (q.row < q.column) {
       for (int j = 0; j < q.columns; ++j)
-        for (int i = j; i < q.rows; ++i) {
-          const auto at = q.row + i + static_cast<std::ptrdiff_t>(q.column + j) * ld;
-          P[at] += block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
-          P[q.column + j + static_cast<std::ptrdiff_t>(q.row + i) * ld] = P[at];
-        }
+        for (int i = 0; i < q.rows; ++i)
+          P[q.column + j + static_cast<std::ptrdiff_t>(q.row + i) * ld] +=
+              block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
     } else {
+      // A model's own block is symmetric only to rounding: its lower triangle is what counts.
       for (int j = 0; j < q.columns; ++j)
-        for (int i = 0; i < q.rows; ++i) {
-          const auto at = q.row + i + static_cast<std::ptrdiff_t>(q.column + j) * ld;
-          P[at] += block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
-          P[q.column + j + static_cast<std::ptrdiff_t>(q.row + i) * ld] = P[at];
-        }
+        for (int i = q.row == q.column ? j : 0; i < q.rows; ++i)
+          P[q.row + i + static_cast<std::ptrdiff_t>(q.column + j) * ld] +=
+              block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
     }
   }
+  mirror_lower(P, n, ld);
 }
 
 void project(const UpdateColumns& columns, const double* P, int n, int m, const UpdateWork& work) {
@@ -274,20 +359,10 @@ void correct(const unsigned char* corrected, double* P, int n, int m, const Upda
       for (int i = 0; i < ld; ++i) u[i] += half * k[i];
     }
   }
-  // Element (i, j) and (j, i) get the same two products in the same order, so P stays symmetric to the bit (as long as
-  // the compiler does not contract them: this file is compiled with -ffp-contract=off).
-  for (int c = 0; c < n; ++c) {
-    double* p = column(P, c);
-    for (int i = 0; i < ld; i += 2) {
-      Pair sum = load(p + i);
-      for (int j = 0; j < m; ++j) {
-        const double* k = column(work.K, j);
-        const double* u = column(work.U, j);
-        sum += load(k + i) * both(u[c]) + load(u + i) * both(k[c]);
-      }
-      store(p + i, sum);
-    }
-  }
+  int c = 0;
+  for (; c + 3 <= n; c += 3) add_products<3>(P, ld, c, m, work.K, work.U);
+  for (; c < n; ++c) add_products<1>(P, ld, c, m, work.K, work.U);
+  mirror_lower(P, n, ld);
 }
 
 void gain_times_residual(int n, int m, const UpdateWork& work, double* delta) {
@@ -299,31 +374,31 @@ void gain_times_residual(int n, int m, const UpdateWork& work, double* delta) {
 
 void transform_block(const double* T, int first, int d, double* P, int n, double* scratch) {
   const int ld = padded(n);
+  const auto column = [=](int j) { return P + static_cast<std::ptrdiff_t>(j) * ld; };
+  const auto scratch_column = [=](int j) { return scratch + static_cast<std::ptrdiff_t>(j) * ld; };
   for (int r = 0; r < d; ++r) {
-    double* out = scratch + static_cast<std::ptrdiff_t>(r) * ld;
+    double* out = scratch_column(r);
     std::fill_n(out, ld, 0.0);
     for (int c = 0; c < d; ++c) {
       const double a = T[r + static_cast<std::ptrdiff_t>(c) * d];
-      const double* in = P + static_cast<std::ptrdiff_t>(first + c) * ld;
+      const double* in = column(first + c);
       for (int i = 0; i < ld; ++i) out[i] += a * in[i];
     }
   }
   // scratch = P Tᵀ in the block's columns. Outside the block that is P'; inside it still wants T from the left.
   for (int r = 0; r < d; ++r) {
-    const double* in = scratch + static_cast<std::ptrdiff_t>(r) * ld;
-    double* column = P + static_cast<std::ptrdiff_t>(first + r) * ld;
-    for (int i = 0; i < n; ++i) {
-      if (i >= first && i < first + d) continue;
-      column[i] = P[first + r + static_cast<std::ptrdiff_t>(i) * ld] = in[i];
-    }
+    const double* in = scratch_column(r);
+    std::copy(in, in + first, column(first + r));
+    std::copy(in + first + d, in + n, column(first + r) + first + d);
+    for (int i = 0; i < first; ++i) column(i)[first + r] = in[i];
+    for (int i = first + d; i < n; ++i) column(i)[first + r] = in[i];
   }
   for (int r = 0; r < d; ++r)
     for (int s = r; s < d; ++s) {
       double sum = 0;
-      for (int c = 0; c < d; ++c)
-        sum += T[s + static_cast<std::ptrdiff_t>(c) * d] * scratch[first + c + static_cast<std::ptrdiff_t>(r) * ld];
-      P[first + s + static_cast<std::ptrdiff_t>(first + r) * ld] = sum;
-      P[first + r + static_cast<std::ptrdiff_t>(first + s) * ld] = sum;
+      for (int c = 0; c < d; ++c) sum += T[s + static_cast<std::ptrdiff_t>(c) * d] * scratch_column(r)[first + c];
+      column(first + r)[first + s] = sum;
+      column(first + s)[first + r] = sum;
     }
 }
 

@@ -26,6 +26,14 @@ struct RowGroup {
   std::vector<int> indices;  // columns[c].column, close together; filled by finish()
 };
 
+/// Neighbouring rows of P of one kind; `position`: of the first among all rows of that kind.
+struct RowRun {
+  int first = 0;
+  int count = 0;
+  int position = 0;
+  int end() const { return first + count; }
+};
+
 /// The structure of one Φ and Qd, fixed when the filter is composed.
 struct TransitionPlan {
   struct Diagonal {
@@ -44,8 +52,9 @@ struct TransitionPlan {
   int n = 0;
   std::vector<RowGroup> groups;      // rows of Φ with off-diagonal or dense content
   std::vector<Diagonal> diagonals;   // rows of Φ with nothing but a diagonal element
-  std::vector<int> coupled;          // rows of P that some group writes, ascending
-  std::vector<int> uncoupled;        // all others, ascending
+  std::vector<RowRun> coupled;       // rows of P that some group writes, ascending
+  std::vector<RowRun> uncoupled;     // all others, ascending
+  int coupled_rows = 0;
   std::vector<Noise> noise;
 };
 
