@@ -21,7 +21,7 @@ constexpr const char* exit_statuses =
 std::vector<Verb> add_verbs(CLI::App& command) {
   std::vector<Verb> verbs;
   for (const auto add : {run_verb, check_verb, explain_verb, list_verb, describe_verb, create_verb, schema_verb,
-                         graph_verb, version_verb})
+                         graph_verb, version_verb, conform_verb})
     verbs.push_back(add(command));
   // What is left over is looked at in refuse_leftovers(), which knows what was likely meant.
   command.allow_extras();
@@ -62,6 +62,7 @@ void refuse_leftovers(const CLI::App& command, const std::vector<Verb>& verbs) {
     throw UsageError(fmt::format("unknown verb '{}'{}{}", word, meant(word, names), help_hint(nullptr)));
   }
   if (chosen == verbs.end()) return;
+  if (chosen->app->get_prefix_command()) return;
   const auto surplus = chosen->app->remaining();
   for (const auto& word : surplus) refuse_word(*chosen->app, word, help_hint(chosen->app));
   if (!surplus.empty())

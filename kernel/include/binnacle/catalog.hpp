@@ -98,6 +98,9 @@ struct PluginPath {
   std::string pointer;
 };
 
+/// The symbols that a library file exports, read without loading it; empty where it is none.
+std::vector<std::string> exported_symbols(const std::filesystem::path& file);
+
 /// The folders searched besides the config's: those of BINNACLE_PLUGIN_PATH (separated by ':'), then lib/binnacle
 /// beside the folder of the running program, which is the installed and the build tree's.
 std::vector<std::filesystem::path> plugin_folders();

@@ -14,6 +14,7 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 
 #include "plugin/guard.hpp"
+#include "plugin/library_file.hpp"
 #include "plugin/loader.hpp"
 
 namespace binnacle {
@@ -33,6 +34,8 @@ const char* role_name(Role role) {
   }
   return "component";
 }
+
+std::vector<std::string> exported_symbols(const fs::path& file) { return inspect_library(file).exported; }
 
 std::vector<std::pair<std::string, std::string>> host_guard() { return abi::fields_of(abi::guard_of_host()); }
 

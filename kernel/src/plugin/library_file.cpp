@@ -101,6 +101,7 @@ void read_symbols(Reader& reader, const std::vector<Segment>& segments, const st
     if (!is_exported(symbol) || symbol.st_name >= names.size()) continue;
     const char* start = names.data() + symbol.st_name;
     const std::string_view name(start, strnlen(start, names.size() - symbol.st_name));
+    result.exported.emplace_back(name);
     if (name == register_symbol) result.has_register = true;
     if (name == guard_symbol) {
       result.guard = read_guard(reader, segments, symbol);

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "binnacle/parts.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "compose/composition_plan.hpp"
+
+namespace binnacle::parts {
+
+namespace {
+
+template <class Plans>
+const auto& named(const Plans& plans, std::string_view name) {
+  const auto found = std::find_if(plans.begin(), plans.end(), [&](const auto& plan) { return plan.name == name; });
+  if (found == plans.end()) throw std::out_of_range("the composition has no part '" + std::string(name) + "'");
+  return *found;
+}
+
+Value value_of(const FilterPlan& filter, int index) {
+  if (index < 0) return {};
+  const auto i = static_cast<std::size_t>(index);
+  if (i < filter.blocks.size()) {
+    const BlockPlan& plan = filter.blocks[i];
+    return {plan.name, plan.block, nullptr, plan.initial.value};
+  }
+  const DerivedPlan& plan = filter.derived[i - filter.blocks.size()];
+  return {plan.name, nullptr, plan.derived, {}};
+}
+
+std::vector<Value> values_of(const FilterPlan& filter, const std::vector<int>& ports) {
+  std::vector<Value> values;
+  for (const int port : ports) values.push_back(value_of(filter, port));
+  return values;
+}
+
+const FilterPlan& filter_named(const Composition& composition, std::string_view name) {
+  return named(composition.plan().filters, name);
+}
+
+}  // namespace
+
+Value block(const Composition& composition, std::string_view filter, std::string_view name) {
+  const BlockPlan& plan = named(filter_named(composition, filter).blocks, name);
+  return {plan.name, plan.block, nullptr, plan.initial.value};
+}
+
+Part<ProcessModel> process(const Composition& composition, std::string_view filter, std::string_view name) {
+  const FilterPlan& owner = filter_named(composition, filter);
+  const ProcessPlan& plan = named(owner.processes, name);
+  return {composition.catalog().find(Role::process_model, plan.type), plan.model, values_of(owner, plan.ports)};
+}
+
+Part<DerivedBlock> derived(const Composition& composition, std::string_view filter, std::string_view name) {
+  const FilterPlan& owner = filter_named(composition, filter);
+  const DerivedPlan& plan = named(owner.derived, name);
+  return {composition.catalog().find(Role::derived_block, plan.type), plan.derived, values_of(owner, plan.ports)};
+}
+
+Part<MeasurementModel> measurement(const Composition& composition, std::string_view filter, std::string_view name,
+                                   std::string_view part) {
+  const FilterPlan& owner = filter_named(composition, filter);
+  const MeasurementPlan& whole = named(owner.measurements, name);
+  const PartPlan& plan = part.empty() ? whole.parts.front() : named(whole.parts, part);
+  return {composition.catalog().find(Role::measurement_model, plan.type), plan.model, values_of(owner, plan.ports)};
+}
+
+NoisePart noise(const Composition& composition, std::string_view filter, std::string_view measurement) {
+  const MeasurementPlan& plan = named(filter_named(composition, filter).measurements, measurement);
+  if (!plan.noise) throw std::out_of_range("'" + plan.name + "' has no noise estimator");
+  return {composition.catalog().find(Role::noise_estimator, plan.noise_type), plan.noise, plan.max_rows};
+}
+
+Part<Source> source(const Composition& composition, std::string_view name) {
+  const SourcePlan& plan = named(composition.plan().sources, name);
+  return {plan.type, plan.source, {}};
+}
+
+Part<Transform> transform(const Composition& composition, std::string_view name) {
+  const TransformPlan& plan = named(composition.plan().transforms, name);
+  return {plan.type, plan.transform, {}};
+}
+
+}  // namespace binnacle::parts

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// numbers.noise: what an estimator gives is a covariance, and in the end the right one.
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "miniature.hpp"
+#include "specimen.hpp"
+
+namespace binnacle::conform {
+
+namespace {
+
+/// A scalar-by-scalar filter around the estimator: innovations of a known R, post-fit residuals of the R it gives.
+class World {
+ public:
+  World(Trial& trial, double factor)
+      : composition_(compose_example(trial)), part_(parts::noise(*composition_, filter_name, "adapted")), memory_(part_.estimator->memory_bytes()), trial_(trial) {
+    part_.estimator->start(memory_.data());
+    nominal_ = Eigen::Vector2d(4, 9);
+    true_R_ = factor * nominal_;
+  }
+  /// One innovation; R as estimated.
+  Eigen::Matrix2d step(std::mt19937_64& random, double size = 1) {
+    const Eigen::Vector2d M(0.5, 0.8);  // H P- H'
+    const Eigen::Vector2d r = size * (M + true_R_).cwiseSqrt().cwiseProduct(normals(random, 2));
+    Eigen::Matrix2d R = nominal_.asDiagonal(), nominal = nominal_.asDiagonal(), HPHt = M.asDiagonal();
+    const std::int64_t keys[] = {0, 1};
+    Innovation innovation;
+    innovation.t = time_ += 100'000'000;
+    innovation.dt = 0.1;
+    innovation.rows = 2;
+    innovation.row_keys = keys;
+    innovation.residual = r.data();
+    innovation.HPHt = {HPHt.data(), 2, 2, 2};
+    innovation.R_nominal = {nominal.data(), 2, 2, 2};
+    trial_.stage("estimate");
+    part_.estimator->estimate(innovation, memory_.data(), {R.data(), 2, 2, 2});
+    if (part_.estimator->wants_after()) {
+      // Post fit: R S^-1 r, and H P+ H' = M - M S^-1 M, with the R that it gave.
+      const Eigen::Matrix2d S = HPHt + R;
+      const Eigen::Vector2d post = R * S.ldlt().solve(r);
+      Eigen::Matrix2d after = HPHt - HPHt * S.ldlt().solve(HPHt);
+      trial_.stage("after");
+      part_.estimator->after(Outcome::accepted, post.data(), {after.data(), 2, 2, 2}, memory_.data());
+    }
+    trial_.stage("");
+    return R;
+  }
+  const Eigen::Vector2d& true_R() const { return true_R_; }
+
+ private:
+  std::shared_ptr<const Composition> composition_;
+  parts::NoisePart part_;
+  std::vector<std::byte> memory_;
+  Trial& trial_;
+  Eigen::Vector2d nominal_, true_R_;
+  Time time_ = 0;
+};
+
+bool is_covariance(const Eigen::Matrix2d& R) {
+  return R.allFinite() && std::abs(R(0, 1) - R(1, 0)) <= 1e-12 * R.cwiseAbs().maxCoeff() &&
+         Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(R).eigenvalues().minCoeff() >= -1e-12 * R.cwiseAbs().maxCoeff();
+}
+
+void covariance(Trial& trial) {
+  auto random = trial.random(600);
+  World world(trial, 1.0);
+  for (int k = 0; k < trial.repeats(200); ++k) {
+    // Quiet and loud stretches: the differences M - L of the estimators go through zero.
+    const double size = k % 60 < 20 ? 0.0 : k % 60 < 40 ? 30.0 : 1.0;
+    const Eigen::Matrix2d R = world.step(random, size);
+    if (!trial.expect(is_covariance(R), "after ", k + 1, " innovations R is no covariance:\n", R)) return;
+  }
+}
+
+void recovery(Trial& trial) {
+  auto random = trial.random(700);
+  World world(trial, 1.0);
+  const int settle = 2000, count = trial.repeats(4000);
+  for (int k = 0; k < settle; ++k) world.step(random);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int k = 0; k < count; ++k) sum += world.step(random).diagonal();
+  const Eigen::Vector2d ratio = (sum / count).cwiseQuotient(world.true_R());
+  // A window of N gives an R with a relative deviation of sqrt(2/N); over `count` samples its mean one of sqrt(2/count),
+  // five of which are allowed besides the 10 % that a bound on either side may bias it by.
+  const double allowed = 0.10 + 5 * std::sqrt(2.0 / count);
+  for (int i = 0; i < 2; ++i)
+    trial.expect(std::abs(ratio[i] - 1) < allowed, "row ", i, ": where the true R is the nominal one it settles at ", ratio[i], " of it, allowed 1 +- ", allowed);
+}
+
+}  // namespace
+
+std::vector<Check> noise_checks() {
+  const std::vector<Role> roles = {Role::noise_estimator};
+  return {
+      {"numbers.noise.covariance", 2, roles, {"life.repeatable"}, "R is symmetric, positive semidefinite and finite through quiet and loud stretches", covariance},
+      {"numbers.noise.recovery", 3, roles, {"numbers.noise.covariance"}, "it recovers a known R from innovations that have it", recovery},
+  };
+}
+
+}  // namespace binnacle::conform

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// One check, run here and now; meant for a process of its own.
+#pragma once
+
+#include "check.hpp"
+
+namespace binnacle::conform {
+
+/// What the process tells the driver: lines on a pipe, and in shared memory what it is calling.
+struct Wire {
+  int pipe = -1;
+  char* stage = nullptr;  // `stage_bytes`, shared
+};
+inline constexpr int stage_bytes = 64;
+
+/// Runs the check as one Catch2 session, whose own report goes to stdout. Returns its exit status.
+int run_check(const Check& check, Trial& trial, const Wire& wire);
+
+/// The Report that writes to the wire.
+std::unique_ptr<Report> wire_report(const Wire& wire);
+
+}  // namespace binnacle::conform

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// A parameter without a line of text.
+// fails: metadata.text
+#include "animal.hpp"
+
+namespace {
+
+class Animal final : public zoo::Process {
+ public:
+  using Process::Process;
+  static binnacle::ComponentSpec spec() {
+    auto spec = Process::spec();
+    spec.parameters[0].text.clear();
+    return spec;
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("no_text", "1.0.0", registry) { registry.add<Animal>(); }

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Throws in its destructor.
+// fails: life.create crash
+#include "animal.hpp"
+
+namespace {
+
+class Animal final : public zoo::Process {
+ public:
+  using Process::Process;
+  ~Animal() noexcept(false) override { throw 7; }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("throws_in_destructor", "1.0.0", registry) { registry.add<Animal>(); }
