@@ -67,7 +67,7 @@ std::string common_unit(const Json& units, std::size_t first_column, std::size_t
     for (std::size_t c = first_column; c < last_column; ++c) {
       const auto other = row[c].get<std::string>();
       if (unit.empty()) unit = other;
-      if (other != unit) return {};
+      if (other != unit && !other.empty()) return {};
     }
   return unit == "1" ? "" : unit;
 }

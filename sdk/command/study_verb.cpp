@@ -95,8 +95,8 @@ struct Outputs {
   void commit(const study::Study& study, const study::Results& results, const Json& figures, const Json& timed) const {
     if (journal) {
       journal->sync();
-      write("study.csv", runs_csv(study, results));
-      write("table.csv", tables_csv(figures));
+      write("study.csv", study::runs_csv(study, results));
+      write("table.csv", study::tables_csv(figures));
       write("study.json", figures.dump(2) + "\n");
     }
     if (!summary) return;
@@ -182,7 +182,7 @@ int run_study(const Options& options) {
                                     : "interrupted; the same command goes on from here");
     die_of_signal();
   }
-  const Json figures = summarize(study, results);
+  const Json figures = study::summarize(study, results);
   Json timed = figures;
   timed["wall_s"] = seconds_since(begin);
   outputs->commit(study, results, figures, timed);

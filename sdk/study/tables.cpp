@@ -97,6 +97,7 @@ class CellReader {
     cell.metric = metric(settings);
     if (const auto* statistic = settings.find("statistic"))
       cell.statistic = over_runs_named(*statistic);
+    if (cell.variant < 0) return cell;
     const auto* show = settings.find("show");
     const bool has_baseline = settings.find("baseline") != nullptr;
     if (show ? *show == "improvement" : has_baseline) cell.show = Show::improvement;

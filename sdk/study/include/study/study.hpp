@@ -55,7 +55,7 @@ struct Cell {
   int metric = 0;
   OverRuns statistic = OverRuns::rms;
   Show show = Show::value;
-  std::string unit;     // "%" of an improvement
+  std::string unit;     // "%" of an improvement; "" of an empty cell
 };
 
 struct TablePlan {
