@@ -53,7 +53,9 @@ std::string metric_text(const Json& variants, const study::StudyMetric& metric) 
     if (has_band && entry.contains("band")) {
       const double low = number(entry.at("band")[0]), high = number(entry.at("band")[1]), mean = at("mean");
       row.push_back(fmt::format("{} to {}{}", figure(low), figure(high),
-                                mean < low ? ", below" : mean > high ? ", above" : ""));
+                                mean < low    ? ", below"
+                                : mean > high ? ", above"
+                                              : ""));
     }
     table.row(std::move(row));
   }

@@ -118,7 +118,8 @@ std::string shell_quoted(const std::string& text) {
 }
 
 /// The command that repeats one run alone.
-std::string repeated_by(const Options& options, const study::Study& study, const study::Variant& variant, std::size_t run) {
+std::string repeated_by(const Options& options, const study::Study& study, const study::Variant& variant,
+                        std::size_t run) {
   std::string line = "binnacle run " + shell_quoted(options.config_path);
   if (!variant.patches.empty()) line += " --variant " + shell_quoted(variant.name);
   line += fmt::format(" --seed {} --run {}", study.seed(), run);
@@ -137,7 +138,10 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
       const auto& figures = results.at(v, run);
       if (figures.state != study::Figures::State::failed || ++failures > most_told) continue;
       fmt::print(stderr, "{}\n",
-                 to_string(Diagnostic{Severity::error, "B093", {options.config_path, 0, 0}, "",
+                 to_string(Diagnostic{Severity::error,
+                                      "B093",
+                                      {options.config_path, 0, 0},
+                                      "",
                                       fmt::format("variant '{}', seed {}, run {}: {}; to see it: {}",
                                                   study.variants()[v].name, study.seed(), run, figures.failure,
                                                   repeated_by(options, study, study.variants()[v], run))}));
@@ -152,13 +156,15 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
 bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options) {
   const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
   const std::size_t all = study.variants().size() * results.runs();
-  if (restored > 0 && !options.quiet) fmt::print(stderr, "{} of {} are in the journal\n", restored, counted(all, "run"));
+  if (restored > 0 && !options.quiet)
+    fmt::print(stderr, "{} of {} are in the journal\n", restored, counted(all, "run"));
   ProgressLine progress(stderr_is_terminal() && !options.quiet, restored, all);
   const auto on_run = [&](std::size_t variant, std::size_t run, const study::Figures& figures) {
     if (outputs.journal) outputs.journal->add(variant, run, figures);
     progress.add(figures.state == study::Figures::State::failed);
   };
-  study::carry_out_all(study, results, options.jobs, [] { return interrupted_by() == 0; }, on_run);
+  study::carry_out_all(
+      study, results, options.jobs, [] { return interrupted_by() == 0; }, on_run);
   return progress.done() == all;
 }
 
@@ -190,9 +196,9 @@ int run_study(const Options& options) {
   if (options.json)
     print_json(timed);
   else if (!options.quiet)
-    print(study_text(figures, study) +
-          fmt::format("{}, seed {}, wall time {}\n", counted(study.variants().size() * results.runs(), "run"),
-                      study.seed(), duration(timed["wall_s"].get<double>())));
+    print(study_text(figures, study) + fmt::format("{}, seed {}, wall time {}\n",
+                                                   counted(study.variants().size() * results.runs(), "run"),
+                                                   study.seed(), duration(timed["wall_s"].get<double>())));
   return tell_failures(options, study, results) == 0 ? ok : failed;
 }
 

@@ -96,7 +96,8 @@ std::optional<std::int64_t> Section::whole_number(const std::string& pointer, st
   }
   const auto number = value->get<std::int64_t>();
   if (number >= least) return number;
-  error("B009", pointer, in_quotes(last_token(pointer)) + " is at least " + std::to_string(least) + "; found " + value->dump());
+  error("B009", pointer,
+        in_quotes(last_token(pointer)) + " is at least " + std::to_string(least) + "; found " + value->dump());
   return std::nullopt;
 }
 
@@ -104,8 +105,8 @@ std::optional<std::string> Section::choice(const std::string& pointer, const std
   const auto word = text(pointer);
   if (!word || std::find(choices.begin(), choices.end(), *word) != choices.end()) return word;
   error("B014", pointer,
-        in_quotes(last_token(pointer)) + " is not " + in_quotes(*word) + meant(*word, choices) + " (one of " + listed(choices) +
-            ")");
+        in_quotes(last_token(pointer)) + " is not " + in_quotes(*word) + meant(*word, choices) + " (one of " +
+            listed(choices) + ")");
   return std::nullopt;
 }
 

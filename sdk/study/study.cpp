@@ -36,7 +36,8 @@ class Gathered {
  public:
   void add(const std::string& variant, const Diagnostics& diagnostics) {
     for (const auto& item : diagnostics.items()) {
-      const auto found = std::find_if(items_.begin(), items_.end(), [&](const auto& known) { return known.first == item; });
+      const auto found =
+          std::find_if(items_.begin(), items_.end(), [&](const auto& known) { return known.first == item; });
       if (found == items_.end())
         items_.push_back({item, {variant}});
       else
@@ -127,7 +128,8 @@ class MetricReader {
   }
 
   void add(const std::string& pointer, const std::string& name, const std::string& unit_pointer) {
-    if (std::any_of(metrics_.begin(), metrics_.end(), [&](const StudyMetric& known) { return known.name == name; })) return;
+    const auto is_it = [&](const StudyMetric& known) { return known.name == name; };
+    if (std::any_of(metrics_.begin(), metrics_.end(), is_it)) return;
     std::string unit, wrong;
     if (!unit_pointer.empty()) unit = section_.text(unit_pointer).value_or("");
     StudyMetric entry{name, "", "", false};
@@ -259,7 +261,8 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
   if (!result.failures.empty()) return broke(result.failures.items().front().message);
   for (std::size_t i = 0; i < metrics_.size(); ++i) {
     const int position = variant.position[i];
-    figures.values.push_back(position < 0 ? MetricValue{std::nan(""), 0, 0} : result.metrics[static_cast<std::size_t>(position)]);
+    figures.values.push_back(position < 0 ? MetricValue{std::nan(""), 0, 0}
+                                          : result.metrics[static_cast<std::size_t>(position)]);
     if (position >= 0 && !std::isfinite(figures.values.back().value))
       return broke("there is nothing to make metric " + in_quotes(metrics_[i].name) + " of");
   }

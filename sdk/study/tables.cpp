@@ -65,7 +65,7 @@ std::vector<Header> read_headers(const Section& section, const std::string& poin
       if (const auto name = section.text(join_pointer(header.pointer, "name")))
         header.name = *name;
       else
-        section.error("B010", header.pointer, std::string("missing key 'name' of a ") + what + ": what is printed over it");
+        section.error("B010", header.pointer, std::string("missing key 'name' of a ") + what + ": what is printed");
       header.word = section.text(join_pointer(header.pointer, "as")).value_or(header.name);
     } else if (const auto name = section.text(header.pointer)) {
       header.name = header.word = *name;
@@ -95,8 +95,7 @@ class CellReader {
     Cell cell;
     cell.variant = variant(settings, "cell", row, column);
     cell.metric = metric(settings);
-    if (const auto* statistic = settings.find("statistic"))
-      cell.statistic = over_runs_named(*statistic);
+    if (const auto* statistic = settings.find("statistic")) cell.statistic = over_runs_named(*statistic);
     if (cell.variant < 0) return cell;
     const auto* show = settings.find("show");
     const bool has_baseline = settings.find("baseline") != nullptr;
@@ -108,7 +107,8 @@ class CellReader {
       cell.baseline = variant(settings, "baseline", row, column);
       cell.unit = cell.show == Show::improvement ? "%" : "1";
     } else {
-      tell("B010", settings.from.at("show"), "an " + *show + " needs a 'baseline': the variant that it is told against");
+      tell("B010", settings.from.at("show"),
+           "an " + *show + " needs a 'baseline': the variant that it is told against");
     }
     return cell;
   }
@@ -167,9 +167,10 @@ void read_paper(const Section& section, const std::string& pointer, TablePlan& p
   if (!rows) return;
   const auto has_size = [&](const Json& list, const std::string& at, std::size_t wanted, const char* what) {
     if (!list.is_array() || list.size() != wanted) {
-      section.error("B013", at, "'paper' has " + std::to_string(wanted) + " " + what + (wanted == 1 ? "" : "s") +
-                                    " here, as the table has; found " +
-                                    (list.is_array() ? std::to_string(list.size()) : list.dump()));
+      section.error("B013", at,
+                    "'paper' has " + std::to_string(wanted) + " " + what + (wanted == 1 ? "" : "s") +
+                        " here, as the table has; found " +
+                        (list.is_array() ? std::to_string(list.size()) : list.dump()));
       return false;
     }
     return true;
@@ -231,9 +232,8 @@ TablePlan read_table(const Section& section, const std::string& pointer, const s
   const Settings own = read_settings(section, pointer, "cells");
   auto rows = read_headers(section, join_pointer(pointer, "rows"), "row");
   auto columns = read_headers(section, join_pointer(pointer, "columns"), "column");
-  const bool is_crossed = !columns.empty() && std::all_of(columns.begin(), columns.end(), [](const Header& column) {
-    return column.is_plain;
-  });
+  const bool is_crossed = !columns.empty() && std::all_of(columns.begin(), columns.end(),
+                                                          [](const Header& column) { return column.is_plain; });
   if (!section.at(join_pointer(pointer, "rows")))
     for (const auto& variant : variants) rows.push_back({variant, variant, pointer, {}, true});
   if (!section.at(join_pointer(pointer, "columns"))) {

@@ -73,7 +73,8 @@ std::vector<std::string> patches_of(const std::filesystem::path& path, const Loa
     names.push_back(variant.name);
   }
   Section(config, diagnostics)
-      .key_error("B090", "/study", "there is no variant " + in_quotes(name) + meant(name, names) + " (variants: " + listed(names) + ")");
+      .key_error("B090", "/study",
+                 "there is no variant " + in_quotes(name) + meant(name, names) + " (variants: " + listed(names) + ")");
   throw ConfigError(diagnostics);
 }
 

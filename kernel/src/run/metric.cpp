@@ -29,7 +29,7 @@ std::string help(std::string_view text, const Names& names, const std::string& w
 }
 
 constexpr std::pair<const char*, MetricStatistic> statistics_of_errors[] = {
-    {"mean", MetricStatistic::mean}, {"rms", MetricStatistic::rms}, {"max", MetricStatistic::max},
+    {"mean", MetricStatistic::mean},   {"rms", MetricStatistic::rms}, {"max", MetricStatistic::max},
     {"final", MetricStatistic::final}, {"p50", MetricStatistic::p50}, {"p95", MetricStatistic::p95}};
 
 std::string_view trimmed(std::string_view text) {
@@ -109,8 +109,9 @@ std::string find_scored(const CompositionPlan& plan, std::string_view subject, M
     return {};
   }
   const char* const by = metric.quantity == MetricQuantity::error ? " is scored by a reference"
-                         : metric.quantity == MetricQuantity::sigma ? " has a sigma and is scored by a reference"
-                                                                    : " has a NEES: its reference must tell all outputs";
+                         : metric.quantity == MetricQuantity::sigma
+                             ? " has a sigma and is scored by a reference"
+                             : " has a NEES: its reference must tell all outputs";
   return "no " + in_quotes(subject) + " of filter " + in_quotes(filter.name) + by + help(subject, names, "there are");
 }
 
@@ -121,7 +122,8 @@ Parsed<Metric> read_metric(const CompositionPlan& plan, std::string_view text) {
     return Parsed<Metric>::failure("metric " + in_quotes(text) + ": " + message);
   };
   const auto first = text.find('/'), last = text.rfind('/');
-  if (first == std::string_view::npos || first == last) return failure("it does not read FILTER/BLOCK.OUTPUT/STATISTIC");
+  if (first == std::string_view::npos || first == last)
+    return failure("it does not read FILTER/BLOCK.OUTPUT/STATISTIC");
   Metric metric;
   metric.name = text;
   Names filters;
@@ -150,8 +152,8 @@ std::string show_in(Metric& metric, std::string_view text) {
   if (!unit) return unit.error();
   const auto own = parse_unit(metric.si_unit);
   if (own && !(own->dimension == unit->dimension))
-    return "metric " + in_quotes(metric.name) + " is " + dimension_name(own->dimension) + "; " + in_quotes(text) + " is " +
-           dimension_name(unit->dimension);
+    return "metric " + in_quotes(metric.name) + " is " + dimension_name(own->dimension) + "; " + in_quotes(text) +
+           " is " + dimension_name(unit->dimension);
   metric.unit = text;
   return {};
 }

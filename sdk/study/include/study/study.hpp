@@ -41,21 +41,21 @@ struct Variant {
 
 struct StudyMetric {
   std::string name;
-  std::string unit;     // for display
+  std::string unit;  // for display
   std::string si_unit;
   bool is_chi_squared = false;
 };
 
-/// `value`: the statistic; `improvement`: by how many percent it lies below the baseline's; `ratio`: over the baseline's.
+/// `value`: the statistic; `improvement`: by how many percent it lies below the baseline's; `ratio`: over it.
 enum class Show { value, improvement, ratio };
 
 struct Cell {
-  int variant = -1;     // −1: an empty cell
+  int variant = -1;  // −1: an empty cell
   int baseline = -1;
   int metric = 0;
   OverRuns statistic = OverRuns::rms;
   Show show = Show::value;
-  std::string unit;     // "%" of an improvement; "" of an empty cell
+  std::string unit;  // "%" of an improvement; "" of an empty cell
 };
 
 struct TablePlan {
@@ -90,7 +90,7 @@ class Results {
 
 struct StudyOptions {
   LoadOptions load;
-  std::optional<int> runs;            // instead of the config's
+  std::optional<int> runs;  // instead of the config's
   std::optional<std::uint64_t> seed;
 };
 
