@@ -108,7 +108,7 @@ class CellReader {
       cell.unit = cell.show == Show::improvement ? "%" : "1";
     } else {
       tell("B010", settings.from.at("show"),
-           "an " + *show + " needs a 'baseline': the variant that it is told against");
+           "an improvement or a ratio needs a 'baseline': the variant that it is told against");
     }
     return cell;
   }
