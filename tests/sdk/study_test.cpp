@@ -270,52 +270,46 @@ TEST_CASE("a run that breaks is reported with what repeats it, and the others go
 
 TEST_CASE("what is wrong with a study is told before anything runs") {
   const Workbench bench;
-  const auto is_told = [&](const std::string& section, const std::string& told) {
+  const auto is_told = [&](const std::string& section, const std::string& told, int line = 26) {
     write_study(bench, section);
     for (const char* verb : {"study", "check"}) {
       const auto outcome = command(bench, {verb, "study.json"});
-      CHECK(outcome.err == told + "\n1 error\n");
+      CHECK(outcome.err == "study.json:" + std::to_string(line) + ":" + told + "\n1 error\n");
       CHECK(outcome.status == 3);
     }
   };
   is_told(R"~({ "metrics": ["walk/place.y/rms"] })~",
-          "study.json:27:27: error[B027] /study/metrics/0: metric 'walk/place.y/rms': no 'place.y' of filter 'walk' is "
-          "scored "
-          "by a reference; did you mean 'place.x'? (there are: place.x)");
-  is_told(
-      R"~({ "metrics": ["walk/place.x/rsm"] })~",
-      "study.json:27:27: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you "
-      "mean 'rms'? (statistics: mean, rms, max, final, p50, p95, sigma, nees, nis, at 100 s)");
+          "26: error[B027] /study/metrics/0: metric 'walk/place.y/rms': no 'place.y' of filter 'walk' is scored by a "
+          "reference; did you mean 'place.x'? (there are: place.x)");
+  is_told(R"~({ "metrics": ["walk/place.x/rsm"] })~",
+          "26: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean "
+          "'rms'? (statistics: mean, rms, max, final, p50, p95, sigma, nees, nis, at 100 s)");
   is_told(R"~({ "metrics": ["wlak/place.x/rms"] })~",
-          "study.json:27:27: error[B027] /study/metrics/0: metric 'wlak/place.x/rms': there is no filter 'wlak'; did "
-          "you mean "
+          "26: error[B027] /study/metrics/0: metric 'wlak/place.x/rms': there is no filter 'wlak'; did you mean "
           "'walk'? (filters: walk)");
   is_told(R"~({ "metrics": [{ "metric": "walk/place.x/rms", "unit": "deg" }] })~",
-          "study.json:27:65: error[B007] /study/metrics/0/unit: metric 'walk/place.x/rms' is a length (m); 'deg' is an "
-          "angle "
-          "(rad)");
+          "66: error[B007] /study/metrics/0/unit: metric 'walk/place.x/rms' is a length (m); 'deg' is an angle (rad)");
   is_told(R"~({ "runs": 2 })~",
-          "study.json:27:3: error[B010] /study: missing key 'metrics': what a study tells, "
-          "\"FILTER/BLOCK.OUTPUT/STATISTIC\"");
+          "3: error[B010] /study: missing key 'metrics': what a study tells, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
   is_told(R"~({ "rns": 2, "metrics": ["walk/place.x/rms"] })~",
-          "study.json:27:14: error[B012] /study/rns: unknown key of 'study'; did you mean 'runs'? (keys: runs, seed, "
-          "dimensions, variants, metrics, table, tables)");
+          "14: error[B012] /study/rns: unknown key of 'study'; did you mean 'runs'? (keys: runs, seed, dimensions, "
+          "variants, metrics, table, tables)");
   is_told(R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {}, "b": {} }, "table": { "rows": ["a", "c"] } })~",
-          "study.json:27:92: error[B090] /study/table: there is no variant 'c', the cell of row 'c', column 'rms' "
-          "(variants: "
-          "a, b)");
+          "90: error[B090] /study/table: there is no variant 'c', the cell of row 'c', column 'rms' (variants: a, b)");
+  is_told(R"~({ "metrics": ["walk/place.x/rms"], "dimensions": { "d": { "a": {} } }, "variants": { "a": {} } })~",
+          "97: error[B091] /study/variants/a: the dimensions make a variant 'a' already");
   is_told(R"~({ "metrics": ["walk/place.x/rms"], "table": { "paper": [[1, 2]] } })~",
-          "study.json:27:70: error[B013] /study/table/paper/0: 'paper' has 1 column here, as the table has; found 2");
-  is_told(
-      R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {}, "b": { "filters": { "walk": { "blocks": { "place": { "size": -1 } } } } } } })~",
-      "study.json:27:131: error[B009] /filters/walk/blocks/place/size: 'size' is out of range: >= 1; found -1 (variant "
-      "'b')");
+          "68: error[B013] /study/table/paper/0: 'paper' has 1 column here, as the table has; found 2");
+  is_told(R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {},
+    "b": { "filters": { "walk": { "blocks": { "place": { "size": -1 } } } } } } })~",
+          "66: error[B009] /filters/walk/blocks/place/size: 'size' is -1, out of range (>= 1, <= 64) (variant 'b')",
+          27);
 
   write_study(bench, two_variants);
   const auto outcome = command(bench, {"run", "study.json", "--variant", "clam"});
   CHECK(outcome.status == 3);
   CHECK(outcome.err ==
-        "study.json:27:3: error[B090] /study: there is no variant 'clam'; did you mean 'calm'? (variants: calm, "
+        "study.json:26:3: error[B090] /study: there is no variant 'clam'; did you mean 'calm'? (variants: calm, "
         "nervous)\n"
         "1 error\n");
   CHECK(command(bench, {"check", "study.json"}).status == 0);
