@@ -76,32 +76,40 @@ std::string common_unit(const Json& units, std::size_t first_column, std::size_t
 
 std::string in_brackets(const std::string& unit) { return unit.empty() ? "" : "[" + unit + "]"; }
 
+/// As the config writes it.
+std::string printed(const Json& figure_of_paper) {
+  return figure_of_paper.is_null() ? "-" : fmt::format("{}", figure_of_paper.get<double>());
+}
+
+bool has_paper(const Json& plan, std::size_t column) {
+  return plan.contains("paper") && std::any_of(plan.at("paper").begin(), plan.at("paper").end(),
+                                               [&](const Json& row) { return !row[column].is_null(); });
+}
+
 std::string table_text(const Json& plan, bool shows_errors) {
   const auto& columns = plan.at("columns");
-  const bool has_paper = plan.contains("paper");
   const std::string unit = common_unit(plan.at("units"), 0, columns.size());
   std::string alignment = "l";
   std::vector<std::string> heads{""}, subheads{""};
-  bool has_subheads = has_paper;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const std::string own = unit.empty() ? in_brackets(common_unit(plan.at("units"), c, c + 1)) : "";
     heads.push_back(columns[c].get<std::string>() + (own.empty() ? "" : " " + own));
     subheads.push_back("here");
     alignment += "r";
-    if (!has_paper) continue;
+    if (!has_paper(plan, c)) continue;
     heads.push_back("");
     subheads.push_back("paper");
     alignment += "r";
   }
   Table table(alignment);
   table.row(heads);
-  if (has_subheads) table.row(subheads);
+  if (plan.contains("paper")) table.row(subheads);
   for (std::size_t r = 0; r < plan.at("rows").size(); ++r) {
     std::vector<std::string> row{plan.at("rows")[r].get<std::string>()};
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const double se = shows_errors ? number(plan.at("se")[r][c]) : 0;
       row.push_back(with_error(number(plan.at("cells")[r][c]), se));
-      if (has_paper) row.push_back(figure(number(plan.at("paper")[r][c])));
+      if (has_paper(plan, c)) row.push_back(printed(plan.at("paper")[r][c]));
     }
     table.row(std::move(row));
   }

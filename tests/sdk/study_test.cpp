@@ -345,8 +345,8 @@ TEST_CASE("tables are laid out as the config says, beside the paper's") {
 Error at the end [mm]
               x1            x2
             here  paper   here  paper
-  calm     98.53  100.0  101.1      -
-  nervous  49.52  50.00  48.35  51.50
+  calm     98.53    100  101.1      -
+  nervous  49.52     50  48.35   51.5
 
         error [m]  better than x2 by [%]  of calm  none
   calm    0.09853                  2.537    1.000     -
