@@ -41,7 +41,7 @@ struct RunOptions {
   std::uint64_t seed = 1;
   int run = 0;                      // which of a study's runs: random streams are keyed by (seed, run, component)
   RunObserver* observer = nullptr;
-  std::vector<Metric> metrics;      // of this composition, for RunResult::metrics
+  std::vector<Metric> metrics = {}; // of this composition, for RunResult::metrics
   bool feeds_sinks = true;          // false where several runs share the composition's sinks
 };
 
