@@ -2,6 +2,7 @@
 // check: every error of every config, or nothing.
 #include "binnacle/composition.hpp"
 #include "output.hpp"
+#include "study/study.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -21,14 +22,20 @@ int heavier(int a, int b) {
   return weight(b) > weight(a) ? b : a;
 }
 
+/// Of a study: every variant with its metrics and tables.
+Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
+  if (study::Study::is_in(Config::load(path, options))) return study::Study::load(path, {options, {}, {}}).warnings();
+  return Composition::load(path, options)->warnings();
+}
+
 int check(const Options& options) {
   const LoadOptions load_options = options.config.load_options();
   Diagnostics found;
   int status = ok;
   for (const auto& path : options.configs) {
     try {
-      const auto composition = Composition::load(path, load_options);
-      if (!options.quiet) found.merge(composition->warnings());
+      const Diagnostics warnings = warnings_of(path, load_options);
+      if (!options.quiet) found.merge(warnings);
     } catch (const Error& error) {
       found.merge(error.diagnostics());
       status = heavier(status, error.exit_status());

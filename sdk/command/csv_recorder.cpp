@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "folders.hpp"
+
 namespace binnacle::command {
 
 namespace {
@@ -31,18 +33,6 @@ std::string cell(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
   return quoted + "\"";
-}
-
-/// Makes the folder and those above it; the topmost one made, or "".
-fs::path make_folders(const fs::path& folder) {
-  fs::path made;
-  std::error_code error;
-  for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path()) made = at;
-  if (!fs::create_directories(folder, error) && !fs::is_directory(folder)) {
-    if (!error) error = std::make_error_code(std::errc::not_a_directory);
-    throw UsageError(fmt::format("cannot make the folder '{}': {}", folder.string(), error.message()));
-  }
-  return made;
 }
 
 void remove_empty_folders(fs::path from, const fs::path& topmost) {

@@ -196,7 +196,7 @@ struct Options {
 };
 
 int explain(const Options& options) {
-  const auto composition = Composition::load(options.config_path, options.config.load_options());
+  const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
   const Json told = composition->explain();
   if (options.json)
     print_json(told);
@@ -212,6 +212,7 @@ Verb explain_verb(CLI::App& command) {
   CLI::App* app = command.add_subcommand("explain", "A dry run: state layout, who couples to whom, channels");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
+  options->config.add_variant_to(*app);
   app->add_flag("--json", options->json, "As JSON");
   return {app, [options] { return explain(*options); }};
 }

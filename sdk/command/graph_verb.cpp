@@ -74,7 +74,7 @@ struct Options {
 };
 
 int graph(const Options& options) {
-  const auto composition = Composition::load(options.config_path, options.config.load_options());
+  const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
   const std::string dot = dot_text(composition->explain());
   if (!options.svg.empty())
     write_svg(dot, options.svg);
@@ -92,6 +92,7 @@ Verb graph_verb(CLI::App& command) {
   CLI::App* app = command.add_subcommand("graph", "The composition as a graph, in DOT or SVG");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
+  options->config.add_variant_to(*app);
   app->add_option("--svg", options->svg, "Draw it with Graphviz instead of printing DOT")->type_name("FILE.svg");
   app->add_flag("--json", options->json, "The DOT text as a JSON object");
   return {app, [options] { return graph(*options); }};

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What several verbs share: --var, --set, and the plugins where there is no config.
+// What several verbs share: --var, --set, --variant, and the plugins where there is no config.
 #include <fmt/format.h>
 
 #include "output.hpp"
+#include "study/study.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -24,6 +25,16 @@ LoadOptions ConfigOptions::load_options() const {
     options.vars[text.substr(0, at)] = text.substr(at + 1);
   }
   options.sets = sets_;
+  return options;
+}
+
+void ConfigOptions::add_variant_to(CLI::App& app) {
+  app.add_option("--variant", variant_, "One variant of the config's study")->type_name("NAME");
+}
+
+LoadOptions ConfigOptions::load_options(const std::string& config) const {
+  LoadOptions options = load_options();
+  if (!variant_.empty()) options.patches = study::patches_of(config, options, variant_);
   return options;
 }
 

@@ -3,13 +3,13 @@
 #include "binnacle/run.hpp"
 
 #include <chrono>
-#include <csignal>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
 #include "csv_recorder.hpp"
+#include "interrupt.hpp"
 #include "output.hpp"
 #include "summary_text.hpp"
 #include "verbs.hpp"
@@ -27,23 +27,6 @@ struct Options {
   bool json = false;
   bool quiet = false;
 };
-
-/// Which signal asked the run to stop; a handler can reach nothing but a global.
-volatile std::sig_atomic_t interrupted_by = 0;
-
-/// The first SIGINT, SIGTERM or SIGHUP ends the run in good order, a second one at once.
-void watch_signals() {
-  struct sigaction action = {};
-  action.sa_handler = [](int signal) { interrupted_by = signal; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-}
-
-/// So that whoever started this sees it end by the signal.
-void die_of_signal() {
-  std::signal(interrupted_by, SIG_DFL);
-  std::raise(interrupted_by);
-}
 
 /// One line on a terminal, rewritten: how far the data are, and how fast they go by.
 class ProgressLine {
@@ -88,7 +71,7 @@ class Watch : public RunObserver {
   }
   bool progress(Time t) override {
     line_.show(t);
-    return interrupted_by == 0;
+    return interrupted_by() == 0;
   }
 
  private:
@@ -127,11 +110,11 @@ void tell_warnings(const Composition& composition, const RunResult& result) {
 }
 
 int run_config(const Options& options) {
-  const auto composition = Composition::load(options.config_path, options.config.load_options());
+  const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
   watch_signals();
   std::optional<Outputs> outputs(std::in_place, options);
   const RunResult result = watched_run(composition, options, outputs->recorder.get());
-  if (interrupted_by != 0) {
+  if (interrupted_by() != 0) {
     outputs.reset();
     print_error("interrupted; nothing was written");
     die_of_signal();
@@ -153,6 +136,7 @@ Verb run_verb(CLI::App& command) {
   CLI::App* app = command.add_subcommand("run", "Run a config over its data; a summary of the errors at the end");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
+  options->config.add_variant_to(*app);
   app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
   app->add_option("--out", options->out, "Record every output and its 1-sigma: FILTER.csv, summary.json, config.json")
       ->type_name("DIR");

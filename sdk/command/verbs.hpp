@@ -20,6 +20,7 @@ struct Verb {
 };
 
 Verb run_verb(CLI::App& command);
+Verb study_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);
@@ -30,15 +31,19 @@ Verb schema_verb(CLI::App& command);
 Verb version_verb(CLI::App& command);
 Verb conform_verb(CLI::App& command);
 
-/// --var and --set.
+/// --var and --set, and --variant where one variant of a study is meant.
 class ConfigOptions {
  public:
   void add_to(CLI::App& app);
+  void add_variant_to(CLI::App& app);
   /// Throws UsageError where a --var is not NAME=VALUE.
   LoadOptions load_options() const;
+  /// With the patches of --variant.
+  LoadOptions load_options(const std::string& config) const;
 
  private:
   std::vector<std::string> vars_, sets_;
+  std::string variant_;
 };
 
 /// The plugins found without a config. What could not be loaded is told on stderr; `status` is then 4.

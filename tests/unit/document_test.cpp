@@ -188,6 +188,28 @@ TEST_CASE("an object in a list may extend, and a list hides the base's", "[docum
         "{\"list\":[{\"k\":1}],\"t\":{\"k\":1},\"copy\":{\"k\":1,\"n\":1}}");
 }
 
+TEST_CASE("patches are merged over the config, in order, before --set and after what --set puts into them", "[document]") {
+  const std::string text =
+      R"({"a": 1, "b": {"x": 1, "y": 2}, "study": {"variants": {"v": {"b": {"y": null, "z": 3}}},)"
+      R"( "dimensions": {"d": {"e": {"a": 5, "b": {"z": 4}}}}}})";
+  const auto run_part = [&](const LoadOptions& options) {
+    auto root = parsed(text, options).root();
+    root.erase("study");
+    return root.dump();
+  };
+  CHECK(run_part({}) == R"({"a":1,"b":{"x":1,"y":2}})");
+  LoadOptions options;
+  options.patches = {"/study/variants/v", "/study/dimensions/d/e"};
+  CHECK(run_part(options) == R"({"a":5,"b":{"x":1,"z":4}})");
+  options.sets = {"/a=7", "/study/dimensions/d/e/b/z=8", "/study/variants/v/c=9"};
+  CHECK(run_part(options) == R"({"a":7,"b":{"x":1,"z":8},"c":9})");
+  CHECK(parsed(text).hash() == parsed(R"({"a": 1, "b": {"x": 1, "y": 2}})").hash());
+  options.patches = {"/study/variants/w"};
+  options.sets = {};
+  CHECK(errors_of(text, options) ==
+        "a.json:1:1: error[B029] /study/variants/w: there is no object here to be merged over the config");
+}
+
 TEST_CASE("variants of a study keep their nulls", "[document]") {
   CHECK(resolved("{\"x\": null, \"study\": {\"runs\": null, \"variants\": {\"plain\": {\"a\": {\"noise\": "
                  "null}}}}}") == "{\"study\":{\"variants\":{\"plain\":{\"a\":{\"noise\":null}}}}}");

@@ -13,6 +13,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/metric.hpp"
 
 namespace binnacle {
 
@@ -40,18 +41,21 @@ struct RunOptions {
   std::uint64_t seed = 1;
   int run = 0;                      // which of a study's runs: random streams are keyed by (seed, run, component)
   RunObserver* observer = nullptr;
+  std::vector<Metric> metrics = {}; // of this composition, for RunResult::metrics
+  bool feeds_sinks = true;          // false where several runs share the composition's sinks
 };
 
 struct RunResult {
   /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
-  ///   "steps", "filter_s" } }, "windows", "warnings", "wall_s" }; figures carry their unit.
+  ///   "steps", "filter_s" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
   nlohmann::ordered_json summary;
+  std::vector<MetricValue> metrics; // those of RunOptions, in their order
   Diagnostics warnings;             // gaps and repairs in the data
   Diagnostics failures;             // B080 broken, B081 never started; empty when all went well
 };
 
 /// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of
-/// a composition and stay open.
+/// a composition and stay open. Several threads may run one composition at a time.
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options = {});
 
 }  // namespace binnacle

@@ -109,6 +109,7 @@ class Composer {
 
   // evaluation.cpp
   void read_evaluation();
+  void read_metrics();
   void add_reference(const std::string& pointer);
 
   // shared

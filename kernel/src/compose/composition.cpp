@@ -211,6 +211,8 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
+  read_metrics();
+  if (diagnostics_.has_errors()) return nullptr;
   warn_of_unheard();
 
   std::uint64_t hash = document().hash();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "binnacle/catalog.hpp"
+#include "binnacle/metric.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
 #include "filter/plan.hpp"
@@ -87,7 +88,7 @@ struct EvaluationPlan {
   std::vector<ReferencePlan> references;
   TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
   std::vector<NamedWindow> windows;
-  std::vector<std::string> metrics;
+  std::vector<Metric> metrics;
 };
 
 /// Sources are opened by the first run of a composition, whichever thread that is, and stay open.

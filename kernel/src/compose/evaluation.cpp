@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compose/composer.hpp"
+#include "run/metric.hpp"
 
 namespace binnacle {
 
@@ -61,14 +62,43 @@ void Composer::read_evaluation() {
           evaluation.windows.push_back(std::move(window));
         }
       }
-    if (at("/evaluate/metrics"))
-      if (const auto metrics = read_names(document(), "/evaluate/metrics", diagnostics_)) evaluation.metrics = *metrics;
   }
   if (object_at(document(), "/record", "'record'", diagnostics_)) {
     check_keys(document(), "/record", {"every"}, "'record'", diagnostics_);
     if (at("/record/every"))
       if (const auto every = read_time(document(), "/record/every", diagnostics_)) plan_->record_every = *every;
   }
+}
+
+// A name, or {"metric": name, "unit": "mil"}, or a list of these. Where variants of a study lack what others have, their
+// metrics go without saying.
+void Composer::read_metrics() {
+  const auto* metrics = at("/evaluate/metrics");
+  if (!metrics) return;
+  const auto add = [&](const std::string& pointer) {
+    const auto* value = at(pointer);
+    const std::string name_pointer = value->is_object() ? join_pointer(pointer, "metric") : pointer;
+    if (value->is_object()) {
+      check_keys(document(), pointer, {"metric", "unit"}, "a metric", diagnostics_);
+      if (!require_key(document(), pointer, "metric", "metric", "FILTER/BLOCK.OUTPUT/STATISTIC", diagnostics_)) return;
+    }
+    const auto name = read_string(document(), name_pointer, diagnostics_);
+    if (!name) return;
+    auto metric = read_metric(*plan_, *name);
+    if (!metric) {
+      if (!document().is_patched()) error("B027", name_pointer, metric.error());
+      return;
+    }
+    Metric shown = *metric;
+    const std::string unit_pointer = join_pointer(pointer, "unit");
+    if (value->is_object() && at(unit_pointer))
+      if (const auto unit = read_string(document(), unit_pointer, diagnostics_))
+        if (const auto wrong = show_in(shown, *unit); !wrong.empty())
+          error(read_unit(*unit) ? "B007" : "B008", unit_pointer, wrong);
+    plan_->evaluation.metrics.push_back(std::move(shown));
+  };
+  if (!metrics->is_array()) return add("/evaluate/metrics");
+  for (std::size_t i = 0; i < metrics->size(); ++i) add(join_pointer("/evaluate/metrics", i));
 }
 
 void Composer::add_reference(const std::string& pointer) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of diagnostic codes: B00x-B03x config, B04x plugins, B06x data, B08x filters.
+// The one table of diagnostic codes: B00x-B03x config, B04x plugins, B06x data, B08x filters,
+// B09x studies.
 #include "config/codes.hpp"
 
 namespace binnacle {
@@ -120,6 +121,15 @@ constexpr CodeEntry entries[] = {
      "Look at the channel that the message names, its `max_age` and the window of the data."},
     {"B082", "snapshot of something else", "The bytes are no snapshot, or one of another composition, plugin or version.",
      "Restore it with the config, plugins and program it was taken with."},
+    {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
+     "Use one of the names that the message lists; a cell without a variant is \"\"."},
+    {"B091", "variants of one name", "Two variants of a study have the same name, or one that would be lost.",
+     "Rename one of them; those made of dimensions are named \"A B\" after a choice of each."},
+    {"B092", "journal of another study",
+     "The folder given with --out holds the journal of a study with another config, seed, program or plugin.",
+     "Give another folder, or delete the journal to begin anew."},
+    {"B093", "a run of a study broke", "One of the runs could not be finished; the others went on without it.",
+     "Repeat it alone with the command that the message gives; its summary says more."},
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 // The config as one JSON document.
 #include "config/document.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -27,9 +28,16 @@ class DocumentBuilder {
     if (!root) return document;
     drop_nulls(*root);
     const auto current_folder = std::make_shared<const fs::path>(fs::current_path());
-    for (const std::string& setting : options.sets)
-      apply_setting(*root, setting, current_folder, diagnostics);
-    drop_nulls(*root);  // once more, for what --set brought
+    const auto set = [&](bool wants_inside_a_patch) {
+      for (const std::string& setting : options.sets)
+        if (is_inside_one_of(setting, options.patches) == wants_inside_a_patch)
+          apply_setting(*root, setting, current_folder, diagnostics);
+    };
+    set(true);
+    for (const std::string& pointer : options.patches) apply_patch(*root, pointer, diagnostics);
+    document.is_patched_ = !options.patches.empty();
+    set(false);
+    drop_nulls(*root);  // once more, for what patches and --set brought
     fill_in_variables(*root, options.vars, current_folder, diagnostics);
     document.root_ = to_json(*root);
     record(document, *root, root->origin, "");
@@ -37,6 +45,32 @@ class DocumentBuilder {
   }
 
  private:
+  static bool is_inside_one_of(const std::string& setting, const std::vector<std::string>& patches) {
+    const std::string pointer = setting.substr(0, setting.find('='));
+    return std::any_of(patches.begin(), patches.end(), [&](const std::string& patch) {
+      return pointer == patch || pointer.starts_with(patch + "/");
+    });
+  }
+
+  static void apply_patch(Node& root, const std::string& pointer, Diagnostics& diagnostics) {
+    const Node* patch = &root;
+    const auto tokens = split_pointer(pointer);
+    for (std::size_t i = 0; patch && tokens && i < tokens->size(); ++i) {
+      const Member* member = patch->find((*tokens)[i]);
+      patch = member ? &member->value : nullptr;
+    }
+    if (!tokens || !patch || patch->kind != Node::Kind::object) {
+      diagnostics.error("B029", root.origin, pointer, "there is no object here to be merged over the config");
+      return;
+    }
+    const Origin origin = root.origin;
+    const auto folder = root.folder;
+    merge_patch(root, Node(*patch));
+    root.origin = origin;
+    root.folder = folder;
+    drop_nulls(root);
+  }
+
   static void record(Document& document, const Node& node, const Origin& key, const std::string& pointer) {
     document.places_[pointer] = {node.origin, key, node.folder ? *node.folder : fs::path()};
     for (std::size_t i = 0; i < node.elements.size(); ++i) {
@@ -84,7 +118,9 @@ std::uint64_t Document::hash() const {
   constexpr std::uint64_t offset_basis = 14695981039346656037U;  // FNV-1a, 64 bits
   constexpr std::uint64_t prime = 1099511628211U;
   std::uint64_t hash = offset_basis;
-  for (const char c : root_.dump()) hash = (hash ^ static_cast<unsigned char>(c)) * prime;
+  nlohmann::ordered_json what_runs = root_;
+  what_runs.erase("study");
+  for (const char c : what_runs.dump()) hash = (hash ^ static_cast<unsigned char>(c)) * prime;
   return hash;
 }
 

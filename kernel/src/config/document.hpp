@@ -17,9 +17,9 @@
 
 namespace binnacle {
 
-/// Order of work: comments away, `extends` (RFC 7386, the innermost base first), `--set`, variables. A member
+/// Order of work: comments away, `extends` (RFC 7386, the innermost base first), patches, `--set`, variables. A member
 /// that is null deletes what it meets and is then gone itself; only the merge patches under /study/variants
-/// keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
+/// and /study/dimensions keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
 class Document {
  public:
   static Document load(const std::filesystem::path& path, const LoadOptions& options,
@@ -43,7 +43,10 @@ class Document {
   /// string.
   std::string resolve_path(std::string_view pointer) const;
 
-  /// FNV-1a of the compact dump of root().
+  /// Whether some of its own patches were merged over it.
+  bool is_patched() const { return is_patched_; }
+
+  /// FNV-1a of the compact dump of root() without "study", which changes no run.
   std::uint64_t hash() const;
 
  private:
@@ -58,6 +61,7 @@ class Document {
 
   nlohmann::ordered_json root_ = nlohmann::ordered_json::object();
   std::unordered_map<std::string, Place> places_{{std::string(), Place{}}};
+  bool is_patched_ = false;
 };
 
 }  // namespace binnacle

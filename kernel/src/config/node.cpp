@@ -82,15 +82,36 @@ void drop_nulls_below(Node& node) {
 
 }  // namespace
 
-void drop_nulls(Node& root) {
-  Member* study = root.find("study");
-  Member* variants = study ? study->value.find("variants") : nullptr;
-  std::vector<Member> patches;
-  if (variants) patches = std::exchange(variants->value.members, {});
-  drop_nulls_below(root);
-  if (patches.empty()) return;
+namespace {
+
+/// Takes the merge patches out of the object, for as long as the nulls of everything else are dropped.
+std::vector<Member> take_patches(Node* object) {
+  return object ? std::exchange(object->members, {}) : std::vector<Member>{};
+}
+
+void put_back(Node* object, std::vector<Member> patches) {
+  if (!object) return;
   std::erase_if(patches, [](const Member& m) { return m.value.kind == Node::Kind::null; });
-  root.find("study")->value.find("variants")->value.members = std::move(patches);
+  object->members = std::move(patches);
+}
+
+}  // namespace
+
+void drop_nulls(Node& root) {
+  const auto value_of = [](Node* node, std::string_view key) {
+    Member* member = node ? node->find(key) : nullptr;
+    return member ? &member->value : nullptr;
+  };
+  Node* const study = value_of(&root, "study");
+  std::vector<Member> variants = take_patches(value_of(study, "variants"));
+  std::vector<std::pair<std::string, std::vector<Member>>> dimensions;
+  if (Node* all = value_of(study, "dimensions"))
+    for (Member& dimension : all->members) dimensions.emplace_back(dimension.key, take_patches(&dimension.value));
+  drop_nulls_below(root);
+  Node* const kept = value_of(&root, "study");
+  put_back(value_of(kept, "variants"), std::move(variants));
+  for (auto& [name, patches] : dimensions)
+    put_back(value_of(value_of(kept, "dimensions"), name), std::move(patches));
 }
 
 nlohmann::ordered_json to_json(const Node& node) {

@@ -48,7 +48,8 @@ Node scalar_node(nlohmann::ordered_json value, Origin origin,
 /// of the target keep their order, new ones follow.
 void merge_patch(Node& target, Node patch);
 
-/// Removes the members that are null, except those of the merge patches under /study/variants.
+/// Removes the members that are null, except those of the merge patches under /study/variants and
+/// /study/dimensions.
 void drop_nulls(Node& root);
 
 nlohmann::ordered_json to_json(const Node& node);

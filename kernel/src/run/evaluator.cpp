@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
 #include "binnacle/unit.hpp"
+#include "run/outputs.hpp"
 
 namespace binnacle {
 
@@ -67,6 +69,48 @@ nlohmann::ordered_json statistics(const Series& series, const TimeSpan& span, Ti
           {"unit", series.display_unit.empty() ? series.unit : series.display_unit}};
 }
 
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// Between the two samples around the instant; NaN outside of them.
+double interpolated(const std::vector<Time>& t, const std::vector<double>& values, Time at) {
+  const auto above = static_cast<std::size_t>(std::lower_bound(t.begin(), t.end(), at) - t.begin());
+  if (above == t.size()) return not_a_number;
+  if (t[above] == at) return values[above];
+  if (above == 0) return not_a_number;
+  const double fraction = seconds(at - t[above - 1]) / seconds(t[above] - t[above - 1]);
+  return values[above - 1] + fraction * (values[above] - values[above - 1]);
+}
+
+double over_time(const std::vector<Time>& t, const std::vector<double>& values, const Metric& metric,
+                 const TimeSpan& span, Time start) {
+  if (metric.statistic == MetricStatistic::at)
+    return interpolated(t, values, metric.at_is_from_start ? start + metric.at : metric.at);
+  std::vector<double> inside;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (span.contains(t[i], start)) inside.push_back(values[i]);
+  if (inside.empty()) return not_a_number;
+  double sum = 0, squares = 0;
+  for (const double value : inside) {
+    sum += value;
+    squares += value * value;
+  }
+  const double n = static_cast<double>(inside.size()), last = inside.back();
+  for (double& value : inside) value = std::abs(value);
+  switch (metric.statistic) {
+    case MetricStatistic::mean: return sum / n;
+    case MetricStatistic::rms: return std::sqrt(squares / n);
+    case MetricStatistic::max: return *std::max_element(inside.begin(), inside.end());
+    case MetricStatistic::final: return last;
+    default: break;
+  }
+  std::sort(inside.begin(), inside.end());
+  return quantile(inside, metric.statistic == MetricStatistic::p50 ? 0.5 : 0.95);
+}
+
+}  // namespace
+
 /// Follows one filter. A reference between two steps is compared with the estimate interpolated on the manifold from
 /// the a-posteriori state at the step's begin to the a-priori one at its end, so that scoring never changes the run.
 class Evaluator::FilterScore : public StepTape {
@@ -92,6 +136,15 @@ class Evaluator::FilterScore : public StepTape {
         scored_measurements_.insert(reference.measurement);
     }
     for (std::size_t m = 0; m < plan_.measurements.size(); ++m) add_withheld(static_cast<int>(m));
+    std::set<std::string> names;
+    for (std::size_t r = 0; r < references_.size(); ++r)
+      for (std::size_t i = 0; i < references_[r].series.size(); ++i)
+        if (names.insert(references_[r].series[i].name).second)
+          subjects_.push_back({&references_[r].series[i], static_cast<int>(r), static_cast<int>(i)});
+    for (const auto& group : withheld_)
+      if (scored_measurements_.contains(group.measurement))
+        for (const auto& series : group.series)
+          if (names.insert(series.name).second) subjects_.push_back({&series, -1, 0});
     engine_.attach(this);
   }
   ~FilterScore() override { engine_.attach(nullptr); }
@@ -214,6 +267,59 @@ class Evaluator::FilterScore : public StepTape {
   }
   Time start() const { return engine_.status().start; }
 
+  std::vector<Scored> scored() const {
+    std::vector<Scored> all;
+    for (std::size_t i = 0; i < subjects_.size(); ++i) {
+      const auto& subject = subjects_[i];
+      Scored entry{subject.series->name, subject.series->unit, subject.series->display_unit, static_cast<int>(i),
+                   false, subject.reference >= 0, false};
+      entry.has_nees = entry.has_sigma && is_component(subject);
+      if (entry.display_unit.empty()) entry.display_unit = entry.unit;
+      all.push_back(std::move(entry));
+    }
+    for (std::size_t r = 0; r < references_.size(); ++r)
+      if (references_[r].is_whole)
+        all.push_back({references_[r].name, "1", "1", static_cast<int>(r), true, false, true});
+    return all;
+  }
+
+  void watch(const Metric& metric) {
+    if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis || metric.of_block) return;
+    auto& reference = references_[as_size(subjects_[as_size(metric.subject)].reference)];
+    reference.sigmas.resize(reference.series.size());
+    std::size_t scratch = sigma_scratch_.size(), widest = sigmas_.size();
+    const auto& block = plan_.blocks[as_size(reference.plan->block)];
+    scratch = std::max(scratch, output_sigma_scratch(block));
+    widest = std::max(widest, block.declaration().outputs.size());
+    sigma_scratch_.resize(scratch);
+    sigmas_.resize(widest);
+  }
+
+  MetricValue value(const Metric& metric, const TimeSpan& span) const {
+    if (metric.quantity == MetricQuantity::nis) {
+      const Ledger& ledger = engine_.ledger(metric.subject);
+      const double n = static_cast<double>(ledger.nis_count);
+      if (ledger.nis_count == 0) return {not_a_number, 0, 0};
+      return {ledger.nis_sum / n, static_cast<double>(ledger.dof_sum) / n, n};
+    }
+    if (metric.of_block) {
+      const auto& reference = references_[as_size(metric.subject)];
+      const auto dof = plan_.blocks[as_size(reference.plan->block)].active.size();
+      return {over_time(reference.nees.t, reference.nees.values, metric, span, start()), static_cast<double>(dof), 1};
+    }
+    const auto& subject = subjects_[as_size(metric.subject)];
+    if (metric.quantity == MetricQuantity::error)
+      return {over_time(subject.series->t, subject.series->values, metric, span, start()), 0, 0};
+    auto values = references_[as_size(subject.reference)].sigmas[as_size(subject.index)];
+    if (metric.quantity == MetricQuantity::sigma)
+      return {over_time(subject.series->t, values, metric, span, start()), 0, 0};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double ratio = subject.series->values[i] / values[i];
+      values[i] = ratio * ratio;
+    }
+    return {over_time(subject.series->t, values, metric, span, start()), 1, 1};
+  }
+
  private:
   struct Reference {
     const ReferencePlan* plan = nullptr;
@@ -222,6 +328,13 @@ class Evaluator::FilterScore : public StepTape {
     std::vector<Series> series;
     std::vector<int> output_series;  // per output: index in series, −1
     Series nees;
+    std::vector<std::vector<double>> sigmas;  // per series, beside its values; empty when nobody asked for them
+  };
+  /// A series once per name, and where its sigma is to be found.
+  struct Subject {
+    const Series* series = nullptr;
+    int reference = -1;              // −1: withheld
+    int index = 0;                   // among the reference's series
   };
   struct WithheldGroup {
     int measurement = 0;
@@ -235,6 +348,29 @@ class Evaluator::FilterScore : public StepTape {
     Time t = no_time;
     std::vector<double> values;
   };
+
+  bool is_component(const Subject& subject) const {
+    const auto& reference = references_[as_size(subject.reference)];
+    return reference.is_whole &&
+           subject.index < plan_.blocks[as_size(reference.plan->block)].declaration().dof();
+  }
+
+  /// The 1-σ of errors and norms, in the order of push_errors(). The variance of a norm is the sum of its components'.
+  static void push_error_sigmas(Reference& reference, const BlockPlan& block, MatrixView P) {
+    const auto& declaration = block.declaration();
+    std::vector<double> variances(declaration.error.size(), 0.0);
+    for (std::size_t a = 0; a < block.active.size(); ++a) {
+      const int row = block.first + static_cast<int>(a);
+      variances[as_size(block.active[a])] = P(row, row);
+    }
+    std::size_t index = 0;
+    for (const double variance : variances) reference.sigmas[index++].push_back(std::sqrt(variance));
+    for (const auto& norm : declaration.norms) {
+      double sum = 0;
+      for (const int c : norm.components) sum += variances[as_size(c)];
+      reference.sigmas[index++].push_back(std::sqrt(sum));
+    }
+  }
 
   static std::vector<Series> make_series(const ErrorNames& names) {
     std::vector<Series> series;
@@ -329,14 +465,17 @@ class Evaluator::FilterScore : public StepTape {
       if (!block.block->write(pending.values.data(), truth_.data())) return;
       block.block->minus(truth_.data(), estimate, delta_.data());
       push_errors(reference.series, declaration, pending.t, delta_.data());
+      if (!reference.sigmas.empty()) push_error_sigmas(reference, block, P);
       score_consistency(reference, block, pending.t, P);
     }
     block.block->read(estimate, outputs_.data());
+    if (!reference.sigmas.empty()) output_sigmas(block, estimate, P, sigma_scratch_.data(), sigmas_.data());
     for (std::size_t i = 0; i < declaration.outputs.size(); ++i) {
       if (reference.output_series[i] < 0) continue;
       double difference = pending.values[i] - outputs_[i];
       if (declaration.outputs[i].is_angle) difference = std::remainder(difference, 2 * std::numbers::pi);
       push(reference.series, as_size(reference.output_series[i]), pending.t, difference);
+      if (!reference.sigmas.empty()) reference.sigmas[as_size(reference.output_series[i])].push_back(sigmas_[i]);
     }
   }
 
@@ -384,7 +523,8 @@ class Evaluator::FilterScore : public StepTape {
   std::vector<WithheldGroup> withheld_;
   std::set<int> scored_measurements_;
   std::vector<Pending> pending_;
-  std::vector<double> delta_, between_, truth_, outputs_, covariance_;
+  std::vector<Subject> subjects_;
+  std::vector<double> delta_, between_, truth_, outputs_, covariance_, sigma_scratch_, sigmas_;
 };
 
 Evaluator::Evaluator(Runtime& runtime) : runtime_(runtime) {
@@ -408,6 +548,16 @@ void Evaluator::finish() {
 
 nlohmann::ordered_json Evaluator::filter_summary(int filter) const {
   return scores_[as_size(filter)]->summary(runtime_.plan().evaluation, filter);
+}
+
+std::vector<Scored> Evaluator::scored(int filter) const { return scores_[as_size(filter)]->scored(); }
+
+void Evaluator::watch(const std::vector<Metric>& metrics) {
+  for (const auto& metric : metrics) scores_[as_size(metric.filter)]->watch(metric);
+}
+
+MetricValue Evaluator::value(const Metric& metric) const {
+  return scores_[as_size(metric.filter)]->value(metric, runtime_.plan().evaluation.span);
 }
 
 nlohmann::ordered_json Evaluator::across_windows() const {

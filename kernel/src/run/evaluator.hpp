@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/metric.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -22,6 +23,17 @@ struct Series {
   std::vector<double> values;
 };
 
+/// What a metric can be of: an error or a norm, or a whole block (for its NEES).
+struct Scored {
+  std::string name;          // "position.horizontal", "position"
+  std::string unit;          // SI
+  std::string display_unit;
+  int index = 0;             // Metric::subject
+  bool is_block = false;
+  bool has_sigma = false;
+  bool has_nees = false;
+};
+
 class Evaluator : public SampleListener {
  public:
   explicit Evaluator(Runtime& runtime);
@@ -31,6 +43,10 @@ class Evaluator : public SampleListener {
   /// What still waits for its filter's next step is scored with the last estimate.
   void finish();
   nlohmann::ordered_json filter_summary(int filter) const;
+  std::vector<Scored> scored(int filter) const;
+  /// Before the run: what these metrics need beyond the errors is kept too.
+  void watch(const std::vector<Metric>& metrics);
+  MetricValue value(const Metric& metric) const;
   /// Over all windows of all filters: mean, p50, max of each window's final and rms.
   nlohmann::ordered_json across_windows() const;
 

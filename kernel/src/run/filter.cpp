@@ -115,8 +115,8 @@ void Filter::read(Block block, std::span<double> outputs) const {
 
 void Filter::read_sigma(Block block, std::span<double> sigmas) const {
   const auto& engine = runtime_->engine(block.filter);
-  output_sigmas(engine.plan().blocks[as_size(block.block)], engine.state(), engine.covariance(), scratch_.data(),
-                sigmas.data());
+  const auto& plan = engine.plan().blocks[as_size(block.block)];
+  output_sigmas(plan, engine.state() + plan.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
 }
 
 MatrixView Filter::covariance(Block block) const {

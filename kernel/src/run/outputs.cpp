@@ -13,11 +13,10 @@ std::size_t output_sigma_scratch(const BlockPlan& block) {
   return dof + static_cast<std::size_t>(block.declaration().stored_size) + 2 * outputs + outputs * dof;
 }
 
-void output_sigmas(const BlockPlan& block, const double* state, MatrixView P, double* scratch, double* sigmas) {
+void output_sigmas(const BlockPlan& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
   const auto& declaration = block.declaration();
   const int outputs = static_cast<int>(declaration.outputs.size());
   const int active = static_cast<int>(block.active.size());
-  const double* x = state + block.stored_offset;
   double* const delta = scratch;
   double* const moved = delta + block.dof();
   double* const above = moved + declaration.stored_size;

@@ -83,7 +83,7 @@ class Recorder {
         at += block.declaration().outputs.size();
       }
       for (const auto& block : engine.plan().blocks) {
-        output_sigmas(block, engine.state(), engine.covariance(), scratch_.data(), values_.data() + at);
+        output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(), values_.data() + at);
         at += block.declaration().outputs.size();
       }
       observer_.record(static_cast<int>(f), t, {values_.data(), at});
@@ -124,6 +124,16 @@ nlohmann::ordered_json measurement_summary(const Engine& engine) {
   return summary;
 }
 
+nlohmann::ordered_json metric_summary(const Evaluator& evaluator, const CompositionPlan& plan) {
+  nlohmann::ordered_json summary = nlohmann::ordered_json::object();
+  for (const auto& metric : plan.evaluation.metrics) {
+    const double value = evaluator.value(metric).value;
+    const auto unit = parse_unit(metric.unit);
+    summary[metric.name] = {{"value", to_unit(value, unit ? *unit : Unit{})}, {"unit", metric.unit}};
+  }
+  return summary;
+}
+
 void note_failures(const Runtime& runtime, Diagnostics& failures) {
   const auto& plan = runtime.plan();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
@@ -155,11 +165,15 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
 
   Runtime runtime(plan);
   runtime.reset(options.seed, options.run);
+  runtime.feed_sinks(options.feeds_sinks);
   Evaluator evaluator(runtime);
+  evaluator.watch(plan.evaluation.metrics);
+  evaluator.watch(options.metrics);
   std::unique_ptr<Recorder> recorder;
   if (options.observer && options.observer->wants_records())
     recorder = std::make_unique<Recorder>(runtime, *options.observer, composition->record_every());
-  for (const auto& sink : plan.sinks) sink.sink->open();
+  if (options.feeds_sinks)
+    for (const auto& sink : plan.sinks) sink.sink->open();
 
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     if (recorder) recorder->after_instant();
@@ -168,7 +182,8 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   runtime.finish();
   if (recorder) recorder->after_instant();
   evaluator.finish();
-  for (const auto& sink : plan.sinks) sink.sink->close();
+  if (options.feeds_sinks)
+    for (const auto& sink : plan.sinks) sink.sink->close();
 
   nlohmann::ordered_json filters = nlohmann::ordered_json::object();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
@@ -186,6 +201,8 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
     filters[plan.filters[f].name] = std::move(entry);
   }
   result.summary["filters"] = std::move(filters);
+  for (const auto& metric : options.metrics) result.metrics.push_back(evaluator.value(metric));
+  if (auto metrics = metric_summary(evaluator, plan); !metrics.empty()) result.summary["metrics"] = std::move(metrics);
   if (auto across = evaluator.across_windows(); !across.empty()) result.summary["windows"] = std::move(across);
   note_failures(runtime, result.failures);
   nlohmann::ordered_json warnings = nlohmann::ordered_json::array();

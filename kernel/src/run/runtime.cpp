@@ -258,7 +258,9 @@ void Runtime::end_instant(Time t) {
   for (const auto& node : plan_.nodes) switch (node.kind) {
       case Node::Kind::transform: run_transform(node.index); break;
       case Node::Kind::filter: run_filter(node.index, t); break;
-      case Node::Kind::sink: run_sink(node.index); break;
+      case Node::Kind::sink:
+        if (feeds_sinks_) run_sink(node.index);
+        break;
     }
   if (listener_)
     for (const int channel : heard_)

@@ -36,6 +36,8 @@ class Runtime {
 
   void listen(SampleListener* listener, const std::vector<int>& channels);
 
+  void feed_sinks(bool wanted) { feeds_sinks_ = wanted; }
+
   Engine& engine(int filter) { return *engines_[static_cast<std::size_t>(filter)]; }
   const Engine& engine(int filter) const { return *engines_[static_cast<std::size_t>(filter)]; }
   const CompositionPlan& plan() const { return plan_; }
@@ -84,6 +86,7 @@ class Runtime {
   std::vector<double> filter_seconds_;
   std::vector<std::int64_t> sample_counts_;
   Time time_ = no_time;
+  bool feeds_sinks_ = true;
 };
 
 /// A 64-bit seed of a component's own, from (seed, run, JSON pointer).

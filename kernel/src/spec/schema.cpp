@@ -329,11 +329,12 @@ void add_kernel_definitions(Json& definitions) {
 
 Json evaluate_schema() {
   const Json name = {{"type", "string"}};
+  const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
   return closed_object({{"after", ref("time")},
                         {"until", ref("time")},
                         {"windows", named({{"anyOf", {ref("window"), window_of_filter}}})},
-                        {"metrics", {{"anyOf", {name, list_of(name)}}}}});
+                        {"metrics", {{"anyOf", {metric, list_of(metric)}}}}});
 }
 
 Json sections() {

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// The figures of a study as tables for people.
+#pragma once
+
+#include <string>
+
+#include "output.hpp"
+#include "study/study.hpp"
+
+namespace binnacle::command {
+
+/// Every metric over the variants, NEES and NIS with their χ² bands, then the tables that the config declares.
+std::string study_text(const Json& summary, const study::Study& study);
+
+}  // namespace binnacle::command

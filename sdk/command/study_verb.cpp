@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// study: variants of a config, many runs of each, and the tables made of them.
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "atomic_file.hpp"
+#include "folders.hpp"
+#include "interrupt.hpp"
+#include "output.hpp"
+#include "study/journal.hpp"
+#include "study/study.hpp"
+#include "study/summary.hpp"
+#include "study/workers.hpp"
+#include "study_text.hpp"
+#include "table.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string config_path;
+  ConfigOptions config;
+  std::optional<int> runs;
+  std::optional<std::uint64_t> seed;
+  int jobs = 0;
+  std::string summary;
+  std::string out;
+  bool json = false;
+  bool quiet = false;
+};
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// "41 s", "3 min 5 s", "2 h 10 min"
+std::string time_left(double s) {
+  const auto whole = static_cast<long>(s + 0.5);
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+/// One line on a terminal, rewritten: how many runs are done, and how long the others will take.
+class ProgressLine {
+ public:
+  ProgressLine(bool is_shown, std::size_t done, std::size_t all)
+      : is_shown_(is_shown), done_(done), first_(done), all_(all) {}
+  ~ProgressLine() {
+    if (is_drawn_) fmt::print(stderr, "\r\x1b[K");
+  }
+  void add(bool has_failed) {
+    ++done_;
+    failed_ += has_failed;
+    const auto now = Clock::now();
+    if (!is_shown_ || now - drawn_ < std::chrono::milliseconds(100)) return;
+    drawn_ = now;
+    is_drawn_ = true;
+    const double per_run = seconds_since(begin_) / static_cast<double>(done_ - first_);
+    fmt::print(stderr, "\r{} of {} runs{}, {} left\x1b[K", done_, all_,
+               failed_ ? fmt::format(", {} broke", failed_) : "",
+               time_left(per_run * static_cast<double>(all_ - done_)));
+    std::fflush(stderr);
+  }
+  std::size_t done() const { return done_; }
+
+ private:
+  bool is_shown_;
+  bool is_drawn_ = false;
+  std::size_t done_, first_, all_, failed_ = 0;
+  Clock::time_point begin_ = Clock::now(), drawn_;
+};
+
+/// What a study leaves behind. Places are looked at before the first run, so that a bad name is told at once.
+struct Outputs {
+  Outputs(const Options& options, const study::Study& study, study::Results& results) {
+    if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
+    if (options.out.empty()) return;
+    folder = options.out;
+    make_folders(folder);
+    journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
+  }
+  void write(const char* name, const std::string& text) const {
+    AtomicFile file(folder / name);
+    file.write(text);
+    file.commit();
+  }
+  /// Nothing in the folder tells how long it took: an interrupted study leaves the same files as another.
+  void commit(const study::Study& study, const study::Results& results, const Json& figures, const Json& timed) const {
+    if (journal) {
+      journal->sync();
+      write("study.csv", study::runs_csv(study, results));
+      write("table.csv", study::tables_csv(figures));
+      write("study.json", figures.dump(2) + "\n");
+    }
+    if (!summary) return;
+    summary->write(timed.dump(2) + "\n");
+    summary->commit();
+  }
+  std::unique_ptr<AtomicFile> summary;
+  std::filesystem::path folder;
+  std::unique_ptr<study::Journal> journal;
+};
+
+std::string shell_quoted(const std::string& text) {
+  if (!text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=") ==
+                           std::string::npos)
+    return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+/// The command that repeats one run alone.
+std::string repeated_by(const Options& options, const study::Study& study, const study::Variant& variant,
+                        std::size_t run) {
+  std::string line = "binnacle run " + shell_quoted(options.config_path);
+  if (!variant.patches.empty()) line += " --variant " + shell_quoted(variant.name);
+  line += fmt::format(" --seed {} --run {}", study.seed(), run);
+  const LoadOptions load = options.config.load_options();
+  for (const auto& [name, value] : load.vars) line += " --var " + shell_quoted(name + "=" + value);
+  for (const auto& set : load.sets) line += " --set " + shell_quoted(set);
+  return line;
+}
+
+/// Runs that broke: the first few by name and number, then how many there are.
+std::size_t tell_failures(const Options& options, const study::Study& study, const study::Results& results) {
+  constexpr std::size_t most_told = 10;
+  std::size_t failures = 0;
+  for (std::size_t v = 0; v < study.variants().size(); ++v)
+    for (std::size_t run = 0; run < results.runs(); ++run) {
+      const auto& figures = results.at(v, run);
+      if (figures.state != study::Figures::State::failed || ++failures > most_told) continue;
+      fmt::print(stderr, "{}\n",
+                 to_string(Diagnostic{Severity::error,
+                                      "B093",
+                                      {options.config_path, 0, 0},
+                                      "",
+                                      fmt::format("variant '{}', seed {}, run {}: {}; to see it: {}",
+                                                  study.variants()[v].name, study.seed(), run, figures.failure,
+                                                  repeated_by(options, study, study.variants()[v], run))}));
+    }
+  if (failures > 0)
+    print_error(fmt::format("{} of {} runs broke{}", failures, study.variants().size() * results.runs(),
+                            failures > most_told ? fmt::format(" ({} told here)", most_told) : ""));
+  return failures;
+}
+
+/// False when it was interrupted.
+bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options) {
+  const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
+  const std::size_t all = study.variants().size() * results.runs();
+  if (restored > 0 && !options.quiet)
+    fmt::print(stderr, "{} of {} are in the journal\n", restored, counted(all, "run"));
+  ProgressLine progress(stderr_is_terminal() && !options.quiet, restored, all);
+  const auto on_run = [&](std::size_t variant, std::size_t run, const study::Figures& figures) {
+    if (outputs.journal) outputs.journal->add(variant, run, figures);
+    progress.add(figures.state == study::Figures::State::failed);
+  };
+  study::carry_out_all(
+      study, results, options.jobs, [] { return interrupted_by() == 0; }, on_run);
+  return progress.done() == all;
+}
+
+int run_study(const Options& options) {
+  const auto begin = Clock::now();
+  study::StudyOptions study_options{options.config.load_options(), options.runs, options.seed};
+  const auto study = study::Study::load(options.config_path, study_options);
+  study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
+  watch_signals();
+  std::optional<Outputs> outputs;
+  bool is_complete = false;
+  try {
+    outputs.emplace(options, study, results);
+    is_complete = carry_out(study, results, *outputs, options);
+  } catch (const std::system_error& error) {
+    throw OutputError(error.what());
+  }
+  if (!is_complete) {
+    outputs.reset();
+    print_error(options.out.empty() ? "interrupted; nothing was written (with --out DIR a study goes on where it was)"
+                                    : "interrupted; the same command goes on from here");
+    die_of_signal();
+  }
+  const Json figures = study::summarize(study, results);
+  Json timed = figures;
+  timed["wall_s"] = seconds_since(begin);
+  outputs->commit(study, results, figures, timed);
+  if (!options.quiet) print_abridged(study.warnings(), "binnacle check has all");
+  if (options.json)
+    print_json(timed);
+  else if (!options.quiet)
+    print(study_text(figures, study) + fmt::format("{}, seed {}, wall time {}\n",
+                                                   counted(study.variants().size() * results.runs(), "run"),
+                                                   study.seed(), duration(timed["wall_s"].get<double>())));
+  return tell_failures(options, study, results) == 0 ? ok : failed;
+}
+
+}  // namespace
+
+Verb study_verb(CLI::App& command) {
+  const auto options = std::make_shared<Options>();
+  options->jobs = study::processors();
+  CLI::App* app = command.add_subcommand("study", "Run the variants of a config many times; tables of their errors");
+  app->add_option("CONFIG", options->config_path, "The config, with its \"study\"")->required();
+  options->config.add_to(*app);
+  app->add_option("--runs", options->runs, "Runs of each variant, instead of the config's")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  app->add_option("--seed", options->seed, "Seed of everything random, instead of the config's")->type_name("N");
+  app->add_option("--jobs", options->jobs, "Runs at work at one time; the figures do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
+  app->add_option("--out", options->out, "study.csv, table.csv, study.json; started again, it goes on where it was")
+      ->type_name("DIR");
+  app->add_flag("--json", options->json, "The figures as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or tables");
+  return {app, [options] { return run_study(*options); }};
+}
+
+}  // namespace binnacle::command

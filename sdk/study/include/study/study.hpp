@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Study: variants of one config, each run many times, and what is to be told of them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/config.hpp"
+#include "binnacle/metric.hpp"
+#include "study/statistics.hpp"
+
+namespace binnacle::study {
+
+/// A name and the merge patches of the config that make it, as LoadOptions::patches takes them.
+struct VariantPatches {
+  std::string name;
+  std::vector<std::string> patches;
+};
+
+/// Those of "study": first one of each of "dimensions" ("lc low": the first dimension turns slowest), then "variants".
+/// Where there is neither: "base", without a patch.
+std::vector<VariantPatches> variants_of(const Config& config, Diagnostics& diagnostics);
+
+/// The patches of the variant. Throws ConfigError (B090) where there is none of that name.
+std::vector<std::string> patches_of(const std::filesystem::path& config, const LoadOptions& options,
+                                    const std::string& variant);
+
+struct Variant {
+  std::string name;
+  std::vector<std::string> patches;
+  std::shared_ptr<const Composition> composition;
+  std::vector<Metric> metrics;  // those of the study that it has
+  std::vector<int> position;    // per metric of the study: in `metrics`, −1
+};
+
+struct StudyMetric {
+  std::string name;
+  std::string unit;  // for display
+  std::string si_unit;
+  bool is_chi_squared = false;
+};
+
+/// `value`: the statistic; `improvement`: by how many percent it lies below the baseline's; `ratio`: over it.
+enum class Show { value, improvement, ratio };
+
+struct Cell {
+  int variant = -1;  // −1: an empty cell
+  int baseline = -1;
+  int metric = 0;
+  OverRuns statistic = OverRuns::rms;
+  Show show = Show::value;
+  std::string unit;  // "%" of an improvement; "" of an empty cell
+};
+
+struct TablePlan {
+  std::string title;
+  std::vector<std::string> rows, columns;
+  std::vector<std::vector<Cell>> cells;
+  std::vector<std::vector<double>> paper;  // empty, or like cells; NaN where the paper has none
+  bool shows_errors = true;
+};
+
+/// What came of one run: the unit of work, made anywhere and put together in order.
+struct Figures {
+  enum class State { open, finished, failed } state = State::open;
+  std::vector<MetricValue> values;  // per metric of the study, NaN where the variant does not have it
+  std::string failure;              // one line
+};
+
+/// By (variant, run).
+class Results {
+ public:
+  Results(std::size_t variants, std::size_t runs) : runs_(runs), figures_(variants * runs) {}
+  std::size_t runs() const { return runs_; }
+  Figures& at(std::size_t variant, std::size_t run) { return figures_[variant * runs_ + run]; }
+  const Figures& at(std::size_t variant, std::size_t run) const { return figures_[variant * runs_ + run]; }
+  /// The metric's values of all finished runs, in the order of the runs [SI].
+  std::vector<double> values(std::size_t variant, std::size_t metric) const;
+
+ private:
+  std::size_t runs_;
+  std::vector<Figures> figures_;
+};
+
+struct StudyOptions {
+  LoadOptions load;
+  std::optional<int> runs;  // instead of the config's
+  std::optional<std::uint64_t> seed;
+};
+
+/// Immutable; share it between threads.
+class Study {
+ public:
+  /// Everything that is wrong with any variant, metric or table is told at once. Throws as Composition::load does.
+  static Study load(const std::filesystem::path& config, const StudyOptions& options = {});
+  /// Whether the config has a "study" at all.
+  static bool is_in(const Config& config);
+
+  const std::string& title() const { return title_; }
+  int runs() const { return runs_; }
+  std::uint64_t seed() const { return seed_; }
+  const std::vector<Variant>& variants() const { return variants_; }
+  const std::vector<StudyMetric>& metrics() const { return metrics_; }
+  const std::vector<TablePlan>& tables() const { return tables_; }
+  const Diagnostics& warnings() const { return warnings_; }
+  /// Of everything that the figures of a run depend on: compositions, metrics, seed, this program and the plugins.
+  std::uint64_t hash() const { return hash_; }
+
+  /// Runs one variant once. `goes_on` is asked now and then; once it says false, the figures stay open. What breaks is
+  /// told in the figures, never thrown.
+  Figures carry_out(std::size_t variant, int run, const std::function<bool()>& goes_on) const;
+
+ private:
+  std::string title_;
+  int runs_ = 1;
+  std::uint64_t seed_ = 1;
+  std::vector<Variant> variants_;
+  std::vector<StudyMetric> metrics_;
+  std::vector<TablePlan> tables_;
+  Diagnostics warnings_;
+  std::uint64_t hash_ = 0;
+};
+
+}  // namespace binnacle::study

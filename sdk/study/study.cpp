@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/study.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "binnacle/run.hpp"
+#include "section.hpp"
+#include "tables.hpp"
+
+namespace binnacle::study {
+
+namespace {
+
+/// FNV-1a.
+struct Hash {
+  std::uint64_t value = 14695981039346656037u;
+  void add(const char* bytes, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) value = (value ^ static_cast<unsigned char>(bytes[i])) * 1099511628211u;
+  }
+  void add(const std::string& text) { add(text.c_str(), text.size() + 1); }
+  void add(std::uint64_t number) { add(reinterpret_cast<const char*>(&number), sizeof(number)); }
+  /// A rebuilt program or plugin may give other figures under the same version.
+  void add_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::vector<char> buffer(1 << 16);
+    while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || file.gcount() > 0)
+      add(buffer.data(), static_cast<std::size_t>(file.gcount()));
+  }
+};
+
+/// What several variants say alike is told once; what only some say, with their names.
+class Gathered {
+ public:
+  void add(const std::string& variant, const Diagnostics& diagnostics) {
+    for (const auto& item : diagnostics.items()) {
+      const auto found =
+          std::find_if(items_.begin(), items_.end(), [&](const auto& known) { return known.first == item; });
+      if (found == items_.end())
+        items_.push_back({item, {variant}});
+      else
+        found->second.push_back(variant);
+    }
+  }
+  Diagnostics told(std::size_t variants) const {
+    Diagnostics diagnostics;
+    for (auto [item, names] : items_) {
+      if (names.size() < variants) {
+        const std::size_t shown = std::min<std::size_t>(names.size(), 3);
+        std::string list;
+        for (std::size_t i = 0; i < shown; ++i) list += (i ? ", " : "") + in_quotes(names[i]);
+        if (names.size() > shown) list += " and " + std::to_string(names.size() - shown) + " more";
+        item.message += (names.size() == 1 ? " (variant " : " (variants ") + list + ")";
+      }
+      diagnostics.add(std::move(item));
+    }
+    return diagnostics;
+  }
+
+ private:
+  std::vector<std::pair<Diagnostic, std::vector<std::string>>> items_;
+};
+
+/// The heaviest of what the variants threw.
+class Failure {
+ public:
+  void add(const Error& error) {
+    const auto weight = [](int status) { return status == 4 ? 3 : status == 3 ? 2 : 1; };
+    if (weight(error.exit_status()) > weight(status_) || status_ == 0) status_ = error.exit_status();
+  }
+  int status() const { return status_; }
+
+ private:
+  int status_ = 0;
+};
+
+std::vector<Variant> load_variants(const std::filesystem::path& path, const LoadOptions& options,
+                                   const std::vector<VariantPatches>& wanted, Diagnostics& warnings) {
+  std::vector<Variant> variants;
+  Gathered errors, notes;
+  Failure failure;
+  for (const auto& entry : wanted) {
+    LoadOptions load = options;
+    load.patches = entry.patches;
+    try {
+      Variant variant{entry.name, entry.patches, Composition::load(path, load), {}, {}};
+      notes.add(entry.name, variant.composition->warnings());
+      variants.push_back(std::move(variant));
+    } catch (const Error& error) {
+      errors.add(entry.name, error.diagnostics());
+      failure.add(error);
+    }
+  }
+  if (failure.status()) throw Error(failure.status(), errors.told(wanted.size()));
+  warnings.merge(notes.told(wanted.size()));
+  return variants;
+}
+
+/// The list of metrics and those that only tables name.
+class MetricReader {
+ public:
+  MetricReader(const Section& section, std::vector<Variant>& variants) : section_(section), variants_(variants) {}
+
+  void read_list(const std::string& pointer) {
+    const Json* list = section_.at(pointer);
+    if (!list) return;
+    if (!list->is_array()) return read_entry(pointer);
+    for (std::size_t i = 0; i < list->size(); ++i) read_entry(join_pointer(pointer, i));
+  }
+
+  void read_name(const std::string& pointer) {
+    if (const auto name = section_.text(pointer)) add(pointer, *name, "");
+  }
+
+  std::vector<StudyMetric> take() { return std::move(metrics_); }
+
+ private:
+  void read_entry(const std::string& pointer) {
+    if (!section_.at(pointer)->is_object()) return read_name(pointer);
+    section_.check_keys(pointer, {"metric", "unit"}, "a metric");
+    const auto name = section_.text(join_pointer(pointer, "metric"));
+    if (!name)
+      section_.error("B010", pointer, "missing key 'metric': FILTER/BLOCK.OUTPUT/STATISTIC");
+    else
+      add(join_pointer(pointer, "metric"), *name, join_pointer(pointer, "unit"));
+  }
+
+  void add(const std::string& pointer, const std::string& name, const std::string& unit_pointer) {
+    const auto is_it = [&](const StudyMetric& known) { return known.name == name; };
+    if (std::any_of(metrics_.begin(), metrics_.end(), is_it)) return;
+    std::string unit, wrong;
+    if (!unit_pointer.empty()) unit = section_.text(unit_pointer).value_or("");
+    StudyMetric entry{name, "", "", false};
+    bool is_known = false;
+    std::vector<int> positions;
+    for (auto& variant : variants_) {
+      auto metric = read_metric(*variant.composition, name);
+      positions.push_back(metric ? static_cast<int>(variant.metrics.size()) : -1);
+      if (!metric) {
+        if (wrong.empty()) wrong = metric.error();
+        continue;
+      }
+      Metric shown = *metric;
+      std::string misfit = unit.empty() ? "" : show_in(shown, unit);
+      if (!misfit.empty() && !is_known) section_.error(read_unit(unit) ? "B007" : "B008", unit_pointer, misfit);
+      is_known = true;
+      entry.unit = shown.unit;
+      entry.si_unit = shown.si_unit;
+      entry.is_chi_squared = shown.quantity == MetricQuantity::nees || shown.quantity == MetricQuantity::nis;
+      variant.metrics.push_back(std::move(shown));
+    }
+    if (!is_known) return section_.error("B027", pointer, wrong);
+    for (std::size_t v = 0; v < variants_.size(); ++v) variants_[v].position.push_back(positions[v]);
+    metrics_.push_back(std::move(entry));
+  }
+
+  const Section& section_;
+  std::vector<Variant>& variants_;
+  std::vector<StudyMetric> metrics_;
+};
+
+class StopWatch : public RunObserver {
+ public:
+  explicit StopWatch(const std::function<bool()>& goes_on) : goes_on_(goes_on) {}
+  bool wants_records() const override { return false; }
+  bool progress(Time) override { return is_going_ = goes_on_(); }
+  bool is_going() const { return is_going_; }
+
+ private:
+  const std::function<bool()>& goes_on_;
+  bool is_going_ = true;
+};
+
+}  // namespace
+
+std::vector<double> Results::values(std::size_t variant, std::size_t metric) const {
+  std::vector<double> values;
+  for (std::size_t run = 0; run < runs_; ++run) {
+    const auto& figures = at(variant, run);
+    if (figures.state == Figures::State::finished && !std::isnan(figures.values[metric].value))
+      values.push_back(figures.values[metric].value);
+  }
+  return values;
+}
+
+bool Study::is_in(const Config& config) { return config.root().contains("study"); }
+
+Study Study::load(const std::filesystem::path& path, const StudyOptions& options) {
+  const Config config = Config::load(path, options.load);
+  Diagnostics diagnostics;
+  const Section section(config, diagnostics);
+  Study study;
+  if (section.object("/study"))
+    section.check_keys("/study", {"runs", "seed", "dimensions", "variants", "metrics", "table", "tables"}, "'study'");
+  const auto wanted = variants_of(config, diagnostics);
+  study.runs_ = options.runs.value_or(static_cast<int>(section.whole_number("/study/runs", 1).value_or(1)));
+  study.seed_ = options.seed.value_or(static_cast<std::uint64_t>(section.whole_number("/study/seed", 0).value_or(1)));
+  if (diagnostics.has_errors()) throw ConfigError(diagnostics);
+  study.variants_ = load_variants(path, options.load, wanted, study.warnings_);
+  study.title_ = study.variants_.front().composition->title();
+
+  MetricReader metrics(section, study.variants_);
+  const char* const places[] = {"/study/metrics", "/evaluate/metrics", "/metrics"};
+  for (const char* place : places)
+    if (section.at(place)) {
+      metrics.read_list(place);
+      break;
+    }
+  const auto tables = table_pointers(section);
+  for (const auto& table : tables)
+    for (const auto& pointer : table_metric_pointers(section, table)) metrics.read_name(pointer);
+  study.metrics_ = metrics.take();
+  if (study.metrics_.empty() && !diagnostics.has_errors())
+    section.key_error("B010", "/study", "missing key 'metrics': what a study tells, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
+  std::vector<std::string> names;
+  for (const auto& variant : study.variants_) names.push_back(variant.name);
+  for (const auto& table : tables) study.tables_.push_back(read_table(section, table, names, study.metrics_));
+  if (diagnostics.has_errors()) throw ConfigError(diagnostics);
+
+  Hash hash;
+  hash.add(study.seed_);
+  for (const auto& variant : study.variants_) {
+    hash.add(variant.name);
+    hash.add(variant.composition->hash());
+  }
+  for (const auto& metric : study.metrics_) hash.add(metric.name);
+  hash.add_file("/proc/self/exe");
+  for (const auto& plugin : study.variants_.front().composition->catalog().plugins()) hash.add_file(plugin.file);
+  study.hash_ = hash.value;
+  return study;
+}
+
+Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>& goes_on) const {
+  const Variant& variant = variants_[index];
+  Figures figures;
+  const auto broke = [&figures](const std::string& why) {
+    figures.state = Figures::State::failed;
+    figures.failure = why;
+    figures.values.clear();
+    return figures;
+  };
+  StopWatch watch(goes_on);
+  RunOptions options;
+  options.seed = seed_;
+  options.run = run;
+  options.observer = &watch;
+  options.metrics = variant.metrics;
+  options.feeds_sinks = false;
+  RunResult result;
+  try {
+    result = binnacle::run(variant.composition, options);
+  } catch (const Error& error) {
+    const auto items = error.diagnostics().sorted();
+    return broke(items.empty() ? error.what() : items.front().message);
+  } catch (const std::exception& error) {
+    return broke(error.what());
+  }
+  if (!watch.is_going()) return {};
+  if (!result.failures.empty()) return broke(result.failures.items().front().message);
+  for (std::size_t i = 0; i < metrics_.size(); ++i) {
+    const int position = variant.position[i];
+    figures.values.push_back(position < 0 ? MetricValue{std::nan(""), 0, 0}
+                                          : result.metrics[static_cast<std::size_t>(position)]);
+    if (position >= 0 && !std::isfinite(figures.values.back().value))
+      return broke("there is nothing to make metric " + in_quotes(metrics_[i].name) + " of");
+  }
+  figures.state = Figures::State::finished;
+  return figures;
+}
+
+}  // namespace binnacle::study
