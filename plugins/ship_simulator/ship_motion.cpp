@@ -67,6 +67,22 @@ Vector3d position_at_arm(const State& state, const Vector3d& arm_n) {
                                   strapdown::C_en(state.lla[0], state.lla[1]) * arm_n);
 }
 
+// v_N = L̇ (R_m + h), v_E = l̇ (R_t + h) cos L, v_D = −ḣ and their derivatives.
+Motion motion(const State& s, const Angle& lat, const strapdown::Radii& r) {
+  const double meridian = r.meridian + s.lla[2], transverse = r.transverse + s.lla[2];
+  const Vector3d& rate = s.lla_rate;
+  Motion m;
+  m.lla = s.lla;
+  m.v_n << rate[0] * meridian, rate[1] * transverse * lat.cos, -rate[2];
+  m.dv_n << s.lla_acceleration[0] * meridian + rate[0] * (r.d_meridian * rate[0] + rate[2]),
+      s.lla_acceleration[1] * transverse * lat.cos +
+          rate[1] * ((r.d_transverse * rate[0] + rate[2]) * lat.cos - transverse * lat.sin * rate[0]),
+      -s.lla_acceleration[2];
+  m.roll_pitch_yaw = s.euler;
+  m.euler_rates = s.euler_rate;
+  return m;
+}
+
 }  // namespace
 
 ShipMotion::ShipMotion(const Course& course, const std::array<std::vector<Tone>, freedoms>& tones)
@@ -147,21 +163,11 @@ State ShipMotion::state(double t, const Waves& w) const {
   return s;
 }
 
-// v_N = L̇ (R_m + h), v_E = l̇ (R_t + h) cos L, v_D = −ḣ and their derivatives.
-Motion motion(const State& s) {
-  const Angle lat(s.lla[0]);
-  const strapdown::Radii r = strapdown::radii(lat.sin, lat.cos);
-  const double meridian = r.meridian + s.lla[2], transverse = r.transverse + s.lla[2];
-  const Vector3d& rate = s.lla_rate;
-  Motion m;
-  m.lla << s.lla[0], wrapped(s.lla[1]), s.lla[2];
-  m.v_n << rate[0] * meridian, rate[1] * transverse * lat.cos, -rate[2];
-  m.dv_n << s.lla_acceleration[0] * meridian + rate[0] * (r.d_meridian * rate[0] + rate[2]),
-      s.lla_acceleration[1] * transverse * lat.cos +
-          rate[1] * ((r.d_transverse * rate[0] + rate[2]) * lat.cos - transverse * lat.sin * rate[0]),
-      -s.lla_acceleration[2];
-  m.roll_pitch_yaw << s.euler[0], s.euler[1], wrapped(s.euler[2]);
-  m.euler_rates = s.euler_rate;
+Motion motion(const State& state) {
+  const Angle lat(state.lla[0]);
+  Motion m = motion(state, lat, strapdown::radii(lat.sin, lat.cos));
+  m.lla[1] = wrapped(m.lla[1]);
+  m.roll_pitch_yaw[2] = wrapped(m.roll_pitch_yaw[2]);
   return m;
 }
 
@@ -183,7 +189,9 @@ Point at_arm(const State& state, const Vector3d& arm) {
 // Of a rigid body a_s = a_m + ω̇ × arm + ω × (ω × arm) in inertial space; f = a − G, where the attraction G is gravity
 // less the centrifugal acceleration: G(s) − G(m) = g(s) − g(m) + Ω × (Ω × arm).
 Inertial inertial_at_arm(const State& state, const Vector3d& arm) {
-  Inertial felt = simulation::inertial(motion(state));
+  const Angle lat(state.lla[0]);
+  const strapdown::Radii radii = strapdown::radii(lat.sin, lat.cos);
+  Inertial felt = simulation::inertial(motion(state, lat, radii), lat, radii);
   if (arm.isZero(0.0)) return felt;
   const Matrix3d C = C_nm(state);
   const FrameRate frame = frame_rate(state), body = body_rate(state);

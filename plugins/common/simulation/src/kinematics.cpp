@@ -4,17 +4,19 @@
 
 #include <Eigen/Geometry>
 
-#include "strapdown/earth.hpp"
-
 namespace binnacle::simulation {
+
+Inertial inertial(const Motion& motion) {
+  const Angle lat(motion.lla[0]);
+  return inertial(motion, lat, strapdown::radii(lat.sin, lat.cos));
+}
 
 // Velocity equation v̇ = C_nb f − (2 ω_ie + ω_en) × v + g and attitude kinematics, solved for f and ω: P. D.
 // Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., (5.53),
 // (2.22), (2.58), (5.41).
-Inertial inertial(const Motion& m) {
-  const Angle lat(m.lla[0]), roll(m.roll_pitch_yaw[0]), pitch(m.roll_pitch_yaw[1]), yaw(m.roll_pitch_yaw[2]);
+Inertial inertial(const Motion& m, const Angle& lat, const strapdown::Radii& radii) {
+  const Angle roll(m.roll_pitch_yaw[0]), pitch(m.roll_pitch_yaw[1]), yaw(m.roll_pitch_yaw[2]);
   const double height = m.lla[2];
-  const strapdown::Radii radii = strapdown::radii(lat.sin, lat.cos);
   const double east_rate = m.v_n[1] / (radii.transverse + height);
   const Eigen::Vector3d omega_en(east_rate, -m.v_n[0] / (radii.meridian + height), -east_rate * lat.sin / lat.cos);
   const Eigen::Vector3d omega_ie(strapdown::wgs84::omega_ie * lat.cos, 0.0, -strapdown::wgs84::omega_ie * lat.sin);

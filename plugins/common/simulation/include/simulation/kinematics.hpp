@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "strapdown/earth.hpp"
+
 namespace binnacle::simulation {
 
 /// An angle that is used with its sine and cosine.
@@ -30,5 +32,7 @@ struct Inertial {
 
 /// ω_ib_b and f_b by inversion of the navigation equations at `motion`; no mechanization is involved.
 Inertial inertial(const Motion& motion);
+/// The same when the latitude's sine and cosine and the radii of curvature there are at hand.
+Inertial inertial(const Motion& motion, const Angle& lat, const strapdown::Radii& radii);
 
 }  // namespace binnacle::simulation
