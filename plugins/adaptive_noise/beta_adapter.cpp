@@ -10,9 +10,9 @@ namespace binnacle::adaptive_noise {
 
 /// Sums over the rows that share a β, and what is remembered of it.
 struct BetaAdapter::Unit {
-  double beta, has_beta;                      // remembered
-  double wanted, floor, ceiling, nominal;     // tr[(… − R1) R2ᵀ] for M − HP⁻Hᵀ and for bounds and nominal R
-  double square;                              // tr[R2 R2ᵀ]
+  double beta, has_beta;                   // remembered
+  double wanted, floor, ceiling, nominal;  // tr[(… − R1) R2ᵀ] for M − HP⁻Hᵀ and for bounds and nominal R
+  double square;                           // tr[R2 R2ᵀ]
   double is_full;
 };
 
@@ -21,18 +21,22 @@ ComponentSpec BetaAdapter::spec() {
   ComponentSpec spec;
   spec.type = "beta_adapter";
   spec.summary = "R = R1 + beta R2, with beta fitted to the residuals of a window";
-  spec.source = "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), (9)-(30), "
-                "with the division of (19) in (20) and (26)";
+  spec.source =
+      "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), (9)-(30), "
+      "with the division of (19) in (20) and (26)";
   spec.parameters = {
       integer("window").at_least(1).at_most(100000).defaults("25").about("N, samples of this measurement"),
       choice("per", {"group", "component", "one"})
           .defaults("\"group\"")
           .about("what shares one beta: the rows of a group (a part of a stack), no two rows, or all rows"),
-      number("r1_factor", "1").at_least(0).defaults("1e-3").about(
-          "standard deviation of R1 as a factor on the nominal one, where r1 says nothing"),
+      number("r1_factor", "1")
+          .at_least(0)
+          .defaults("1e-3")
+          .about("standard deviation of R1 as a factor on the nominal one, where r1 says nothing"),
       map("r1", number("sigma", "*")).about("standard deviation of R1 by group"),
       map("r2", number("sigma", "*"))
-          .about("standard deviation of R2 by group; where it says nothing R2 is the nominal R, and beta is a factor on it"),
+          .about("standard deviation of R2 by group; where it says nothing R2 is the nominal R, and beta is a factor "
+                 "on it"),
       choice("start", {"nominal", "literal"})
           .defaults("\"nominal\"")
           .about("nominal R until the window is full, or beta from the first sample as the paper has it"),

@@ -11,15 +11,18 @@ namespace binnacle::adaptive_noise {
 std::vector<ParameterSpec> bounds_parameters(std::string floor) {
   using namespace parameter;
   return {
-      number("floor", "1").at_least(0).defaults(std::move(floor)).about(
-          "least standard deviation, as a factor on the nominal one"),
-      number("ceiling", "1").above(0).about("greatest standard deviation, as a factor on the nominal one; unbounded unless given"),
+      number("floor", "1")
+          .at_least(0)
+          .defaults(std::move(floor))
+          .about("least standard deviation, as a factor on the nominal one"),
+      number("ceiling", "1")
+          .above(0)
+          .about("greatest standard deviation, as a factor on the nominal one; unbounded unless given"),
   };
 }
 
 Bounds read_bounds(const Parameters& parameters) {
-  const Bounds bounds{parameters.number("floor"),
-                      parameters.has("ceiling") ? parameters.number("ceiling") : 1e150};
+  const Bounds bounds{parameters.number("floor"), parameters.has("ceiling") ? parameters.number("ceiling") : 1e150};
   if (bounds.ceiling < bounds.floor) throw ComponentError("the ceiling lies below the floor", "/ceiling");
   return bounds;
 }

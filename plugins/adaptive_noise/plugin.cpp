@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plugin adaptive_noise.
-#include "beta_adapter.hpp"
 #include "binnacle/plugin.hpp"
+#include "beta_adapter.hpp"
 #include "innovation_window.hpp"
 #include "sage_husa.hpp"
 

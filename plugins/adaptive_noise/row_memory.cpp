@@ -23,22 +23,13 @@ std::size_t RowMemory::bytes() const noexcept {
   return sizeof(Head) + as_size(max_rows_) * (sizeof(std::int64_t) + sizeof(Slot) + as_size(values_) * sizeof(double));
 }
 
-std::int64_t* RowMemory::slot_of_row(std::byte* memory) const noexcept {
-  return reinterpret_cast<std::int64_t*>(memory + sizeof(Head));
-}
-
 RowMemory::Slot* RowMemory::slot_table(std::byte* memory) const noexcept {
   return reinterpret_cast<Slot*>(memory + sizeof(Head) + as_size(max_rows_) * sizeof(std::int64_t));
 }
 
 double* RowMemory::values(std::byte* memory, int slot) const noexcept {
-  return reinterpret_cast<double*>(memory + sizeof(Head) +
-                                   as_size(max_rows_) * (sizeof(std::int64_t) + sizeof(Slot))) +
+  return reinterpret_cast<double*>(memory + sizeof(Head) + as_size(max_rows_) * (sizeof(std::int64_t) + sizeof(Slot))) +
          as_size(slot) * as_size(values_);
-}
-
-int RowMemory::slot(const std::byte* memory, int row) const noexcept {
-  return static_cast<int>(slot_of_row(const_cast<std::byte*>(memory))[row]);
 }
 
 int RowMemory::group_of(int row) const noexcept {
@@ -67,9 +58,7 @@ void RowMemory::enter(const Innovation& innovation, std::byte* memory) const noe
   std::int64_t* const of_row = slot_of_row(memory);
   for (int i = 0; i < max_rows_; ++i)
     if (table[i].group >= 0 && now.sample - table[i].last > lifetime_) table[i].group = -1;
-  const auto key_of = [&](int row) {
-    return innovation.row_keys.empty() ? row : innovation.row_keys[as_size(row)];
-  };
+  const auto key_of = [&](int row) { return innovation.row_keys.empty() ? row : innovation.row_keys[as_size(row)]; };
   for (int row = 0; row < innovation.rows; ++row) {
     of_row[row] = find(group_of(row), key_of(row), row, memory);
     if (of_row[row] >= 0) table[of_row[row]].last = now.sample;

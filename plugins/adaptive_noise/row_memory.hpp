@@ -31,7 +31,9 @@ class RowMemory {
   // of the sample entered last
   std::int64_t sample(const std::byte* memory) const noexcept { return head(memory).sample; }
   int rows(const std::byte* memory) const noexcept { return static_cast<int>(head(memory).rows); }
-  int slot(const std::byte* memory, int row) const noexcept;
+  int slot(const std::byte* memory, int row) const noexcept {
+    return static_cast<int>(reinterpret_cast<const std::int64_t*>(memory + sizeof(Head))[row]);
+  }
   double* values(std::byte* memory, int slot) const noexcept;
   int slots() const noexcept { return max_rows_; }
 
@@ -43,7 +45,9 @@ class RowMemory {
     std::int64_t group, key, last;  // group −1: free
   };
   static const Head& head(const std::byte* memory) noexcept { return *reinterpret_cast<const Head*>(memory); }
-  std::int64_t* slot_of_row(std::byte* memory) const noexcept;
+  static std::int64_t* slot_of_row(std::byte* memory) noexcept {
+    return reinterpret_cast<std::int64_t*>(memory + sizeof(Head));
+  }
   Slot* slot_table(std::byte* memory) const noexcept;
   int find(int group, std::int64_t key, int hint, std::byte* memory) const noexcept;
 

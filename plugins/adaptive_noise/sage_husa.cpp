@@ -8,8 +8,8 @@ namespace binnacle::adaptive_noise {
 
 struct SageHusa::Row {
   double variance;
-  double weight;    // of all samples so far, the nominal one included: 1 + b + b² + …; 0: new
-  double is_learnt; // the sample at hand is to be learnt from
+  double weight;     // of all samples so far, the nominal one included: 1 + b + b² + …; 0: new
+  double is_learnt;  // the sample at hand is to be learnt from
 };
 
 ComponentSpec SageHusa::spec() {
@@ -18,15 +18,19 @@ ComponentSpec SageHusa::spec() {
   spec.type = "sage_husa";
   spec.summary = "R as a mean of innovations or residuals that forgets";
   spec.source =
-      "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference 1969; "
+      "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference "
+      "1969; "
       "with fading memory as commonly used";
   spec.parameters = {
       number("forgetting", "1").above(0).at_most(1).defaults("0.98").about("b: 1 forgets nothing"),
       choice("from", {"innovation", "residual"})
           .defaults("\"innovation\"")
-          .about("r^2 - HP-H', which may become negative, or the residual after the update, e^2 + HP+H', which may not"),
-      number("learn_below", "1").above(0).defaults("1").about(
-          "a row teaches nothing while HP-H' is more than this many times its nominal R"),
+          .about(
+              "r^2 - HP-H', which may become negative, or the residual after the update, e^2 + HP+H', which may not"),
+      number("learn_below", "1")
+          .above(0)
+          .defaults("1")
+          .about("a row teaches nothing while HP-H' is more than this many times its nominal R"),
   };
   for (ParameterSpec& bound : bounds_parameters("0.1")) spec.parameters.push_back(std::move(bound));
   spec.example = R"({ "forgetting": 0.98, "floor": 0.2, "ceiling": 10 })";
@@ -71,8 +75,7 @@ void SageHusa::estimate(const Innovation& innovation, std::byte* memory, MatrixV
     const double nominal = R(i, i), predicted = innovation.HPHt(i, i);
     if (row.weight == 0.0) row = {nominal, 1.0, 0.0};
     row.is_learnt = predicted <= learn_below_ * nominal ? 1.0 : 0.0;
-    if (!is_residual_ && row.is_learnt != 0.0)
-      learn(row, innovation.residual[i] * innovation.residual[i] - predicted);
+    if (!is_residual_ && row.is_learnt != 0.0) learn(row, innovation.residual[i] * innovation.residual[i] - predicted);
     variance[i] = bounds_.clamped(row.variance, nominal);
   }
   set_variances(variance, R);

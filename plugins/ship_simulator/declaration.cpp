@@ -53,9 +53,9 @@ std::vector<ParameterSpec> motion_members() {
       R"({"tones": [{"amplitude": "0.1 m", "frequency": 0.1}]})",
       R"({"tones": [{"amplitude": "0.1 m", "frequency": 0.08}]})",
       R"({"tones": [{"amplitude": "0.2 m", "frequency": 0.12}]})"};
-  constexpr std::array<const char*, freedoms> texts = {
-      "right side down positive", "nose up positive",         "to the right positive",
-      "displacement ahead",       "displacement to the right", "displacement down"};
+  constexpr std::array<const char*, freedoms> texts = {"right side down positive",  "nose up positive",
+                                                       "to the right positive",     "displacement ahead",
+                                                       "displacement to the right", "displacement down"};
   std::vector<ParameterSpec> members;
   for (std::size_t k = 0; k < freedoms; ++k)
     members.push_back(parameter::object(freedom_name[k], freedom_members(k < surge ? "rad" : "m"))
@@ -82,7 +82,10 @@ std::vector<ParameterSpec> mounting_members() {
 std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::string& bias, const std::string& noise) {
   using namespace parameter;
   return {
-      vector("bias", unit, 3).at_least(0).defaults(bias).about("standard deviation of the bias that is drawn once a run"),
+      vector("bias", unit, 3)
+          .at_least(0)
+          .defaults(bias)
+          .about("standard deviation of the bias that is drawn once a run"),
       vector("scale", "1", 3)
           .at_least(0)
           .defaults("\"200 ppm\"")
@@ -102,7 +105,11 @@ std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::st
 std::vector<ParameterSpec> mins_members() {
   using namespace parameter;
   return {
-      number("rate", "Hz").at_least(0).at_most(1000).defaults("5").about("samples, the first after one interval; 0: none"),
+      number("rate", "Hz")
+          .at_least(0)
+          .at_most(1000)
+          .defaults("5")
+          .about("samples, the first after one interval; 0: none"),
       vector("velocity_noise", "m/s", 3)
           .at_least(0)
           .defaults("0.257")
@@ -111,13 +118,22 @@ std::vector<ParameterSpec> mins_members() {
           .at_least(0)
           .defaults("\"0.2 arcmin\"")
           .about("standard deviation of the white attitude error: roll, pitch, yaw"),
-      vector("position_noise", "m", 3).at_least(0).defaults("0").about("of the white position error: north, east, down"),
-      vector("velocity_bias", "m/s", 3).at_least(0).defaults("0").about("standard deviation of a constant velocity error"),
+      vector("position_noise", "m", 3)
+          .at_least(0)
+          .defaults("0")
+          .about("of the white position error: north, east, down"),
+      vector("velocity_bias", "m/s", 3)
+          .at_least(0)
+          .defaults("0")
+          .about("standard deviation of a constant velocity error"),
       vector("attitude_bias", "rad", 3)
           .at_least(0)
           .defaults("[\"1 arcmin\", \"1 arcmin\", \"3 arcmin\"]")
           .about("standard deviation of the MINS' own alignment error: roll, pitch, yaw"),
-      vector("position_bias", "m", 3).at_least(0).defaults("0").about("standard deviation of a constant position error"),
+      vector("position_bias", "m", 3)
+          .at_least(0)
+          .defaults("0")
+          .about("standard deviation of a constant position error"),
       number("noise_scale", "1")
           .at_least(0)
           .defaults("1")
@@ -155,7 +171,9 @@ std::vector<ParameterSpec> component_parameters() {
       object("start", start_members()).required().about("where the MINS is at the start, and its course"),
       time("start_time").defaults("0").about("time of the start on the clock of the run"),
       time("duration").at_least(0.01).defaults("100").about("how long"),
-      object("motion", motion_members()).defaults("{}").about("waves; each degree of freedom by tones or by a spectrum"),
+      object("motion", motion_members())
+          .defaults("{}")
+          .about("waves; each degree of freedom by tones or by a spectrum"),
       object("mounting", mounting_members()).defaults("{}").about("how the SINS is mounted"),
       number("imu_rate", "Hz").at_least(1).at_most(1e5).defaults("100").about("samples of the SINS' inertial sensors"),
       choice("increments", {"rate", "rotation_vector"})
@@ -174,7 +192,9 @@ std::vector<ParameterSpec> component_parameters() {
           .defaults("{}")
           .about("errors of the SINS' accelerometers"),
       object("mins", mins_members()).defaults("{}").about("the master and its errors"),
-      object("initial", initial_members()).defaults("{}").about("the estimate of the SINS' state on the channel initial"),
+      object("initial", initial_members())
+          .defaults("{}")
+          .about("the estimate of the SINS' state on the channel initial"),
   };
 }
 
@@ -183,9 +203,11 @@ std::vector<ParameterSpec> component_parameters() {
 ComponentSpec declare_component() {
   ComponentSpec spec;
   spec.type = "ship_simulator";
-  spec.summary = "A ship in waves: a master INS, the inertial sensors of a slave INS, truth, mounting, initial estimate";
+  spec.summary =
+      "A ship in waves: a master INS, the inertial sensors of a slave INS, truth, mounting, initial estimate";
   spec.source =
-      "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), section 4, tables 1 "
+      "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), section 4, "
+      "tables 1 "
       "and 2";
   spec.parameters = component_parameters();
   spec.example = R"json({

@@ -3,6 +3,4 @@
 #include "binnacle/plugin.hpp"
 #include "simulator.hpp"
 
-BINNACLE_PLUGIN("ship_simulator", "1.0.0", registry) {
-  registry.add<binnacle::ship_simulator::ShipSimulator>();
-}
+BINNACLE_PLUGIN("ship_simulator", "1.0.0", registry) { registry.add<binnacle::ship_simulator::ShipSimulator>(); }

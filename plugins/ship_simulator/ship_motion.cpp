@@ -86,10 +86,7 @@ Motion motion(const State& s, const Angle& lat, const strapdown::Radii& r) {
 }  // namespace
 
 ShipMotion::ShipMotion(const Course& course, const std::array<std::vector<Tone>, freedoms>& tones)
-    : course_(course),
-      tones_(tones),
-      sin_heading_(std::sin(course.heading)),
-      cos_heading_(std::cos(course.heading)) {
+    : course_(course), tones_(tones), sin_heading_(std::sin(course.heading)), cos_heading_(std::cos(course.heading)) {
   const strapdown::Radii radii = strapdown::radii(course.lla[0]);
   north_to_lat_ = 1.0 / (radii.meridian + course.lla[2]);
   east_to_lon_ = 1.0 / ((radii.transverse + course.lla[2]) * std::cos(course.lla[0]));
@@ -200,9 +197,9 @@ Inertial inertial_at_arm(const State& state, const Vector3d& arm) {
   const Vector3d& omega = felt.omega_ib_b;
 
   const Vector3d lla = position_at_arm(state, C * arm);
-  const Vector3d down_at_arm = -strapdown::C_en(state.lla[0], state.lla[1]).transpose() *
-                               Vector3d(std::cos(lla[0]) * std::cos(lla[1]), std::cos(lla[0]) * std::sin(lla[1]),
-                                        std::sin(lla[0]));
+  const Vector3d down_at_arm =
+      -strapdown::C_en(state.lla[0], state.lla[1]).transpose() *
+      Vector3d(std::cos(lla[0]) * std::cos(lla[1]), std::cos(lla[0]) * std::sin(lla[1]), std::sin(lla[0]));
   const Vector3d omega_ie = strapdown::omega_ie_n(state.lla[0]);
   Vector3d attraction = strapdown::gravity(lla[0], lla[2]).down * down_at_arm + omega_ie.cross(omega_ie.cross(C * arm));
   attraction[2] -= strapdown::gravity(state.lla[0], state.lla[2]).down;

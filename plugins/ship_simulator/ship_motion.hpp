@@ -28,8 +28,8 @@ struct State {
 /// What a sensor triad at a point of the ship shows and feels.
 struct Point {
   Eigen::Vector3d lla;
-  Eigen::Vector3d v_n;    // m/s, in navigation axes at the point
-  Eigen::Vector4d q_nm;   // ship (MINS body) axes to navigation axes at the point
+  Eigen::Vector3d v_n;   // m/s, in navigation axes at the point
+  Eigen::Vector4d q_nm;  // ship (MINS body) axes to navigation axes at the point
 };
 
 /// Immutable. With the displacements N, E, D of surge, sway, heave and the way made good,

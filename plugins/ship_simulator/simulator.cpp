@@ -42,7 +42,10 @@ constexpr double widest_piece = 0.03;
 
 Course read_course(const Parameters& p) {
   return {{p.number("lat"), p.number("lon"), p.number("height")},
-          p.number("speed"), p.number("heading"), p.number("roll"), p.number("pitch")};
+          p.number("speed"),
+          p.number("heading"),
+          p.number("roll"),
+          p.number("pitch")};
 }
 
 std::array<std::vector<Tone>, freedoms> read_motion(const Parameters& p) {
@@ -79,8 +82,7 @@ MountingModel read_mounting(const Parameters& p) {
       nominal.determinant() < 0.0)
     throw ComponentError("the nominal mounting is not a rotation", "/mounting/nominal");
   const bool is_given = p.has("misalignment");
-  return {strapdown::quaternion_from_dcm(nominal),
-          is_given ? Vector3d(p.vector("misalignment")) : Vector3d::Zero(),
+  return {strapdown::quaternion_from_dcm(nominal), is_given ? Vector3d(p.vector("misalignment")) : Vector3d::Zero(),
           is_given ? Vector3d::Zero() : Vector3d(p.vector("misalignment_sigma")), p.vector("arm")};
 }
 
@@ -252,8 +254,8 @@ void ShipSimulator::emit_mins(Memory& memory, const double* phases, SampleSlot& 
   };
   slot.t = start_time_ + t;
   FieldWriter(slot) << m.v_n + error(mins_.velocity_noise, memory.velocity_stream, memory.velocity_bias)
-                    << strapdown::position_plus(
-                           m.lla, error(mins_.position_noise, memory.position_stream, memory.position_bias))
+                    << strapdown::position_plus(m.lla, error(mins_.position_noise, memory.position_stream,
+                                                             memory.position_bias))
                     << m.roll_pitch_yaw + error(mins_.attitude_noise, memory.attitude_stream, memory.attitude_bias);
 }
 
@@ -291,9 +293,9 @@ void ShipSimulator::emit_initial(Memory& memory, const double* phases, SampleSlo
   } else {
     position_error = -initial_.error.head<3>().cwiseProduct(w_position);
     velocity_error = -initial_.error.segment<3>(3).cwiseProduct(w_velocity);
-    const Vector4d q_ns = strapdown::attitude_plus(
-        strapdown::quaternion_product(point.q_nm, ConstQuaternion(memory.q_ms)),
-        -initial_.error.tail<3>().cwiseProduct(w_attitude));
+    const Vector4d q_ns =
+        strapdown::attitude_plus(strapdown::quaternion_product(point.q_nm, ConstQuaternion(memory.q_ms)),
+                                 -initial_.error.tail<3>().cwiseProduct(w_attitude));
     level = strapdown::quaternion_product(q_ns, strapdown::quaternion_conjugate(mounting_.nominal));
   }
   slot.t = start_time_;

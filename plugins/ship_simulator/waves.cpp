@@ -53,7 +53,8 @@ std::vector<Tone> read_freedom(const Parameters& parameters, const std::string& 
   std::vector<Tone> tones;
   if (parameters.has("spectrum")) {
     const Parameters s = parameters.object("spectrum");
-    tones = tones_of_spectrum(s.number("omega"), s.number("zeta"), s.number("sigma"), static_cast<int>(s.integer("tones")));
+    tones =
+        tones_of_spectrum(s.number("omega"), s.number("zeta"), s.number("sigma"), static_cast<int>(s.integer("tones")));
     if (!parameters.list("tones").empty())
       throw ComponentError("either 'tones' or 'spectrum', not both", pointer + "/tones");
   }

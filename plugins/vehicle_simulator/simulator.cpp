@@ -11,18 +11,18 @@
 #include <Eigen/Geometry>
 
 #include "declaration.hpp"
-#include "simulation/fields.hpp"
 #include "random/normal.hpp"
+#include "simulation/fields.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::vehicle_simulator {
 
 using simulation::FieldWriter;
-using simulation::SensorModel;
-using simulation::SensorState;
 using simulation::never;
 using simulation::normal_vector;
+using simulation::SensorModel;
+using simulation::SensorState;
 
 namespace {
 

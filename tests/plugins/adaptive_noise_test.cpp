@@ -29,9 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// The paper's two groups.
-NoiseBinding alignment() {
-  return {5, {0, 2}, {{"velocity.velocity", "m/s"}, {"attitude.attitude", "rad"}}};
-}
+NoiseBinding alignment() { return {5, {0, 2}, {{"velocity.velocity", "m/s"}, {"attitude.attitude", "rad"}}}; }
 NoiseBinding single(int rows) { return {rows, {0}, {{"rows", "m"}}}; }
 
 template <class Estimator>
@@ -91,7 +89,8 @@ Bench bench(const Json& config, const NoiseBinding& noise) {
 /// Innovations N(0, HPHᵀ + R).
 class Innovations {
  public:
-  Innovations(const MatrixXd& S, std::uint64_t seed = 1) : root_(S.llt().matrixL()), stream_(random::stream(seed, "r")) {}
+  Innovations(const MatrixXd& S, std::uint64_t seed = 1)
+      : root_(S.llt().matrixL()), stream_(random::stream(seed, "r")) {}
   VectorXd next() {
     VectorXd w(root_.rows());
     for (auto& element : w) element = random::normal(stream_);
@@ -145,8 +144,9 @@ TEST_CASE("adaptive noise: beta finds the noise of each group of a stack") {
 
 TEST_CASE("adaptive noise: beta is divided by the rows it is fitted to") {
   // Paper 000 (20) and (26) have tr[M − L1] alone: three times as much for three rows.
-  Bench filter = bench<BetaAdapter>({{"window", 2}, {"start", "literal"}, {"r1", {{"rows", "0.1 m"}}}, {"r2", {{"rows", "1 m"}}}},
-                                    single(3));
+  Bench filter =
+      bench<BetaAdapter>({{"window", 2}, {"start", "literal"}, {"r1", {{"rows", "0.1 m"}}}, {"r2", {{"rows", "1 m"}}}},
+                         single(3));
   const MatrixXd HPHt = diagonal({0.5, 0.6, 0.7}), nominal = MatrixXd::Identity(3, 3);
   filter.offer(Eigen::Vector3d(2, -1, 3), HPHt, nominal);
   const MatrixXd R = filter.offer(Eigen::Vector3d(4, 5, -1), HPHt, nominal);
@@ -185,7 +185,9 @@ TEST_CASE("adaptive noise: at the start the literal beta falls to R1, nominal an
 TEST_CASE("adaptive noise: a held beta is the last one that was not negative") {
   const MatrixXd nominal = diagonal({1}), small = diagonal({0.5}), large = diagonal({9});
   Bench filter = bench<BetaAdapter>({{"window", 1}, {"hold", true}, {"r1_factor", 0}}, single(1));
-  const auto offer = [&](double r, const MatrixXd& HPHt) { return filter.offer(VectorXd::Constant(1, r), HPHt, nominal)(0, 0); };
+  const auto offer = [&](double r, const MatrixXd& HPHt) {
+    return filter.offer(VectorXd::Constant(1, r), HPHt, nominal)(0, 0);
+  };
   REQUIRE(std::abs(offer(2, small) - 3.75) < 1e-14);
   REQUIRE(std::abs(offer(2, large) - 3.75) < 1e-14);
   REQUIRE(std::abs(offer(10, large) - 19) < 1e-12);
@@ -300,7 +302,9 @@ TEST_CASE("adaptive noise: floor and ceiling bound every estimator, and R stays 
   for (const char* from : {"innovation", "residual"}) {
     bounded([&] { return bench<SageHusa>(with({{"from", from}, {"forgetting", 0.9}}), single(3)); });
     for (const char* shape : {"diagonal", "full"})
-      bounded([&] { return bench<InnovationWindow>(with({{"window", 20}, {"from", from}, {"shape", shape}}), single(3)); });
+      bounded([&] {
+        return bench<InnovationWindow>(with({{"window", 20}, {"from", from}, {"shape", shape}}), single(3));
+      });
   }
 }
 
@@ -336,7 +340,8 @@ TEST_CASE("adaptive noise: all that is remembered is in the memory") {
   const auto check = [&](const std::function<Bench()>& make_bench) {
     Bench one = make_bench(), other = make_bench();
     Innovations innovations(HPHt + nominal, 2), strangers(9 * nominal, 3);
-    for (int i = 0; i < 37; ++i) one.offer(innovations.next(), HPHt, nominal), other.offer(strangers.next(), HPHt, nominal);
+    for (int i = 0; i < 37; ++i)
+      one.offer(innovations.next(), HPHt, nominal), other.offer(strangers.next(), HPHt, nominal);
     other.memory() = one.memory();
     for (int i = 0; i < 37; ++i) {
       const VectorXd r = innovations.next();
@@ -345,7 +350,8 @@ TEST_CASE("adaptive noise: all that is remembered is in the memory") {
     const auto size = one.memory().size();
     one.restart();
     REQUIRE(one.memory().size() == size);
-    REQUIRE(one.offer(Eigen::Vector3d(1, 1, 1), HPHt, nominal) == make_bench().offer(Eigen::Vector3d(1, 1, 1), HPHt, nominal));
+    REQUIRE(one.offer(Eigen::Vector3d(1, 1, 1), HPHt, nominal) ==
+            make_bench().offer(Eigen::Vector3d(1, 1, 1), HPHt, nominal));
   };
   check([] { return bench<BetaAdapter>({{"window", 10}, {"hold", true}}, single(3)); });
   for (const char* from : {"innovation", "residual"}) {
@@ -365,7 +371,8 @@ TEST_CASE("adaptive noise: a row is known by its key, not by its place") {
       const bool is_first = i % 3 == 0;
       Eigen::Vector2d r(sign * 5, sign);
       if (!is_first) r.reverseInPlace();
-      R = filter.offer(r, HPHt, nominal, is_first ? std::vector<std::int64_t>{7, quiet} : std::vector<std::int64_t>{quiet, 7});
+      R = filter.offer(r, HPHt, nominal,
+                       is_first ? std::vector<std::int64_t>{7, quiet} : std::vector<std::int64_t>{quiet, 7});
       if ((i > 40 && i < 100) || i > 140) {
         INFO(i << "\n" << R);
         REQUIRE(std::abs(R(is_first ? 0 : 1, is_first ? 0 : 1) - 24.9) < 1.5);

@@ -36,8 +36,7 @@ constexpr double arcmin = degree / 60.0;
 ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
   const auto document = Document::parse(config.dump(), "test.json", {}, diagnostics);
-  ParameterValue value =
-      check_parameters(Sim::spec().parameters, "ship_simulator", document, "", {}, {}, diagnostics);
+  ParameterValue value = check_parameters(Sim::spec().parameters, "ship_simulator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return value;
@@ -116,9 +115,9 @@ Json stormy() {
   const auto tone = [](const char* amplitude, double frequency, double phase) {
     return Json{{"tones", Json::array({{{"amplitude", amplitude}, {"frequency", frequency}, {"phase", phase}}})}};
   };
-  config["motion"] = {{"roll", tone("10 deg", 0.1, 0.3)},  {"pitch", tone("4 deg", 0.14, 1.0)},
-                      {"yaw", tone("3 deg", 0.05, 2.0)},   {"surge", tone("1 m", 0.09, 3.0)},
-                      {"sway", tone("1.5 m", 0.08, 4.0)},  {"heave", tone("2 m", 0.12, 5.0)}};
+  config["motion"] = {{"roll", tone("10 deg", 0.1, 0.3)}, {"pitch", tone("4 deg", 0.14, 1.0)},
+                      {"yaw", tone("3 deg", 0.05, 2.0)},  {"surge", tone("1 m", 0.09, 3.0)},
+                      {"sway", tone("1.5 m", 0.08, 4.0)}, {"heave", tone("2 m", 0.12, 5.0)}};
   return config;
 }
 
@@ -187,7 +186,8 @@ bool is_rms(double found, double expected, std::size_t n) {
 
 // ---- the motion
 
-TEST_CASE("ship: free of errors, a mechanization of the increments reproduces the truth, in a storm and at a lever arm") {
+TEST_CASE(
+    "ship: free of errors, a mechanization of the increments reproduces the truth, in a storm and at a lever arm") {
   for (const bool calm : {true, false}) {
     Json config = calm ? paper() : stormy();
     config["perfect"] = true;
@@ -233,8 +233,8 @@ TEST_CASE("ship: specific force and angular rate at a lever arm are those of its
 
     const double d = 1e-3;
     const auto q = [&](double at) { return inertial_attitude(motion.at(at, phases.data()), at); };
-    const Vector3d turn = strapdown::quaternion_log(
-        strapdown::quaternion_product(strapdown::quaternion_conjugate(q(t - d)), q(t + d)));
+    const Vector3d turn =
+        strapdown::quaternion_log(strapdown::quaternion_product(strapdown::quaternion_conjugate(q(t - d)), q(t + d)));
     REQUIRE((turn / (2 * d) - felt.omega_ib_b).norm() < 1e-7);
     REQUIRE((motion.around(t + 0.004, 0.004, phases.data())[0].lla - now.lla).norm() < 1e-13);
     REQUIRE((motion.around(t + 0.004, 0.004, phases.data())[0].euler_acceleration - now.euler_acceleration).norm() <
@@ -316,7 +316,7 @@ TEST_CASE("ship: the slave is where the lever arm ends, turned by the mounting")
     REQUIRE((arm_e - strapdown::C_en(sample.fields[3], sample.fields[4]) * C_nm * Vector3d(20, -4, -9)).norm() < 1e-8);
     const Matrix3d C_ms = strapdown::dcm_from_quaternion(strapdown::quaternion_exp(m)) * nominal;
     const Matrix3d C_ns = strapdown::dcm_from_quaternion(truth->attitude(6));
-    REQUIRE((C_ns - C_nm * C_ms).norm() < 2e-5);  // the navigation axes differ by arm/R
+    REQUIRE((C_ns - C_nm * C_ms).norm() < 2e-5);                                // the navigation axes differ by arm/R
     REQUIRE((C_nm * Vector3d(0, 0, -1)).dot(C_ns * Vector3d(1, 0, 0)) > 0.99);  // its x axis stands up
     const Vector3d level = strapdown::attitude_minus(truth->attitude(9), sample.attitude(6));
     REQUIRE((level - C_nm * m).norm() < 1e-5);
@@ -356,8 +356,8 @@ TEST_CASE("ship: tones of a spectrum have its variance, band by band") {
     const double step = 1e-4;
     for (; nu < tones[i].omega; nu += step) {
       const double at = nu + 0.5 * step;
-      below += step * q / std::numbers::pi /
-               (std::pow(omega * omega - at * at, 2) + std::pow(2 * zeta * omega * at, 2));
+      below +=
+          step * q / std::numbers::pi / (std::pow(omega * omega - at * at, 2) + std::pow(2 * zeta * omega * at, 2));
     }
     REQUIRE(std::abs(below / (sigma * sigma) - (static_cast<double>(i) + 0.5) / count) < 1e-3);
   }
@@ -485,9 +485,8 @@ TEST_CASE("ship: what is drawn once a run has its deviations over runs") {
       found[1].push_back((imu.fields[k] - perfect_imu.fields[k]) / perfect_imu.fields[3]);
     // the initial attitude is that of the MINS, turned by the nominal mounting
     const Vector3d error = strapdown::attitude_minus(truth.attitude(9), initial.attitude(9));
-    const Vector3d expected =
-        strapdown::dcm_from_quaternion(mins.attitude(6)) *
-        (mounting.triple(0) - (mins.triple(6) - perfect_mins.triple(6)));
+    const Vector3d expected = strapdown::dcm_from_quaternion(mins.attitude(6)) *
+                              (mounting.triple(0) - (mins.triple(6) - perfect_mins.triple(6)));
     REQUIRE((error - expected).norm() < 5e-3 * expected.norm() + 1e-6);
   }
   REQUIRE(is_rms(rms(found[0]), 0.2 * degree / 3600, found[0].size()));

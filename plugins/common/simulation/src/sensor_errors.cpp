@@ -91,8 +91,9 @@ std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::st
 }
 
 SensorModel read_sensor(const Parameters& parameters) {
-  return {parameters.vector("bias"), parameters.vector("bias_instability"), seconds(parameters.time("tau")),
-          parameters.vector("noise"), parameters.vector("scale"), 0.0};
+  return {parameters.vector("bias"),       parameters.vector("bias_instability"),
+          seconds(parameters.time("tau")), parameters.vector("noise"),
+          parameters.vector("scale"),      0.0};
 }
 
 }  // namespace binnacle::simulation
