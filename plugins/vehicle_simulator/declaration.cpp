@@ -7,57 +7,21 @@
 #include <utility>
 
 #include "segments.hpp"
-#include "sensor_errors.hpp"
+#include "simulation/fields.hpp"
+#include "simulation/sensor_errors.hpp"
 
 namespace binnacle::vehicle_simulator {
 
 namespace {
 
-using Fields = std::vector<FieldSpec>;
+using namespace simulation;
 
 constexpr double degree = std::numbers::pi / 180.0;
-
-FieldSpec level(std::string name, std::string unit, std::string text) {
-  return {std::move(name), std::move(unit), FieldKind::level, false, false, std::move(text)};
-}
-
-Fields joined(std::initializer_list<Fields> parts) {
-  Fields all;
-  for (const Fields& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
-Fields triad(const std::string& prefix, const std::string& unit, const std::string& text) {
-  return {level(prefix + "x", unit, text + ", body x (forward)"), level(prefix + "y", unit, text + ", body y (right)"),
-          level(prefix + "z", unit, text + ", body z (down)")};
-}
-
-Fields position_fields() {
-  return {level("lat", "rad", "geodetic latitude, WGS-84"), level("lon", "rad", "longitude, east positive"),
-          level("height", "m", "above the ellipsoid")};
-}
-
-Fields velocity_fields() {
-  return {level("vn", "m/s", "velocity over ground, north"), level("ve", "m/s", "velocity over ground, east"),
-          level("vd", "m/s", "velocity over ground, down")};
-}
-
-Fields attitude_fields() {
-  return {level("roll", "rad", "right side down positive"), level("pitch", "rad", "nose up positive"),
-          level("yaw", "rad", "heading of body x, from north to east")};
-}
 
 Fields deviation_fields(const std::string& quantity, const std::string& unit) {
   const std::string text = "standard deviation that the receiver states for its " + quantity + ", ";
   return {level(quantity + "_sd_n", unit, text + "north"), level(quantity + "_sd_e", unit, text + "east"),
           level(quantity + "_sd_d", unit, text + "down")};
-}
-
-Fields imu_fields(bool emits_rates) {
-  Fields fields = joined({triad("w", emits_rates ? "rad/s" : "rad", "angular rate against inertial space"),
-                          triad("f", emits_rates ? "m/s^2" : "m/s", "specific force")});
-  for (FieldSpec& field : fields) field.kind = emits_rates ? FieldKind::rate : FieldKind::increment;
-  return fields;
 }
 
 Fields truth_fields() {
@@ -66,13 +30,6 @@ Fields truth_fields() {
                  triad("ba", "m/s^2", "bias of the accelerometers, constant and wandering part together"),
                  triad("sg", "1", "scale factor error of the gyroscopes"),
                  triad("sa", "1", "scale factor error of the accelerometers")});
-}
-
-std::vector<NamedUnit> initial_covariance() {
-  std::vector<NamedUnit> components;
-  for (const auto& [block, unit] : {std::pair{"position.", "m"}, {"velocity.", "m/s"}, {"attitude.", "rad"}})
-    for (const char* axis : {"north", "east", "down"}) components.push_back({std::string(block) + axis, unit});
-  return components;
 }
 
 std::vector<ParameterSpec> start_members() {
@@ -204,7 +161,7 @@ std::vector<ChannelDeclaration> declare_channels(bool emits_rates, Time imu_inte
                           0};
   ChannelDeclaration truth{"truth", truth_fields(), 0, {}, 0};
   ChannelDeclaration initial{"initial", joined({position_fields(), velocity_fields(), attitude_fields()}), 0,
-                             initial_covariance(), 0};
+                             navigation_covariance(), 0};
   return {std::move(imu), std::move(gnss), std::move(truth), std::move(initial)};
 }
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "profile.hpp"
-#include "quadrature.hpp"
+#include "simulation/quadrature.hpp"
 
 namespace binnacle::vehicle_simulator {
 
@@ -112,7 +112,7 @@ Shape two_of_three(const Element& element, std::string_view rate_name, std::stri
 double height_gain(double speed, double slope, const Shape& shape) {
   const auto rise = [&](double tau) { return std::sin(slope * SmoothStep::value(tau)); };
   const double plateau = seconds(shape.duration) - 2.0 * shape.ramp;
-  return speed * (2.0 * shape.ramp * gauss_legendre(0.0, 1.0, rise) + plateau * std::sin(slope));
+  return speed * (2.0 * shape.ramp * simulation::gauss_legendre(0.0, 1.0, rise) + plateau * std::sin(slope));
 }
 
 double slope_for(const Element& element, double height, double speed, const Shape& shape) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <new>
 #include <numbers>
 #include <type_traits>
@@ -13,33 +12,21 @@
 
 #include "declaration.hpp"
 #include "random/normal.hpp"
+#include "simulation/fields.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::vehicle_simulator {
 
+using simulation::FieldWriter;
+using simulation::never;
+using simulation::normal_vector;
+using simulation::SensorModel;
+using simulation::SensorState;
+
 namespace {
 
 constexpr double nearest_to_pole = 89.5 * std::numbers::pi / 180.0;
-constexpr Time never = std::numeric_limits<Time>::max();
-
-/// Writes numbers one after another into a slot's fields.
-class FieldWriter {
- public:
-  explicit FieldWriter(SampleSlot& slot) : next_(slot.fields) {}
-  FieldWriter& operator<<(const Eigen::Vector3d& v) {
-    for (int i = 0; i < 3; ++i) *next_++ = v[i];
-    return *this;
-  }
-
- private:
-  double* next_;
-};
-
-Eigen::Vector3d normal_vector(random::Philox& stream) {
-  const auto w = random::normal3(stream);
-  return {w[0], w[1], w[2]};
-}
 
 Eigen::Vector3d antenna_velocity(const Motion& motion, const Eigen::Matrix3d& C_nb, const Eigen::Vector3d& arm_b) {
   const Eigen::Vector3d omega_ie_b = C_nb.transpose() * strapdown::omega_ie_n(motion.lla[0]);
@@ -67,7 +54,7 @@ InitialModel read_initial(const Parameters& parameters, bool is_perfect) {
 }
 
 SensorModel read_sensor_unless(bool is_perfect, const Parameters& parameters) {
-  return is_perfect ? perfect_sensor() : read_sensor(parameters);
+  return is_perfect ? SensorModel{} : simulation::read_sensor(parameters);
 }
 
 Start read_start(const Parameters& parameters) {
@@ -121,20 +108,18 @@ void VehicleSimulator::start(std::uint64_t seed, std::byte* memory) const {
                       .next_gnss = 0,
                       .next_truth = 0,
                       .has_initial = 1,
-                      .gyro = vehicle_simulator::start(gyro_, "gyro", seed, dt),
-                      .accel = vehicle_simulator::start(accel_, "accel", seed, dt),
+                      .gyro = simulation::start(gyro_, "gyro", seed, dt),
+                      .accel = simulation::start(accel_, "accel", seed, dt),
                       .position_stream = random::stream(seed, "gnss.position"),
                       .velocity_stream = random::stream(seed, "gnss.velocity")};
 }
 
 SourceStatus VehicleSimulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
   Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
-  const auto due = [&](const Clock& clock, std::int64_t tick) {
-    return clock.is_running() && clock.at(tick) <= trajectory_->duration() ? clock.at(tick) : never;
-  };
-  const Time truth_due = due(truth_clock_, memory.next_truth);
-  const Time imu_due = due(imu_clock_, memory.next_imu);
-  const Time gnss_due = due(gnss_clock_, memory.next_gnss);
+  const Time end = trajectory_->duration();
+  const Time truth_due = truth_clock_.due(memory.next_truth, end);
+  const Time imu_due = imu_clock_.due(memory.next_imu, end);
+  const Time gnss_due = gnss_clock_.due(memory.next_gnss, end);
   const Time first = std::min({truth_due, imu_due, gnss_due});
 
   if (memory.has_initial != 0) {
@@ -193,8 +178,7 @@ void VehicleSimulator::emit_initial(Memory& memory, SampleSlot& slot) const {
   memory.has_initial = 0;
   const Motion motion = trajectory_->motion(0.0);
   const auto delta = [&](int group, std::string_view name) -> Eigen::Vector3d {
-    auto stream = random::stream(memory.seed, name);
-    const Eigen::Vector3d w = normal_vector(stream);
+    const Eigen::Vector3d w = simulation::first_normal_vector(memory.seed, name);
     return (initial_.is_perfect ? 0.0 : 1.0) * initial_.sigma.segment<3>(3 * group).cwiseProduct(w);
   };
   const Eigen::Vector4d q_nb = strapdown::quaternion_from_euler(motion.roll_pitch_yaw);

@@ -2,14 +2,14 @@
 // The source: a drive along segments as IMU samples, GNSS fixes, truth, and an initial estimate.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "binnacle/source.hpp"
-#include "sensor_errors.hpp"
+#include "simulation/clock.hpp"
+#include "simulation/sensor_errors.hpp"
 #include "trajectory.hpp"
 
 namespace binnacle::vehicle_simulator {
@@ -25,18 +25,6 @@ struct GnssModel {
 struct InitialModel {
   Eigen::Matrix<double, 9, 1> sigma;  // position NED m, velocity NED m/s, attitude NED rad
   bool is_perfect;                    // the estimate is the truth; the covariance is as if it were not
-};
-
-/// Instants at a constant rate, to the nearest nanosecond, counted from zero.
-class Clock {
- public:
-  explicit Clock(double rate) : rate_(rate) {}
-  bool is_running() const { return rate_ > 0.0; }
-  Time at(std::int64_t tick) const { return std::llround(static_cast<double>(tick) * 1e9 / rate_); }
-  double interval_before(std::int64_t tick) const { return seconds(at(tick) - at(tick - 1)); }
-
- private:
-  double rate_;  // Hz; 0: never
 };
 
 class VehicleSimulator final : public Source {
@@ -65,9 +53,9 @@ class VehicleSimulator final : public Source {
   Start start_;
   Suspension suspension_;
   Time start_time_;
-  Clock imu_clock_, gnss_clock_, truth_clock_;
+  simulation::Clock imu_clock_, gnss_clock_, truth_clock_;
   bool emits_rates_;
-  SensorModel gyro_, accel_;
+  simulation::SensorModel gyro_, accel_;
   GnssModel gnss_;
   InitialModel initial_;
   std::vector<ChannelDeclaration> channels_;

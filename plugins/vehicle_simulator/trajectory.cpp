@@ -11,12 +11,17 @@
 #include <Eigen/LU>
 
 #include "profile.hpp"
-#include "quadrature.hpp"
+#include "simulation/quadrature.hpp"
 #include "strapdown/earth.hpp"
 
 namespace binnacle::vehicle_simulator {
 
 namespace {
+
+using simulation::Angle;
+using simulation::for_each_node;
+using simulation::Gauss5;
+using simulation::Gauss8;
 
 // Limits of a piece that keep the collocation error of velocity below 1e-8 m/s.
 constexpr double longest_piece = 20.0;  // s
@@ -24,12 +29,6 @@ constexpr double widest_piece = 0.2;    // rad of heading or slope
 constexpr double pieces_of_a_ramp = 4;
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
-
-/// An angle that is used with its sine and cosine.
-struct Angle {
-  explicit Angle(double radians) : value(radians), sin(std::sin(radians)), cos(std::cos(radians)) {}
-  double value, sin, cos;
-};
 
 /// Speed, heading and slope with the derivatives that attitude rates need.
 struct Course {
@@ -203,30 +202,6 @@ double Trajectory::largest_latitude() const {
   double largest = std::abs(position(pieces_.back(), pieces_.back().end)[0]);
   for (const Piece& piece : pieces_) largest = std::max(largest, std::abs(piece.lla[0]));
   return largest;
-}
-
-// Velocity equation v̇ = C_nb f − (2 ω_ie + ω_en) × v + g and attitude kinematics, solved for f and ω: P. D.
-// Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., (5.53),
-// (2.22), (2.58), (5.41).
-Inertial inertial(const Motion& m) {
-  const Angle lat(m.lla[0]), roll(m.roll_pitch_yaw[0]), pitch(m.roll_pitch_yaw[1]), yaw(m.roll_pitch_yaw[2]);
-  const double height = m.lla[2];
-  const strapdown::Radii radii = strapdown::radii(lat.sin, lat.cos);
-  const double east_rate = m.v_n[1] / (radii.transverse + height);
-  const Eigen::Vector3d omega_en(east_rate, -m.v_n[0] / (radii.meridian + height), -east_rate * lat.sin / lat.cos);
-  const Eigen::Vector3d omega_ie(strapdown::wgs84::omega_ie * lat.cos, 0.0, -strapdown::wgs84::omega_ie * lat.sin);
-  const Eigen::Vector3d gravity(0.0, 0.0, strapdown::gravity(lat.sin, lat.cos, height).down);
-  const Eigen::Vector3d f_n = m.dv_n + (2.0 * omega_ie + omega_en).cross(m.v_n) - gravity;
-
-  Eigen::Matrix3d C_bn;
-  C_bn << pitch.cos * yaw.cos, pitch.cos * yaw.sin, -pitch.sin, roll.sin * pitch.sin * yaw.cos - roll.cos * yaw.sin,
-      roll.sin * pitch.sin * yaw.sin + roll.cos * yaw.cos, roll.sin * pitch.cos,
-      roll.cos * pitch.sin * yaw.cos + roll.sin * yaw.sin, roll.cos * pitch.sin * yaw.sin - roll.sin * yaw.cos,
-      roll.cos * pitch.cos;
-  const Eigen::Vector3d omega_nb_b(m.euler_rates[0] - pitch.sin * m.euler_rates[2],
-                                   roll.cos * m.euler_rates[1] + roll.sin * pitch.cos * m.euler_rates[2],
-                                   -roll.sin * m.euler_rates[1] + roll.cos * pitch.cos * m.euler_rates[2]);
-  return {omega_nb_b + C_bn * (omega_ie + omega_en), C_bn * f_n};
 }
 
 }  // namespace binnacle::vehicle_simulator

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "segments.hpp"
+#include "simulation/kinematics.hpp"
 
 namespace binnacle::vehicle_simulator {
 
@@ -20,22 +21,8 @@ struct Suspension {
   double pitch_gradient = 0.0;  // nose up, per acceleration along the path
 };
 
-/// All in navigation axes (NED) at one instant.
-struct Motion {
-  Eigen::Vector3d lla;             // latitude rad, longitude rad in [−π, π], height m
-  Eigen::Vector3d v_n;             // velocity over ground, m/s
-  Eigen::Vector3d dv_n;            // its time derivative by components, m/s²
-  Eigen::Vector3d roll_pitch_yaw;  // rad; yaw in [−π, π]
-  Eigen::Vector3d euler_rates;     // rad/s
-};
-
-struct Inertial {
-  Eigen::Vector3d omega_ib_b;  // rad/s
-  Eigen::Vector3d f_b;         // m/s²
-};
-
-/// ω_ib_b and f_b by inversion of the navigation equations at `motion`; no mechanization is involved.
-Inertial inertial(const Motion& motion);
+using simulation::Inertial;
+using simulation::Motion;
 
 /// Immutable. Speed, heading and slope are closed functions of time (Plateau). Position is the integral of
 /// velocity over the ellipsoid by collocation at eight Gauss–Legendre points, kept as a polynomial per piece;

@@ -12,33 +12,36 @@
 #include "binnacle/spec.hpp"
 #include "random/philox.hpp"
 
-namespace binnacle::vehicle_simulator {
+namespace binnacle::simulation {
 
 /// Per body axis, in SI; X is rad/s for gyroscopes and m/s² for accelerometers.
-///     x_measured = (1 + s) x + b + g(t) + n(t)
-/// s, b: constant over a run, N(0, scale²) and N(0, bias²); g: first-order Gauss–Markov process of standard
-/// deviation `instability` and correlation time `tau`, stationary from the start; n: white noise of density
+///     x_measured = (I + S + N) x + b + g(t) + n(t)
+/// S = diag(s), s and b: constant over a run, N(0, scale²) and N(0, bias²); N: six off-diagonal elements, the axes that
+/// are not where they should be, constant over a run, N(0, misalignment²); g: first-order Gauss–Markov process of
+/// standard deviation `instability` and correlation time `tau`, stationary from the start; n: white noise of density
 /// `noise`.
 struct SensorModel {
-  Eigen::Vector3d bias;         // X
-  Eigen::Vector3d instability;  // X
-  double tau;                   // s
-  Eigen::Vector3d noise;        // X √s = X/√Hz
-  Eigen::Vector3d scale;        // 1
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();         // X
+  Eigen::Vector3d instability = Eigen::Vector3d::Zero();  // X
+  double tau = 1.0;                                       // s
+  Eigen::Vector3d noise = Eigen::Vector3d::Zero();        // X √s = X/√Hz
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();        // 1
+  double misalignment = 0.0;                              // rad
 };
 
 /// Plain memory; all of it changes only through the functions below.
 struct SensorState {
   double bias[3];
   double scale[3];
+  double off_axis[6];     // N: xy xz yx yz zx zy
   double drift_begin[3];  // g at the begin of the interval that comes next
   double drift_end[3];    // and at its end
   random::Philox drift_stream;
   random::Philox noise_stream;
 };
 
-/// Draws s, b and g(0), and g at the end of the first interval, from the streams "NAME.bias", "NAME.scale",
-/// "NAME.instability" and "NAME.noise" of the seed. Each error has its own stream and unit deviates are drawn
+/// Draws s, b, N and g(0), and g at the end of the first interval, from the streams "NAME.bias", "NAME.scale",
+/// "NAME.misalignment", "NAME.instability" and "NAME.noise" of the seed. Each error has its own stream and unit deviates are drawn
 /// whatever their size, so no parameter changes the draws of another error or axis.
 SensorState start(const SensorModel& model, std::string_view name, std::uint64_t seed, double dt);
 
@@ -48,7 +51,7 @@ SensorState start(const SensorModel& model, std::string_view name, std::uint64_t
 Eigen::Vector3d measured(const SensorModel& model, SensorState& state, const Eigen::Vector3d& increment, double dt);
 
 /// Moves the drift on to the following interval:  g(t + dt) = e^(−dt/tau) g(t) + instability √(1 − e^(−2
-/// dt/tau)) w.
+/// dt/tau)) w.  Where no axis wanders nothing is drawn.
 void advance(const SensorModel& model, SensorState& state, double dt);
 
 /// b + g at a fraction (0 … 1) of the interval that comes next.
@@ -61,7 +64,10 @@ struct SensorDefaults {
 std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::string& noise_unit,
                                           const SensorDefaults& defaults);
 SensorModel read_sensor(const Parameters& parameters);
-/// The same triad without errors.
-SensorModel perfect_sensor();
 
-}  // namespace binnacle::vehicle_simulator
+/// Three independent deviates of N(0, 1).
+Eigen::Vector3d normal_vector(random::Philox& stream);
+/// The first three of the stream called `name` of `seed`.
+Eigen::Vector3d first_normal_vector(std::uint64_t seed, std::string_view name);
+
+}  // namespace binnacle::simulation

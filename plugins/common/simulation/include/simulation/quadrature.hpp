@@ -5,10 +5,15 @@
 #include <array>
 #include <cstddef>
 
-namespace binnacle::vehicle_simulator {
+namespace binnacle::simulation {
 
 /// Abscissae on [−1, 1] and weights, from A&S (Abramowitz and Stegun) table 25.4; exact for polynomials of
 /// degree 2n − 1.
+struct Gauss2 {
+  static constexpr std::size_t count = 2;
+  static constexpr std::array<double, count> node = {-0.5773502691896257645, 0.5773502691896257645};
+  static constexpr std::array<double, count> weight = {1.0, 1.0};
+};
 struct Gauss5 {
   static constexpr std::size_t count = 5;
   static constexpr std::array<double, count> node = {-0.9061798459386639928, -0.5384693101056830910, 0.0,
@@ -44,4 +49,4 @@ double gauss_legendre(double a, double b, Function&& f) {
   return sum;
 }
 
-}  // namespace binnacle::vehicle_simulator
+}  // namespace binnacle::simulation

@@ -1,27 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The errors of a triad of inertial sensors.
-#include "sensor_errors.hpp"
+#include "simulation/sensor_errors.hpp"
 
 #include <cmath>
 
 #include "random/normal.hpp"
 
-namespace binnacle::vehicle_simulator {
+namespace binnacle::simulation {
 
 namespace {
 
 using Vector = Eigen::Map<Eigen::Vector3d>;
 using ConstVector = Eigen::Map<const Eigen::Vector3d>;
-
-Eigen::Vector3d normal_vector(random::Philox& stream) {
-  const auto w = random::normal3(stream);
-  return {w[0], w[1], w[2]};
-}
-
-Eigen::Vector3d first_of(std::uint64_t seed, const std::string& name) {
-  auto stream = random::stream(seed, name);
-  return normal_vector(stream);
-}
 
 Eigen::Vector3d next_drift(const SensorModel& model, const Eigen::Vector3d& drift, double dt, random::Philox& stream) {
   const double kept = std::exp(-dt / model.tau);
@@ -31,11 +21,23 @@ Eigen::Vector3d next_drift(const SensorModel& model, const Eigen::Vector3d& drif
 
 }  // namespace
 
+Eigen::Vector3d normal_vector(random::Philox& stream) {
+  const auto w = random::normal3(stream);
+  return {w[0], w[1], w[2]};
+}
+
+Eigen::Vector3d first_normal_vector(std::uint64_t seed, std::string_view name) {
+  auto stream = random::stream(seed, name);
+  return normal_vector(stream);
+}
+
 SensorState start(const SensorModel& model, std::string_view name, std::uint64_t seed, double dt) {
   const std::string prefix(name);
   SensorState state{};
-  Vector(state.bias) = model.bias.cwiseProduct(first_of(seed, prefix + ".bias"));
-  Vector(state.scale) = model.scale.cwiseProduct(first_of(seed, prefix + ".scale"));
+  Vector(state.bias) = model.bias.cwiseProduct(first_normal_vector(seed, prefix + ".bias"));
+  Vector(state.scale) = model.scale.cwiseProduct(first_normal_vector(seed, prefix + ".scale"));
+  auto misalignment_stream = random::stream(seed, prefix + ".misalignment");
+  for (double& element : state.off_axis) element = model.misalignment * random::normal(misalignment_stream);
   state.drift_stream = random::stream(seed, prefix + ".instability");
   state.noise_stream = random::stream(seed, prefix + ".noise");
   Vector(state.drift_end) = model.instability.cwiseProduct(normal_vector(state.drift_stream));
@@ -46,10 +48,14 @@ SensorState start(const SensorModel& model, std::string_view name, std::uint64_t
 Eigen::Vector3d measured(const SensorModel& model, SensorState& state, const Eigen::Vector3d& increment, double dt) {
   const Eigen::Vector3d scale = ConstVector(state.scale);
   const Eigen::Vector3d noise = std::sqrt(dt) * model.noise.cwiseProduct(normal_vector(state.noise_stream));
-  return increment + scale.cwiseProduct(increment) + dt * bias_at(state, 0.5) + noise;
+  const double* n = state.off_axis;
+  const Eigen::Vector3d off_axis(n[0] * increment[1] + n[1] * increment[2], n[2] * increment[0] + n[3] * increment[2],
+                                 n[4] * increment[0] + n[5] * increment[1]);
+  return increment + scale.cwiseProduct(increment) + off_axis + dt * bias_at(state, 0.5) + noise;
 }
 
 void advance(const SensorModel& model, SensorState& state, double dt) {
+  if (model.instability.isZero(0.0)) return;
   const Eigen::Vector3d now = ConstVector(state.drift_end);
   Vector(state.drift_begin) = now;
   Vector(state.drift_end) = next_drift(model, now, dt, state.drift_stream);
@@ -85,13 +91,9 @@ std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::st
 }
 
 SensorModel read_sensor(const Parameters& parameters) {
-  return {parameters.vector("bias"), parameters.vector("bias_instability"), seconds(parameters.time("tau")),
-          parameters.vector("noise"), parameters.vector("scale")};
+  return {parameters.vector("bias"),       parameters.vector("bias_instability"),
+          seconds(parameters.time("tau")), parameters.vector("noise"),
+          parameters.vector("scale"),      0.0};
 }
 
-SensorModel perfect_sensor() {
-  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-  return {zero, zero, 1.0, zero, zero};
-}
-
-}  // namespace binnacle::vehicle_simulator
+}  // namespace binnacle::simulation

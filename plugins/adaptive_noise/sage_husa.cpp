@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// R as a mean of innovations that forgets (Sage and Husa).
+#include "sage_husa.hpp"
+
+#include <algorithm>
+
+namespace binnacle::adaptive_noise {
+
+struct SageHusa::Row {
+  double variance;
+  double weight;     // of all samples so far, the nominal one included: 1 + b + b² + …; 0: new
+  double is_learnt;  // the sample at hand is to be learnt from
+};
+
+ComponentSpec SageHusa::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "sage_husa";
+  spec.summary = "R as a mean of innovations or residuals that forgets";
+  spec.source =
+      "A. P. Sage and G. W. Husa, Adaptive filtering with unknown prior statistics, Joint Automatic Control Conference "
+      "1969; "
+      "with fading memory as commonly used";
+  spec.parameters = {
+      number("forgetting", "1").above(0).at_most(1).defaults("0.98").about("b: 1 forgets nothing"),
+      choice("from", {"innovation", "residual"})
+          .defaults("\"innovation\"")
+          .about(
+              "r^2 - HP-H', which may become negative, or the residual after the update, e^2 + HP+H', which may not"),
+      number("learn_below", "1")
+          .above(0)
+          .defaults("1")
+          .about("a row teaches nothing while HP-H' is more than this many times its nominal R"),
+  };
+  for (ParameterSpec& bound : bounds_parameters("0.1")) spec.parameters.push_back(std::move(bound));
+  spec.example = R"({ "forgetting": 0.98, "floor": 0.2, "ceiling": 10 })";
+  return spec;
+}
+
+SageHusa::SageHusa(const Binding& binding, const NoiseBinding& noise)
+    : rows_(noise, sizeof(Row) / sizeof(double)),
+      forgetting_(binding.parameters().number("forgetting")),
+      learn_below_(binding.parameters().number("learn_below")),
+      bounds_(read_bounds(binding.parameters())),
+      is_residual_(binding.parameters().text("from") == "residual") {}
+
+double* SageHusa::variances(std::byte* memory) const noexcept {
+  return reinterpret_cast<double*>(memory + rows_.bytes());
+}
+
+std::size_t SageHusa::memory_bytes() const noexcept {
+  return rows_.bytes() + static_cast<std::size_t>(rows_.max_rows()) * sizeof(double);
+}
+
+void SageHusa::start(std::byte* memory) const {
+  rows_.start(memory);
+  std::fill_n(variances(memory), rows_.max_rows(), 0.0);
+}
+
+SageHusa::Row& SageHusa::row_at(std::byte* memory, int row) const noexcept {
+  return *reinterpret_cast<Row*>(rows_.values(memory, rows_.slot(memory, row)));
+}
+
+// d = 1/(1 + b + … + b^k) = (1 − b)/(1 − b^(k+1)), and 1/(k + 1) for b = 1.
+void SageHusa::learn(Row& row, double variance) const noexcept {
+  row.weight = forgetting_ * row.weight + 1.0;
+  row.variance += (variance - row.variance) / row.weight;
+}
+
+void SageHusa::estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const {
+  rows_.enter(innovation, memory);
+  double* const variance = variances(memory);
+  for (int i = 0; i < innovation.rows; ++i) {
+    Row& row = row_at(memory, i);
+    const double nominal = R(i, i), predicted = innovation.HPHt(i, i);
+    if (row.weight == 0.0) row = {nominal, 1.0, 0.0};
+    row.is_learnt = predicted <= learn_below_ * nominal ? 1.0 : 0.0;
+    if (!is_residual_ && row.is_learnt != 0.0) learn(row, innovation.residual[i] * innovation.residual[i] - predicted);
+    variance[i] = bounds_.clamped(row.variance, nominal);
+  }
+  set_variances(variance, R);
+}
+
+void SageHusa::after(Outcome outcome, const double* residual, MatrixView HPHt_plus, std::byte* memory) const {
+  if (outcome != Outcome::accepted) return;
+  for (int i = 0; i < rows_.rows(memory); ++i) {
+    Row& row = row_at(memory, i);
+    if (row.is_learnt != 0.0) learn(row, residual[i] * residual[i] + HPHt_plus(i, i));
+  }
+}
+
+}  // namespace binnacle::adaptive_noise

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// When a simulator's channels speak.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "binnacle/time.hpp"
+
+namespace binnacle::simulation {
+
+inline constexpr Time never = std::numeric_limits<Time>::max();
+
+/// Instants at a constant rate, to the nearest nanosecond, counted from zero.
+class Clock {
+ public:
+  explicit Clock(double rate) : rate_(rate) {}
+  Time at(std::int64_t tick) const { return std::llround(static_cast<double>(tick) * 1e9 / rate_); }
+  /// The same, or never: for a rate of zero, and beyond `end`.
+  Time due(std::int64_t tick, Time end) const { return rate_ > 0.0 && at(tick) <= end ? at(tick) : never; }
+  double interval_before(std::int64_t tick) const { return seconds(at(tick) - at(tick - 1)); }
+
+ private:
+  double rate_;  // Hz; 0: never
+};
+
+}  // namespace binnacle::simulation

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the simulator declares: its parameters and its channels.
+#include "declaration.hpp"
+
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "simulation/fields.hpp"
+#include "waves.hpp"
+
+namespace binnacle::ship_simulator {
+
+namespace {
+
+using namespace simulation;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+/// The attitude of axes that are fixed in the SINS and would be those of the ship if the mounting were the nominal one.
+/// Where the SINS stands upright its own roll and yaw are ill conditioned; these are not.
+Fields level_attitude_fields() {
+  return {level("level_roll", "rad", "roll of the SINS turned back by the nominal mounting"),
+          level("level_pitch", "rad", "pitch of the SINS turned back by the nominal mounting"),
+          level("level_yaw", "rad", "yaw of the SINS turned back by the nominal mounting")};
+}
+
+Fields navigation_fields() { return joined({position_fields(), velocity_fields(), attitude_fields()}); }
+
+std::vector<ParameterSpec> start_members() {
+  using namespace parameter;
+  return {
+      number("lat", "rad").at_least(-80.0 * degree).at_most(80.0 * degree).required().about("geodetic latitude"),
+      number("lon", "rad").defaults("0").about("longitude"),
+      number("height", "m").defaults("0").about("height above the ellipsoid"),
+      number("heading", "rad").defaults("0").about("mean heading and course, from north to east"),
+      number("speed", "m/s").at_least(0).defaults("5").about("speed ahead"),
+      number("roll", "rad").defaults("0").about("mean roll: the list"),
+      number("pitch", "rad").defaults("0").about("mean pitch: the trim"),
+  };
+}
+
+/// Paper 000, section 4: roll 0.07 to 0.08 Hz, 0.2° at most; pitch 0.11 to 0.22 Hz, 0.04°; no yaw; some surge, sway, heave.
+std::vector<ParameterSpec> motion_members() {
+  constexpr std::array<const char*, freedoms> defaults = {
+      R"({"tones": [{"amplitude": "0.066666666666666667 deg", "frequency": 0.07},
+                    {"amplitude": "0.066666666666666667 deg", "frequency": 0.075},
+                    {"amplitude": "0.066666666666666667 deg", "frequency": 0.08}]})",
+      R"({"tones": [{"amplitude": "0.013333333333333333 deg", "frequency": 0.11},
+                    {"amplitude": "0.013333333333333333 deg", "frequency": 0.165},
+                    {"amplitude": "0.013333333333333333 deg", "frequency": 0.22}]})",
+      "{}",
+      R"({"tones": [{"amplitude": "0.1 m", "frequency": 0.1}]})",
+      R"({"tones": [{"amplitude": "0.1 m", "frequency": 0.08}]})",
+      R"({"tones": [{"amplitude": "0.2 m", "frequency": 0.12}]})"};
+  constexpr std::array<const char*, freedoms> texts = {"right side down positive",  "nose up positive",
+                                                       "to the right positive",     "displacement ahead",
+                                                       "displacement to the right", "displacement down"};
+  std::vector<ParameterSpec> members;
+  for (std::size_t k = 0; k < freedoms; ++k)
+    members.push_back(parameter::object(freedom_name[k], freedom_members(k < surge ? "rad" : "m"))
+                          .defaults(defaults[k])
+                          .about(texts[k]));
+  return members;
+}
+
+std::vector<ParameterSpec> mounting_members() {
+  using namespace parameter;
+  return {
+      matrix("nominal", "1", 3, 3)
+          .defaults("[[0, 0, 1], [0, 1, 0], [-1, 0, 0]]")
+          .about("C_S^M as designed: SINS axes to MINS axes; the default stands upright"),
+      vector("misalignment_sigma", "rad", 3)
+          .at_least(0)
+          .defaults("[\"1 deg\", \"1 deg\", \"1 deg\"]")
+          .about("standard deviation of the misalignment that is drawn once a run, about MINS axes"),
+      vector("misalignment", "rad", 3).about("the misalignment itself, the same in every run; then nothing is drawn"),
+      vector("arm", "m", 3).defaults("[0, 0, 0]").about("lever arm from the MINS to the SINS, MINS axes"),
+  };
+}
+
+std::vector<ParameterSpec> sensor_members(const std::string& unit, const std::string& bias, const std::string& noise) {
+  using namespace parameter;
+  return {
+      vector("bias", unit, 3)
+          .at_least(0)
+          .defaults(bias)
+          .about("standard deviation of the bias that is drawn once a run"),
+      vector("scale", "1", 3)
+          .at_least(0)
+          .defaults("\"200 ppm\"")
+          .about("standard deviation of the scale factor error that is drawn once a run"),
+      number("misalignment", "rad")
+          .at_least(0)
+          .defaults("\"1 arcmin\"")
+          .about("standard deviation of each axis' lean towards each other one, drawn once a run"),
+      vector("noise", unit, 3).at_least(0).defaults(noise).about("standard deviation of the noise of a rate ..."),
+      number("noise_time", "s")
+          .above(0)
+          .defaults("0.1")
+          .about("... over this time: white noise of density noise^2 * noise_time"),
+  };
+}
+
+std::vector<ParameterSpec> mins_members() {
+  using namespace parameter;
+  return {
+      number("rate", "Hz")
+          .at_least(0)
+          .at_most(1000)
+          .defaults("5")
+          .about("samples, the first after one interval; 0: none"),
+      vector("velocity_noise", "m/s", 3)
+          .at_least(0)
+          .defaults("0.257")
+          .about("standard deviation of the white velocity error: north, east, down"),
+      vector("attitude_noise", "rad", 3)
+          .at_least(0)
+          .defaults("\"0.2 arcmin\"")
+          .about("standard deviation of the white attitude error: roll, pitch, yaw"),
+      vector("position_noise", "m", 3)
+          .at_least(0)
+          .defaults("0")
+          .about("of the white position error: north, east, down"),
+      vector("velocity_bias", "m/s", 3)
+          .at_least(0)
+          .defaults("0")
+          .about("standard deviation of a constant velocity error"),
+      vector("attitude_bias", "rad", 3)
+          .at_least(0)
+          .defaults("[\"1 arcmin\", \"1 arcmin\", \"3 arcmin\"]")
+          .about("standard deviation of the MINS' own alignment error: roll, pitch, yaw"),
+      vector("position_bias", "m", 3)
+          .at_least(0)
+          .defaults("0")
+          .about("standard deviation of a constant position error"),
+      number("noise_scale", "1")
+          .at_least(0)
+          .defaults("1")
+          .about("factor on the white errors: 3 makes them three times what the filter was told"),
+  };
+}
+
+std::vector<ParameterSpec> triple_members(const char* position, const char* velocity, const char* attitude) {
+  using namespace parameter;
+  return {
+      vector("position", "m", 3).at_least(0).defaults(position).about("north, east, down"),
+      vector("velocity", "m/s", 3).at_least(0).defaults(velocity).about("north, east, down"),
+      vector("attitude", "rad", 3).at_least(0).defaults(attitude).about("about north, east, down"),
+  };
+}
+
+std::vector<ParameterSpec> initial_members() {
+  using namespace parameter;
+  return {
+      choice("from", {"mins", "truth"})
+          .defaults("\"mins\"")
+          .about("what the MINS shows, turned by the nominal mounting (the paper), or the truth with drawn errors"),
+      object("error", triple_members("0", "0", "[\"1 arcmin\", \"1 arcmin\", \"3 arcmin\"]"))
+          .defaults("{}")
+          .about("standard deviations of the errors that are drawn once a run, for \"from\": \"truth\""),
+      object("sigma", triple_members("10", "0.257", "\"1 deg\""))
+          .defaults("{}")
+          .about("standard deviations that the covariance states, whatever the errors are"),
+  };
+}
+
+std::vector<ParameterSpec> component_parameters() {
+  using namespace parameter;
+  return {
+      object("start", start_members()).required().about("where the MINS is at the start, and its course"),
+      time("start_time").defaults("0").about("time of the start on the clock of the run"),
+      time("duration").at_least(0.01).defaults("100").about("how long"),
+      object("motion", motion_members())
+          .defaults("{}")
+          .about("waves; each degree of freedom by tones or by a spectrum"),
+      object("mounting", mounting_members()).defaults("{}").about("how the SINS is mounted"),
+      number("imu_rate", "Hz").at_least(1).at_most(1e5).defaults("100").about("samples of the SINS' inertial sensors"),
+      choice("increments", {"rate", "rotation_vector"})
+          .defaults("\"rate\"")
+          .about("what wx wy wz are: the integral of angular rate, or the rotation vector, over the interval"),
+      number("truth_rate", "Hz")
+          .at_least(0)
+          .at_most(1e5)
+          .defaults("5")
+          .about("truth and mounting, the first at the start; 0: none"),
+      boolean("perfect").defaults("false").about("no errors of sensors, MINS and initial; the misalignment stays"),
+      object("gyro", sensor_members("rad/s", "\"0.2 deg/h\"", "\"10 deg/h\""))
+          .defaults("{}")
+          .about("errors of the SINS' gyroscopes"),
+      object("accel", sensor_members("m/s^2", "\"200 ug\"", "\"1500 ug\""))
+          .defaults("{}")
+          .about("errors of the SINS' accelerometers"),
+      object("mins", mins_members()).defaults("{}").about("the master and its errors"),
+      object("initial", initial_members())
+          .defaults("{}")
+          .about("the estimate of the SINS' state on the channel initial"),
+  };
+}
+
+}  // namespace
+
+ComponentSpec declare_component() {
+  ComponentSpec spec;
+  spec.type = "ship_simulator";
+  spec.summary =
+      "A ship in waves: a master INS, the inertial sensors of a slave INS, truth, mounting, initial estimate";
+  spec.source =
+      "Park and Lee, SDINS transfer alignment using adaptive filter for vertical launcher (paper 000), section 4, "
+      "tables 1 "
+      "and 2";
+  spec.parameters = component_parameters();
+  spec.example = R"json({
+  "start": { "lat": "36.4 deg", "lon": "127.4 deg", "heading": "30 deg", "speed": "5 m/s" },
+  "duration": "100 s",
+  "motion": {
+    "roll": { "spectrum": { "omega": "0.5 rad/s", "zeta": 0.1, "sigma": "2 deg" } },
+    "heave": { "tones": [{ "amplitude": "0.3 m", "frequency": "0.12 Hz" }] }
+  },
+  "mounting": { "misalignment_sigma": "1 deg", "arm": ["3 m", 0, "-2 m"] },
+  "mins": { "noise_scale": 1 }
+})json";
+  return spec;
+}
+
+std::vector<ChannelDeclaration> declare_channels(Time imu_interval) {
+  const Fields mins = joined({velocity_fields(), position_fields(), attitude_fields()});
+  const Fields state = joined({navigation_fields(), level_attitude_fields()});
+  const Fields mounting = {level("mx", "rad", "misalignment about MINS x (forward)"),
+                           level("my", "rad", "misalignment about MINS y (right)"),
+                           level("mz", "rad", "misalignment about MINS z (down)")};
+  return {{"imu", imu_fields(false), 0, {}, imu_interval},
+          {"mins", mins, 0, {}, 0},
+          {"truth", state, 0, {}, 0},
+          {"initial", state, 0, navigation_covariance(), 0},
+          {"mounting", mounting, 0, {}, 0}};
+}
+
+}  // namespace binnacle::ship_simulator
