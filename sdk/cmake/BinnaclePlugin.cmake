@@ -6,8 +6,6 @@ include_guard(GLOBAL)
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-fno-gnu-unique BINNACLE_HAS_NO_GNU_UNIQUE)
 
-set(BINNACLE_PLUGIN_VERSION_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/binnacle_plugin.map")
-
 # What makes the objects of a plugin: hidden symbols, and none that would pin the library in memory.
 function(binnacle_plugin_compile_options target)
   set_target_properties(${target} PROPERTIES
@@ -21,11 +19,12 @@ endfunction()
 
 # What makes a shared library of them: only the two entry symbols leave it, and everything it needs it has.
 function(binnacle_plugin_link_options target)
+  set(version_script "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/binnacle_plugin.map")
   set_target_properties(${target} PROPERTIES
     PREFIX ""
     SUFFIX ".so"
-    LINK_DEPENDS "${BINNACLE_PLUGIN_VERSION_SCRIPT}")
-  target_link_options(${target} PRIVATE "LINKER:--version-script=${BINNACLE_PLUGIN_VERSION_SCRIPT}")
+    LINK_DEPENDS "${version_script}")
+  target_link_options(${target} PRIVATE "LINKER:--version-script=${version_script}")
   # clang leaves the sanitizer runtime to the executable.
   if(NOT (BINNACLE_SANITIZE AND CMAKE_CXX_COMPILER_ID MATCHES "Clang"))
     target_link_options(${target} PRIVATE LINKER:--no-undefined)

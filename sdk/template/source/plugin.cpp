@@ -54,7 +54,7 @@ class Swing final : public Source {
         interval_(b.parameters().time("interval")),
         samples_(b.parameters().time("duration") / interval_ + 1) {
     const std::vector<FieldSpec> fields{{"height", "m", FieldKind::level, false, false, "upward"}};
-    channels_ = {{"seen", fields}, {"truth", fields}};
+    channels_ = {{"seen", fields, 0, {}, 0}, {"truth", fields, 0, {}, 0}};
   }
 
   const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }

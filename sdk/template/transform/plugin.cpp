@@ -22,7 +22,7 @@ class Mean final : public Transform {
   }
 
   explicit Mean(const Binding& b) : window_(static_cast<std::uint64_t>(b.parameters().integer("window"))) {
-    channels_ = {{"", {{"height", "m", FieldKind::level, false, false, "upward, the mean"}}}};
+    channels_ = {{"", {{"height", "m", FieldKind::level, false, false, "upward, the mean"}}, 0, {}, 0}};
   }
 
   const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
