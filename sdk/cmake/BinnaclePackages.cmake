@@ -14,12 +14,12 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 
-set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "State estimation composed from JSON out of shared-library plugins
- The command binnacle, which runs and checks filters, its plugins and its guides.")
+# CPack puts the project's own line above these.
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "The command binnacle, which runs and checks filters, its plugins and its guides.")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME binnacle)
 
-set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers and CMake package to write Binnacle's plugins with
- For shared-library plugins, and for programs that embed a composed filter.")
+set(CPACK_DEBIAN_DEV_DESCRIPTION
+  "Headers, library and CMake package: for plugins, and for programs that embed a filter.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME binnacle-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "binnacle (= ${PROJECT_VERSION}), libeigen3-dev")
