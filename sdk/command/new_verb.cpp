@@ -2,6 +2,7 @@
 // new plugin: a folder with a plugin that builds, passes conformance and is used by a config.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>

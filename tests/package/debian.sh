@@ -42,6 +42,6 @@ field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on 
 
 # The packages hold the same as an installation does.
 count() { dpkg-deb -c "$scratch/$1_${version}_$architecture.deb" | grep -c '^-'; }
-cmake --install "$build" --prefix "$scratch/installed" >/dev/null
+"$(dirname -- "$cpack")/cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
 [ $(($(count binnacle) + $(count binnacle-dev))) -eq "$(find "$scratch/installed" -type f | wc -l)" ] ||
   fail "something is installed that neither package holds"
