@@ -62,7 +62,7 @@ class Compass final : public MeasurementModel {
     spec.fields = {{"heading", "rad", FieldKind::level, false, false, "clockwise from north"}};
     spec.example = R"json({"channel": "compass", "blocks": {"heading": "heading"}, "sigma": "5 deg"})json";
     spec.surroundings = R"json({"blocks": {"heading": {"type": "@NAME@", "init": {"heading": "170 deg"},
-      "sigma": "10 deg"}}, "sample": {"heading": "-175 deg"}})json";
+      "sigma": "10 deg"}}, "sample": {"heading": -3.05}})json";
     return spec;
   }
 

@@ -19,7 +19,7 @@ class Range final : public MeasurementModel {
     spec.ports = {reads("position", "vector:2:m", "of the receiver: north, east")};
     spec.fields = {{"range", "m", FieldKind::level, false, false, "the measured distance"}};
     spec.example = R"json({"channel": "ranges", "blocks": {"position": "position"}, "beacon": ["0 m", "100 m"]})json";
-    spec.surroundings = R"json({"sample": {"range": "99 m"}})json";
+    spec.surroundings = R"json({"sample": {"range": 99}})json";
     return spec;
   }
 
