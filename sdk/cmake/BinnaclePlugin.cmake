@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# binnacle_plugin(): a plugin's shared library, and its objects for tests to link.
+# binnacle_add_plugin() and binnacle_add_conformance_test(): used by the project for its own plugins, and installed for
+# everybody else's.
 include_guard(GLOBAL)
 
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-fno-gnu-unique BINNACLE_HAS_NO_GNU_UNIQUE)
-
-set(BINNACLE_PLUGIN_VERSION_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/binnacle_plugin.map")
-
-add_custom_target(plugins COMMENT "All plugins are built")
 
 # What makes the objects of a plugin: hidden symbols, and none that would pin the library in memory.
 function(binnacle_plugin_compile_options target)
@@ -22,11 +19,12 @@ endfunction()
 
 # What makes a shared library of them: only the two entry symbols leave it, and everything it needs it has.
 function(binnacle_plugin_link_options target)
+  set(version_script "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/binnacle_plugin.map")
   set_target_properties(${target} PROPERTIES
     PREFIX ""
     SUFFIX ".so"
-    LINK_DEPENDS "${BINNACLE_PLUGIN_VERSION_SCRIPT}")
-  target_link_options(${target} PRIVATE "LINKER:--version-script=${BINNACLE_PLUGIN_VERSION_SCRIPT}")
+    LINK_DEPENDS "${version_script}")
+  target_link_options(${target} PRIVATE "LINKER:--version-script=${version_script}")
   # clang leaves the sanitizer runtime to the executable.
   if(NOT (BINNACLE_SANITIZE AND CMAKE_CXX_COMPILER_ID MATCHES "Clang"))
     target_link_options(${target} PRIVATE LINKER:--no-undefined)
@@ -35,39 +33,35 @@ function(binnacle_plugin_link_options target)
   add_custom_command(TARGET ${target} POST_BUILD COMMAND chmod o-w "$<TARGET_FILE:${target}>" VERBATIM)
 endfunction()
 
-# binnacle_plugin(NAME SOURCES plugin.cpp … [LIBRARIES …])
+# binnacle_add_plugin(NAME SOURCES … [LIBRARIES …])
 #
-# Makes   NAME_plugin   the MODULE library lib/binnacle/NAME.so: plugin.cpp and the objects;
-#         NAME_objects  everything but plugin.cpp, for tests: link it and include "NAME/….hpp".
-# Sources see the kernel's public headers and their own folder, and link no kernel library.
-function(binnacle_plugin name)
+# Makes the MODULE library NAME, the file NAME.so: a plugin that sees Binnacle's public headers and links no kernel
+# library. One of the sources holds BINNACLE_PLUGIN(…). The word SOURCES may be left out.
+function(binnacle_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES")
-  if(arg_UNPARSED_ARGUMENTS OR NOT "plugin.cpp" IN_LIST arg_SOURCES)
-    message(FATAL_ERROR "binnacle_plugin(${name}): SOURCES must list plugin.cpp; unparsed: '${arg_UNPARSED_ARGUMENTS}'")
+  set(sources ${arg_SOURCES} ${arg_UNPARSED_ARGUMENTS})
+  if(NOT sources)
+    message(FATAL_ERROR "binnacle_add_plugin(${name}): it has no sources")
   endif()
-  list(REMOVE_ITEM arg_SOURCES plugin.cpp)
+  add_library(${name} MODULE ${sources})
+  binnacle_plugin_compile_options(${name})
+  binnacle_plugin_link_options(${name})
+  target_link_libraries(${name} PRIVATE Binnacle::headers ${arg_LIBRARIES})
+endfunction()
 
-  if(arg_SOURCES)
-    add_library(${name}_objects OBJECT ${arg_SOURCES})
-    binnacle_plugin_compile_options(${name}_objects)
-    target_include_directories(${name}_objects
-      PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}"
-      PUBLIC "${PROJECT_SOURCE_DIR}/plugins")
-    target_link_libraries(${name}_objects PUBLIC Binnacle::headers ${arg_LIBRARIES})
-  else()
-    add_library(${name}_objects INTERFACE)
-    target_include_directories(${name}_objects INTERFACE "${PROJECT_SOURCE_DIR}/plugins")
-    target_link_libraries(${name}_objects INTERFACE Binnacle::headers ${arg_LIBRARIES})
+# binnacle_add_conformance_test(TARGET [LEVEL n])
+#
+# Adds the test conform.TARGET: `binnacle conform` on that plugin, 1 (quick) to 10 (thorough). Its exit status decides.
+# Needs enable_testing() or include(CTest) before it.
+function(binnacle_add_conformance_test target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LEVEL" "")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "binnacle_add_conformance_test(${target}): not understood: '${arg_UNPARSED_ARGUMENTS}'")
   endif()
-
-  add_library(${name}_plugin MODULE plugin.cpp)
-  set_target_properties(${name}_plugin PROPERTIES
-    OUTPUT_NAME ${name}
-    LIBRARY_OUTPUT_DIRECTORY "${BINNACLE_PLUGIN_OUTPUT_DIRECTORY}")
-  binnacle_plugin_compile_options(${name}_plugin)
-  binnacle_plugin_link_options(${name}_plugin)
-  target_link_libraries(${name}_plugin PRIVATE ${name}_objects)
-
-  add_dependencies(plugins ${name}_plugin)
-  set_property(GLOBAL APPEND PROPERTY BINNACLE_PLUGINS ${name})
+  if(NOT arg_LEVEL)
+    set(arg_LEVEL 5)
+  endif()
+  add_test(NAME conform.${target}
+    COMMAND "$<TARGET_FILE:Binnacle::binnacle>" conform "$<TARGET_FILE:${target}>" --level ${arg_LEVEL})
+  set_tests_properties(conform.${target} PROPERTIES LABELS conform TIMEOUT 1800)
 endfunction()

@@ -28,6 +28,7 @@ Verb list_verb(CLI::App& command);
 Verb describe_verb(CLI::App& command);
 Verb create_verb(CLI::App& command);
 Verb schema_verb(CLI::App& command);
+Verb new_verb(CLI::App& command);
 Verb version_verb(CLI::App& command);
 Verb conform_verb(CLI::App& command);
 

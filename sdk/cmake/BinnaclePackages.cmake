@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+# Debian packages, made by `cpack -G DEB` in the build folder: binnacle (component runtime) and binnacle-dev (dev).
+include_guard(GLOBAL)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL runtime dev)
+set(CPACK_PACKAGE_VENDOR "Binnacle")
+set(CPACK_PACKAGE_CONTACT "The Binnacle maintainers <maintainers@binnacle.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+
+# CPack puts the project's own line above these.
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "The command binnacle, which runs and checks filters, its plugins and its guides.")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME binnacle)
+
+set(CPACK_DEBIAN_DEV_DESCRIPTION
+  "Headers, library and CMake package: for plugins, and for programs that embed a filter.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME binnacle-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "binnacle (= ${PROJECT_VERSION}), libeigen3-dev")
+# Only an embedding program needs these.
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "nlohmann-json3-dev, libboost-dev, libboost-filesystem-dev")
+
+include(CPack)

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+# binnacle_plugin(): a plugin of this project, and its objects for tests to link.
+include_guard(GLOBAL)
+
+include(BinnaclePlugin)
+
+add_custom_target(plugins COMMENT "All plugins are built")
+
+# binnacle_plugin(NAME SOURCES plugin.cpp … [LIBRARIES …])
+#
+# Makes   NAME_plugin   the MODULE library lib/binnacle/NAME.so: plugin.cpp and the objects;
+#         NAME_objects  everything but plugin.cpp, for tests: link it and include "NAME/….hpp".
+# Sources see the kernel's public headers and their own folder, and link no kernel library.
+function(binnacle_plugin name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES")
+  if(arg_UNPARSED_ARGUMENTS OR NOT "plugin.cpp" IN_LIST arg_SOURCES)
+    message(FATAL_ERROR "binnacle_plugin(${name}): SOURCES must list plugin.cpp; unparsed: '${arg_UNPARSED_ARGUMENTS}'")
+  endif()
+  list(REMOVE_ITEM arg_SOURCES plugin.cpp)
+
+  if(arg_SOURCES)
+    add_library(${name}_objects OBJECT ${arg_SOURCES})
+    binnacle_plugin_compile_options(${name}_objects)
+    target_include_directories(${name}_objects
+      PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}"
+      PUBLIC "${PROJECT_SOURCE_DIR}/plugins")
+    target_link_libraries(${name}_objects PUBLIC Binnacle::headers ${arg_LIBRARIES})
+  else()
+    add_library(${name}_objects INTERFACE)
+    target_include_directories(${name}_objects INTERFACE "${PROJECT_SOURCE_DIR}/plugins")
+    target_link_libraries(${name}_objects INTERFACE Binnacle::headers ${arg_LIBRARIES})
+  endif()
+
+  binnacle_add_plugin(${name}_plugin SOURCES plugin.cpp LIBRARIES ${name}_objects)
+  set_target_properties(${name}_plugin PROPERTIES
+    OUTPUT_NAME ${name}
+    LIBRARY_OUTPUT_DIRECTORY "${BINNACLE_PLUGIN_OUTPUT_DIRECTORY}")
+
+  add_dependencies(plugins ${name}_plugin)
+  set_property(GLOBAL APPEND PROPERTY BINNACLE_PLUGINS ${name})
+endfunction()

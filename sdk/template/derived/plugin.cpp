@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plugin @NAME@: a derived block, the difference of two vectors.
+#include <binnacle/plugin.hpp>
+
+using namespace binnacle;
+
+/// y = to − from + offset, so J = I with respect to `to` and −I with respect to `from`.
+class Difference final : public DerivedBlock {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "@NAME@";
+    spec.summary = "The difference of two vectors: a baseline, a relative velocity, a bias between two sensors.";
+    spec.kind = "vector:*:*";
+    spec.parameters = {parameter::vector("offset", "@to").sized_by("to").defaults("0").about("added to it")};
+    spec.ports = {reads("from", "vector:*:*", "what is subtracted"),
+                  reads("to", "vector:*:*", "what it is subtracted from")};
+    spec.example = R"json({"blocks": {"from": "base", "to": "rover"}, "offset": ["0 m", "0.5 m"]})json";
+    spec.surroundings = R"json({"blocks": {"base": {"type": "vector", "size": 2, "unit": "m", "sigma": "1 m"},
+      "rover": {"type": "vector", "size": 2, "unit": "m", "init": {"x0": "10 m", "x1": "20 m"}, "sigma": "1 m"}}})json";
+    return spec;
+  }
+
+  explicit Difference(const Binding& b) : offset_(b.parameters().vector("offset")) {
+    const PortBinding& from = b.port("from");
+    const PortBinding& to = b.port("to");
+    if (from.kind != to.kind) throw ComponentError("'from' is a " + from.kind + ", 'to' a " + to.kind, "/blocks/from");
+    declaration_.kind = to.kind;
+    declaration_.stored_size = to.stored_size;
+    declaration_.error = to.components;
+    declaration_.reads = {0, 1};
+  }
+
+  const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
+
+  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+    const int size = declaration_.stored_size;
+    vector_at(value, size) = vector_at(x[1], size) - vector_at(x[0], size) + offset_;
+    if (J) {
+      J[0].as().diagonal().setConstant(-1);
+      J[1].as().diagonal().setConstant(1);
+    }
+    return Result::ok();
+  }
+
+ private:
+  DerivedDeclaration declaration_;
+  Eigen::VectorXd offset_;
+};
+
+BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<Difference>(); }

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// sdk/docs: every snippet of a guide is a region of a file that is built and run by tests/package.
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "document.hpp"
+
+namespace {
+
+using namespace binnacle::test;
+namespace fs = std::filesystem;
+
+/// A fence and the file that the line before it names: `<!-- file: PATH -->`; "" where it names none.
+struct Snippet {
+  std::string file;
+  std::string text;
+};
+
+std::vector<Snippet> snippets_of(const MarkdownFile& document) {
+  const std::string mark = "<!-- file: ", end = " -->";
+  std::vector<Snippet> found;
+  std::istringstream stream(document.text());
+  bool is_inside = false;
+  std::string before;
+  for (std::string line; std::getline(stream, line); before = line) {
+    if (line.rfind("```", 0) == 0) {
+      is_inside = !is_inside;
+      if (is_inside && before.rfind(mark, 0) == 0)
+        found.push_back({before.substr(mark.size(), before.size() - mark.size() - end.size()), ""});
+      else if (is_inside)
+        found.push_back({"", ""});
+    } else if (is_inside) {
+      found.back().text += line + "\n";
+    }
+  }
+  return found;
+}
+
+const std::vector<std::string> guides{"sdk/docs/write-a-block.md",
+                                      "sdk/docs/write-a-process-model.md",
+                                      "sdk/docs/write-a-measurement-model.md",
+                                      "sdk/docs/write-a-noise-estimator.md",
+                                      "sdk/docs/write-a-source.md",
+                                      "sdk/docs/ports-and-derived-blocks.md",
+                                      "sdk/docs/units-and-errors.md",
+                                      "sdk/docs/abi-rules.md",
+                                      "sdk/docs/embed-a-filter.md"};
+
+/// What tests/package builds and runs.
+bool is_built(const std::string& file) {
+  return file.rfind("sdk/template/", 0) == 0 || file.rfind("tests/package/", 0) == 0;
+}
+
+/// Lines with anything but a comment on them.
+int lines_of_code(const std::string& path) {
+  std::istringstream stream(text_of(in_project(path)));
+  int lines = 0;
+  for (std::string line; std::getline(stream, line);) {
+    const auto code = line.substr(0, line.find("//"));
+    lines += code.find_first_not_of(" \t") != std::string::npos;
+  }
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("every snippet of a guide is part of a file that is built") {
+  for (const auto& path : guides) {
+    const auto snippets = snippets_of(MarkdownFile(path));
+    INFO(path);
+    CHECK_FALSE(snippets.empty());
+    for (const auto& snippet : snippets) {
+      INFO("from '" << snippet.file << "':\n" << snippet.text);
+      REQUIRE(is_built(snippet.file));
+      CHECK_FALSE(snippet.text.empty());
+      CHECK(text_of(in_project(snippet.file)).find("\n" + snippet.text) != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("the line counts of the guide are those of the templates") {
+  const std::string guide = MarkdownFile("sdk/docs/write-a-process-model.md").text();
+  for (const char* kind : {"process", "measurement"}) {
+    const int lines = lines_of_code(std::string("sdk/template/") + kind + "/plugin.cpp");
+    INFO(kind << ": " << lines);
+    CHECK(guide.find("| " + std::to_string(lines) + " in one file |") != std::string::npos);
+  }
+  CHECK(lines_of_code("sdk/template/process/plugin.cpp") <= 30);
+}
+
+TEST_CASE("links between the guides lead somewhere") {
+  for (const auto& path : guides) {
+    const MarkdownFile document(path);
+    for (const auto& link : document.links()) {
+      INFO(path << " links to " << link);
+      CHECK(fs::exists(document.folder() / link));
+    }
+  }
+}

@@ -1,0 +1,47 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# Makes the Debian packages of a build and looks into them: debian.sh BUILD CPACK VERSION
+set -euo pipefail
+build=$1 cpack=$2 version=$3
+
+command -v dpkg-shlibdeps >/dev/null || {
+  echo "SKIPPED: no dpkg-shlibdeps (Debian package dpkg-dev)"
+  exit 77
+}
+scratch=$(mktemp -d)
+trap 'rm -rf -- "$scratch"' EXIT
+
+fail() {
+  printf 'FAILED: %s\n' "$*" >&2
+  exit 1
+}
+
+"$cpack" -G DEB --config "$build/CPackConfig.cmake" -B "$scratch" >"$scratch/log" 2>&1 || {
+  cat "$scratch/log" >&2
+  fail "cpack"
+}
+architecture=$(dpkg --print-architecture)
+
+# holds PACKAGE PATH…
+holds() {
+  local package=$1 listing path
+  listing=$(dpkg-deb -c "$scratch/${package}_${version}_$architecture.deb" | awk '{ print $6 }')
+  shift
+  for path in "$@"; do
+    grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
+  done
+}
+holds binnacle bin/binnacle lib/binnacle/core.so lib/binnacle/csv.so share/binnacle/template/process/plugin.cpp \
+  share/doc/binnacle/README.md share/doc/binnacle/write-a-process-model.md
+holds binnacle-dev include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
+  lib/cmake/Binnacle/BinnacleConfig.cmake lib/cmake/Binnacle/binnacle_plugin.map
+
+field() { dpkg-deb -f "$scratch/$1_${version}_$architecture.deb" "$2"; }
+[ "$(field binnacle-dev Depends)" = "binnacle (= $version), libeigen3-dev" ] || fail "binnacle-dev depends on $(field binnacle-dev Depends)"
+field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on $(field binnacle Depends)"
+
+# The packages hold the same as an installation does.
+count() { dpkg-deb -c "$scratch/$1_${version}_$architecture.deb" | grep -c '^-'; }
+"$(dirname -- "$cpack")/cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
+[ $(($(count binnacle) + $(count binnacle-dev))) -eq "$(find "$scratch/installed" -type f | wc -l)" ] ||
+  fail "something is installed that neither package holds"

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// new: what it writes and what it refuses; that it builds and passes is tests/package.
+#include "catch.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+using namespace binnacle::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+/// Exit status 2 with this message, and not a file more or less than before.
+void is_refused(const Workbench& bench, const std::vector<std::string>& arguments, const std::string& message) {
+  const auto before = names_in(bench.folder());
+  const auto outcome = binnacle::test::binnacle(bench, arguments);
+  CHECK(outcome.status == 2);
+  CHECK(outcome.out.empty());
+  CHECK(outcome.err.substr(0, outcome.err.find('\n')) == "error: " + message);
+  CHECK(names_in(bench.folder()) == before);
+}
+
+}  // namespace
+
+TEST_CASE("new plugin writes a folder for each kind, with the name wherever it belongs") {
+  const Workbench bench;
+  for (const char* kind : {"block", "process", "measurement", "noise", "derived", "source", "transform", "sink"}) {
+    const std::string name = std::string("my_") + kind;
+    INFO(name);
+    const auto outcome = binnacle::test::binnacle(bench, {"new", "plugin", name, "--kind", kind});
+    REQUIRE(outcome.status == 0);
+    CHECK(outcome.err.empty());
+    const auto files = names_in(bench.path(name));
+    for (const char* file : {".gitignore", "CMakeLists.txt", "README.md", "config.json", "plugin.cpp"})
+      CHECK(files.contains(file));
+    for (const auto& file : files) {
+      const std::string text = read_file(bench.path(name + "/" + file));
+      INFO(file);
+      CHECK(text.find("@NAME@") == std::string::npos);
+      CHECK(text.find("SPDX") == std::string::npos);
+      if (file.find(".csv") == std::string::npos && file != ".gitignore") CHECK(text.find(name) != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("new plugin is of kind process in this folder unless told otherwise, and says what it wrote") {
+  const Workbench bench;
+  REQUIRE(binnacle::test::binnacle(bench, {"new", "plugin", "my_walk"}).status == 0);
+  CHECK(read_file(bench.path("my_walk/plugin.cpp")).find("public ProcessModel") != std::string::npos);
+
+  fs::create_directory(bench.path("there"));
+  const auto outcome = binnacle::test::binnacle(bench, {"new", "plugin", "my_walk", "--dir", "there", "--json"});
+  REQUIRE(outcome.status == 0);
+  const auto told = nlohmann::json::parse(outcome.out);
+  CHECK(told.at("folder") == "there/my_walk");
+  const auto files = told.at("files").get<std::set<std::string>>();
+  CHECK(files == names_in(bench.path("there/my_walk")));
+}
+
+TEST_CASE("new plugin refuses what could not be built, loaded or told apart") {
+  const Workbench bench;
+  is_refused(bench, {"new", "plugin", "MyWalk"},
+             "'MyWalk' is no name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
+  is_refused(bench, {"new", "plugin", "2nd"}, "'2nd' is no name in snake_case (a-z, 0-9, _)");
+  is_refused(bench, {"new", "plugin", "../my_walk"},
+             "'../my_walk' is no name in snake_case (a-z, 0-9, _); did you mean 'my_walk'?");
+  is_refused(bench, {"new", "plugin", std::string(49, 'a')}, "the name has 49 characters; 48 are possible");
+  is_refused(bench, {"new", "plugin", "test"}, "'test' is the name of one of CMake's own targets; choose another");
+  is_refused(bench, {"new", "plugin", "core"}, "there is a plugin 'core' already; choose another name");
+  is_refused(bench, {"new", "plugin", "vector"}, "there is a component 'core/vector' already; choose another name");
+  is_refused(bench, {"new", "plugin", "my_walk", "--dir", "nowhere"}, "there is no folder 'nowhere'");
+  is_refused(bench, {"new", "plugin", "my_walk", "--kind", "proces"},
+             "there is no kind 'proces'; did you mean 'process'? (kinds: block, process, measurement, noise, derived, "
+             "source, transform, sink)");
+  is_refused(bench, {"new", "plugn", "my_walk"}, "there is nothing new called 'plugn'; did you mean 'plugin'?");
+}
+
+TEST_CASE("new plugin leaves what exists as it is") {
+  const Workbench bench;
+  bench.write("my_walk", "mine");
+  is_refused(bench, {"new", "plugin", "my_walk"}, "'my_walk' exists already; nothing was written");
+  CHECK(read_file(bench.path("my_walk")) == "mine");
+}
