@@ -176,6 +176,8 @@ struct ComponentSpec {
   std::vector<ChannelPort> inputs;         // transforms, sinks. Measurement model: auxiliary channels (latest value)
   std::string kind;                        // state block: kind it has. Derived block: kind it yields (pattern)
   std::string example;                     // JSON of a working configuration of it, without "type"
+  // JSON: what the example refers to and the conformance suite cannot guess: {"blocks": {…}, "sources": {…}, "sample": {field: value}, "files": {name: text}}; "" = nothing
+  std::string surroundings;
 };
 
 }  // namespace binnacle
