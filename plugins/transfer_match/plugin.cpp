@@ -3,7 +3,6 @@
 #include "binnacle/plugin.hpp"
 
 #include "dcm_match.hpp"
-#include "level_angles.hpp"
 #include "mounting_block.hpp"
 #include "velocity_match.hpp"
 
@@ -12,5 +11,4 @@ BINNACLE_PLUGIN("transfer_match", "1.0.0", registry) {
   registry.add<MountingBlock>();
   registry.add<VelocityMatch>();
   registry.add<DcmMatch>();
-  registry.add<LevelAngles>();
 }
