@@ -79,6 +79,28 @@ TEST_CASE("blocks: what write refuses, and what it wraps", "[phi_error]") {
   REQUIRE(std::abs(angles[2] + 10 * degree) < 1e-15);
 }
 
+TEST_CASE("attitude: a mounted body is read in the axes in which it is mounted", "[phi_error]") {
+  const auto upright = bind<AttitudeBlock>({{{"mounting", {0, 90 * degree, 0}}}, {}, {}});
+  const auto plain = bind<AttitudeBlock>();
+  // Nose up, belly forward to the east: the ship's bow points east.
+  const double level[3] = {0, 0, 90 * degree};
+  double q[4];
+  REQUIRE(upright->write(level, q));
+  const Eigen::Matrix3d C = strapdown::dcm_from_quaternion(vector_at<4>(q));
+  REQUIRE((C * Vector3d(1, 0, 0) - Vector3d(0, 0, -1)).norm() < 1e-15);
+  REQUIRE((C * Vector3d(0, 0, 1) - Vector3d(0, 1, 0)).norm() < 1e-15);
+  for (const Flight& flight : flights) {
+    const auto x = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
+    REQUIRE_NO_COMPLAINTS(check_block(*upright, x, 1.0, 1e-14, 1e-13));
+    double angles[3], back[4];
+    plain->read(x.data(), angles);
+    REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
+    REQUIRE(upright->write(angles, back));
+    upright->read(back, angles);
+    REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
+  }
+}
+
 TEST_CASE("attitude: an injected correction turns what remains by +half of it", "[phi_error]") {
   const auto attitude = bind<AttitudeBlock>();
   const Vector3d delta{0.02, -0.03, 0.05};
