@@ -8,13 +8,14 @@ namespace binnacle::psi_error {
 
 namespace {
 
-strapdown::TransitionBlocks in_computed_axes(const inertial::StepTaken& step) {
-  return psi_transition(step.advanced.mid, step.input, step.order);
+strapdown::TransitionBlocks in_psi(const inertial::StepTaken& step) {
+  return psi_transition(step.advanced.mid, step.has_sensor_errors ? &step.input : nullptr, step.order);
 }
 
+strapdown::TransitionBlocks in_computed_axes(const inertial::StepTaken& step) { return in_psi(step); }
+
 strapdown::TransitionBlocks in_true_axes(const inertial::StepTaken& step) {
-  return translated(psi_transition(step.advanced.mid, step.input, step.order), Translation(step.before),
-                    Translation(step.advanced.nav));
+  return translated(in_psi(step), Translation(step.before), Translation(step.advanced.nav));
 }
 
 inertial::ErrorModel model(const Parameters& parameters) {
@@ -28,13 +29,15 @@ ComponentSpec PsiErrorProcess::spec() {
   ComponentSpec spec;
   spec.type = "psi_error";
   spec.summary = "Strapdown inertial navigation in north-east-down axes with the psi-angle error model.";
-  spec.source = "paper 000, equation (1); Goshen-Meskin, Bar-Itzhack, A Unified Approach to Inertial Navigation System "
-                "Error Modeling, AIAA-90-3367-CP, 1990";
+  spec.source =
+      "paper 000, equation (1); Goshen-Meskin, Bar-Itzhack, A Unified Approach to Inertial Navigation System "
+      "Error Modeling, AIAA-90-3367-CP, 1990";
   describe(spec);
   spec.parameters.push_back(
       parameter::choice("axes", {"true", "computed"})
           .defaults("\"true\"")
-          .about("of the errors: as the blocks declare them, or those at the computed position (position frozen only)"));
+          .about(
+              "of the errors: as the blocks declare them, or those at the computed position (position frozen only)"));
   spec.example = R"json({"input": "imu", "blocks": {"position": "position", "velocity": "velocity",
     "attitude": "attitude", "gyro_bias": "gyro_bias", "accel_bias": "accel_bias"},
     "gyro_noise": "0.05 deg/sqrt(h)", "accel_noise": "450 ug/sqrt(Hz)"})json";

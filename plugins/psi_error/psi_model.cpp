@@ -41,11 +41,16 @@ Generator generator(const strapdown::Midpoint& mid) {
           skew(-dt * (mid.omega_ie_n + mid.omega_en_n))};
 }
 
+void clear_sensor_errors(TransitionBlocks& t) {
+  for (Matrix3d* block :
+       {&t.p_ba, &t.p_sa, &t.v_bg, &t.v_sg, &t.v_ba, &t.v_sa, &t.phi_bg, &t.phi_sg, &t.phi_ba, &t.phi_sa})
+    block->setZero();
+}
+
 void add_sensor_errors(TransitionBlocks& t, const Matrix3d& C_nb, const strapdown::InputSensitivity& input) {
   const Matrix3d gyro_bias = C_nb * input.gyro_bias.asDiagonal(), gyro_scale = C_nb * input.gyro_scale.asDiagonal();
   const Matrix3d accel_bias = C_nb * input.accel_bias.asDiagonal();
   const Matrix3d accel_scale = C_nb * input.accel_scale.asDiagonal();
-  t.p_ba = t.p_sa = t.v_bg = t.v_sg = t.phi_ba = t.phi_sa = Matrix3d::Zero();
   t.v_ba = accel_bias, t.v_sa = accel_scale;
   t.phi_bg = gyro_bias, t.phi_sg = gyro_scale;
 }
@@ -60,7 +65,7 @@ void carry_sensor_errors(TransitionBlocks& t, const Generator& a) {
 
 }  // namespace
 
-TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity& input,
+TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity* input,
                                 strapdown::Order order) {
   const Generator a = generator(mid);
   const Matrix3d I = Matrix3d::Identity();
@@ -69,7 +74,8 @@ TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown:
   t.p_p = I + a.p_p, t.p_v = a.dt * I;
   t.v_p = a.u_p, t.v_v = I + a.u_u, t.v_phi = a.u_psi;
   t.phi_phi = I + a.psi_psi;
-  add_sensor_errors(t, mid.C_nb, input);
+  clear_sensor_errors(t);
+  if (input) add_sensor_errors(t, mid.C_nb, *input);
   if (order == strapdown::Order::first) return t;
 
   t.p_p += 0.5 * (a.p_p * a.p_p + a.dt * a.u_p);
@@ -79,7 +85,7 @@ TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown:
   t.v_v += 0.5 * (a.dt * a.u_p + a.u_u * a.u_u);
   t.v_phi += 0.5 * (a.u_u * a.u_psi + a.u_psi * a.psi_psi);
   t.phi_phi += 0.5 * a.psi_psi * a.psi_psi;
-  carry_sensor_errors(t, a);
+  if (input) carry_sensor_errors(t, a);
   return t;
 }
 

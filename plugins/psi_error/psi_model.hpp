@@ -24,15 +24,16 @@ namespace binnacle::psi_error {
 // Bar-Itzhack 1990. The paper prints the last two without G p.)
 
 /// Φ of one step in p, u, ψ; `phi` in the names of the blocks stands for ψ. first: I + F dt. second: + ½F²dt².
-strapdown::TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity& input,
+/// input: null where no sensor error is plugged in; its blocks are then zero.
+strapdown::TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity* input,
                                            strapdown::Order order);
 
 /// From the errors of the standard blocks, p, v and φ against axes t, to those of the ψ model, at one instant. There
 /// −δθ = W p with W = ∂ω_en/∂v, so
 ///   ψ = φ + W p        u = v + (W p) × v̂ = v − [v̂×] W p
 struct Translation {
-  Eigen::Matrix3d W;        ///< rad/m
-  Eigen::Matrix3d minus_vW; ///< −[v̂×] W, 1/s
+  Eigen::Matrix3d W;         ///< rad/m
+  Eigen::Matrix3d minus_vW;  ///< −[v̂×] W, 1/s
 
   explicit Translation(const strapdown::Navigation& nav);
 };

@@ -35,6 +35,11 @@ ComponentSpec DcmMatch::spec() {
                  angle("yaw", "of the master, from true north")};
   spec.example = R"json({"channel": "mins", "blocks": {"attitude": "attitude", "mounting": "mounting"},
     "sigma": "0.2 arcmin"})json";
+  // Attitudes that agree to some degrees: an arbitrary pair of them is refused.
+  spec.surroundings = R"json({"blocks": {
+      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": 0.5}, "sigma": 0.02},
+      "mounting": {"type": "transfer_match/mounting", "init": {"mx": 0.01, "my": -0.02, "mz": 0.03}, "sigma": 0.02}},
+    "sample": {"roll": 0.01, "pitch": -0.02, "yaw": 0.48}})json";
   return spec;
 }
 

@@ -27,8 +27,9 @@ FieldSpec angle(std::string name, std::string text) {
   return {std::move(name), "rad", FieldKind::level, true, false, std::move(text)};
 }
 FieldSpec rate(std::string name) {
-  return {std::move(name), "rad/s", FieldKind::rate, true, false,
-          "angular rate of the slave with respect to inertial space, for a lever arm"};
+  return {std::move(name), "rad/s",
+          FieldKind::rate, true,
+          false,           "angular rate of the slave with respect to inertial space, for a lever arm"};
 }
 
 }  // namespace
@@ -37,8 +38,9 @@ ComponentSpec VelocityMatch::spec() {
   ComponentSpec spec;
   spec.type = "velocity_match";
   spec.summary = "Velocity match of transfer alignment: the master's velocity against the slave's.";
-  spec.source = "paper 000, equation (2); lever arm: Groves, Principles of GNSS, Inertial, and Multisensor Integrated "
-                "Navigation Systems, 2nd ed., section 15.1";
+  spec.source =
+      "paper 000, equation (2); lever arm: Groves, Principles of GNSS, Inertial, and Multisensor Integrated "
+      "Navigation Systems, 2nd ed., section 15.1";
   spec.parameters = {
       parameter::vector("sigma", "m/s", 3)
           .above(0)
@@ -66,7 +68,8 @@ VelocityMatch::VelocityMatch(const Binding& binding)
       rows_(binding.parameters().text("axes") == "all" ? 3 : 2),
       has_arm_(binding.is_bound("arm")),
       has_latitude_(binding.has_field(lat)) {
-  if (rows_ == 3 && !binding.has_field(vd)) throw ComponentError("'axes' is 'all', but the channel has no 'vd'", "/axes");
+  if (rows_ == 3 && !binding.has_field(vd))
+    throw ComponentError("'axes' is 'all', but the channel has no 'vd'", "/axes");
   if (has_arm_ && !binding.is_bound("attitude"))
     throw ComponentError("a lever arm needs the slave's attitude: plug a block into port 'attitude'", "/blocks/arm");
   for (const Field field : {roll, pitch, yaw})
@@ -98,7 +101,8 @@ Result VelocityMatch::linearize(const SampleView& sample, const SampleView* /*au
   out.rows = rows_;
   if (!has_arm_) return Result::ok();
 
-  if (!context.drive) return Result::unsupported("a lever arm needs the slave's rate, and no input sample has come yet");
+  if (!context.drive)
+    return Result::unsupported("a lever arm needs the slave's rate, and no input sample has come yet");
   if (!vector_at<3>(z + roll).allFinite()) return Result::invalid("an angle of the master is not finite");
   const Matrix3d C_M = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(vector_at<3>(z + roll)));
   const Matrix3d C_S = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));

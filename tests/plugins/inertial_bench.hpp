@@ -194,5 +194,4 @@ double distance(const Bench& bench, const PortStates& a, const PortStates& b) {
   return std::max({p.norm(), v.norm(), phi.norm()});
 }
 
-
 }  // namespace binnacle::test

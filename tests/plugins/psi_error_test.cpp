@@ -93,8 +93,7 @@ Long travel(const Bench& bench, PortStates ports, const std::vector<Step>& steps
     if (!with_transition) continue;
     one.setIdentity();
     for (std::size_t i = 0; i < declared.transition.size(); ++i)
-      one.block<3, 3>(3 * declared.transition[i].to, 3 * declared.transition[i].from) =
-          matrix_at<3, 3>(Phi[i].data());
+      one.block<3, 3>(3 * declared.transition[i].to, 3 * declared.transition[i].from) = matrix_at<3, 3>(Phi[i].data());
     all = one * all;
   }
   return {ports, all};

@@ -45,8 +45,7 @@ class Voyage {
   /// Body to inertial axes that stand where the earth's stood at t = 0.
   Vector4d inertial_attitude(double t) const {
     const strapdown::Navigation now = at(t);
-    const Vector4d longitude =
-        strapdown::quaternion_exp({0, 0, now.lla[1] + strapdown::wgs84::omega_ie * t});
+    const Vector4d longitude = strapdown::quaternion_exp({0, 0, now.lla[1] + strapdown::wgs84::omega_ie * t});
     const Vector4d latitude = strapdown::quaternion_exp({0, -now.lla[0] - 90 * degree, 0});
     return product(product(longitude, latitude), now.q_nb);
   }
@@ -62,11 +61,12 @@ class Voyage {
   Vector3d specific_force(double t) const {
     constexpr double h = 1e-2;
     const auto v = [this](double time) { return at(time).v_n; };
-    const Vector3d v_rate = (45 * (v(t + h) - v(t - h)) - 9 * (v(t + 2 * h) - v(t - 2 * h)) + (v(t + 3 * h) - v(t - 3 * h))) / (60 * h);
+    const Vector3d v_rate =
+        (45 * (v(t + h) - v(t - h)) - 9 * (v(t + 2 * h) - v(t - 2 * h)) + (v(t + 3 * h) - v(t - 3 * h))) / (60 * h);
     const strapdown::Navigation now = at(t);
-    Vector3d f = v_rate + (2 * strapdown::omega_ie_n(now.lla[0]) +
-                           strapdown::omega_en_n(now.lla[0], now.lla[2], now.v_n))
-                              .cross(now.v_n);
+    Vector3d f =
+        v_rate +
+        (2 * strapdown::omega_ie_n(now.lla[0]) + strapdown::omega_en_n(now.lla[0], now.lla[2], now.v_n)).cross(now.v_n);
     f[2] -= strapdown::gravity(now.lla[0], now.lla[2]).down;
     return strapdown::dcm_from_quaternion(now.q_nb).transpose() * f;
   }

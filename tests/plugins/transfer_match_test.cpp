@@ -229,8 +229,7 @@ TEST_CASE("dcm_match: refusals", "[transfer_match]") {
   Attitudes far = attitudes[0];
   far.error = {0, 0, 1.6};
   const auto fields = values(far.master);
-  REQUIRE(linearize(*bench.model, sample_of(fields), bench.ports(far), {}, out).result.verdict ==
-          Verdict::unsupported);
+  REQUIRE(linearize(*bench.model, sample_of(fields), bench.ports(far), {}, out).result.verdict == Verdict::unsupported);
   const std::vector<double> bad{0, std::nan(""), 0};
   REQUIRE(linearize(*bench.model, sample_of(bad), bench.ports(attitudes[0]), {}, out).result.verdict ==
           Verdict::invalid);
@@ -274,7 +273,8 @@ TEST_CASE("velocity_match: a rigid ship moves the slave as its lever arm says", 
     return master(time) + strapdown::C_en(now.lla[0], now.lla[1]) * (C_nM * arm);
   };
   const strapdown::Navigation now = voyage.at(t);
-  const Vector3d v_slave = strapdown::C_en(now.lla[0], now.lla[1]).transpose() * (slave(t + h) - slave(t - h)) / (2 * h);
+  const Vector3d v_slave =
+      strapdown::C_en(now.lla[0], now.lla[1]).transpose() * (slave(t + h) - slave(t - h)) / (2 * h);
   const VelocityBench bench("all", true);
   PortStates ports = bench.ports();
   ports[0].x = values(v_slave), ports[1].x = values(arm), ports[2].x = values(now.q_nb), ports[3].x = {0, 0, 0};

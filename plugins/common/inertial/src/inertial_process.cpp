@@ -163,10 +163,11 @@ void InertialProcess::describe(ComponentSpec& spec) {
 }
 
 InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
-    : model_(model),
-      order_(binding.parameters().text("order") == "first" ? Order::first : Order::second) {
+    : model_(model), order_(binding.parameters().text("order") == "first" ? Order::first : Order::second) {
   density_.gyro = binding.parameters().vector("gyro_noise").cwiseAbs2();
   density_.accel = binding.parameters().vector("accel_noise").cwiseAbs2();
+  for (const Port port : {gyro_bias, accel_bias, gyro_scale, accel_scale})
+    has_sensor_errors_ = has_sensor_errors_ || binding.ports()[static_cast<std::size_t>(port)].bound;
   declaration_.memory_bytes = sizeof(SampleMemory);
   declare_transition(binding);
   declare_noise();
@@ -208,7 +209,7 @@ Result InertialProcess::propagate(const Step& step, const double* const* x, std:
     const strapdown::Step advanced = strapdown::step(nav, increment, {neighbour, neighbour});
     if (!(advanced.mid.cos_lat > least_cos_lat)) return Result::failed(near_pole);
     const strapdown::InputSensitivity input = input_sensitivity(increment, errors);
-    const Linearized linearized{model_.transition({nav, advanced, input, order_}),
+    const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
                                 strapdown::process_noise(advanced.mid, density_)};
     nav = advanced.nav;
     remembered.remember(neighbours, measured, sample);

@@ -25,6 +25,7 @@ struct StepTaken {
   const strapdown::Step& advanced;
   const strapdown::InputSensitivity& input;
   strapdown::Order order;
+  bool has_sensor_errors;  ///< a block of them is plugged in: what `input` tells is wanted
 };
 
 /// What an inertial plugin brings of its own: Φ of one step.
@@ -64,6 +65,7 @@ class InertialProcess : public ProcessModel {
   std::array<NoiseBlock, 6> noise_{};             // as many as declaration_.noise
   ErrorModel model_;
   strapdown::Order order_;
+  bool has_sensor_errors_ = false;
   strapdown::NoiseDensity density_;
 };
 
