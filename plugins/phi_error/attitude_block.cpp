@@ -16,12 +16,18 @@ ComponentSpec AttitudeBlock::spec() {
   spec.summary = "Attitude of the body in north-east-down axes; its error as a rotation vector in those axes.";
   spec.source = "papers 001 (3) and 003 (3)";
   spec.kind = "attitude";
+  spec.parameters = {parameter::vector("mounting", "rad", 3)
+                         .defaults("0")
+                         .at_least(-2.0 * std::numbers::pi)
+                         .at_most(2.0 * std::numbers::pi)
+                         .about("roll, pitch, yaw of the body in the axes whose attitude is read and written")};
   spec.example = R"json({"init": {"roll": "0.2 deg", "pitch": 0, "yaw": "90 deg"},
     "sigma": ["0.5 deg", "0.5 deg", "5 deg"]})json";
   return spec;
 }
 
-AttitudeBlock::AttitudeBlock(const Binding& /*binding*/) {
+AttitudeBlock::AttitudeBlock(const Binding& binding)
+    : q_rb_(strapdown::quaternion_from_euler(binding.parameters().vector("mounting"))) {
   declaration_.kind = "attitude";
   declaration_.stored_size = 4;
   declaration_.error = {{"north", "rad"}, {"east", "rad"}, {"down", "rad"}};
@@ -41,7 +47,8 @@ void AttitudeBlock::minus(const double* y, const double* x, double* delta) const
 }
 
 void AttitudeBlock::read(const double* x, double* outputs) const {
-  vector_at<3>(outputs) = strapdown::euler_from_quaternion(vector_at<4>(x));
+  vector_at<3>(outputs) = strapdown::euler_from_quaternion(
+      strapdown::quaternion_product(vector_at<4>(x), strapdown::quaternion_conjugate(q_rb_)));
 }
 
 Result AttitudeBlock::write(const double* outputs, double* x) const {
@@ -50,7 +57,7 @@ Result AttitudeBlock::write(const double* outputs, double* x) const {
   if (std::abs(angles[1]) > std::numbers::pi / 2) return Result::invalid("the pitch lies beyond the vertical");
   if (angles.cwiseAbs().maxCoeff() > 2.0 * std::numbers::pi)
     return Result::invalid("roll or yaw is more than one turn");
-  vector_at<4>(x) = strapdown::quaternion_from_euler(angles);
+  vector_at<4>(x) = strapdown::quaternion_product(strapdown::quaternion_from_euler(angles), q_rb_);
   return Result::ok();
 }
 

@@ -2,6 +2,8 @@
 // An attitude with its error as tilt in navigation axes.
 #pragma once
 
+#include <Eigen/Core>
+
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
 
@@ -9,6 +11,8 @@ namespace binnacle::phi_error {
 
 /// Stored: quaternion (w, x, y, z), body to navigation. Error: phi north, east, down [rad], q_true = exp(phi) ⊗ q̂,
 /// that is Ĉ = (I − [φ×]) C as in papers 001 (3) and 003 (3).
+/// Outputs: the attitude of the axes r in which the body is mounted by `mounting`, C_nr = C_nb C_rbᵀ. For a body that
+/// stands upright on a ship, angles of its own would be read where roll and yaw are one turn.
 class AttitudeBlock final : public StateBlock {
  public:
   static ComponentSpec spec();
@@ -24,6 +28,7 @@ class AttitudeBlock final : public StateBlock {
 
  private:
   StateBlockDeclaration declaration_;
+  Eigen::Vector4d q_rb_;  // body to the axes that are read
 };
 
 }  // namespace binnacle::phi_error

@@ -7,10 +7,7 @@
 
 #include <random>
 
-#include "bind.hpp"
-#include "catch.hpp"
-#include "kind_blocks.hpp"
-#include "model_check.hpp"
+#include "inertial_bench.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
@@ -18,180 +15,10 @@ using namespace binnacle;
 using namespace binnacle::phi_error;
 using namespace binnacle::test;
 using Eigen::Vector3d;
-using Eigen::Vector4d;
 
 namespace {
 
-constexpr double degree = EIGEN_PI / 180;
-
-std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
-
-struct Flight {
-  const char* name;
-  Vector3d lla, v_n, roll_pitch_yaw;
-  Vector3d omega, f;            // body, at the middle of the step
-  Vector3d omega_rate, f_rate;  // their change per second
-};
-const Flight flights[] = {
-    {"a car",
-     {0.65, 2.2, 60},
-     {8, -5, 0.1},
-     {0.02, -0.03, 2.5},
-     {0.05, -0.1, 0.6},
-     {0.5, 3, -9.8},
-     {1, 2, -1},
-     {3, 4, 5}},
-    {"a fast aircraft",
-     {0.8, -1.3, 11000},
-     {180, 170, -4},
-     {0.9, 0.2, 0.75},
-     {0.8, 0.3, -0.2},
-     {2, -1, -14},
-     {1, -1, 2},
-     {9, 5, 7}},
-    {"the southern hemisphere",
-     {-0.59, 2.6, 400},
-     {-12, 30, 1},
-     {-0.2, 0.1, -1.9},
-     {-0.3, 0.2, 0.1},
-     {-2, 1, -9},
-     {1, 1, 1},
-     {4, 3, 2}},
-    {"a high latitude",
-     {1.4, -3.1, 5},
-     {30, 40, 0},
-     {0.1, 0.02, 3.1},
-     {0.1, 0.2, -0.5},
-     {0.2, 0.3, -9.83},
-     {-1, 1, 0},
-     {3, 3, 3}},
-    {"upside down",
-     {0.1, 0.3, 3000},
-     {100, -90, 20},
-     {3.0, -0.6, -2.7},
-     {-1.5, 0.7, 0.4},
-     {1, -2, 8},
-     {2, -2, 1},
-     {8, -6, 4}},
-};
-
-/// The process under test on plain blocks of its kinds, everything plugged in or nothing.
-struct Bench {
-  PositionKind position;
-  AdditiveKind velocity{"velocity.ned", 3, "m/s"};
-  AttitudeKind attitude;
-  AdditiveKind gyro_bias{3, "rad/s"}, accel_bias{3, "m/s^2"}, scale{3, "1"};
-  std::unique_ptr<PhiErrorProcess> model;
-  bool has_sensor_errors;
-
-  explicit Bench(const std::string& order = "second", bool with_sensor_errors = true,
-                 const nlohmann::json& gyro_noise = {0.03, 0.02, 0.01},
-                 const nlohmann::json& accel_noise = {0.1, 0.2, 0.3})
-      : has_sensor_errors(with_sensor_errors) {
-    Setup setup{{{"gyro_noise", gyro_noise}, {"accel_noise", accel_noise}, {"order", order}},
-                {{"position", &position}, {"velocity", &velocity}, {"attitude", &attitude}},
-                {}};
-    if (with_sensor_errors)
-      setup.ports.insert(
-          {{"gyro_bias", &gyro_bias}, {"accel_bias", &accel_bias}, {"gyro_scale", &scale}, {"accel_scale", &scale}});
-    model = bind<PhiErrorProcess>(setup);
-  }
-  ProcessCheck check() const { return {*model, PhiErrorProcess::spec()}; }
-
-  PortStates ports(const Flight& flight) const {
-    PortStates all{{&position, numbers(flight.lla), 100.0, 4e-9},
-                   {&velocity, numbers(flight.v_n), 1.0, 1e-13},
-                   {&attitude, numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw)), 1e-2, 4e-16},
-                   {},
-                   {},
-                   {},
-                   {}};
-    if (has_sensor_errors) {
-      all[3] = {&gyro_bias, {0.01, -0.02, 0.03}, 1e-2, 1e-16};
-      all[4] = {&accel_bias, {0.1, 0.2, -0.3}, 1.0, 1e-16};
-      all[5] = {&scale, {0.01, -0.01, 0.02}, 1e-2, 1e-16};
-      all[6] = {&scale, {-0.01, 0.03, 0.02}, 1e-2, 1e-16};
-    }
-    return all;
-  }
-};
-
-/// Samples of a flight whose rates change linearly, cut wherever a test likes. Time 0 is the middle of interest.
-class Samples {
- public:
-  explicit Samples(const Flight& flight) : flight_(flight) {}
-
-  /// A whole sample from t0 to t1 [s].
-  Samples& whole(double t0, double t1) { return part(t0, t1, t0, t1); }
-  /// Of the sample [whole_t0, whole_t1] the fragment from t0 to t1, cut proportionally.
-  Samples& part(double t0, double t1, double whole_t0, double whole_t1) {
-    const double middle = 0.5 * (whole_t0 + whole_t1), dt = t1 - t0;
-    std::array<double, 6> fields;
-    vector_at<3>(fields.data()) = (flight_.omega + middle * flight_.omega_rate) * dt;
-    vector_at<3>(fields.data() + 3) = (flight_.f + middle * flight_.f_rate) * dt;
-    fields_.push_back(fields);
-    InputSample sample;
-    sample.t0 = nanoseconds(t0), sample.t1 = nanoseconds(t1), sample.dt = dt;
-    sample.whole_t0 = nanoseconds(whole_t0), sample.whole_t1 = nanoseconds(whole_t1);
-    samples_.push_back(sample);
-    return *this;
-  }
-  /// One step of all of them. Valid as long as this object.
-  Step step() { return step(0, samples_.size()); }
-  /// One step each.
-  std::vector<Step> steps() {
-    std::vector<Step> all;
-    for (std::size_t i = 0; i < samples_.size(); ++i) all.push_back(step(i, 1));
-    return all;
-  }
-
- private:
-  Step step(std::size_t first, std::size_t count) {
-    for (std::size_t i = 0; i < samples_.size(); ++i) samples_[i].fields = fields_[i].data();
-    Step step;
-    step.samples = std::span<const InputSample>(samples_).subspan(first, count);
-    step.t0 = step.samples.front().t0, step.t1 = step.samples.back().t1;
-    for (const InputSample& sample : step.samples) step.dt += sample.dt;
-    return step;
-  }
-
-  const Flight& flight_;
-  std::vector<std::array<double, 6>> fields_;
-  std::vector<InputSample> samples_;
-};
-
-/// What the model remembers when the step at [0, dt] begins: one sample lies behind it.
-std::vector<std::byte> memory_before(const Bench& bench, const Flight& flight, double dt) {
-  Complaints out;
-  Samples earlier(flight);
-  const auto check = bench.check();
-  return check.propagate(bench.ports(flight), earlier.whole(-dt, 0).step(), check.fresh_memory(), out).memory;
-}
-
-struct Walked {
-  PortStates ports;
-  std::vector<std::byte> memory;
-};
-
-Walked walk(const Bench& bench, PortStates ports, const std::vector<Step>& steps, std::vector<std::byte> memory) {
-  for (const Step& step : steps) {
-    Complaints out;
-    Propagation p = bench.check().propagate(ports, step, memory, out);
-    REQUIRE_NO_COMPLAINTS(out);
-    for (std::size_t i = 0; i < 3; ++i) ports[i].x = p.x_plus[i];
-    memory = p.memory;
-  }
-  return {ports, memory};
-}
-
-/// The greatest difference of two navigation states, in m, m/s and rad alike.
-double distance(const Bench& bench, const PortStates& a, const PortStates& b) {
-  Vector3d p, v, phi;
-  bench.position.minus(a[0].x.data(), b[0].x.data(), p.data());
-  bench.velocity.minus(a[1].x.data(), b[1].x.data(), v.data());
-  bench.attitude.minus(a[2].x.data(), b[2].x.data(), phi.data());
-  return std::max({p.norm(), v.norm(), phi.norm()});
-}
+using Bench = InertialBench<PhiErrorProcess>;
 
 }  // namespace
 
@@ -250,6 +77,28 @@ TEST_CASE("blocks: what write refuses, and what it wraps", "[phi_error]") {
   double angles[3];
   attitude->read(x, angles);
   REQUIRE(std::abs(angles[2] + 10 * degree) < 1e-15);
+}
+
+TEST_CASE("attitude: a mounted body is read in the axes in which it is mounted", "[phi_error]") {
+  const auto upright = bind<AttitudeBlock>({{{"mounting", {0, 90 * degree, 0}}}, {}, {}});
+  const auto plain = bind<AttitudeBlock>();
+  // Nose up, belly forward to the east: the ship's bow points east.
+  const double level[3] = {0, 0, 90 * degree};
+  double q[4];
+  REQUIRE(upright->write(level, q));
+  const Eigen::Matrix3d C = strapdown::dcm_from_quaternion(vector_at<4>(q));
+  REQUIRE((C * Vector3d(1, 0, 0) - Vector3d(0, 0, -1)).norm() < 1e-15);
+  REQUIRE((C * Vector3d(0, 0, 1) - Vector3d(0, 1, 0)).norm() < 1e-15);
+  for (const Flight& flight : flights) {
+    const auto x = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
+    REQUIRE_NO_COMPLAINTS(check_block(*upright, x, 1.0, 1e-14, 1e-13));
+    double angles[3], back[4];
+    plain->read(x.data(), angles);
+    REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
+    REQUIRE(upright->write(angles, back));
+    upright->read(back, angles);
+    REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
+  }
 }
 
 TEST_CASE("attitude: an injected correction turns what remains by +half of it", "[phi_error]") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the strapdown process remembers between steps, as plain bytes for the arena.
+// What an inertial process remembers between steps, as plain bytes for the arena.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include "binnacle/view.hpp"
 #include "strapdown/mechanization.hpp"
 
-namespace binnacle::phi_error {
+namespace binnacle::inertial {
 
 /// The neighbours of the sample to come, as measured, and the sample last begun. All zero: nothing is known.
 ///
@@ -73,4 +73,4 @@ class SampleMemory {
   Time whole_t1_ = 0;
 };
 
-}  // namespace binnacle::phi_error
+}  // namespace binnacle::inertial

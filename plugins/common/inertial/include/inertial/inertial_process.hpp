@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// A process model that navigates by an inertial sensor, whatever its error model.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "binnacle/process_model.hpp"
+#include "binnacle/spec.hpp"
+#include "strapdown/error_model.hpp"
+#include "strapdown/mechanization.hpp"
+
+namespace binnacle::inertial {
+
+/// The error model of one sample, or of a group of them.
+struct Linearized {
+  strapdown::TransitionBlocks transition;
+  strapdown::NoiseBlocks noise;
+};
+
+/// One step as an error model sees it.
+struct StepTaken {
+  const strapdown::Navigation& before;
+  const strapdown::Step& advanced;
+  const strapdown::InputSensitivity& input;
+  strapdown::Order order;
+  bool has_sensor_errors;  ///< a block of them is plugged in: what `input` tells is wanted
+};
+
+/// What an inertial plugin brings of its own: Φ of one step.
+struct ErrorModel {
+  strapdown::TransitionBlocks (*transition)(const StepTaken&);
+  bool attitude_moves_alone = false;  ///< neither position nor velocity nor specific force couples into it
+};
+
+/// Advances position, velocity and attitude by an inertial sensor's increments (strapdown/mechanization.hpp), after
+/// taking off the bias and scale factor blocks that are plugged in (strapdown/error_model.hpp: signs).
+///
+/// Several samples in one step are folded: Φ = Φ_n … Φ_1, Q = Φ_n Q Φ_nᵀ + Q_n. Blocks of such a product which the
+/// declaration lacks are of the order that is neglected anyway.
+class InertialProcess : public ProcessModel {
+ public:
+  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
+  Result propagate(const Step& step, const double* const* x, std::byte* memory,
+                   const ProcessOutput& out) const override;
+
+ protected:
+  /// Adds parameters, ports and fields that every such model has.
+  static void describe(ComponentSpec& spec);
+  InertialProcess(const Binding& binding, ErrorModel model);
+
+ private:
+  /// Which block of the error model stands at a place of the declaration.
+  using TransitionBlock = Eigen::Matrix3d strapdown::TransitionBlocks::*;
+  using NoiseBlock = Eigen::Matrix3d strapdown::NoiseBlocks::*;
+
+  void declare_transition(const Binding& binding);
+  void declare_noise();
+  void write(const Linearized& linearized, const ProcessOutput& out) const;
+  void write_identity(const ProcessOutput& out) const;
+
+  ProcessDeclaration declaration_;
+  std::array<TransitionBlock, 19> transition_{};  // as many as declaration_.transition
+  std::array<NoiseBlock, 6> noise_{};             // as many as declaration_.noise
+  ErrorModel model_;
+  strapdown::Order order_;
+  bool has_sensor_errors_ = false;
+  strapdown::NoiseDensity density_;
+};
+
+}  // namespace binnacle::inertial

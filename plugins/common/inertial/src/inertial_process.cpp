@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// A process model that navigates by an inertial sensor, whatever its error model.
+#include "inertial/inertial_process.hpp"
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "binnacle/view.hpp"
+#include "inertial/sample_memory.hpp"
+#include "strapdown/mechanization.hpp"
+
+namespace binnacle::inertial {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using strapdown::NoiseBlocks;
+using strapdown::Order;
+using strapdown::TransitionBlocks;
+
+enum Port { position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, accel_scale };
+
+constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
+constexpr const char* near_pole =
+    "north-east-down axes have no meaning at a pole, which the position came within 64 m of";
+
+static_assert(std::is_trivially_copyable_v<SampleMemory>, "the arena is copied as bytes");
+
+/// Where the blocks of the error model stand. Those whose least order is the second vanish in a first-order transition.
+struct TransitionPlace {
+  Port to, from;
+  Matrix3d TransitionBlocks::*block;
+  Order least_order;
+};
+constexpr TransitionPlace transition_places[] = {
+    {position, position, &TransitionBlocks::p_p, Order::first},
+    {position, velocity, &TransitionBlocks::p_v, Order::first},
+    {position, attitude, &TransitionBlocks::p_phi, Order::second},
+    {position, accel_bias, &TransitionBlocks::p_ba, Order::second},
+    {position, accel_scale, &TransitionBlocks::p_sa, Order::second},
+    {velocity, position, &TransitionBlocks::v_p, Order::first},
+    {velocity, velocity, &TransitionBlocks::v_v, Order::first},
+    {velocity, attitude, &TransitionBlocks::v_phi, Order::first},
+    {velocity, gyro_bias, &TransitionBlocks::v_bg, Order::second},
+    {velocity, accel_bias, &TransitionBlocks::v_ba, Order::first},
+    {velocity, gyro_scale, &TransitionBlocks::v_sg, Order::second},
+    {velocity, accel_scale, &TransitionBlocks::v_sa, Order::first},
+    {attitude, position, &TransitionBlocks::phi_p, Order::first},
+    {attitude, velocity, &TransitionBlocks::phi_v, Order::first},
+    {attitude, attitude, &TransitionBlocks::phi_phi, Order::first},
+    {attitude, gyro_bias, &TransitionBlocks::phi_bg, Order::first},
+    {attitude, accel_bias, &TransitionBlocks::phi_ba, Order::second},
+    {attitude, gyro_scale, &TransitionBlocks::phi_sg, Order::first},
+    {attitude, accel_scale, &TransitionBlocks::phi_sa, Order::second},
+};
+
+/// Q to first order is A dt and G dt alone.
+struct NoisePlace {
+  Port to, from;
+  Matrix3d NoiseBlocks::*block;
+  Order least_order;
+};
+constexpr NoisePlace noise_places[] = {
+    {position, position, &NoiseBlocks::p_p, Order::second},   {position, velocity, &NoiseBlocks::p_v, Order::second},
+    {position, attitude, &NoiseBlocks::p_phi, Order::second}, {velocity, velocity, &NoiseBlocks::v_v, Order::first},
+    {velocity, attitude, &NoiseBlocks::v_phi, Order::second}, {attitude, attitude, &NoiseBlocks::phi_phi, Order::first},
+};
+
+/// Of an attitude that moves alone: itself and the gyros.
+constexpr bool turns_attitude(Port from) { return from == attitude || from == gyro_bias || from == gyro_scale; }
+
+FieldSpec increment_field(std::string name, std::string unit, std::string text) {
+  return {std::move(name), std::move(unit), FieldKind::increment, false, false, std::move(text)};
+}
+
+strapdown::SensorErrors sensor_errors(const double* const* x) {
+  strapdown::SensorErrors errors;
+  if (x[gyro_bias]) errors.gyro_bias = vector_at<3>(x[gyro_bias]);
+  if (x[accel_bias]) errors.accel_bias = vector_at<3>(x[accel_bias]);
+  if (x[gyro_scale]) errors.gyro_scale = vector_at<3>(x[gyro_scale]);
+  if (x[accel_scale]) errors.accel_scale = vector_at<3>(x[accel_scale]);
+  return errors;
+}
+
+strapdown::MeanRates corrected(const strapdown::MeanRates& measured, const strapdown::SensorErrors& errors) {
+  if (!(measured.dt > 0.0)) return {};
+  const strapdown::Increment rates = correct({1.0, measured.omega, measured.f, 0.0, 0.0}, errors);
+  return {measured.dt, rates.dtheta, rates.dv};
+}
+
+/// Φ and Q of a group of samples, as matrices: only steps of more than one sample come here.
+class Folded {
+ public:
+  void then(const Linearized& sample) {
+    const Rows next = assemble(sample.transition);
+    const Square phi = next.leftCols<9>();
+    rows_ = phi.lazyProduct(rows_).eval();
+    rows_.rightCols<12>() += next.rightCols<12>();
+    const Square phi_Q = phi.lazyProduct(Q_);
+    Q_ = phi_Q.lazyProduct(phi.transpose()) + assemble(sample.noise);
+  }
+  Linearized blocks() const {
+    Linearized l;
+    for (const auto& place : transition_places)
+      l.transition.*place.block = rows_.block<3, 3>(3 * place.to, 3 * place.from);
+    for (const auto& place : noise_places) l.noise.*place.block = Q_.block<3, 3>(3 * place.to, 3 * place.from);
+    return l;
+  }
+
+ private:
+  using Rows = Eigen::Matrix<double, 9, 21>;  // of Φ, columns by port
+  using Square = Eigen::Matrix<double, 9, 9>;
+
+  static Rows assemble(const TransitionBlocks& blocks) {
+    Rows rows = Rows::Zero();
+    for (const auto& place : transition_places) rows.block<3, 3>(3 * place.to, 3 * place.from) = blocks.*place.block;
+    return rows;
+  }
+  static Square assemble(const NoiseBlocks& blocks) {
+    Square Q;
+    for (const auto& place : noise_places) {
+      Q.block<3, 3>(3 * place.to, 3 * place.from) = blocks.*place.block;
+      Q.block<3, 3>(3 * place.from, 3 * place.to) = (blocks.*place.block).transpose();
+    }
+    return Q;
+  }
+
+  Rows rows_ = Rows::Identity();
+  Square Q_ = Square::Zero();
+};
+
+}  // namespace
+
+void InertialProcess::describe(ComponentSpec& spec) {
+  spec.parameters = {
+      parameter::vector("gyro_noise", "rad/s/sqrt(Hz)", 3)
+          .at_least(0)
+          .required()
+          .about("angle random walk per body axis, root of the power spectral density"),
+      parameter::vector("accel_noise", "m/s^2/sqrt(Hz)", 3)
+          .at_least(0)
+          .required()
+          .about("velocity random walk per body axis, root of the power spectral density"),
+      parameter::choice("order", {"first", "second"})
+          .defaults("\"second\"")
+          .about("of the transition matrix in the step: I + F dt, or with F^2 dt^2/2 (and Q likewise)"),
+  };
+  spec.ports = {advances("position", "position", "of the inertial sensor"),
+                advances("velocity", "velocity.ned", "of the inertial sensor over ground"),
+                advances("attitude", "attitude", "of the sensor's (body) axes"),
+                may_read("gyro_bias", "vector:3:rad/s", "measured = (1 + scale) true + bias"),
+                may_read("accel_bias", "vector:3:m/s^2", "measured = (1 + scale) true + bias"),
+                may_read("gyro_scale", "vector:3:1", "scale factor error of the gyros"),
+                may_read("accel_scale", "vector:3:1", "scale factor error of the accelerometers")};
+  for (const char* axis : {"x", "y", "z"})
+    spec.fields.push_back(increment_field(std::string("w") + axis, "rad",
+                                          "integral of the angular rate with respect to inertial space, body axes"));
+  for (const char* axis : {"x", "y", "z"})
+    spec.fields.push_back(increment_field(std::string("f") + axis, "m/s", "integral of the specific force, body axes"));
+}
+
+InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
+    : model_(model), order_(binding.parameters().text("order") == "first" ? Order::first : Order::second) {
+  density_.gyro = binding.parameters().vector("gyro_noise").cwiseAbs2();
+  density_.accel = binding.parameters().vector("accel_noise").cwiseAbs2();
+  for (const Port port : {gyro_bias, accel_bias, gyro_scale, accel_scale})
+    has_sensor_errors_ = has_sensor_errors_ || binding.ports()[static_cast<std::size_t>(port)].bound;
+  declaration_.memory_bytes = sizeof(SampleMemory);
+  declare_transition(binding);
+  declare_noise();
+}
+
+void InertialProcess::declare_transition(const Binding& binding) {
+  for (const auto& place : transition_places) {
+    const bool vanishes = (place.least_order == Order::second && order_ == Order::first) ||
+                          (model_.attitude_moves_alone && place.to == attitude && !turns_attitude(place.from));
+    if (vanishes || !binding.ports()[static_cast<std::size_t>(place.from)].bound) continue;
+    transition_[declaration_.transition.size()] = place.block;
+    declaration_.transition.push_back({place.to, place.from, Structure::dense});
+  }
+}
+
+void InertialProcess::declare_noise() {
+  for (const auto& place : noise_places) {
+    if (place.least_order == Order::second && order_ == Order::first) continue;
+    noise_[declaration_.noise.size()] = place.block;
+    declaration_.noise.push_back({place.to, place.from, Structure::dense});
+  }
+}
+
+Result InertialProcess::propagate(const Step& step, const double* const* x, std::byte* memory,
+                                  const ProcessOutput& out) const {
+  const strapdown::SensorErrors errors = sensor_errors(x);
+  strapdown::Navigation nav{vector_at<3>(x[position]), vector_at<3>(x[velocity]), vector_at<4>(x[attitude])};
+  SampleMemory remembered = SampleMemory::load(memory);
+  std::optional<Folded> group;
+  if (step.samples.size() > 1) group.emplace();
+  bool is_moved = false;
+  for (const InputSample& sample : step.samples) {
+    if (!(sample.dt > 0.0)) continue;
+    const strapdown::Increment measured = SampleMemory::increment(sample);
+    const strapdown::Previous neighbours = remembered.before(sample);
+    const strapdown::Increment increment = correct(measured, errors);
+    const strapdown::MeanRates neighbour =
+        corrected(increment.sample_offset > 0.0 ? neighbours.before : neighbours.last, errors);
+    const strapdown::Step advanced = strapdown::step(nav, increment, {neighbour, neighbour});
+    if (!(advanced.mid.cos_lat > least_cos_lat)) return Result::failed(near_pole);
+    const strapdown::InputSensitivity input = input_sensitivity(increment, errors);
+    const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
+                                strapdown::process_noise(advanced.mid, density_)};
+    nav = advanced.nav;
+    remembered.remember(neighbours, measured, sample);
+    if (group) {
+      group->then(linearized);
+    } else {
+      write(linearized, out);
+    }
+    is_moved = true;
+  }
+  remembered.save(memory);
+  vector_at<3>(out.x_plus[position]) = nav.lla;
+  vector_at<3>(out.x_plus[velocity]) = nav.v_n;
+  vector_at<4>(out.x_plus[attitude]) = nav.q_nb;
+  if (!is_moved) {
+    write_identity(out);
+  } else if (group) {
+    write(group->blocks(), out);
+  }
+  return Result::ok();
+}
+
+void InertialProcess::write(const Linearized& linearized, const ProcessOutput& out) const {
+  for (std::size_t i = 0; i < declaration_.transition.size(); ++i)
+    matrix_at<3, 3>(out.transition[i]) = linearized.transition.*transition_[i];
+  for (std::size_t i = 0; i < declaration_.noise.size(); ++i)
+    matrix_at<3, 3>(out.noise[i]) = linearized.noise.*noise_[i];
+}
+
+void InertialProcess::write_identity(const ProcessOutput& out) const {
+  for (std::size_t i = 0; i < declaration_.transition.size(); ++i) {
+    auto block = matrix_at<3, 3>(out.transition[i]);
+    block.setZero();
+    if (declaration_.transition[i].to == declaration_.transition[i].from) block.setIdentity();
+  }
+  for (std::size_t i = 0; i < declaration_.noise.size(); ++i) matrix_at<3, 3>(out.noise[i]).setZero();
+}
+
+}  // namespace binnacle::inertial

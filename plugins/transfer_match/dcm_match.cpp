@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// A slave's attitude held against its master's.
+#include "dcm_match.hpp"
+
+#include "strapdown/rotation.hpp"
+
+namespace binnacle::transfer_match {
+
+namespace {
+
+using Eigen::Matrix3d;
+using strapdown::dcm_from_quaternion;
+
+enum Port { attitude, mounting };
+
+FieldSpec angle(std::string name, std::string text) {
+  return {std::move(name), "rad", FieldKind::level, false, false, std::move(text)};
+}
+
+}  // namespace
+
+ComponentSpec DcmMatch::spec() {
+  ComponentSpec spec;
+  spec.type = "dcm_match";
+  spec.summary = "Attitude match of transfer alignment: the master's direction cosines against the slave's.";
+  spec.source = "paper 000, equations (3) and (4)";
+  spec.parameters = {
+      parameter::vector("sigma", "rad", 3)
+          .above(0)
+          .required()
+          .about("standard deviation of the master's attitude, about north, east, down, at each sample")};
+  spec.ports = {reads("attitude", "attitude", "of the slave (SINS)"),
+                reads("mounting", "mounting", "of the slave in the master's axes")};
+  spec.fields = {angle("roll", "of the master (MINS)"), angle("pitch", "of the master"),
+                 angle("yaw", "of the master, from true north")};
+  spec.example = R"json({"channel": "mins", "blocks": {"attitude": "attitude", "mounting": "mounting"},
+    "sigma": "0.2 arcmin"})json";
+  // Attitudes that agree to some degrees: an arbitrary pair of them is refused.
+  spec.surroundings = R"json({"blocks": {
+      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": 0.5}, "sigma": 0.02},
+      "mounting": {"type": "transfer_match/mounting", "init": {"mx": 0.01, "my": -0.02, "mz": 0.03}, "sigma": 0.02}},
+    "sample": {"roll": 0.01, "pitch": -0.02, "yaw": 0.48}})json";
+  return spec;
+}
+
+DcmMatch::DcmMatch(const Binding& binding) : variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
+  declaration_.max_rows = 3;
+  declaration_.reads = {attitude, mounting};
+  declaration_.groups = {{"attitude", 0, 3, "rad", attitude}};
+}
+
+Result DcmMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
+                           const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+  const auto angles = vector_at<3>(sample.fields);
+  if (!angles.allFinite()) return Result::invalid("an angle of the master is not finite");
+  const Matrix3d C_M = dcm_from_quaternion(strapdown::quaternion_from_euler(angles));
+  const Matrix3d C_S = dcm_from_quaternion(vector_at<4>(x[attitude]));
+  const Matrix3d A = C_M * dcm_from_quaternion(vector_at<4>(x[mounting])) * C_S.transpose();
+  // tr A = 1 + 2 cos: from a right angle on, the antisymmetric part shrinks again and tells two attitudes.
+  const double trace = A.trace();
+  if (!(trace > 1.0)) return Result::unsupported("slave and master are more than a right angle from their mounting");
+  out.rows = 3;
+  vector_at<3>(out.residual) << 0.5 * (A(2, 1) - A(1, 2)), 0.5 * (A(0, 2) - A(2, 0)), 0.5 * (A(1, 0) - A(0, 1));
+  const Matrix3d scaled = 0.5 * trace * Matrix3d::Identity();
+  out.H[attitude].as<3, 3>() = scaled - 0.5 * A.transpose();
+  out.H[mounting].as<3, 3>() = (0.5 * A - scaled) * C_M;
+  out.R.as<3, 3>().diagonal() = variance_;
+  return Result::ok();
+}
+
+}  // namespace binnacle::transfer_match

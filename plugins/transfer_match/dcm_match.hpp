@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// A slave's attitude held against its master's.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "binnacle/measurement_model.hpp"
+#include "binnacle/spec.hpp"
+
+namespace binnacle::transfer_match {
+
+/// With A = C_M Ĉ_S^M Ĉ_Sᵀ, C_M from the master's roll, pitch, yaw (paper 000 (3), its third matrix read as C_n^S):
+///   r = ½ (A − Aᵀ)∨ = ψ − C_M δμ + v, north east down [rad]                                                    (4)
+/// The paper's H is [I, −C_M] (its residual A − I has the same sign as z ⊟ h(x̂), both errors keep theirs). For
+/// residuals that are not small, exactly:
+///   H_ψ = ½ (tr A I − Aᵀ)      H_μ = −½ (tr A I − A) C_M
+/// by [a×]A + Aᵀ[a×] = [((tr A) I − A) a ×]; both are the paper's where A = I.
+class DcmMatch final : public MeasurementModel {
+ public:
+  static ComponentSpec spec();
+  explicit DcmMatch(const Binding& binding);
+
+  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
+  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
+                   const Context& context, std::byte* memory, Linearization& out) const override;
+
+ private:
+  MeasurementDeclaration declaration_;
+  Eigen::Vector3d variance_;  // rad²
+};
+
+}  // namespace binnacle::transfer_match
