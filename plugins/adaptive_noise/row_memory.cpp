@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace binnacle::adaptive_noise {
 
@@ -52,10 +53,11 @@ int RowMemory::find(int group, std::int64_t key, int hint, std::byte* memory) co
 
 void RowMemory::enter(const Innovation& innovation, std::byte* memory) const noexcept {
   Head& now = *reinterpret_cast<Head*>(memory);
-  ++now.sample;
+  now.sample = std::clamp<std::int64_t>(now.sample, 0, std::numeric_limits<std::int64_t>::max() - 1) + 1;
   now.rows = innovation.rows;
   Slot* const table = slot_table(memory);
   std::int64_t* const of_row = slot_of_row(memory);
+  for (int i = 0; i < max_rows_; ++i) table[i].last = std::clamp<std::int64_t>(table[i].last, 0, now.sample);
   for (int i = 0; i < max_rows_; ++i)
     if (table[i].group >= 0 && now.sample - table[i].last > lifetime_) table[i].group = -1;
   const auto key_of = [&](int row) { return innovation.row_keys.empty() ? row : innovation.row_keys[as_size(row)]; };

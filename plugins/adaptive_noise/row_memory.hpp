@@ -2,6 +2,7 @@
 // What an estimator remembers of each row, in plain memory, whatever rows a sample has.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -28,11 +29,14 @@ class RowMemory {
   int groups() const noexcept { return static_cast<int>(first_row_.size()); }
   int group_of(int row) const noexcept;
 
-  // of the sample entered last
-  std::int64_t sample(const std::byte* memory) const noexcept { return head(memory).sample; }
-  int rows(const std::byte* memory) const noexcept { return static_cast<int>(head(memory).rows); }
+  // Of the sample entered last. What was restored from a damaged snapshot must not lead outside of the memory.
+  std::int64_t sample(const std::byte* memory) const noexcept { return std::max<std::int64_t>(head(memory).sample, 0); }
+  int rows(const std::byte* memory) const noexcept {
+    return static_cast<int>(std::clamp<std::int64_t>(head(memory).rows, 0, max_rows_));
+  }
   int slot(const std::byte* memory, int row) const noexcept {
-    return static_cast<int>(reinterpret_cast<const std::int64_t*>(memory + sizeof(Head))[row]);
+    const std::int64_t stored = reinterpret_cast<const std::int64_t*>(memory + sizeof(Head))[row];
+    return static_cast<int>(std::clamp<std::int64_t>(stored, 0, max_rows_ - 1));
   }
   double* values(std::byte* memory, int slot) const noexcept;
   int slots() const noexcept { return max_rows_; }

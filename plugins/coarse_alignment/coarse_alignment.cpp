@@ -92,7 +92,8 @@ static_assert(std::is_trivially_copyable_v<State> && alignof(State) <= 8);
 ComponentSpec CoarseAlignment::spec() {
   using namespace parameter;
   const auto fields = [](const char* names[], int count, const char* unit, FieldKind kind, std::vector<FieldSpec>& to) {
-    for (int i = 0; i < count; ++i) to.push_back({names[i], unit, kind, false, false, ""});
+    const std::string text = kind == FieldKind::rate ? "mean over the sample, body axes" : "";
+    for (int i = 0; i < count; ++i) to.push_back({names[i], unit, kind, false, false, text});
   };
   ComponentSpec spec;
   spec.type = "coarse_alignment";

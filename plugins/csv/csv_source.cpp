@@ -227,7 +227,7 @@ ComponentSpec CsvSource::spec() {
           .about("error: stop at a bad number, NaN, column count or time that does not increase; skip: leave such rows "
                  "out and report their number"));
   spec.example = R"({
-  "path": "imu.csv.gz",
+  "path": "imu.csv",
   "time": { "column": "t_s", "unit": "s" },
   "columns": {
     "wx": { "column": "gx", "unit": "deg/s", "kind": "rate" },
@@ -235,6 +235,7 @@ ComponentSpec CsvSource::spec() {
   },
   "max_gap": "0.1 s"
 })";
+  spec.surroundings = R"({ "files": { "imu.csv": "t_s,gx,ax\n0.00,0.1,1.0\n0.01,0.2,1.1\n0.02,0.1,1.0\n0.03,0.0,0.9\n" } })";
   return spec;
 }
 

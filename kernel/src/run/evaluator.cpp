@@ -145,6 +145,10 @@ class Evaluator::FilterScore : public StepTape {
       if (scored_measurements_.contains(group.measurement))
         for (const auto& series : group.series)
           if (names.insert(series.name).second) subjects_.push_back({&series, -1, 0});
+    for (std::size_t m = 0; m < plan_.measurements.size(); ++m)
+      if (plan_.measurements[m].noise) add_noise(static_cast<int>(m));
+    for (const auto& group : noise_)
+      if (names.insert(group.series.name).second) subjects_.push_back({&group.series, -1, 0});
     engine_.attach(this);
   }
   ~FilterScore() override { engine_.attach(nullptr); }
@@ -198,7 +202,10 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   void offered(const UpdateRecord& record) override {
-    if (record.outcome != Outcome::withheld) return;
+    if (record.outcome != Outcome::withheld) {
+      keep_noise(record);
+      return;
+    }
     for (auto& group : withheld_) {
       if (group.measurement != record.measurement) continue;
       const int rows = std::min(group.rows == 0 ? record.rows : group.rows, record.rows - group.first_row);
@@ -249,6 +256,12 @@ class Evaluator::FilterScore : public StepTape {
                                        {"n", n}};
     }
     if (!consistency.empty()) summary["consistency"] = consistency;
+    nlohmann::ordered_json noise = nlohmann::ordered_json::object();
+    for (const auto& group : noise_) {
+      auto value = statistics(group.series, evaluation.span, engine_.status().start);
+      if (!value.is_null()) noise[group.series.name] = std::move(value);
+    }
+    if (!noise.empty()) summary["noise"] = noise;
     return summary;
   }
 
@@ -281,6 +294,15 @@ class Evaluator::FilterScore : public StepTape {
       if (references_[r].is_whole)
         all.push_back({references_[r].name, "1", "1", static_cast<int>(r), true, false, true});
     return all;
+  }
+
+  std::vector<RecordColumn> noise_columns() const {
+    std::vector<RecordColumn> columns;
+    for (const auto& group : noise_) columns.push_back({group.series.name, group.series.unit});
+    return columns;
+  }
+  void latest_noise(double* values) const {
+    for (const auto& group : noise_) *values++ = group.series.values.empty() ? not_a_number : group.series.values.back();
   }
 
   void watch(const Metric& metric) {
@@ -342,6 +364,13 @@ class Evaluator::FilterScore : public StepTape {
     int rows = 0;
     const StateBlockDeclaration* norms = nullptr;
     std::vector<Series> series;
+  };
+  /// What a noise estimator made of R: the root of its mean diagonal over a group of rows.
+  struct NoiseGroup {
+    int measurement = 0;
+    int first_row = 0;
+    int rows = 0;                    // 0: all there are
+    Series series;
   };
   struct Pending {
     int reference = 0;
@@ -422,6 +451,42 @@ class Evaluator::FilterScore : public StepTape {
         withheld_.push_back(std::move(entry));
       }
       first_row += part.model->declaration().max_rows;
+    }
+  }
+
+  void add_noise(int measurement) {
+    const MeasurementPlan& plan = plan_.measurements[as_size(measurement)];
+    int first_row = 0;
+    for (const auto& part : plan.parts) {
+      const auto& groups = part.model->declaration().groups;
+      for (const auto& group : groups) {
+        NoiseGroup entry;
+        entry.measurement = measurement;
+        entry.first_row = first_row + group.first_row;
+        entry.rows = group.rows;
+        std::string name = plan.name;
+        if (plan.parts.size() > 1) name += "." + part.name;
+        if (groups.size() > 1) name += "." + group.name;
+        const BlockPlan* block = group.port >= 0 ? block_like(part.ports[as_size(group.port)]) : nullptr;
+        const std::string unit = block ? block->declaration().error.front().unit : group.unit;
+        const bool is_shown = block && !block->declaration().error_display_unit.empty();
+        entry.series = {name + ".noise", unit, is_shown ? block->declaration().error_display_unit : unit, {}, {}};
+        noise_.push_back(std::move(entry));
+      }
+      first_row += part.model->declaration().max_rows;
+    }
+  }
+
+  void keep_noise(const UpdateRecord& record) {
+    if (!record.R) return;
+    for (auto& group : noise_) {
+      if (group.measurement != record.measurement) continue;
+      const int rows = std::min(group.rows == 0 ? record.rows : group.rows, record.rows - group.first_row);
+      if (rows < 1) continue;
+      double sum = 0;
+      for (int i = 0; i < rows; ++i) sum += record.R(group.first_row + i, group.first_row + i);
+      group.series.t.push_back(record.t);
+      group.series.values.push_back(std::sqrt(sum / rows));
     }
   }
 
@@ -521,6 +586,7 @@ class Evaluator::FilterScore : public StepTape {
   const FilterPlan& plan_;
   std::vector<Reference> references_;
   std::vector<WithheldGroup> withheld_;
+  std::vector<NoiseGroup> noise_;
   std::set<int> scored_measurements_;
   std::vector<Pending> pending_;
   std::vector<Subject> subjects_;
@@ -549,6 +615,12 @@ void Evaluator::finish() {
 nlohmann::ordered_json Evaluator::filter_summary(int filter) const {
   return scores_[as_size(filter)]->summary(runtime_.plan().evaluation, filter);
 }
+
+std::vector<RecordColumn> Evaluator::noise_columns(int filter) const {
+  return scores_[as_size(filter)]->noise_columns();
+}
+
+void Evaluator::latest_noise(int filter, double* values) const { scores_[as_size(filter)]->latest_noise(values); }
 
 std::vector<Scored> Evaluator::scored(int filter) const { return scores_[as_size(filter)]->scored(); }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/metric.hpp"
+#include "binnacle/run.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -47,6 +48,9 @@ class Evaluator : public SampleListener {
   /// Before the run: what these metrics need beyond the errors is kept too.
   void watch(const std::vector<Metric>& metrics);
   MetricValue value(const Metric& metric) const;
+  /// What noise estimators make of R, as 1-σ by group of rows; the newest values, NaN before the first.
+  std::vector<RecordColumn> noise_columns(int filter) const;
+  void latest_noise(int filter, double* values) const;
   /// Over all windows of all filters: mean, p50, max of each window's final and rms.
   nlohmann::ordered_json across_windows() const;
 

@@ -43,11 +43,11 @@ void open_sources(const CompositionPlan& plan, Diagnostics& warnings) {
   if (errors.has_errors()) throw DataError(errors);
 }
 
-/// Writes a filter's outputs and their 1-σ at most every so often.
+/// Writes a filter's outputs, their 1-σ and what its noise estimators made of R, at most every so often.
 class Recorder {
  public:
-  Recorder(const Runtime& runtime, RunObserver& observer, Time every)
-      : runtime_(runtime), observer_(observer), every_(every) {
+  Recorder(const Runtime& runtime, const Evaluator& evaluator, RunObserver& observer, Time every)
+      : runtime_(runtime), evaluator_(evaluator), observer_(observer), every_(every) {
     const auto& filters = runtime.plan().filters;
     next_.assign(filters.size(), no_time);
     last_.assign(filters.size(), no_time);
@@ -62,6 +62,9 @@ class Recorder {
         scratch = std::max(scratch, output_sigma_scratch(block));
       }
       columns.insert(columns.end(), sigmas.begin(), sigmas.end());
+      const auto noise = evaluator.noise_columns(static_cast<int>(f));
+      columns.insert(columns.end(), noise.begin(), noise.end());
+      noise_columns_.push_back(noise.size());
       width = std::max(width, columns.size());
       observer.begin(static_cast<int>(f), filters[f].name, columns);
     }
@@ -86,14 +89,18 @@ class Recorder {
         output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(), values_.data() + at);
         at += block.declaration().outputs.size();
       }
+      evaluator_.latest_noise(static_cast<int>(f), values_.data() + at);
+      at += noise_columns_[f];
       observer_.record(static_cast<int>(f), t, {values_.data(), at});
     }
   }
 
  private:
   const Runtime& runtime_;
+  const Evaluator& evaluator_;
   RunObserver& observer_;
   Time every_;
+  std::vector<std::size_t> noise_columns_;
   std::vector<Time> next_, last_;
   std::vector<double> scratch_, values_;
 };
@@ -171,7 +178,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   evaluator.watch(options.metrics);
   std::unique_ptr<Recorder> recorder;
   if (options.observer && options.observer->wants_records())
-    recorder = std::make_unique<Recorder>(runtime, *options.observer, composition->record_every());
+    recorder = std::make_unique<Recorder>(runtime, evaluator, *options.observer, composition->record_every());
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks) sink.sink->open();
 

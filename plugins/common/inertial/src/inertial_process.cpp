@@ -27,6 +27,17 @@ constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
 constexpr const char* near_pole =
     "north-east-down axes have no meaning at a pole, which the position came within 64 m of";
 
+// What no inertial sensor says of one sample; beyond, the series of the mechanization overflow.
+constexpr double longest_sample = 1e3;       // s
+constexpr double largest_turn = 1e3;         // rad
+constexpr double largest_velocity = 1e5;     // m/s
+constexpr const char* implausible =
+    "a sample of more than 1000 s, 1000 rad or 100 km/s is no inertial sensor's";
+
+bool is_plausible(const strapdown::Increment& measured) {
+  return measured.dt <= longest_sample && measured.dtheta.norm() <= largest_turn && measured.dv.norm() <= largest_velocity;
+}
+
 static_assert(std::is_trivially_copyable_v<SampleMemory>, "the arena is copied as bytes");
 
 /// Where the blocks of the error model stand. Those whose least order is the second vanish in a first-order transition.
@@ -202,6 +213,7 @@ Result InertialProcess::propagate(const Step& step, const double* const* x, std:
   for (const InputSample& sample : step.samples) {
     if (!(sample.dt > 0.0)) continue;
     const strapdown::Increment measured = SampleMemory::increment(sample);
+    if (!is_plausible(measured)) return Result::failed(implausible);
     const strapdown::Previous neighbours = remembered.before(sample);
     const strapdown::Increment increment = correct(measured, errors);
     const strapdown::MeanRates neighbour =
