@@ -59,6 +59,7 @@ ComponentSpec LinearMeasurement::spec() {
   for (int i = 0; i < most_rows; ++i) {
     FieldSpec field;
     field.name = std::string("z").append(std::to_string(i));
+    field.unit = "*";
     field.optional = i > 0;
     field.text = "measured value of row " + std::to_string(i) + ", in the unit of the block";
     spec.fields.push_back(std::move(field));

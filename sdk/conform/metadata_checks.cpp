@@ -42,6 +42,33 @@ void text(Trial& trial) {
   }
 }
 
+void units_of(Trial& trial, const std::vector<ParameterSpec>& parameters, const std::string& where) {
+  for (const auto& parameter : parameters) {
+    const std::string who = where + "/" + parameter.name;
+    const bool has_numbers = parameter.type == ParameterType::number || parameter.type == ParameterType::vector ||
+                             parameter.type == ParameterType::matrix;
+    trial.expect(!has_numbers || !parameter.unit.empty(), "parameter '", who, "' is a number without unit (\"1\" for a pure one)");
+    units_of(trial, parameter.members, who);
+  }
+}
+
+void units(Trial& trial) {
+  const Catalog catalog = load_catalog(trial);
+  const ComponentSpec& spec = component(trial, catalog).spec;
+  units_of(trial, spec.parameters, "");
+  const auto fields = [&](const std::vector<FieldSpec>& list, const std::string& where) {
+    for (const auto& field : list) trial.expect(!field.unit.empty(), "field '", where, field.name, "' has no unit");
+  };
+  fields(spec.fields, "");
+  fields(spec.drive, "drive/");
+  for (const auto& input : spec.inputs) fields(input.fields, input.name + "/");
+}
+
+/// Never unmade: the process ends without, so that what is wrong with its end is life.create's to find.
+const Composition& kept(std::shared_ptr<const Composition> composition) {
+  return **new std::shared_ptr<const Composition>(std::move(composition));
+}
+
 void version(Trial& trial) {
   const Catalog catalog = load_catalog(trial);
   const std::string& version = component(trial, catalog).plugin_version;
@@ -62,8 +89,7 @@ void example(Trial& trial) {
   const Json config = miniature(trial, type, catalog, settings);
   trial.stage("constructor");
   try {
-    const auto composition = compose(trial, config);
-    (void)composition;
+    kept(compose(trial, config));
   } catch (const Error& error) {
     trial.fail("its example does not compose:\n", error.what(), "\nin ", config.dump(2));
   }
@@ -161,15 +187,15 @@ void declared_channels(Trial& trial, const std::vector<ChannelDeclaration>& chan
 }
 
 void declared(Trial& trial) {
-  const auto composition = compose_example(trial);
-  const ComponentSpec& spec = component(trial, composition->catalog()).spec;
+  const Composition& composition = kept(compose_example(trial));
+  const ComponentSpec& spec = component(trial, composition.catalog()).spec;
   switch (trial.role) {
-    case Role::state_block: return declared_block(trial, *composition, spec);
-    case Role::process_model: return declared_process(trial, *composition, spec);
-    case Role::measurement_model: return declared_measurement(trial, *composition);
-    case Role::derived_block: return declared_derived(trial, *composition, spec);
-    case Role::source: return declared_channels(trial, parts::source(*composition, component_name).model->channels());
-    case Role::transform: return declared_channels(trial, parts::transform(*composition, component_name).model->channels());
+    case Role::state_block: return declared_block(trial, composition, spec);
+    case Role::process_model: return declared_process(trial, composition, spec);
+    case Role::measurement_model: return declared_measurement(trial, composition);
+    case Role::derived_block: return declared_derived(trial, composition, spec);
+    case Role::source: return declared_channels(trial, parts::source(composition, component_name).model->channels());
+    case Role::transform: return declared_channels(trial, parts::transform(composition, component_name).model->channels());
     default: Trial::skip("this role declares nothing once it is bound");
   }
 }
@@ -179,9 +205,10 @@ void declared(Trial& trial) {
 std::vector<Check> metadata_checks() {
   return {
       {"metadata.text", 1, every_role, {"load.register"}, "component, parameters, ports and fields have a line of text", text},
+      {"metadata.units", 1, every_role, {"load.register"}, "every number has a unit: parameters and fields", units},
       {"metadata.version", 1, every_role, {"load.register"}, "the plugin's version is MAJOR.MINOR.PATCH", version},
       {"metadata.example", 1, every_role, {"load.register"}, "its example composes without an error", example},
-      {"metadata.declared", 2, every_role, {"metadata.example"}, "what it declares once bound agrees with its spec and with itself", declared},
+      {"metadata.declared", 2, every_role, {"metadata.example", "metadata.units"}, "what it declares once bound agrees with its spec and with itself", declared},
   };
 }
 

@@ -160,7 +160,7 @@ TEST_CASE("metrics of a run are those of a hand calculation") {
   CHECK(metrics.at("walk/place.x/at 5 s").at("value").is_null());  // after the last of the reference
 }
 
-TEST_CASE("--jobs changes no figure, and every run can be repeated alone") {
+TEST_CASE("jobs change no figure, and every run can be repeated alone") {
   const Workbench bench;
   write_drive(bench);
   const auto one = command(bench, {"study", "drive.json", "--jobs", "1", "--out", "one"});

@@ -145,7 +145,8 @@ enum class FieldKind { level, rate, increment };
 /// A number that a channel carries or that a component wants from one.
 ///
 /// Where a component wants a field as a rate and the channel has increments (or the reverse) the kernel converts by the
-/// sample's interval; unit is then the one of the wanted kind. Units are compared by dimension.
+/// sample's interval; unit is then the one of the wanted kind. Units are compared by dimension; a component that takes
+/// numbers of whatever unit the channel has says "*".
 struct FieldSpec {
   std::string name;
   std::string unit;

@@ -8,6 +8,8 @@ namespace binnacle {
 
 namespace {
 
+bool takes_any_unit(const FieldSpec& field) { return field.unit.empty() || field.unit == "*"; }
+
 std::vector<std::string> field_names(const ChannelDeclaration& declaration) {
   std::vector<std::string> names;
   for (const auto& field : declaration.fields) names.push_back(field.name);
@@ -117,13 +119,13 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
       if (!field.optional || is_mapped)
         error("B021", at_pointer,
               "channel '" + channel.name + "' has no field '" + name + "'" +
-                  (field.unit.empty() ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
+                  (takes_any_unit(field) ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
                   suggestion(name, field_names(channel.declaration)) + " (it has " +
                   listed(field_names(channel.declaration)) + "; map another with \"fields\": {\"" + field.name +
                   "\": …})");
     } else {
       const auto carried = parse_unit(found->unit.empty() ? "1" : found->unit);
-      const auto needed = parse_unit(field.unit.empty() ? "1" : field.unit);
+      const auto needed = parse_unit(takes_any_unit(field) ? "1" : field.unit);
       Dimension have = carried ? carried->dimension : Dimension{};
       const Dimension need = needed ? needed->dimension : Dimension{};
       const Dimension second = parse_unit("s")->dimension;
@@ -146,7 +148,7 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
                   (channel.pointer.empty() ? std::string("its source") : channel.pointer));
         continue;
       }
-      if (!field.unit.empty() && !(have == need)) {
+      if (!takes_any_unit(field) && !(have == need)) {
         error("B021", at_pointer,
               "field '" + name + "' of channel '" + channel.name + "' is " + dimension_name(carried->dimension) +
                   "; '" + type + "' needs " + dimension_name(need));

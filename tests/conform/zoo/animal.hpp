@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include <Eigen/Geometry>
+
 #include "binnacle/plugin.hpp"
 #include "binnacle/view.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Declares a row of Phi for a port that it only reads.
-// fails: metadata.declared
+// fails: metadata.example
 #include "animal.hpp"
 
 namespace {

@@ -11,8 +11,8 @@ class Animal final : public zoo::Measurement {
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary, const double* const* x,
                              const binnacle::Context& context, std::byte* memory, binnacle::Linearization& out) const override {
     static const double table[4] = {};
-    const auto index = static_cast<long long>(sample.fields[0]);
-    if (index < -1'000'000'000'000'000'000) out.residual[0] = *const_cast<const volatile double*>(table + index);
+    const volatile auto index = static_cast<int>(sample.fields[0]);
+    if (std::isnan(sample.fields[0])) out.residual[0] = *(static_cast<const volatile double*>(table) + index);
     const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
     return result;
   }

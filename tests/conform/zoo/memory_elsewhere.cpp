@@ -10,12 +10,8 @@ class Animal final : public zoo::Noise {
   using Noise::Noise;
   std::size_t memory_bytes() const noexcept override { return Noise::memory_bytes() + sizeof(double*); }
   void start(std::byte* memory) const override {
-    static double* const pool = new double[1 << 16]();
-    static int used = 0;
-    (void)pool;
     const std::uint64_t none = 0;
     std::memcpy(memory + Noise::memory_bytes(), &none, sizeof none);
-    used = 0;
   }
   void estimate(const binnacle::Innovation& innovation, std::byte* memory, binnacle::MatrixView R) const override {
     Noise::estimate(innovation, memory, R);

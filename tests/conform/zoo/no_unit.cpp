@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A number without unit.
-// fails: load.register
+// fails: metadata.units
 #include "animal.hpp"
 
 namespace {

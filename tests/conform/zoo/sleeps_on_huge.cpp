@@ -11,7 +11,7 @@ class Animal final : public zoo::Measurement {
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary, const double* const* x,
                              const binnacle::Context& context, std::byte* memory, binnacle::Linearization& out) const override {
     volatile double angle = sample.fields[0];
-    while (angle > 1e12) angle = angle - 6.28;
+    while (angle > 1e12 && std::isfinite(angle)) angle = angle - 6.28;
     const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
     return result;
   }

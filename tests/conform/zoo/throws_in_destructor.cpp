@@ -8,7 +8,10 @@ namespace {
 class Animal final : public zoo::Process {
  public:
   using Process::Process;
-  ~Animal() noexcept(false) override { throw 7; }
+  ~Animal() override { throw_something(); }
+
+ private:
+  static void throw_something() { throw 7; }
 };
 
 }  // namespace

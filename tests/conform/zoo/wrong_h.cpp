@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// R of its two rows is not symmetric.
-// fails: numbers.measurement.noise
+// H has the wrong sign in one column.
+// fails: numbers.measurement.jacobian
 #include "animal.hpp"
 
 namespace {
 
 class Animal final : public zoo::Measurement {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Measurement(binding) {
-    declared.max_rows = 2;
-    declared.groups[0].rows = 2;
-  }
+  using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary, const double* const* x,
                              const binnacle::Context& context, std::byte* memory, binnacle::Linearization& out) const override {
     const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
-    out.rows = 2;
-    out.residual[1] = out.residual[0];
-    for (int i = 0; i < 2; ++i) out.H[0](1, i) = out.H[0](0, i);
-    out.R(1, 1) = out.R(0, 0);
-    out.R(0, 1) = 0.1 * out.R(0, 0);
+    out.H[0](0, 1) = -out.H[0](0, 1);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("lopsided_R", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_h", "1.0.0", registry) { registry.add<Animal>(); }

@@ -18,4 +18,4 @@ class Animal final : public zoo::Derived {
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_J", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_j", "1.0.0", registry) { registry.add<Animal>(); }
