@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // numbers.noise: what an estimator gives is a covariance, and in the end the right one.
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -14,8 +15,9 @@ namespace {
 /// A scalar-by-scalar filter around the estimator: innovations of a known R, post-fit residuals of the R it gives.
 class World {
  public:
-  World(Trial& trial, double factor)
-      : composition_(compose_example(trial)), part_(parts::noise(*composition_, filter_name, "adapted")), memory_(part_.estimator->memory_bytes()), trial_(trial) {
+  World(Trial& trial, double factor) : World(trial, factor, compose_example(trial)) {}
+  World(Trial& trial, double factor, std::shared_ptr<const Composition> composition)
+      : composition_(std::move(composition)), part_(parts::noise(*composition_, filter_name, "adapted")), memory_(part_.estimator->memory_bytes()), trial_(trial) {
     part_.estimator->start(memory_.data());
     nominal_ = Eigen::Vector2d(4, 9);
     true_R_ = factor * nominal_;
@@ -89,12 +91,35 @@ void recovery(Trial& trial) {
     trial.expect(std::abs(ratio[i] - 1) < allowed, "row ", i, ": where the true R is the nominal one it settles at ", ratio[i], " of it, allowed 1 +- ", allowed);
 }
 
+/// By convention `floor` and `ceiling` are factors on the nominal standard deviation.
+void bounds(Trial& trial) {
+  const Catalog catalog = load_catalog(trial);
+  const ComponentType& type = component(trial, catalog);
+  const auto has = [&](const char* name) {
+    return std::any_of(type.spec.parameters.begin(), type.spec.parameters.end(), [&](const ParameterSpec& parameter) {
+      return parameter.name == name && parameter.type == ParameterType::number && parameter.unit == "1";
+    });
+  };
+  if (!has("floor") && !has("ceiling")) Trial::skip("it has neither floor nor ceiling");
+  Json settings = example_of(type.spec);
+  if (has("floor")) settings["floor"] = 0.5;
+  if (has("ceiling")) settings["ceiling"] = 2;
+  auto random = trial.random(800);
+  World world(trial, 1.0, compose(trial, miniature(trial, type, catalog, settings)));
+  for (int k = 0; k < trial.repeats(600); ++k) {
+    const Eigen::Vector2d ratio = world.step(random, k < 300 ? 0.0 : 100.0).diagonal().cwiseQuotient(world.true_R());
+    if (has("floor") && !trial.expect(ratio.minCoeff() >= 0.25 * (1 - 1e-9), "with floor 0.5 R falls to ", ratio.minCoeff(), " of the nominal one, below 0.25")) return;
+    if (has("ceiling") && !trial.expect(ratio.maxCoeff() <= 4 * (1 + 1e-9), "with ceiling 2 R rises to ", ratio.maxCoeff(), " of the nominal one, above 4")) return;
+  }
+}
+
 }  // namespace
 
 std::vector<Check> noise_checks() {
   const std::vector<Role> roles = {Role::noise_estimator};
   return {
       {"numbers.noise.covariance", 2, roles, {"life.repeatable"}, "R is symmetric, positive semidefinite and finite through quiet and loud stretches", covariance},
+      {"numbers.noise.bounds", 3, roles, {"numbers.noise.covariance"}, "R keeps between floor and ceiling, which are factors on the nominal standard deviation", bounds},
       {"numbers.noise.recovery", 3, roles, {"numbers.noise.covariance"}, "it recovers a known R from innovations that have it", recovery},
   };
 }

@@ -5,6 +5,7 @@
 
 #include "binnacle/filter.hpp"
 #include "run/evaluator.hpp"
+#include "run/guard_sink.hpp"
 #include "run/outputs.hpp"
 #include "run/runtime.hpp"
 
@@ -180,7 +181,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   if (options.observer && options.observer->wants_records())
     recorder = std::make_unique<Recorder>(runtime, evaluator, *options.observer, composition->record_every());
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) sink.sink->open();
+    for (const auto& sink : plan.sinks) guard_sink(plan, sink, "open", [&] { sink.sink->open(); });
 
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     if (recorder) recorder->after_instant();
@@ -190,7 +191,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   if (recorder) recorder->after_instant();
   evaluator.finish();
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) sink.sink->close();
+    for (const auto& sink : plan.sinks) guard_sink(plan, sink, "close", [&] { sink.sink->close(); });
 
   nlohmann::ordered_json filters = nlohmann::ordered_json::object();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {

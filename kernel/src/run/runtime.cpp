@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/runtime.hpp"
+#include "run/guard_sink.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -200,7 +201,7 @@ void Runtime::run_sink(int index) {
   const auto& sink = plan_.sinks[as_size(index)];
   for (std::size_t i = 0; i < sink.inputs.size(); ++i)
     if (sink.inputs[i].channel >= 0 && channels_[as_size(sink.inputs[i].channel)].is_present)
-      sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i]));
+      guard_sink(plan_, sink, "on", [&] { sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i])); });
 }
 
 void Runtime::feed_filter(Engine& engine, const Routes& routes, Time t) {

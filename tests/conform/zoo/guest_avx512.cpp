@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled with -mavx512f -mfma: accepted where the processor has them, refused where not.
+// fails: load.guard warn/fail
+#include "animal.hpp"
+
+BINNACLE_PLUGIN("guest_avx512", "1.0.0", registry) {
+  registry.add<zoo::Process>();
+  registry.add<zoo::Measurement>();
+  registry.add<zoo::Derived>();
+  registry.add<zoo::Block>();
+  registry.add<zoo::Noise>();
+  registry.add<zoo::Source>();
+  registry.add<zoo::Transform>();
+}
