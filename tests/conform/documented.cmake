@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Every check of SUITE has its entry in the reference DOCUMENT, and the reference has no other.
+cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND "${SUITE}" --list OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "(^|\n)[a-z]+\\.[a-z_.]+" ids "${listed}")
 file(READ "${DOCUMENT}" text)

@@ -82,9 +82,10 @@ TEST_CASE("paper 000, one beta over metres per second and radians does not align
   CHECK(azimuth(summary, "one beta a group").rms < 6);
 }
 
-TEST_CASE("paper 000, where the noise is three times nominal holding beta beats the mis-set filter") {
-  const ordered_json summary = study("sensitivity.json", "--runs 60");
-  const Figure ekf = azimuth(summary, "ekf noise x3"), hold = azimuth(summary, "hold noise x3");
-  INFO(ekf.rms << " and " << hold.rms);
-  CHECK(hold.rms < ekf.rms);
+TEST_CASE("paper 000, where the noise is three times nominal the literal filter loses to the mis-set one, hold does not") {
+  const ordered_json summary = study("noise_x3.json", "--runs 200");
+  const double ekf = azimuth(summary, "ekf").rms;
+  CHECK(azimuth(summary, "literal").rms > 1.1 * ekf);
+  // A filter that knows R gains less than its standard error, so no more can be asked of an estimate of R.
+  CHECK(azimuth(summary, "hold").rms < 1.05 * ekf);
 }
