@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// conform: hands over to the conformance suite, which is a program of its own (a development package's).
+// conform: hands over to the conformance suite, which is a program of its own.
 #include <unistd.h>
 
 #include <cerrno>
@@ -24,7 +24,7 @@ int hand_over(const CLI::App& app) {
   arguments.push_back(nullptr);
   flush_stdout();
   ::execv(suite.c_str(), arguments.data());
-  throw UsageError(fmt::format("the conformance suite {} cannot be run ({}); it comes with the package binnacle-dev",
+  throw UsageError(fmt::format("the conformance suite {} cannot be run ({}); it comes with the package binnacle",
                                suite.string(), std::strerror(errno)));
 }
 

@@ -173,7 +173,9 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 std::string prefix_option() {
   const fs::path prefix = template_folder().parent_path().parent_path().parent_path();
   if (prefix == "/usr" || prefix == "/usr/local") return "";
-  return fmt::format(" -DCMAKE_PREFIX_PATH={}", prefix.string());
+  const bool is_plain = prefix.string().find_first_of(" '\"$&;()") == std::string::npos;
+  const std::string option = "-DCMAKE_PREFIX_PATH=" + prefix.string();
+  return is_plain ? " " + option : " \"" + option + "\"";
 }
 
 int make_plugin(const Options& options) {

@@ -55,7 +55,8 @@ inline Mismatch compare_over_steps(const PortStates& ports, std::size_t port, co
     Mismatch mismatch;
     for (Eigen::Index j = 0; j < numeric.cols(); ++j)
       for (Eigen::Index i = 0; i < numeric.rows(); ++i) {
-        const double excess = std::abs(numeric(i, j) - declared(i, j)) / allowed(i, j);
+        const double difference = std::abs(numeric(i, j) - declared(i, j));
+        const double excess = difference == 0 ? 0 : difference / allowed(i, j);
         if (!(excess <= 1) && !(excess <= worst)) {
           worst = std::isfinite(excess) ? excess : 1e300;
           mismatch = {true, i, j, declared(i, j), numeric(i, j)};

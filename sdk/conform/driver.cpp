@@ -6,10 +6,12 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <chrono>
 #include <cstring>
 #include <map>
@@ -39,14 +41,22 @@ class Child {
     void* shared = ::mmap(nullptr, stage_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) throw std::runtime_error("no shared memory is to be had");
     stage_ = static_cast<char*>(shared);
+    const pid_t driver = ::getpid();
     pid_ = ::fork();
     if (pid_ < 0) throw std::runtime_error("no process is to be had");
     if (pid_ == 0) {
       ::setpgid(0, 0);
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a driver that is killed leaves no endless loop behind
+      if (::getppid() != driver) ::_exit(70);
+      for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
       ::close(ends[0]);
       const int null = ::open("/dev/null", O_RDWR);
       for (const int stream : {0, 1, 2}) ::dup2(null, stream);
-      ::_exit(work(Wire{ends[1], stage_}));
+      try {
+        ::_exit(work(Wire{ends[1], stage_}));
+      } catch (...) {
+        ::_exit(70);  // what the driver made is not the child's to unmake
+      }
     }
     ::close(ends[1]);
     pipe_ = ends[0];
@@ -70,7 +80,8 @@ class Child {
     }
     return is_over_;
   }
-  int pipe() const { return pipe_; }
+  /// −1, which poll() passes over, once nobody can say anything more.
+  int pipe() const { return is_silent_ ? -1 : pipe_; }
   const std::string& said() const { return said_; }
   bool timed_out() const { return timed_out_; }
   int status() const { return status_; }
@@ -80,7 +91,9 @@ class Child {
  private:
   void drain() {
     char buffer[4096];
-    for (ssize_t count; (count = ::read(pipe_, buffer, sizeof buffer)) > 0;) said_.append(buffer, static_cast<std::size_t>(count));
+    ssize_t count = 0;
+    while ((count = ::read(pipe_, buffer, sizeof buffer)) > 0) said_.append(buffer, static_cast<std::size_t>(count));
+    if (count == 0) is_silent_ = true;
   }
   void stop() {
     ::kill(-pid_, SIGKILL);
@@ -103,13 +116,30 @@ class Child {
   double limit_ = 0, seconds_ = 0;
   Clock::time_point start_;
   std::string said_;
-  bool is_over_ = false, timed_out_ = false;
+  bool is_over_ = false, timed_out_ = false, is_silent_ = false;
 };
 
 std::string signal_name(int signal) {
   const char* name = sigabbrev_np(signal);
   return name ? std::string("SIG") + name : "signal " + std::to_string(signal);
 }
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+/// Ctrl-C ends the run as an exception does: children are stopped, their folders go.
+class Interruptible {
+ public:
+  Interruptible() {
+    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, interrupt);
+  }
+  ~Interruptible() {
+    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
+  }
+  static void check() {
+    if (interrupted) throw std::runtime_error("interrupted");
+  }
+};
 
 /// A folder of its own, gone at the end.
 class Scratch {
@@ -152,7 +182,10 @@ std::vector<Component> enumerate(const Options& options, std::string& why) {
     return ::write(wire.pipe, text.data(), text.size()) == static_cast<ssize_t>(text.size()) ? 0 : 1;
   };
   Child child(work, options.time_limit);
-  while (!child.poll()) ::usleep(1000);
+  while (!child.poll()) {
+    Interruptible::check();
+    ::usleep(1000);
+  }
   std::vector<Component> components;
   bool is_whole = false;
   for (const auto& line : lines_of(child.said())) {
@@ -179,7 +212,7 @@ Outcome conclude(const Child& child, Outcome outcome, double time_limit) {
     messages.push_back(line.at("message"));
     if (kind == "fail") outcome.status = Status::fail;
     if (kind == "warn" && outcome.status == Status::pass) outcome.status = Status::warn;
-    if (kind == "skip") outcome.status = Status::skip;
+    if (kind == "skip" && outcome.status == Status::pass) outcome.status = Status::skip;
   }
   const std::string during = child.stage().empty() ? "" : " in " + child.stage() + "()";
   if (child.timed_out()) {
@@ -190,6 +223,10 @@ Outcome conclude(const Child& child, Outcome outcome, double time_limit) {
   } else if (WIFSIGNALED(child.status())) {
     outcome.status = Status::crash;
     messages.push_back("ends in " + signal_name(WTERMSIG(child.status())) + during);
+  } else if (is_done && outcome.status != Status::fail && WEXITSTATUS(child.status()) != 0) {
+    outcome.status = Status::fail;
+    messages.push_back("the process ends with status " + std::to_string(WEXITSTATUS(child.status())) +
+                       " after the check: a sanitizer found something, or an assertion failed");
   } else if (!is_done) {
     outcome.status = Status::crash;
     messages.push_back("the process ends with status " + std::to_string(WEXITSTATUS(child.status())) + during + " before the check is over");
@@ -207,6 +244,7 @@ struct Job {
   const Check* check = nullptr;
   const Component* component = nullptr;  // null: the library
   Outcome outcome;
+  bool is_wanted = false;                // itself, not only for what needs it
   bool is_over = false;
   bool is_blocked = false;               // over, and what needs it is skipped
   std::string why_blocked;
@@ -243,6 +281,7 @@ class Scheduler {
       }
       if (running.empty() && std::all_of(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.is_over; })) break;
       wait(running);
+      Interruptible::check();
       for (auto it = running.begin(); it != running.end();) {
         if (!it->second->child.poll()) {
           ++it;
@@ -253,7 +292,10 @@ class Scheduler {
       }
     }
     std::vector<Outcome> outcomes;
-    for (auto& job : jobs_) outcomes.push_back(std::move(job.outcome));
+    for (auto& job : jobs_) {
+      job.outcome.is_wanted = job.is_wanted;
+      outcomes.push_back(std::move(job.outcome));
+    }
     return outcomes;
   }
 
@@ -281,14 +323,17 @@ class Scheduler {
                          [&](const std::string& glob) { return ::fnmatch(glob.c_str(), name.c_str(), 0) == 0; });
     };
     std::function<void(const Job&)> want = [&](const Job& job) {
-      if (!wanted.insert(job.outcome.type + ":" + job.check->id).second) return;
+      if (!wanted.insert(job.outcome.role + ":" + job.outcome.type + ":" + job.check->id).second) return;
       for (const auto& need : job.check->needs)
         for (const auto& other : jobs_)
-          if (other.check->id == need && (other.outcome.type == job.outcome.type || !other.component)) want(other);
+          if (other.check->id == need && (other.component == job.component || !other.component)) want(other);
     };
-    for (const auto& job : jobs_)
-      if (matches(job)) want(job);
-    std::erase_if(jobs_, [&](const Job& job) { return !wanted.contains(job.outcome.type + ":" + job.check->id); });
+    for (auto& job : jobs_)
+      if (matches(job)) {
+        job.is_wanted = true;
+        want(job);
+      }
+    std::erase_if(jobs_, [&](const Job& job) { return !wanted.contains(job.outcome.role + ":" + job.outcome.type + ":" + job.check->id); });
   }
 
   /// Whether its prerequisites are over. One that failed ends it as skipped.
@@ -345,10 +390,14 @@ bool Verdict::passes(bool warnings_fail) const {
   const bool any_bad = std::any_of(outcomes.begin(), outcomes.end(), [&](const Outcome& o) {
     return is_bad(o.status) || (warnings_fail && o.status == Status::warn);
   });
-  return enumeration.empty() && !components.empty() && count(Status::pass) + count(Status::warn) > 0 && !any_bad;
+  const bool any_wanted_ran = std::any_of(outcomes.begin(), outcomes.end(), [](const Outcome& o) {
+    return o.is_wanted && (o.status == Status::pass || o.status == Status::warn);
+  });
+  return enumeration.empty() && !components.empty() && any_wanted_ran && !any_bad;
 }
 
 Verdict run_checks(const Options& options, const std::function<void(const Outcome&)>& progress) {
+  const Interruptible interruptible;
   Verdict verdict;
   verdict.components = enumerate(options, verdict.enumeration);
   verdict.outcomes = Scheduler(options, verdict.components, progress).run();

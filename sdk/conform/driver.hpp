@@ -28,6 +28,7 @@ struct Outcome {
   Status status = Status::pass;
   std::string message;
   double seconds = 0;
+  bool is_wanted = true;  // false: it ran only because another check needs it
 };
 
 struct Component {
@@ -41,7 +42,7 @@ struct Verdict {
   std::vector<Outcome> outcomes;       // by component, then in the order of the checks
 
   int count(Status status) const;
-  /// Nothing failed, crashed or ran out of time, every component was told, and something ran.
+  /// Nothing failed, crashed or ran out of time, every component was told, and something that was asked for ran.
   bool passes(bool warnings_fail) const;
 };
 

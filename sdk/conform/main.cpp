@@ -48,6 +48,10 @@ int write(const std::string& file, const std::string& text) {
 
 int carry_out(const CommandLine& line) {
   if (line.list) return list_checks(), ok;
+  if (line.json == "-" && line.junit == "-") {
+    fmt::print(stderr, "error: --json and --junit cannot both go to stdout\n");
+    return usage;
+  }
   if (!std::filesystem::exists(line.library)) {
     fmt::print(stderr, "error: there is no file {}\n", line.library);
     return usage;
@@ -62,7 +66,7 @@ int carry_out(const CommandLine& line) {
   if (prints) fmt::print("{}", summary(verdict, options, line.strict, line.verbose));
   int status = ok;
   if (!line.json.empty()) status = std::max(status, write(line.json, to_json(verdict, options, line.strict)));
-  if (!line.junit.empty()) status = std::max(status, write(line.junit, to_junit(verdict, options)));
+  if (!line.junit.empty()) status = std::max(status, write(line.junit, to_junit(verdict, options, line.strict)));
   return status != ok ? status : verdict.passes(line.strict) ? ok : failed;
 }
 

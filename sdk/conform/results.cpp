@@ -66,7 +66,7 @@ std::string to_json(const Verdict& verdict, const Options& options, bool strict)
   return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string to_junit(const Verdict& verdict, const Options& options) {
+std::string to_junit(const Verdict& verdict, const Options& options, bool strict) {
   std::string cases;
   int failures = 0, errors = 0, skipped = 0;
   for (const auto& outcome : verdict.outcomes) {
@@ -74,16 +74,21 @@ std::string to_junit(const Verdict& verdict, const Options& options) {
     const auto element = [&](const char* name) {
       inside = fmt::format("<{} message=\"{}\"/>", name, escaped(outcome.message));
     };
-    if (outcome.status == Status::fail) element("failure"), ++failures;
+    if (outcome.status == Status::fail || (strict && outcome.status == Status::warn)) element("failure"), ++failures;
     if (outcome.status == Status::crash || outcome.status == Status::timeout) element("error"), ++errors;
     if (outcome.status == Status::skip) element("skipped"), ++skipped;
-    if (outcome.status == Status::warn) inside = "<system-out>" + escaped(outcome.message) + "</system-out>";
-    cases += fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\">{}</testcase>\n", escaped(subject_of(outcome)),
+    if (outcome.status == Status::warn && !strict) inside = "<system-out>" + escaped(outcome.message) + "</system-out>";
+    cases += fmt::format("    <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\">{}</testcase>\n", escaped(subject_of(outcome) + (outcome.role.empty() ? "" : " (" + outcome.role + ")")),
                          escaped(outcome.check), outcome.seconds, inside);
   }
+  // A verdict of its own, for it can be bad where no check is: nothing ran, or the components could not be told.
+  const bool passes = verdict.passes(strict);
+  failures += !passes;
+  cases += fmt::format("    <testcase classname=\"library\" name=\"verdict\">{}</testcase>\n",
+                       passes ? "" : "<failure message=\"" + escaped("does not conform. " + verdict.enumeration) + "\"/>");
   return fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n"
                      "{}  </testsuite>\n</testsuites>\n",
-                     escaped(options.library.filename().string()), verdict.outcomes.size(), failures, errors, skipped, cases);
+                     escaped(options.library.filename().string()), verdict.outcomes.size() + 1, failures, errors, skipped, cases);
 }
 
 }  // namespace binnacle::conform

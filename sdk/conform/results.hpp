@@ -12,6 +12,6 @@ std::string one_line(const Outcome& outcome);
 /// What did not pass, with its message, then the counts and the verdict.
 std::string summary(const Verdict& verdict, const Options& options, bool strict, bool verbose);
 std::string to_json(const Verdict& verdict, const Options& options, bool strict);
-std::string to_junit(const Verdict& verdict, const Options& options);
+std::string to_junit(const Verdict& verdict, const Options& options, bool strict);
 
 }  // namespace binnacle::conform

@@ -73,6 +73,9 @@ TEST_CASE("conformance") {
   } catch (const std::exception& error) {
     const std::string during = current.wire.stage[0] ? std::string(" in ") + current.wire.stage + "()" : "";
     current.trial->fail("an exception crosses", during, ": ", error.what());
+  } catch (...) {
+    const std::string during = current.wire.stage[0] ? std::string(" in ") + current.wire.stage + "()" : "";
+    current.trial->fail("something that is no std::exception crosses", during);
   }
   send(current.wire, "done", "");
 }

@@ -31,7 +31,7 @@ holds() {
     grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
   done
 }
-holds binnacle bin/binnacle lib/binnacle/core.so lib/binnacle/csv.so share/binnacle/template/process/plugin.cpp \
+holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so share/binnacle/template/process/plugin.cpp \
   share/doc/binnacle/README.md share/doc/binnacle/write-a-process-model.md
 holds binnacle-dev include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
   lib/cmake/Binnacle/BinnacleConfig.cmake lib/cmake/Binnacle/binnacle_plugin.map
@@ -45,3 +45,13 @@ count() { dpkg-deb -c "$scratch/$1_${version}_$architecture.deb" | grep -c '^-';
 "$(dirname -- "$cpack")/cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
 [ $(($(count binnacle) + $(count binnacle-dev))) -eq "$(find "$scratch/installed" -type f | wc -l)" ] ||
   fail "something is installed that neither package holds"
+
+# Unpacked elsewhere, they work: run, write a plugin, hold one against the contract.
+for package in binnacle binnacle-dev; do
+  dpkg-deb -x "$scratch/${package}_${version}_$architecture.deb" "$scratch/unpacked"
+done
+unpacked=$scratch/unpacked/usr/bin/binnacle
+"$unpacked" version >/dev/null || fail "the packaged command does not run"
+"$unpacked" conform "$scratch/unpacked/usr/lib/binnacle/gnss_fix.so" --level 2 >/dev/null ||
+  fail "the packaged suite does not pass the packaged gnss_fix"
+(cd "$scratch" && "$unpacked" new plugin packaged >/dev/null) || fail "the packaged command writes no plugin"
