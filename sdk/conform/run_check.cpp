@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <memory>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -42,10 +43,14 @@ class WireReport final : public Report {
     send(wire_, "warn", message);
     WARN(message);
   }
-  void stage(const char* call) override { std::strncpy(wire_.stage, call, stage_bytes - 1); }
+  /// Of the thread that runs the check; a second one would race with it.
+  void stage(const char* call) override {
+    if (std::this_thread::get_id() == owner_) std::strncpy(wire_.stage, call, stage_bytes - 1);
+  }
 
  private:
   Wire wire_;
+  std::thread::id owner_ = std::this_thread::get_id();
 };
 
 }  // namespace
