@@ -27,6 +27,13 @@ Bounds read_bounds(const Parameters& parameters) {
   return bounds;
 }
 
+ParameterSpec learn_below_parameter() {
+  return parameter::number("learn_below", "1")
+      .above(0)
+      .defaults("1")
+      .about("a row teaches nothing while HP-H' is more than this many times its nominal R");
+}
+
 void set_variances(const double* variances, MatrixView R) noexcept {
   for (int j = 0; j < R.cols; ++j)
     for (int i = j + 1; i < R.rows; ++i) {

@@ -23,6 +23,8 @@ struct Bounds {
 
 std::vector<ParameterSpec> bounds_parameters(std::string floor);
 Bounds read_bounds(const Parameters& parameters);
+/// Above which HP⁻Hᵀ, as a factor on the nominal R, a row teaches nothing.
+ParameterSpec learn_below_parameter();
 
 /// R with these variances on the diagonal and the correlations of the nominal R, which it holds on entry: D R D, positive
 /// semidefinite as R is.

@@ -86,10 +86,7 @@ ComponentSpec InnovationWindow::spec() {
       choice("shape", {"diagonal", "full"})
           .defaults("\"diagonal\"")
           .about("variances alone, with the correlations of the nominal R, or the matrix"),
-      number("learn_below", "1")
-          .above(0)
-          .defaults("1")
-          .about("a row teaches nothing while HP-H' is more than this many times its nominal R"),
+      learn_below_parameter(),
   };
   for (ParameterSpec& bound : bounds_parameters("0.1")) spec.parameters.push_back(std::move(bound));
   spec.example = R"({ "window": 50, "from": "residual" })";

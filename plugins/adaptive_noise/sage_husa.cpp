@@ -27,10 +27,7 @@ ComponentSpec SageHusa::spec() {
           .defaults("\"innovation\"")
           .about(
               "r^2 - HP-H', which may become negative, or the residual after the update, e^2 + HP+H', which may not"),
-      number("learn_below", "1")
-          .above(0)
-          .defaults("1")
-          .about("a row teaches nothing while HP-H' is more than this many times its nominal R"),
+      learn_below_parameter(),
   };
   for (ParameterSpec& bound : bounds_parameters("0.1")) spec.parameters.push_back(std::move(bound));
   spec.example = R"({ "forgetting": 0.98, "floor": 0.2, "ceiling": 10 })";

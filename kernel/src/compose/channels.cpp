@@ -8,8 +8,6 @@ namespace binnacle {
 
 namespace {
 
-bool takes_any_unit(const FieldSpec& field) { return field.unit.empty() || field.unit == "*"; }
-
 std::vector<std::string> field_names(const ChannelDeclaration& declaration) {
   std::vector<std::string> names;
   for (const auto& field : declaration.fields) names.push_back(field.name);

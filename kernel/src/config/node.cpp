@@ -80,10 +80,6 @@ void drop_nulls_below(Node& node) {
   for (Node& element : node.elements) drop_nulls_below(element);
 }
 
-}  // namespace
-
-namespace {
-
 /// Takes the merge patches out of the object, for as long as the nulls of everything else are dropped.
 std::vector<Member> take_patches(Node* object) {
   return object ? std::exchange(object->members, {}) : std::vector<Member>{};

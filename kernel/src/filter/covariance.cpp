@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arithmetic on P. Strips of four rows, as two pairs, are held in registers.
+// Arithmetic on P. Strips of rows, two to a register, are held in registers; only the lower triangle is computed.
 #include "filter/covariance.hpp"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ inline void combine_strip(const double* in, int ld, int count, const int* column
     for (int k = 0; k < Pairs; ++k) store(out + 2 * k + static_cast<std::ptrdiff_t>(r) * ld, sum[r][k]);
 }
 
-/// The same for rows first…ld−1, eight at a time: twelve sums of three rows just fit the sixteen registers of SSE2.
+/// The same for rows first…ld−1, six at a time: nine sums, three values and a factor fit the sixteen registers of SSE2.
 template <int R>
 inline void combine_rows(const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
                          int stride, double* out) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/runtime.hpp"
-#include "run/guard_sink.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <limits>
 #include <new>
+
+#include "run/guard_sink.hpp"
 
 namespace binnacle {
 

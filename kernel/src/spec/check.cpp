@@ -551,7 +551,7 @@ void check_names(const ComponentSpec& spec, std::vector<std::string>& defects) {
     std::set<std::string> names;
     for (const FieldSpec& field : fields) {
       if (!names.insert(field.name).second) defects.push_back("field '" + field.name + "' stands twice");
-      const Parsed<Unit> unit = read_unit(field.unit.empty() || field.unit == "*" ? "1" : field.unit);
+      const Parsed<Unit> unit = read_unit(takes_any_unit(field) ? "1" : field.unit);
       if (!unit) defects.push_back("field '" + field.name + "': " + unit.error());
       if (unit && unit->scale != 1.0)
         defects.push_back("field '" + field.name + "': the unit '" + field.unit + "' is not SI");

@@ -107,6 +107,9 @@ std::string describe_short(const ParameterSpec& spec, const PortUnits& ports = {
 /// A quantity as one would write it, inside the spec's range: "1 h". As JSON text, with its quotes.
 std::string example_of(const ParameterSpec& spec, const PortUnits& ports = {});
 
+/// Whether a component takes the field whatever unit the channel has for it.
+inline bool takes_any_unit(const FieldSpec& field) { return field.unit.empty() || field.unit == "*"; }
+
 /// What a component's author got wrong in its spec: a unit that is none, a default that its own check refuses, a name
 /// twice. One line each.
 std::vector<std::string> spec_defects(const ComponentSpec& spec);

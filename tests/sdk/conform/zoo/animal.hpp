@@ -282,4 +282,15 @@ class Transform : public binnacle::Transform {
   double gain = 0;
 };
 
+/// For a library that brings them all as they are.
+inline void register_all(Registry& registry) {
+  registry.add<Process>();
+  registry.add<Measurement>();
+  registry.add<Derived>();
+  registry.add<Block>();
+  registry.add<Noise>();
+  registry.add<Source>();
+  registry.add<Transform>();
+}
+
 }  // namespace zoo

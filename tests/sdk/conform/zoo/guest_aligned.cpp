@@ -3,12 +3,4 @@
 // fails: load.guard warn
 #include "animal.hpp"
 
-BINNACLE_PLUGIN("guest_aligned", "1.0.0", registry) {
-  registry.add<zoo::Process>();
-  registry.add<zoo::Measurement>();
-  registry.add<zoo::Derived>();
-  registry.add<zoo::Block>();
-  registry.add<zoo::Noise>();
-  registry.add<zoo::Source>();
-  registry.add<zoo::Transform>();
-}
+BINNACLE_PLUGIN("guest_aligned", "1.0.0", registry) { zoo::register_all(registry); }
