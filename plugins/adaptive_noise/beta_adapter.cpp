@@ -90,7 +90,7 @@ int BetaAdapter::unit_count() const noexcept {
 }
 
 int BetaAdapter::unit_of(const std::byte* memory, int row) const noexcept {
-  return per_ == Per::one ? 0 : per_ == Per::group ? rows_.group_of(row) : rows_.slot(memory, row);
+  return per_ == Per::one ? 0 : per_ == Per::group ? rows_.group(memory, row) : rows_.slot(memory, row);
 }
 
 BetaAdapter::Unit* BetaAdapter::units(std::byte* memory) const noexcept {
@@ -120,9 +120,9 @@ void BetaAdapter::estimate(const Innovation& innovation, std::byte* memory, Matr
   for (int u = 0; u < unit_count(); ++u) unit[u] = {unit[u].beta, unit[u].has_beta, 0, 0, 0, 0, 0, 1};
 
   const auto r1 = [&](int row) {
-    return r1_[static_cast<std::size_t>(rows_.group_of(row))].value_or(r1_factor_ * r1_factor_ * R(row, row));
+    return r1_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(r1_factor_ * r1_factor_ * R(row, row));
   };
-  const auto r2 = [&](int row) { return r2_[static_cast<std::size_t>(rows_.group_of(row))].value_or(R(row, row)); };
+  const auto r2 = [&](int row) { return r2_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(R(row, row)); };
 
   for (int row = 0; row < innovation.rows; ++row) {
     const int slot = rows_.slot(memory, row);

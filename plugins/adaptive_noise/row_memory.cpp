@@ -33,10 +33,6 @@ double* RowMemory::values(std::byte* memory, int slot) const noexcept {
          as_size(slot) * as_size(values_);
 }
 
-int RowMemory::group_of(int row) const noexcept {
-  return static_cast<int>(std::upper_bound(first_row_.begin() + 1, first_row_.end(), row) - first_row_.begin()) - 1;
-}
-
 void RowMemory::start(std::byte* memory) const noexcept {
   std::memset(memory, 0, bytes());
   for (int i = 0; i < max_rows_; ++i) slot_table(memory)[i].group = -1;
@@ -60,6 +56,11 @@ void RowMemory::enter(const Innovation& innovation, std::byte* memory) const noe
   for (int i = 0; i < max_rows_; ++i) table[i].last = std::clamp<std::int64_t>(table[i].last, 0, now.sample);
   for (int i = 0; i < max_rows_; ++i)
     if (table[i].group >= 0 && now.sample - table[i].last > lifetime_) table[i].group = -1;
+  const auto group_of = [&](int row) {
+    return innovation.row_groups.empty()
+               ? static_cast<int>(std::upper_bound(first_row_.begin() + 1, first_row_.end(), row) - first_row_.begin()) - 1
+               : innovation.row_groups[as_size(row)];
+  };
   const auto key_of = [&](int row) { return innovation.row_keys.empty() ? row : innovation.row_keys[as_size(row)]; };
   for (int row = 0; row < innovation.rows; ++row) {
     of_row[row] = find(group_of(row), key_of(row), row, memory);

@@ -27,7 +27,6 @@ class RowMemory {
 
   int max_rows() const noexcept { return max_rows_; }
   int groups() const noexcept { return static_cast<int>(first_row_.size()); }
-  int group_of(int row) const noexcept;
 
   // Of the sample entered last. What was restored from a damaged snapshot must not lead outside of the memory.
   std::int64_t sample(const std::byte* memory) const noexcept { return std::max<std::int64_t>(head(memory).sample, 0); }
@@ -37,6 +36,10 @@ class RowMemory {
   int slot(const std::byte* memory, int row) const noexcept {
     const std::int64_t stored = reinterpret_cast<const std::int64_t*>(memory + sizeof(Head))[row];
     return static_cast<int>(std::clamp<std::int64_t>(stored, 0, max_rows_ - 1));
+  }
+  int group(const std::byte* memory, int row) const noexcept {
+    const Slot& entry = slot_table(const_cast<std::byte*>(memory))[slot(memory, row)];
+    return static_cast<int>(std::clamp<std::int64_t>(entry.group, 0, groups() - 1));
   }
   double* values(std::byte* memory, int slot) const noexcept;
   int slots() const noexcept { return max_rows_; }

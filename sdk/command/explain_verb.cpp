@@ -145,7 +145,10 @@ std::string parts_text(const Json& measurement) {
 std::string gate_text(const Json& measurement) {
   if (!measurement.contains("gate")) return "no gate";
   const auto& gate = measurement.at("gate");
-  return fmt::format("gate {} (NIS <= {})", gate.at("probability").dump(), figure(gate.at("nis_limit").get<double>()));
+  const auto by = gate.at("by").get<std::string>();
+  if (by == "key") return fmt::format("gate {} by key", gate.at("probability").dump());
+  return fmt::format("gate {}{} (NIS <= {})", gate.at("probability").dump(), by == "row" ? " by row" : "",
+                     figure(gate.at("nis_limit").get<double>()));
 }
 
 std::string measurements_text(const Json& filter) {

@@ -182,6 +182,12 @@ std::string measurement_table(const Json& measurements) {
     table.row(std::move(row));
     if (entry.contains("recoveries") && entry["recoveries"] != 0)
       reasons += fmt::format("  {}: reopened {}\n", name, counted(entry["recoveries"], "time"));
+    if (entry.contains("left_out") && entry["left_out"]["rows"] != 0) {
+      Names keys;
+      for (const auto& [key, count] : entry["left_out"]["by_key"].items()) keys.push_back(fmt::format("{} ({})", key, count.dump()));
+      reasons += fmt::format("  {}: left out {} of {} rows, by key (times): {}\n", name, entry["left_out"]["rows"].dump(),
+                             entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
+    }
     if (entry.contains("last_reason"))
       reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
   }

@@ -30,11 +30,13 @@ struct PortBinding {
 /// Handed to a component's constructor, which keeps what it needs; references into it die with the call.
 class Binding {
  public:
-  Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound)
+  Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound,
+          std::vector<std::vector<NamedUnit>> covariances = {})
       : name_(std::move(name)),
         parameters_(parameters),
         ports_(std::move(ports)),
-        fields_bound_(std::move(fields_bound)) {}
+        fields_bound_(std::move(fields_bound)),
+        covariances_(std::move(covariances)) {}
 
   /// The JSON key under which the component stands.
   const std::string& name() const noexcept { return name_; }
@@ -49,12 +51,18 @@ class Binding {
   bool is_bound(std::string_view port_name) const { return port(port_name).bound; }
   /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
   bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
+  /// The error components of SampleView::covariance: of a transform's i-th input, of a measurement's channel (0). Empty
+  /// where the channel attaches none. A filter's channel calls them BLOCK.COMPONENT.
+  const std::vector<NamedUnit>& covariance(int input = 0) const {
+    return covariances_.at(static_cast<std::size_t>(input));
+  }
 
  private:
   std::string name_;
   Parameters parameters_;
   std::vector<PortBinding> ports_;
   std::vector<bool> fields_bound_;
+  std::vector<std::vector<NamedUnit>> covariances_;
 };
 
 }  // namespace binnacle

@@ -26,6 +26,7 @@ struct MeasurementCounts {
   std::int64_t by_outcome[outcome_count] = {};  // indexed by Outcome
   std::int64_t before_start = 0;                // came before the filter had its initial values
   std::int64_t recoveries = 0;
+  std::int64_t rows_left_out = 0;               // of accepted samples, by a gate by row or key
   double nis_mean = 0;                          // of accepted samples; NaN when there is none
   double dof_mean = 0;                          // rows per accepted sample
   std::string last_reason;                      // of the newest sample that was not accepted

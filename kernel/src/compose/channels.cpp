@@ -252,11 +252,14 @@ void Composer::add_transforms() {
         if (error_count() == errors && is_bound) {
           std::vector<PortBinding> inputs;
           std::vector<bool> fields_bound;
+          std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
           for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
             PortBinding input;
             input.name = transform.type->spec.inputs[i].name;
             input.bound = transform.inputs[i].channel >= 0;
             inputs.push_back(input);
+            if (input.bound)
+              covariances[i] = plan_->channels[static_cast<std::size_t>(transform.inputs[i].channel)].declaration.covariance;
             const auto first = fields_bound.size();
             fields_bound.resize(first + transform.type->spec.inputs[i].fields.size(), false);
             for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})
@@ -265,7 +268,7 @@ void Composer::add_transforms() {
           }
           guarded(pointer, [&] {
             transform.transform =
-                transform.type->create_transform(Binding(name, Parameters(parameters), inputs, fields_bound));
+                transform.type->create_transform(Binding(name, Parameters(parameters), inputs, fields_bound, covariances));
             add_channels(name, pointer, transform.transform->channels(), transform.channels);
           });
         }

@@ -98,6 +98,7 @@ class Composer {
   bool bind_ports(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& ports,
                   std::vector<PortBinding>& bindings);
   bool find_drive(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& drive);
+  void add_gate(MeasurementPlan& measurement, const std::string& pointer);
   void add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_withholding(MeasurementPlan& measurement, const std::string& pointer);

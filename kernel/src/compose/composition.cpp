@@ -159,6 +159,8 @@ void Composer::lay_out() {
       process.memory = layout.add<std::byte>(process.model->declaration().memory_bytes);
     for (auto& measurement : filter.measurements) {
       measurement.ledger = layout.add<Ledger>(1);
+      if (measurement.gate_unit != GateUnit::sample)
+        measurement.left_out = layout.add<LeftOut>(2 * as_size(measurement.max_rows) + 32);
       for (auto& part : measurement.parts) {
         part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
         measurement.memory_bytes += part.memory.count;

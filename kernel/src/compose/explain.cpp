@@ -111,8 +111,12 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
                {"channel", plan.channels[as_size(measurement.channel)].name},
                {"max_rows", measurement.max_rows},
                {"parts", std::move(parts)}};
-    if (measurement.gate > 0) entry["gate"] = {{"probability", measurement.gate},
-                                               {"nis_limit", measurement.gate_limit.back()}};
+    if (measurement.gate > 0) {
+      static constexpr const char* units[] = {"sample", "row", "key"};
+      entry["gate"] = {{"probability", measurement.gate},
+                       {"by", units[static_cast<int>(measurement.gate_unit)]},
+                       {"nis_limit", measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(measurement.max_rows)]}};
+    }
     if (!measurement.noise_type.empty()) entry["noise"] = measurement.noise_type;
     measurements.push_back(std::move(entry));
   }

@@ -427,14 +427,7 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
   if (!is_whole || error_count() != errors) return false;
 
   collect_touched(build, measurement);
-  const std::string gate_pointer = join_pointer(pointer, "gate");
-  if (at(gate_pointer)) {
-    auto spec = parameter::number("gate", "1").about("probability");
-    spec.minimum = 0;
-    spec.maximum = 1;
-    spec.minimum_excluded = spec.maximum_excluded = true;
-    if (const auto gate = read_quantity(document(), gate_pointer, spec, diagnostics_)) measurement.gate = *gate;
-  }
+  add_gate(measurement, join_pointer(pointer, "gate"));
   measurement.gate_limit.assign(as_size(measurement.max_rows) + 1, 0.0);
   if (measurement.gate > 0)
     for (int m = 1; m <= measurement.max_rows; ++m)
@@ -498,7 +491,9 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   }
   if (!is_whole || measurement.channel < 0 || error_count() != errors) return false;
   if (!guarded(pointer, [&] {
-        part.model = type->create_measurement_model(Binding(name, Parameters(parameters), bindings, fields_bound));
+        part.model = type->create_measurement_model(
+            Binding(name, Parameters(parameters), bindings, fields_bound,
+                    {plan_->channels[as_size(measurement.channel)].declaration.covariance}));
       }))
     return false;
   const auto& declaration = part.model->declaration();
@@ -553,6 +548,35 @@ void Composer::collect_touched(FilterBuild& build, MeasurementPlan& measurement)
       for (const auto& [block, chain] : dependences(read.value))
         if (first_column.contains(block))
           read.targets.push_back({block, first_column[block], read.value < blocks, chain});
+}
+
+/// `"gate": 0.999` of whole samples, or {"probability": 0.999, "by": "row"} of rows or of keys.
+void Composer::add_gate(MeasurementPlan& measurement, const std::string& pointer) {
+  const auto* gate = at(pointer);
+  if (!gate) return;
+  std::string probability_pointer = pointer;
+  if (gate->is_object()) {
+    check_keys(document(), pointer, {"probability", "by"}, "'gate'", diagnostics_);
+    if (!require_key(document(), pointer, "probability", "gate", "0 < p < 1", diagnostics_)) return;
+    probability_pointer = join_pointer(pointer, "probability");
+    const std::string by_pointer = join_pointer(pointer, "by");
+    if (at(by_pointer)) {
+      const std::vector<std::string> units{"sample", "row", "key"};
+      if (const auto by = read_string(document(), by_pointer, diagnostics_)) {
+        const auto found = std::find(units.begin(), units.end(), *by);
+        if (found == units.end())
+          error("B009", by_pointer, "a gate is by sample, row or key; found '" + *by + "'" + suggestion(*by, units));
+        else
+          measurement.gate_unit = static_cast<GateUnit>(found - units.begin());
+      }
+    }
+  }
+  auto spec = parameter::number("gate", "1").about("probability");
+  spec.minimum = 0;
+  spec.maximum = 1;
+  spec.minimum_excluded = spec.maximum_excluded = true;
+  if (const auto probability = read_quantity(document(), probability_pointer, spec, diagnostics_))
+    measurement.gate = *probability;
 }
 
 void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer) {

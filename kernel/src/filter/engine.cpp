@@ -38,7 +38,7 @@ void read_row_fields(const FieldMap& map, const ChannelPlan& channel, const Samp
 }
 
 Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena)
-    : plan_(plan), channels_(channels), arena_(arena) {
+    : plan_(plan), channels_(channels), arena_(arena), outlier_test_(plan.max_rows) {
   const auto n = as_size(plan.n), ld = as_size(padded(plan.n));
   const auto m = as_size(plan.max_rows), k = as_size(plan.max_columns);
   const auto group = as_size(plan.samples_per_step);
@@ -102,6 +102,8 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   for (auto* tall : {&G_, &K_, &U_}) tall->assign(ld * std::max<std::size_t>(m, 3), 0.0);
   delta_.assign(n, 0.0);
   row_keys_.assign(m, 0);
+  row_groups_.assign(m, 0);
+  left_out_keys_.assign(m, 0);
   block_delta_.assign(dof, 0.0);
   block_reset_.assign(2 * dof * dof, 0.0);
   reset_scratch_.assign(ld * dof, 0.0);
@@ -133,6 +135,7 @@ void Engine::reset() {
     }
   for (const auto& measurement : plan_.measurements) {
     *measurement.ledger.in(arena_) = Ledger{};
+    std::fill_n(measurement.left_out.in(arena_), measurement.left_out.count, LeftOut{});
     if (measurement.noise && measurement.noise_memory.count > 0) {
       std::memset(measurement.noise_memory.in(arena_), 0, measurement.noise_memory.count);
       measurement.noise->start(measurement.noise_memory.in(arena_));

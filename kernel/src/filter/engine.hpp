@@ -10,6 +10,7 @@
 
 #include "binnacle/sample.hpp"
 #include "binnacle/tape.hpp"
+#include "filter/exclusion.hpp"
 #include "filter/plan.hpp"
 
 namespace binnacle {
@@ -40,6 +41,11 @@ class Engine {
   const char* diagnosis() const { return status().diagnosis; }
   /// Stops the filter because the plugin call under way threw.
   void stop_for_exception(const char* what);
+  /// Places without a count are free.
+  std::span<const LeftOut> left_out(int measurement) const {
+    const auto& place = plan_.measurements[static_cast<std::size_t>(measurement)].left_out;
+    return {place.in(arena_), place.count};
+  }
   const Ledger& ledger(int measurement) const {
     return *plan_.measurements[static_cast<std::size_t>(measurement)].ledger.in(arena_);
   }
@@ -84,6 +90,9 @@ class Engine {
   Result linearize(const MeasurementPlan& plan, const SampleView& sample, int& rows);
   void assemble(const PartPlan& part, int first_row, int rows);
   void inject(double* delta);
+  void estimate_noise(const MeasurementPlan& plan, Time t, int rows);
+  void recover(const MeasurementPlan& plan);
+  void count_left_out(const MeasurementPlan& plan);
   void conclude(int measurement, Time t, Outcome outcome, const char* reason, int rows, double nis, bool linearized,
                 const double* delta);
   bool is_withheld(const MeasurementPlan& plan, Time t) const;
@@ -117,6 +126,10 @@ class Engine {
   std::vector<MatrixView> jacobians_;
   std::vector<double> H_, R_, r_, G_, HPHt_, S_, L_, K_, U_, y_, delta_, post_fit_, R_nominal_;
   std::vector<std::int64_t> row_keys_;
+  std::vector<int> row_groups_;
+  std::vector<std::int64_t> left_out_keys_;  // of the sample in process
+  int left_out_ = 0;
+  OutlierTest outlier_test_;
   std::vector<std::byte> memory_backup_;
   std::vector<double> x_before_, P_before_, Phi_dense_;
   std::vector<double> block_delta_, block_reset_, reset_scratch_;

@@ -14,6 +14,7 @@
 #include "binnacle/process_model.hpp"
 #include "binnacle/state_block.hpp"
 #include "filter/covariance.hpp"
+#include "filter/exclusion.hpp"
 #include "filter/layout.hpp"
 #include "filter/van_loan.hpp"
 
@@ -176,11 +177,18 @@ struct Ledger {
   std::int64_t before_start = 0;
   std::int64_t recoveries = 0;
   std::int64_t consecutive_gated = 0;
+  std::int64_t rows_left_out = 0;       // of accepted samples, by a gate by row or key
   double nis_sum = 0;
   std::int64_t nis_count = 0;
   std::int64_t dof_sum = 0;
   Time last_accepted = no_time;
   char last_reason[96] = {};
+};
+
+/// How often the rows of one key were left out. Lies in the arena, as many as a measurement may have rows and a few more.
+struct LeftOut {
+  std::int64_t key = 0;
+  std::int64_t count = 0;               // 0: a free place
 };
 
 struct MeasurementPlan {
@@ -196,6 +204,7 @@ struct MeasurementPlan {
   UpdateColumns columns;
   int max_rows = 0;
   double gate = 0;                      // probability; 0: no gate
+  GateUnit gate_unit = GateUnit::sample;
   std::vector<double> gate_limit;       // χ² quantile by row count
   std::shared_ptr<const NoiseEstimator> noise;
   std::string noise_type;
@@ -206,6 +215,7 @@ struct MeasurementPlan {
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
   Place<Ledger> ledger;
+  Place<LeftOut> left_out;              // of a gate by row or key
   std::size_t memory_bytes = 0;         // of its parts together, for the rollback copy
 };
 

@@ -20,6 +20,16 @@ Outcome outcome_of(Verdict verdict) {
   }
 }
 
+/// Writes for each row of a part which group it is of, counted through all parts; returns the next part's first group.
+int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int rows, int* row_groups) {
+  int group = 0;
+  for (int i = 0; i < rows; ++i) {
+    while (as_size(group) + 1 < groups.size() && groups[as_size(group) + 1].first_row <= i) ++group;
+    row_groups[i] = first_group + group;
+  }
+  return first_group + std::max(1, static_cast<int>(groups.size()));
+}
+
 }  // namespace
 
 bool Engine::is_withheld(const MeasurementPlan& plan, Time t) const {
@@ -33,6 +43,7 @@ Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, 
   const double dt = sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0);
   const int m_max = plan.max_rows;
   rows = 0;
+  int first_group = 0;
   std::fill_n(work_.H, as_size(m_max) * plan.columns.columns.size(), 0.0);
   std::fill_n(R_nominal_.data(), m_max * m_max, 0.0);
 
@@ -87,6 +98,7 @@ Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, 
       for (int i = 0; i < part_rows; ++i)
         if (i >= out.rows || j >= out.rows) out.R(i, j) = 0;
     assemble(part, rows, out.rows);
+    first_group = name_groups(part.model->declaration().groups, first_group, out.rows, row_groups_.data() + rows);
     rows += out.rows;
   }
   if (rows == 0) return Result::unsupported("no rows");
@@ -128,6 +140,7 @@ void Engine::process(int measurement, const SampleView& sample) {
   Ledger& ledger = *plan.ledger.in(arena_);
   ++ledger.reached;
   in_process_ = measurement;
+  left_out_ = 0;
   work_.m_max = plan.max_rows;
 
   std::byte* const backup = memory_backup_.data();
@@ -155,52 +168,51 @@ void Engine::process(int measurement, const SampleView& sample) {
   project(plan.columns, P(), plan_.n, m, work_);
 
   const bool withheld = is_withheld(plan, sample.t);
-  for (int j = 0; j < m; ++j)
-    std::copy_n(R_nominal_.data() + j * work_.m_max, m, work_.R + j * work_.m_max);
   std::byte* const noise_memory = plan.noise_memory.count > 0 ? plan.noise_memory.in(arena_) : nullptr;
   std::byte* const noise_backup = backup + plan.memory_bytes;
-  if (plan.noise && !withheld) {
-    if (noise_memory) std::memcpy(noise_backup, noise_memory, plan.noise_memory.count);
-    Innovation innovation;
-    innovation.t = sample.t;
-    innovation.dt = ledger.last_accepted == no_time ? 0.0 : seconds(sample.t - ledger.last_accepted);
-    innovation.rows = m;
-    innovation.row_keys = {row_keys_.data(), as_size(m)};
-    innovation.residual = work_.r;
-    innovation.HPHt = MatrixView{work_.HPHt, m, m, work_.m_max};
-    innovation.R_nominal = MatrixView{R_nominal_.data(), m, m, work_.m_max};
-    calling(plan.noise_type, "estimate");
-    plan.noise->estimate(innovation, noise_memory, MatrixView{work_.R, m, m, work_.m_max});
-  }
+  if (noise_memory) std::memcpy(noise_backup, noise_memory, plan.noise_memory.count);
   const auto roll_back_noise = [&] {
-    if (plan.noise && noise_memory && !withheld) std::memcpy(noise_memory, noise_backup, plan.noise_memory.count);
+    if (noise_memory) std::memcpy(noise_memory, noise_backup, plan.noise_memory.count);
+  };
+  double nis = 0;
+  const auto end_gated = [&](const char* reason) {
+    roll_back_models();
+    if (!plan.learn_from_gated) roll_back_noise();
+    left_out_ = 0;
+    conclude(measurement, sample.t, Outcome::gated, reason, m, nis, true, nullptr);
+    recover(plan);
   };
 
-  if (!factor_innovation(m, work_)) {
-    roll_back_models();
+  for (const int offered = m;;) {
+    for (int j = 0; j < m; ++j)
+      std::copy_n(R_nominal_.data() + j * work_.m_max, m, work_.R + j * work_.m_max);
+    if (plan.noise && !withheld) estimate_noise(plan, sample.t, m);
+    if (!factor_innovation(m, work_)) {
+      roll_back_models();
+      roll_back_noise();
+      left_out_ = 0;
+      conclude(measurement, sample.t, Outcome::rejected, "H P H' + R is not positive definite", 0, 0, false, nullptr);
+      return;
+    }
+    nis = normalized_innovation_squared(m, work_);
+    if (withheld || plan.gate_unit == GateUnit::sample) break;
+    const unsigned char* outliers =
+        outlier_test_.find(plan.gate_unit, plan.gate_limit, m, row_keys_.data(), work_);
+    if (!outliers) break;
+    for (int i = 0; i < m; ++i)
+      if (outliers[i]) left_out_keys_[as_size(left_out_++)] = row_keys_[as_size(i)];
+    if (2 * left_out_ > offered) return end_gated("no majority of its rows agrees with the rest");
     roll_back_noise();
-    conclude(measurement, sample.t, Outcome::rejected, "H P H' + R is not positive definite", 0, 0, false, nullptr);
-    return;
+    m = leave_out(outliers, m, static_cast<int>(plan.columns.columns.size()), plan_.n, R_nominal_.data(),
+                  row_keys_.data(), row_groups_.data(), work_);
   }
-  const double nis = normalized_innovation_squared(m, work_);
   if (withheld) {
     roll_back_models();
     conclude(measurement, sample.t, Outcome::withheld, "", m, nis, true, nullptr);
     return;
   }
-  if (plan.gate > 0 && nis > plan.gate_limit[as_size(m)]) {
-    roll_back_models();
-    if (!plan.learn_from_gated) roll_back_noise();
-    ++ledger.consecutive_gated;
-    conclude(measurement, sample.t, Outcome::gated, "NIS beyond the gate", m, nis, true, nullptr);
-    if (plan.recover_after > 0 && ledger.consecutive_gated >= plan.recover_after) {
-      const int ld = padded(plan_.n);
-      for (const auto& inflation : plan.inflations) P()[inflation.row + inflation.row * ld] += inflation.variance;
-      ledger.consecutive_gated = 0;
-      ++ledger.recoveries;
-    }
-    return;
-  }
+  if (plan.gate > 0 && plan.gate_unit == GateUnit::sample && nis > plan.gate_limit[as_size(m)])
+    return end_gated("NIS beyond the gate");
 
   const bool records = tape_ && tape_->wants_matrices();
   if (tape_) std::copy_n(x(), plan_.stored_size, x_before_.data());
@@ -222,9 +234,48 @@ void Engine::process(int measurement, const SampleView& sample) {
   }
   inject(delta_.data());
   ledger.consecutive_gated = 0;
+  count_left_out(plan);
   ledger.last_accepted = sample.t;
   conclude(measurement, sample.t, Outcome::accepted, "", m, nis, true, delta_.data());
   check_health();
+}
+
+void Engine::estimate_noise(const MeasurementPlan& plan, Time t, int rows) {
+  const Ledger& ledger = *plan.ledger.in(arena_);
+  Innovation innovation;
+  innovation.t = t;
+  innovation.dt = ledger.last_accepted == no_time ? 0.0 : seconds(t - ledger.last_accepted);
+  innovation.rows = rows;
+  innovation.row_keys = {row_keys_.data(), as_size(rows)};
+  innovation.row_groups = {row_groups_.data(), as_size(rows)};
+  innovation.residual = work_.r;
+  innovation.HPHt = MatrixView{work_.HPHt, rows, rows, work_.m_max};
+  innovation.R_nominal = MatrixView{R_nominal_.data(), rows, rows, work_.m_max};
+  calling(plan.noise_type, "estimate");
+  plan.noise->estimate(innovation, plan.noise_memory.count > 0 ? plan.noise_memory.in(arena_) : nullptr,
+                       MatrixView{work_.R, rows, rows, work_.m_max});
+}
+
+/// A sample was gated: after enough of them in a row the filter is reopened.
+void Engine::recover(const MeasurementPlan& plan) {
+  Ledger& ledger = *plan.ledger.in(arena_);
+  ++ledger.consecutive_gated;
+  if (plan.recover_after == 0 || ledger.consecutive_gated < plan.recover_after) return;
+  const int ld = padded(plan_.n);
+  for (const auto& inflation : plan.inflations) P()[inflation.row + inflation.row * ld] += inflation.variance;
+  ledger.consecutive_gated = 0;
+  ++ledger.recoveries;
+}
+
+void Engine::count_left_out(const MeasurementPlan& plan) {
+  plan.ledger.in(arena_)->rows_left_out += left_out_;
+  LeftOut* const table = plan.left_out.in(arena_);
+  for (int i = 0; i < left_out_; ++i)
+    for (std::size_t k = 0; k < plan.left_out.count; ++k) {
+      if (table[k].count > 0 && table[k].key != left_out_keys_[as_size(i)]) continue;
+      table[k] = {left_out_keys_[as_size(i)], table[k].count + 1};
+      break;
+    }
 }
 
 void Engine::inject(double* delta) {
@@ -275,6 +326,9 @@ void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reas
   if (linearized) {
     record.rows = rows;
     record.row_keys = row_keys_.data();
+    record.row_groups = row_groups_.data();
+    record.left_out = left_out_;
+    record.left_out_keys = left_out_keys_.data();
     record.residual = work_.r;
     record.nis = nis;
     record.S = MatrixView{work_.S, rows, rows, work_.m_max};

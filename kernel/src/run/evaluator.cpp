@@ -208,15 +208,15 @@ class Evaluator::FilterScore : public StepTape {
     }
     for (auto& group : withheld_) {
       if (group.measurement != record.measurement) continue;
-      const int rows = std::min(group.rows == 0 ? record.rows : group.rows, record.rows - group.first_row);
+      const auto [first, rows] = rows_of(record, group.group);
       if (rows < 1 || (group.norms && rows < group.norms->dof())) continue;
       if (!group.norms) {
         double squares = 0;
-        for (int i = 0; i < rows; ++i) squares += record.residual[group.first_row + i] * record.residual[group.first_row + i];
+        for (int i = 0; i < rows; ++i) squares += record.residual[first + i] * record.residual[first + i];
         push(group.series, 0, record.t, std::sqrt(squares / std::max(1, rows)));
         continue;
       }
-      push_errors(group.series, *group.norms, record.t, record.residual + group.first_row);
+      push_errors(group.series, *group.norms, record.t, record.residual + first);
     }
   }
 
@@ -360,16 +360,14 @@ class Evaluator::FilterScore : public StepTape {
   };
   struct WithheldGroup {
     int measurement = 0;
-    int first_row = 0;
-    int rows = 0;
+    int group = 0;                   // of the rows, counted through the parts
     const StateBlockDeclaration* norms = nullptr;
     std::vector<Series> series;
   };
   /// What a noise estimator made of R: the root of its mean diagonal over a group of rows.
   struct NoiseGroup {
     int measurement = 0;
-    int first_row = 0;
-    int rows = 0;                    // 0: all there are
+    int group = 0;
     Series series;
   };
   struct Pending {
@@ -432,14 +430,19 @@ class Evaluator::FilterScore : public StepTape {
     references_.push_back(std::move(reference));
   }
 
+  /// The first row of a group in a sample, and how many there are.
+  static std::pair<int, int> rows_of(const UpdateRecord& record, int group) {
+    const auto [first, last] = std::equal_range(record.row_groups, record.row_groups + record.rows, group);
+    return {static_cast<int>(first - record.row_groups), static_cast<int>(last - first)};
+  }
+
   void add_withheld(int measurement) {
-    int first_row = 0;
+    int index = 0;
     for (const auto& part : plan_.measurements[as_size(measurement)].parts) {
       for (const auto& group : part.model->declaration().groups) {
         WithheldGroup entry;
         entry.measurement = measurement;
-        entry.first_row = first_row + group.first_row;
-        entry.rows = group.rows;
+        entry.group = index++;
         const BlockPlan* block = group.port >= 0 ? block_like(part.ports[as_size(group.port)]) : nullptr;
         if (block) {
           entry.norms = &block->declaration();
@@ -450,20 +453,19 @@ class Evaluator::FilterScore : public StepTape {
         }
         withheld_.push_back(std::move(entry));
       }
-      first_row += part.model->declaration().max_rows;
+      if (part.model->declaration().groups.empty()) ++index;
     }
   }
 
   void add_noise(int measurement) {
     const MeasurementPlan& plan = plan_.measurements[as_size(measurement)];
-    int first_row = 0;
+    int index = 0;
     for (const auto& part : plan.parts) {
       const auto& groups = part.model->declaration().groups;
       for (const auto& group : groups) {
         NoiseGroup entry;
         entry.measurement = measurement;
-        entry.first_row = first_row + group.first_row;
-        entry.rows = group.rows;
+        entry.group = index++;
         std::string name = plan.name;
         if (plan.parts.size() > 1) name += "." + part.name;
         if (groups.size() > 1) name += "." + group.name;
@@ -473,7 +475,7 @@ class Evaluator::FilterScore : public StepTape {
         entry.series = {name + ".noise", unit, is_shown ? block->declaration().error_display_unit : unit, {}, {}};
         noise_.push_back(std::move(entry));
       }
-      first_row += part.model->declaration().max_rows;
+      if (groups.empty()) ++index;
     }
   }
 
@@ -481,10 +483,10 @@ class Evaluator::FilterScore : public StepTape {
     if (!record.R) return;
     for (auto& group : noise_) {
       if (group.measurement != record.measurement) continue;
-      const int rows = std::min(group.rows == 0 ? record.rows : group.rows, record.rows - group.first_row);
+      const auto [first, rows] = rows_of(record, group.group);
       if (rows < 1) continue;
       double sum = 0;
-      for (int i = 0; i < rows; ++i) sum += record.R(group.first_row + i, group.first_row + i);
+      for (int i = 0; i < rows; ++i) sum += record.R(first + i, first + i);
       group.series.t.push_back(record.t);
       group.series.values.push_back(std::sqrt(sum / rows));
     }

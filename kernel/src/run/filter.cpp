@@ -141,6 +141,7 @@ MeasurementCounts Filter::counts(int filter, int measurement) const {
   std::copy(std::begin(ledger.outcomes), std::end(ledger.outcomes), counts.by_outcome);
   counts.before_start = ledger.before_start;
   counts.recoveries = ledger.recoveries;
+  counts.rows_left_out = ledger.rows_left_out;
   const double n = static_cast<double>(ledger.nis_count);
   counts.nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0;

@@ -106,6 +106,15 @@ class Recorder {
   std::vector<double> scratch_, values_;
 };
 
+/// Rows that a gate by row or key took out of accepted samples: in all, and of which keys.
+nlohmann::ordered_json left_out_summary(const Engine& engine, int measurement) {
+  nlohmann::ordered_json by_key = nlohmann::ordered_json::object();
+  for (const auto& entry : engine.left_out(measurement))
+    if (entry.count > 0) by_key[std::to_string(entry.key)] = entry.count;
+  const Ledger& ledger = engine.ledger(measurement);
+  return {{"rows", ledger.rows_left_out}, {"of", ledger.dof_sum + ledger.rows_left_out}, {"by_key", std::move(by_key)}};
+}
+
 nlohmann::ordered_json measurement_summary(const Engine& engine) {
   static constexpr const char* names[outcome_count] = {"accepted", "gated",    "late",    "unsupported",
                                                        "invalid",  "withheld", "rejected"};
@@ -118,6 +127,7 @@ nlohmann::ordered_json measurement_summary(const Engine& engine) {
     for (int o = 0; o < outcome_count; ++o) entry[names[o]] = ledger.outcomes[o];
     entry["before_start"] = ledger.before_start;
     if (plan.measurements[m].recover_after > 0) entry["recoveries"] = ledger.recoveries;
+    if (plan.measurements[m].gate_unit != GateUnit::sample) entry["left_out"] = left_out_summary(engine, static_cast<int>(m));
     const double n = static_cast<double>(ledger.nis_count);
     if (ledger.nis_count > 0) {
       entry["nis_mean"] = ledger.nis_sum / n;

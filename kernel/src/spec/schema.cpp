@@ -293,10 +293,12 @@ void add_kernel_definitions(Json& definitions) {
   definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
                           {"anyOf", {named(quantity), list_of(quantity), quantity}}};
   definitions["components"] = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
-  definitions["gate"] = {{"type", {"number", "string"}},
-                         {"exclusiveMinimum", 0},
-                         {"exclusiveMaximum", 1},
-                         {"description", "probability with which a right sample passes"}};
+  const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
+  definitions["gate"] = {
+      {"description", "probability with which a right sample passes, or a right row or key"},
+      {"anyOf",
+       {probability, closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
+                                   {"probability"})}}};
   definitions["noise"] = ref("noise_estimator");
   definitions["recover"] =
       closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Components that only tests want: a noise estimator that counts in its memory, a nonlinear derived block, a process
-// that turns its block into NaN, a measurement with typed refusals.
+// that turns its block into NaN, a measurement with typed refusals, one with as many rows as its sample.
 #include <cmath>
 #include <limits>
 
@@ -128,6 +128,43 @@ class Picky : public MeasurementModel {
   MeasurementDeclaration declaration_;
 };
 
+/// Every row of the sample sees z = x0 + slope · x1, with a variance of its own; as many rows as there are.
+class Rows : public MeasurementModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "rows";
+    spec.summary = "As many rows as the sample has.";
+    spec.ports = {reads("x", "vector:2:*", "what is seen")};
+    for (const char* name : {"key", "z", "slope", "variance"})
+      spec.fields.push_back({name, "", FieldKind::level, false, true, "per row"});
+    spec.example = R"({"channel": "z", "blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Rows(const Binding&) {
+    declaration_.max_rows = 8;
+    declaration_.reads = {0};
+    declaration_.groups = {{"seen", 0, 0, "m", -1}};
+  }
+  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
+                   Linearization& out) const override {
+    out.rows = sample.rows;
+    for (int i = 0; i < sample.rows; ++i) {
+      const double* row = sample.row_fields + 4 * i;
+      out.row_keys[i] = static_cast<std::int64_t>(row[0]);
+      out.residual[i] = row[1] - x[0][0] - row[2] * x[0][1];
+      out.H[0](i, 0) = 1;
+      out.H[0](i, 1) = row[2];
+      out.R(i, i) = row[3];
+    }
+    return Result::ok();
+  }
+
+ private:
+  MeasurementDeclaration declaration_;
+};
+
 }  // namespace
 
 BINNACLE_PLUGIN("probe", "1.0.0", registry) {
@@ -135,4 +172,5 @@ BINNACLE_PLUGIN("probe", "1.0.0", registry) {
   registry.add<Square>();
   registry.add<Breaking>();
   registry.add<Picky>();
+  registry.add<Rows>();
 }
