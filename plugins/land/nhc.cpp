@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Non-holonomic constraint: wheels roll forward, and neither sideways nor off the road.
+#include "nhc.hpp"
+
+namespace binnacle::land {
+
+namespace {
+
+FieldSpec rate(std::string name) {
+  return {std::move(name), "rad/s", FieldKind::rate, true, false, "angular rate; for 'slip' and 'max_turn_rate'"};
+}
+
+double squared(double value) { return value * value; }
+
+}  // namespace
+
+ComponentSpec Nhc::spec() {
+  ComponentSpec spec;
+  spec.type = "nhc";
+  spec.summary = "Non-holonomic constraint: a vehicle on wheels moves along its x axis alone.";
+  spec.source = "paper 001, equations (4) and (9)";
+  spec.parameters = {
+      parameter::vector("sigma", "m/s", 2)
+          .above(0)
+          .required()
+          .about("standard deviation of the true velocity to the right (y) and down (z)"),
+      parameter::choice("axes", {"yz", "y", "z"}).defaults("\"yz\"").about("which of the two are constrained"),
+      parameter::number("angle", "rad").at_least(0).defaults("0").about(
+          "deviation of the direction of travel from x; adds (angle * speed)^2 to both variances"),
+      parameter::number("slip", "rad*s^2/m")
+          .at_least(0)
+          .defaults("0")
+          .about("side-slip per lateral acceleration; adds (slip * |w| * speed^2)^2 to the variance of y"),
+      parameter::number("min_speed", "m/s").at_least(0).defaults("2").about("slower than this it is unsupported"),
+      parameter::number("max_turn_rate", "rad/s").above(0).about("turning faster than this it is unsupported"),
+      Spacing::parameter()};
+  spec.ports = VehicleVelocity::ports();
+  spec.drive = {rate("wx"), rate("wy"), rate("wz")};
+  spec.example = R"json({"channel": "motion.moving", "blocks": {"velocity": "velocity", "attitude": "attitude",
+    "misalignment": "misalignment"}, "sigma": "0.2 m/s"})json";
+  spec.surroundings = R"json({"blocks": {
+      "velocity": {"type": "phi_error/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
+      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
+      "misalignment": {"type": "core/vector", "size": 3, "unit": "rad", "init": {"x": 0, "y": -0.01, "z": 0.02}, "sigma": 0.03}}})json";
+  return spec;
+}
+
+Nhc::Nhc(const Binding& binding)
+    : velocity_(binding),
+      spacing_(binding),
+      sigma_(binding.parameters().vector("sigma")),
+      angle_(binding.parameters().number("angle")),
+      slip_(binding.parameters().number("slip")),
+      min_speed_(binding.parameters().number("min_speed")) {
+  const std::string& axes = binding.parameters().text("axes");
+  first_ = axes == "z" ? 1 : 0;
+  rows_ = axes == "yz" ? 2 : 1;
+  if (binding.parameters().has("max_turn_rate")) max_turn_rate_ = binding.parameters().number("max_turn_rate");
+  declaration_.max_rows = rows_;
+  declaration_.reads = velocity_.read_ports();
+  declaration_.groups = {{"across", 0, rows_, "m/s", -1}};
+  declaration_.memory_bytes = spacing_.memory_bytes();
+}
+
+Result Nhc::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
+                      const Context& context, std::byte* memory, Linearization& out) const {
+  if (const Result result = spacing_.pass(sample.t, memory); !result) return result;
+  const auto value = velocity_.at(x);
+  const double speed = value.v_v.norm();
+  if (!(speed >= min_speed_)) return Result::unsupported("slower than 'min_speed'");
+  double turn_rate = 0;
+  if (slip_ > 0 || max_turn_rate_) {
+    if (!context.drive || !vector_at<3>(context.drive).allFinite())
+      return Result::unsupported("the angular rate is not known");
+    turn_rate = vector_at<3>(context.drive).norm();
+    if (max_turn_rate_ && turn_rate > *max_turn_rate_) return Result::unsupported("turning faster than 'max_turn_rate'");
+  }
+
+  Eigen::Vector2d variance = sigma_.cwiseAbs2().array() + squared(angle_ * speed);
+  variance[0] += squared(slip_ * turn_rate * squared(speed));
+  out.rows = rows_;
+  Eigen::Matrix<double, 2, 3> yz;
+  yz << 0, 1, 0, 0, 0, 1;
+  for (int row = 0; row < rows_; ++row) {
+    out.residual[row] = -value.v_v[1 + first_ + row];
+    out.R(row, row) = variance[first_ + row];
+  }
+  if (rows_ == 2)
+    velocity_.write_jacobians<2>(value, yz, out.H);
+  else
+    velocity_.write_jacobians<1>(value, yz.row(first_), out.H);
+  return Result::ok();
+}
+
+}  // namespace binnacle::land

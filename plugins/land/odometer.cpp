@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// A wheel sensor: speed along the vehicle's x axis.
+#include "odometer.hpp"
+
+#include <cmath>
+
+namespace binnacle::land {
+
+namespace {
+
+constexpr int scale_port = 3;  // after those of VehicleVelocity
+
+}  // namespace
+
+ComponentSpec Odometer::spec() {
+  ComponentSpec spec;
+  spec.type = "odometer";
+  spec.summary = "Speed over ground along the vehicle's x axis, from a wheel sensor.";
+  spec.source =
+      "paper 001, equation (6), first row; scale factor: Groves, Principles of GNSS, Inertial, and Multisensor "
+      "Integrated Navigation Systems, 2nd ed., section 16.2.3";
+  spec.parameters = {
+      parameter::number("sigma", "m/s").above(0).required().about("standard deviation of a sample"),
+      parameter::number("relative", "1").at_least(0).defaults("0").about(
+          "adds (relative * speed)^2 to the variance: slip of the wheel"),
+      parameter::number("min_speed", "m/s")
+          .at_least(0)
+          .defaults("0")
+          .about("a sample of less is unsupported: many sensors tell nothing of creeping")};
+  spec.ports = VehicleVelocity::ports();
+  spec.ports.push_back(may_read("scale", "vector:1:1", "scale factor error s: the sensor tells (1 + s) times the speed"));
+  spec.fields = {{"speed", "m/s", FieldKind::level, false, false, "along the vehicle's x axis, negative in reverse"}};
+  spec.example = R"json({"channel": "wheel", "blocks": {"velocity": "velocity", "attitude": "attitude",
+    "misalignment": "misalignment", "scale": "scale"}, "sigma": "0.05 m/s", "gate": 0.999})json";
+  spec.surroundings = R"json({"blocks": {
+      "velocity": {"type": "phi_error/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
+      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
+      "misalignment": {"type": "core/vector", "size": 2, "unit": "rad", "init": {"x0": -0.01, "x1": 0.02}, "sigma": 0.03},
+      "scale": {"type": "core/vector", "size": 1, "unit": "1", "init": {"x": 0.01}, "sigma": 0.02}}})json";
+  return spec;
+}
+
+Odometer::Odometer(const Binding& binding)
+    : velocity_(binding),
+      sigma_(binding.parameters().number("sigma")),
+      relative_(binding.parameters().number("relative")),
+      min_speed_(binding.parameters().number("min_speed")),
+      has_scale_(binding.is_bound("scale")) {
+  declaration_.max_rows = 1;
+  declaration_.reads = velocity_.read_ports();
+  if (has_scale_) declaration_.reads.push_back(scale_port);
+  declaration_.groups = {{"speed", 0, 1, "m/s", -1}};
+}
+
+Result Odometer::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
+                           const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+  const double speed = sample.fields[0];
+  if (!std::isfinite(speed)) return Result::invalid("the speed is not finite");
+  if (std::abs(speed) < min_speed_) return Result::unsupported("slower than 'min_speed'");
+  const auto value = velocity_.at(x);
+  const double forward = value.v_v[0];
+  const double factor = has_scale_ ? 1.0 + x[scale_port][0] : 1.0;
+  out.rows = 1;
+  out.residual[0] = speed - factor * forward;
+  out.R(0, 0) = sigma_ * sigma_ + relative_ * speed * relative_ * speed;
+  velocity_.write_jacobians<1>(value, Eigen::RowVector3d(factor, 0, 0), out.H);
+  if (has_scale_) out.H[declaration_.reads.size() - 1](0, 0) = forward;
+  return Result::ok();
+}
+
+}  // namespace binnacle::land

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plugin land: non-holonomic constraint, odometer, zero velocity, zero rate: Jacobians, signs of paper 001, refusals.
+#include "../../plugins/frames/mounted_attitude.hpp"
+#include "../../plugins/land/nhc.hpp"
+#include "../../plugins/land/odometer.hpp"
+#include "../../plugins/land/zero_rate.hpp"
+#include "../../plugins/land/zupt.hpp"
+
+#include <string>
+
+#include "bind.hpp"
+#include "catch.hpp"
+#include "kind_blocks.hpp"
+#include "model_check.hpp"
+#include "strapdown/earth.hpp"
+#include "strapdown/rotation.hpp"
+
+using namespace binnacle;
+using namespace binnacle::land;
+using namespace binnacle::test;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double degree = EIGEN_PI / 180;
+
+std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
+
+struct Bench {
+  AdditiveKind velocity{"velocity.ned", 3, "m/s"}, two{2, "rad"}, three{3, "rad"}, bias{3, "rad/s"}, scale{1, "1"};
+  AttitudeKind attitude;
+  PositionKind position;
+
+  Ports with(const AdditiveKind* zeta) const {
+    Ports ports{{"velocity", &velocity}, {"attitude", &attitude}};
+    if (zeta) ports["misalignment"] = zeta;
+    return ports;
+  }
+  /// Velocity, attitude and misalignment of a place with everything askew.
+  PortStates askew(const AdditiveKind* zeta) const {
+    PortStates ports{{&velocity, {12.0, -9.0, 1.5}, 1.0, 1e-15},
+                     {&attitude, numbers(strapdown::quaternion_from_euler({0.3, -0.2, -0.5})), 1e-2, 4e-16},
+                     {}};
+    if (zeta == &three) ports[2] = {zeta, {0.2, -0.3, 0.25}, 1e-2, 1e-16};
+    if (zeta == &two) ports[2] = {zeta, {-0.3, 0.25}, 1e-2, 1e-16};
+    return ports;
+  }
+};
+
+SampleView at(double t, const std::vector<double>& fields = {}) {
+  SampleView sample;
+  sample.t = nanoseconds(t);
+  sample.fields = fields.data();
+  return sample;
+}
+
+Measured measured(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
+                  const Context& context = {}) {
+  Complaints out;
+  Measured m = linearize(model, sample, ports, context, out);
+  REQUIRE_NO_COMPLAINTS(out);
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("nhc: Jacobians, with and without the misalignment, all axes and one") {
+  const Bench bench;
+  for (const AdditiveKind* zeta : {static_cast<const AdditiveKind*>(nullptr), &bench.two, &bench.three})
+    for (const char* axes : {"yz", "y", "z"}) {
+      INFO(axes << ", " << (zeta ? zeta->declaration().kind : "no misalignment"));
+      const auto model = bind<Nhc>({{{"sigma", {0.2, 0.3}}, {"axes", axes}}, bench.with(zeta), {}});
+      REQUIRE(model->declaration().reads.size() == (zeta ? 3 : 2));
+      REQUIRE_NO_COMPLAINTS(
+          check_measurement(*model, Nhc::spec(), at(1), bench.askew(zeta), {}, {1e-8}, 1e-13));
+    }
+}
+
+TEST_CASE("nhc: the constraint is met by a vehicle that is mounted as paper 001 (5) and (7) say") {
+  const Bench bench;
+  const Vector3d zeta{0, -10.7e-3, 1e-3};
+  const double v_x = 20;
+  // (7): in the IMU's axes the vehicle moves with −ζ_z v_x to the right and +ζ_y v_x down.
+  const Vector3d v_b{v_x, -zeta[2] * v_x, zeta[1] * v_x};
+  const auto q_nb = strapdown::quaternion_from_euler({0.02, 0.03, 2.0});
+  const Vector3d v_n = strapdown::dcm_from_quaternion(q_nb) * v_b;
+  PortStates ports{{&bench.velocity, numbers(v_n)}, {&bench.attitude, numbers(q_nb)}, {&bench.three, numbers(zeta)}};
+  const auto knows = bind<Nhc>({{{"sigma", 0.2}}, bench.with(&bench.three), {}});
+  const Measured m = measured(*knows, at(1), ports);
+  REQUIRE(m.residual.cwiseAbs().maxCoeff() < v_x * zeta.squaredNorm());
+  // (9) with δ = truth − estimate: h_y grows with ζ_z, h_z falls with ζ_y, by the speed.
+  REQUIRE(std::abs(m.H[2](0, 2) - v_x) < 0.01 * v_x);
+  REQUIRE(std::abs(m.H[2](1, 1) + v_x) < 0.01 * v_x);
+  REQUIRE(std::abs(m.H[2](0, 1)) < 0.02 * v_x);
+
+  // Who does not know the mounting takes these velocities for errors.
+  ports[2] = {};
+  const auto ignorant = bind<Nhc>({{{"sigma", 0.2}}, bench.with(nullptr), {}});
+  const Measured wrong = measured(*ignorant, at(1), ports);
+  REQUIRE(std::abs(wrong.residual[0] - zeta[2] * v_x) < 1e-12);
+  REQUIRE(std::abs(wrong.residual[1] + zeta[1] * v_x) < 1e-12);
+}
+
+TEST_CASE("nhc: its own misalignment port is that of a mounted attitude") {
+  const Bench bench;
+  PortStates ports = bench.askew(&bench.three);
+  const auto own = bind<Nhc>({{{"sigma", 0.2}}, bench.with(&bench.three), {}});
+  const Measured by_port = measured(*own, at(1), ports);
+
+  const auto mounted = bind<frames::MountedAttitude>(
+      {nlohmann::json::object(), {{"attitude", &bench.attitude}, {"misalignment", &bench.three}}, {}});
+  std::vector<double> q(4);
+  Matrix3d by_attitude, by_zeta;
+  MatrixView J[] = {{by_attitude.data(), 3, 3, 3}, {by_zeta.data(), 3, 3, 3}};
+  const double* x[] = {ports[1].x.data(), ports[2].x.data()};
+  REQUIRE(mounted->evaluate(x, {}, q.data(), J));
+  ports[1].x = q;
+  ports[2] = {};
+  const auto plain = bind<Nhc>({{{"sigma", 0.2}}, bench.with(nullptr), {}});
+  const Measured by_block = measured(*plain, at(1), ports);
+  REQUIRE((by_block.residual - by_port.residual).norm() < 1e-12);
+  REQUIRE((by_block.H[0] - by_port.H[0]).norm() < 1e-12);
+  REQUIRE((by_block.H[1] * by_attitude - by_port.H[1]).norm() < 1e-12);
+  REQUIRE((by_block.H[1] * by_zeta - by_port.H[2]).norm() < 1e-12);
+}
+
+TEST_CASE("nhc: R grows with the speed and with what is felt of a turn") {
+  const Bench bench;
+  const auto model = bind<Nhc>(
+      {{{"sigma", {0.2, 0.3}}, {"angle", 0.01}, {"slip", 0.003}, {"max_turn_rate", 0.5}}, bench.with(nullptr), {}});
+  const PortStates ports = bench.askew(nullptr);
+  const double v2 = 144 + 81 + 2.25;
+  const Vector3d turning{0, 0.06, -0.08};
+  const Measured m = measured(*model, at(1), ports, {0, turning.data()});
+  REQUIRE(std::abs(m.R(0, 0) - (0.04 + 1e-4 * v2 + std::pow(0.003 * 0.1 * v2, 2))) < 1e-12);
+  REQUIRE(std::abs(m.R(1, 1) - (0.09 + 1e-4 * v2)) < 1e-12);
+  REQUIRE(m.R(0, 1) == 0);
+  const Vector3d wild{0, 0.4, 0.4};
+  REQUIRE(measured(*model, at(1), ports, {0, wild.data()}).result.verdict == Verdict::unsupported);
+  REQUIRE(measured(*model, at(1), ports).result.verdict == Verdict::unsupported);
+}
+
+TEST_CASE("nhc and zupt: refusals, and samples too near to the last") {
+  const Bench bench;
+  const auto model = bind<Nhc>({{{"sigma", 0.2}, {"spacing", 1.0}, {"min_speed", 3.0}}, bench.with(nullptr), {}});
+  PortStates ports = bench.askew(nullptr);
+  std::vector<std::byte> memory(model->declaration().memory_bytes);
+  REQUIRE(memory.size() == 8);
+  model->start(memory.data());
+  const auto verdict = [&](const MeasurementModel& of, double t) {
+    const int rows = of.declaration().max_rows;
+    std::vector<double> r(static_cast<std::size_t>(rows)), S(static_cast<std::size_t>(rows * rows)), a(9), b(9);
+    MatrixView H[] = {{a.data(), rows, 3, rows}, {b.data(), rows, 3, rows}};
+    std::int64_t row_keys[3] = {0, 1, 2};
+    Linearization out{0, r.data(), H, {S.data(), rows, rows, rows}, row_keys};
+    return of.linearize(at(t), nullptr, detail::pointers(ports).data(), {}, memory.data(), out).verdict;
+  };
+  REQUIRE(verdict(*model, 10.0) == Verdict::ok);
+  REQUIRE(verdict(*model, 10.5) == Verdict::unsupported);
+  REQUIRE(verdict(*model, 10.995) == Verdict::unsupported);
+  REQUIRE(verdict(*model, 11.0) == Verdict::ok);
+  ports[0].x = {1.0, -2.0, 0.5};
+  REQUIRE(verdict(*model, 20.0) == Verdict::unsupported);
+
+  const auto zupt = bind<Zupt>({{{"sigma", 0.02}, {"spacing", 1.0}}, {{"velocity", &bench.velocity}}, {}});
+  zupt->start(memory.data());
+  REQUIRE(verdict(*zupt, 10.0) == Verdict::ok);
+  REQUIRE(verdict(*zupt, 10.5) == Verdict::unsupported);
+  REQUIRE(verdict(*zupt, 11.0) == Verdict::ok);
+  REQUIRE(bind<Zupt>({{{"sigma", 0.02}}, {{"velocity", &bench.velocity}}, {}})->declaration().memory_bytes == 0);
+  REQUIRE_THROWS_AS(bind<Nhc>({{{"sigma", 0.2}}, bench.with(&bench.scale), {}}), ComponentError);
+}
+
+TEST_CASE("zupt: minus the velocity") {
+  const Bench bench;
+  const auto model = bind<Zupt>({{{"sigma", {0.01, 0.02, 0.03}}}, {{"velocity", &bench.velocity}}, {}});
+  const PortStates ports{{&bench.velocity, {0.1, -0.2, 0.3}}};
+  REQUIRE_NO_COMPLAINTS(check_measurement(*model, Zupt::spec(), at(1), ports, {}, {1e-9}));
+  const Measured m = measured(*model, at(1), ports);
+  REQUIRE((m.residual - Vector3d(-0.1, 0.2, -0.3)).norm() < 1e-15);
+  REQUIRE(std::abs(m.R(2, 2) - 9e-4) < 1e-15);
+}
+
+TEST_CASE("zero rate: Jacobians, and a gyroscope at rest feels the earth and its bias") {
+  const Bench bench;
+  const Ports all{{"gyro_bias", &bench.bias}, {"attitude", &bench.attitude}, {"position", &bench.position}};
+  const auto model = bind<ZeroRate>({{{"sigma", 1e-5}}, all, {}});
+  const Vector3d lla{0.7, 2.2, 60}, bias{1e-5, -2e-5, 3e-5};
+  const auto q = strapdown::quaternion_from_euler({0.1, -0.2, 1.3});
+  const Vector3d omega = strapdown::dcm_from_quaternion(q).transpose() * strapdown::omega_ie_n(lla[0]) + bias;
+  const PortStates ports{{&bench.bias, numbers(bias), 1e-5, 1e-20},
+                         {&bench.attitude, numbers(q), 1e-2, 4e-16},
+                         {&bench.position, numbers(lla), 1e4, 4e-9}};
+  const std::vector<double> fields = numbers(omega);
+  REQUIRE(measured(*model, at(1, fields), ports).residual.norm() < 1e-18);
+  REQUIRE_NO_COMPLAINTS(
+      check_measurement(*model, ZeroRate::spec(), at(1, fields), ports, {}, {1e-5}, 1e-19));
+
+  const auto coarse = bind<ZeroRate>({{{"sigma", 1e-5}}, {{"gyro_bias", &bench.bias}}, {}});
+  const Measured without = measured(*coarse, at(1, fields), {ports[0], {}, {}});
+  REQUIRE((without.residual - (omega - bias)).norm() < 1e-18);
+  REQUIRE_THROWS_AS(
+      bind<ZeroRate>({{{"sigma", 1e-5}}, {{"gyro_bias", &bench.bias}, {"attitude", &bench.attitude}}, {}}),
+      ComponentError);
+  const std::vector<double> bad{0, std::nan(""), 0};
+  REQUIRE(measured(*model, at(1, bad), ports).result.verdict == Verdict::invalid);
+}
+
+TEST_CASE("odometer: Jacobians, scale factor, refusals") {
+  const Bench bench;
+  for (const AdditiveKind* zeta : {static_cast<const AdditiveKind*>(nullptr), &bench.two, &bench.three})
+    for (const bool scaled : {false, true}) {
+      Ports plugged = bench.with(zeta);
+      PortStates ports = bench.askew(zeta);
+      ports.push_back({});
+      if (scaled) plugged["scale"] = &bench.scale, ports[3] = {&bench.scale, {0.05}, 1e-2, 1e-17};
+      const auto model = bind<Odometer>({{{"sigma", 0.1}, {"relative", 0.02}, {"min_speed", 1.0}}, plugged, {}});
+      const std::vector<double> z{15};
+      REQUIRE_NO_COMPLAINTS(check_measurement(*model, Odometer::spec(), at(1, z), ports, {}, {1e-8}, 1e-13));
+      const Measured m = measured(*model, at(1, z), ports);
+      REQUIRE(std::abs(m.R(0, 0) - (0.01 + 0.09)) < 1e-12);
+    }
+  // At 20 m/s a sensor that tells 2 % too much shows 20.4 m/s.
+  Ports plugged = bench.with(nullptr);
+  plugged["scale"] = &bench.scale;
+  const auto model = bind<Odometer>({{{"sigma", 0.1}, {"min_speed", 1.0}}, plugged, {}});
+  const PortStates ports{
+      {&bench.velocity, {0, 20, 0}}, {&bench.attitude, numbers(strapdown::quaternion_from_euler({0, 0, 90 * degree}))}, {}, {&bench.scale, {0.02}}};
+  const std::vector<double> z{20.4}, slow{0.5}, bad{std::nan("")};
+  REQUIRE(std::abs(measured(*model, at(1, z), ports).residual[0]) < 1e-12);
+  REQUIRE(measured(*model, at(1, slow), ports).result.verdict == Verdict::unsupported);
+  REQUIRE(measured(*model, at(1, bad), ports).result.verdict == Verdict::invalid);
+}
