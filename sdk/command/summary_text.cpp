@@ -185,7 +185,7 @@ std::string measurement_table(const Json& measurements) {
     if (entry.contains("left_out") && entry["left_out"]["rows"] != 0) {
       Names keys;
       for (const auto& [key, count] : entry["left_out"]["by_key"].items()) keys.push_back(fmt::format("{} ({})", key, count.dump()));
-      reasons += fmt::format("  {}: left out {} of {} rows, by key (times): {}\n", name, entry["left_out"]["rows"].dump(),
+      reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name, entry["left_out"]["rows"].dump(),
                              entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
     if (entry.contains("last_reason"))

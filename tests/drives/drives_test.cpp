@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The configs of configs/drives on the recorded drives: figures that must be reached, health, and that every sample is
-// accounted for. Data are looked for in $BINNACLE_DATA, else beside the project in ../shared/data; without any, the
-// tests say so and pass.
+// accounted for.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "binnacle/run.hpp"
 #include "catch.hpp"
+#include "recorded.hpp"
 
 using namespace binnacle;
 using nlohmann::ordered_json;
@@ -35,27 +31,8 @@ const std::vector<Drive> drives = {{"long-drive-large-mount", 0.85, 0.25, 2556, 
                                    {"mixed-turns", 1.92, 0.46, 1043, 13986, 521.512427615},
                                    {"stop-go-large-mount", 1.08, 0.25, 950, 13043, 490.394164011}};
 
-std::optional<std::filesystem::path> data() {
-  namespace fs = std::filesystem;
-  const char* told = std::getenv("BINNACLE_DATA");
-  const fs::path root = told ? fs::path(told) : fs::path(BINNACLE_TEST_PROJECT) / ".." / "shared" / "data";
-  const fs::path folder = fs::weakly_canonical(root / "drives");
-  if (fs::is_directory(folder)) return folder;
-  std::printf("SKIPPED: no data (%s is not there; BINNACLE_DATA names another folder)\n", folder.c_str());
-  return std::nullopt;
-}
-
 ordered_json run_drive(const std::filesystem::path& folder, const std::string& config, std::vector<std::string> sets) {
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  LoadOptions options;
-  options.vars["drives"] = folder.string();
-  options.sets = std::move(sets);
-  const auto composition = Composition::load(BINNACLE_TEST_PROJECT "/configs/drives/" + config + ".json", options);
-  const RunResult result = binnacle::run(composition);
-  INFO(config << "\n" << result.failures.text());
-  CHECK(result.failures.empty());
-  if (!result.warnings.empty()) std::printf("%s: %s\n", config.c_str(), result.warnings.text().c_str());
-  return result.summary;
+  return recorded::run(folder, "drives/" + config, std::move(sets));
 }
 
 double figure(const ordered_json& filter, const std::string& error, const std::string& statistic = "rms") {
@@ -91,7 +68,7 @@ void check_scored(const ordered_json& filter, const Drive& drive) {
 }  // namespace
 
 TEST_CASE("recorded drives against their reference") {
-  const auto folder = data();
+  const auto folder = recorded::data();
   if (!folder) return;
   std::printf("\n%-24s horizontal (at most)   height velocity    roll   pitch     yaw  NIS/dof    started\n",
               "reference, RMS");
@@ -123,7 +100,7 @@ TEST_CASE("recorded drives against their reference") {
 }
 
 TEST_CASE("recorded drives against every second fix, withheld") {
-  const auto folder = data();
+  const auto folder = recorded::data();
   if (!folder) return;
   std::printf("\n%-24s horizontal (at most)    95 %%\n", "withheld fixes, RMS");
   for (const Drive& drive : drives) {
@@ -144,7 +121,7 @@ TEST_CASE("recorded drives against every second fix, withheld") {
 }
 
 TEST_CASE("twenty outages of 30 s on recorded drives") {
-  const auto folder = data();
+  const auto folder = recorded::data();
   if (!folder) return;
   const ordered_json summary = run_drive(*folder, "outages", {});
   std::vector<double> ends, without_faulty;
@@ -187,7 +164,7 @@ TEST_CASE("twenty outages of 30 s on recorded drives") {
 }
 
 TEST_CASE("the clock of a recorded drive may be shifted, and a part of it be cut out") {
-  const auto folder = data();
+  const auto folder = recorded::data();
   if (!folder) return;
   const std::vector<std::string> sources = {"raw_imu", "gnss", "reference_position", "reference_attitude"};
   const std::string config = "medium-turn-loop";

@@ -104,6 +104,7 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   row_keys_.assign(m, 0);
   row_groups_.assign(m, 0);
   left_out_keys_.assign(m, 0);
+  left_out_groups_.assign(m, 0);
   block_delta_.assign(dof, 0.0);
   block_reset_.assign(2 * dof * dof, 0.0);
   reset_scratch_.assign(ld * dof, 0.0);

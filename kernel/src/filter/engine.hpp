@@ -128,6 +128,7 @@ class Engine {
   std::vector<std::int64_t> row_keys_;
   std::vector<int> row_groups_;
   std::vector<std::int64_t> left_out_keys_;  // of the sample in process
+  std::vector<int> left_out_groups_;
   int left_out_ = 0;
   OutlierTest outlier_test_;
   std::vector<std::byte> memory_backup_;

@@ -185,9 +185,11 @@ struct Ledger {
   char last_reason[96] = {};
 };
 
-/// How often the rows of one key were left out. Lies in the arena, as many as a measurement may have rows and a few more.
+/// How often rows of one group and key were left out. Lies in the arena: twice as many as a measurement may have rows, and
+/// a few more.
 struct LeftOut {
   std::int64_t key = 0;
+  std::int64_t group = 0;               // 0 of a gate by key
   std::int64_t count = 0;               // 0: a free place
 };
 

@@ -199,8 +199,11 @@ void Engine::process(int measurement, const SampleView& sample) {
     const unsigned char* outliers =
         outlier_test_.find(plan.gate_unit, plan.gate_limit, m, row_keys_.data(), work_);
     if (!outliers) break;
-    for (int i = 0; i < m; ++i)
-      if (outliers[i]) left_out_keys_[as_size(left_out_++)] = row_keys_[as_size(i)];
+    for (int i = 0; i < m; ++i) {
+      if (!outliers[i]) continue;
+      left_out_groups_[as_size(left_out_)] = plan.gate_unit == GateUnit::key ? 0 : row_groups_[as_size(i)];
+      left_out_keys_[as_size(left_out_++)] = row_keys_[as_size(i)];
+    }
     if (2 * left_out_ > offered) return end_gated("no majority of its rows agrees with the rest");
     roll_back_noise();
     m = leave_out(outliers, m, static_cast<int>(plan.columns.columns.size()), plan_.n, R_nominal_.data(),
@@ -270,12 +273,14 @@ void Engine::recover(const MeasurementPlan& plan) {
 void Engine::count_left_out(const MeasurementPlan& plan) {
   plan.ledger.in(arena_)->rows_left_out += left_out_;
   LeftOut* const table = plan.left_out.in(arena_);
-  for (int i = 0; i < left_out_; ++i)
+  for (int i = 0; i < left_out_; ++i) {
+    const std::int64_t key = left_out_keys_[as_size(i)], group = left_out_groups_[as_size(i)];
     for (std::size_t k = 0; k < plan.left_out.count; ++k) {
-      if (table[k].count > 0 && table[k].key != left_out_keys_[as_size(i)]) continue;
-      table[k] = {left_out_keys_[as_size(i)], table[k].count + 1};
+      if (table[k].count > 0 && (table[k].key != key || table[k].group != group)) continue;
+      table[k] = {key, group, table[k].count + 1};
       break;
     }
+  }
 }
 
 void Engine::inject(double* delta) {

@@ -106,11 +106,29 @@ class Recorder {
   std::vector<double> scratch_, values_;
 };
 
-/// Rows that a gate by row or key took out of accepted samples: in all, and of which keys.
+/// The groups of a measurement's rows, counted through its parts; a part with one group lends it its name.
+std::vector<std::string> group_names(const MeasurementPlan& plan) {
+  std::vector<std::string> names;
+  for (const auto& part : plan.parts) {
+    const auto& groups = part.model->declaration().groups;
+    if (groups.size() < 2) names.push_back(part.name);
+    else
+      for (const auto& group : groups) names.push_back(plan.parts.size() > 1 ? part.name + "." + group.name : group.name);
+  }
+  return names;
+}
+
+/// Rows that a gate by row or key took out of accepted samples: in all, and which.
 nlohmann::ordered_json left_out_summary(const Engine& engine, int measurement) {
+  const auto& plan = engine.plan().measurements[static_cast<std::size_t>(measurement)];
+  const auto names = group_names(plan);
+  const bool tells_group = plan.gate_unit == GateUnit::row && names.size() > 1;
   nlohmann::ordered_json by_key = nlohmann::ordered_json::object();
-  for (const auto& entry : engine.left_out(measurement))
-    if (entry.count > 0) by_key[std::to_string(entry.key)] = entry.count;
+  for (const auto& entry : engine.left_out(measurement)) {
+    if (entry.count == 0) continue;
+    const std::string key = std::to_string(entry.key);
+    by_key[tells_group ? names[static_cast<std::size_t>(entry.group)] + " " + key : key] = entry.count;
+  }
   const Ledger& ledger = engine.ledger(measurement);
   return {{"rows", ledger.rows_left_out}, {"of", ledger.dof_sum + ledger.rows_left_out}, {"by_key", std::move(by_key)}};
 }
