@@ -115,7 +115,7 @@ Json table_entry(const Results& results, const TablePlan& table) {
     Json values = Json::array(), ses = Json::array(), row_units = Json::array();
     for (const auto& cell : row) {
       const auto figures = figures_of(results, cell);
-      values.push_back(number(figures.value));
+      values.push_back(cell.text.empty() ? number(figures.value) : Json(cell.text));
       ses.push_back(number(figures.se));
       row_units.push_back(cell.unit);
     }
@@ -147,7 +147,10 @@ std::string csv(const std::string& text) {
   return result + "\"";
 }
 
-std::string csv(const Json& value) { return value.is_null() ? "" : value.dump(); }
+std::string csv(const Json& value) {
+  if (value.is_string()) return csv(value.get<std::string>());
+  return value.is_null() ? "" : value.dump();
+}
 
 }  // namespace
 

@@ -30,11 +30,13 @@ struct PortBinding {
 /// Handed to a component's constructor, which keeps what it needs; references into it die with the call.
 class Binding {
  public:
-  Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound)
+  Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound,
+          int samples_per_step = 1)
       : name_(std::move(name)),
         parameters_(parameters),
         ports_(std::move(ports)),
-        fields_bound_(std::move(fields_bound)) {}
+        fields_bound_(std::move(fields_bound)),
+        samples_per_step_(samples_per_step) {}
 
   /// The JSON key under which the component stands.
   const std::string& name() const noexcept { return name_; }
@@ -49,12 +51,16 @@ class Binding {
   bool is_bound(std::string_view port_name) const { return port(port_name).bound; }
   /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
   bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
+  /// Process model: the samples that a step hands it unless a measurement cuts the group short. A filter's steps are
+  /// those of its process model that asks for most.
+  int samples_per_step() const noexcept { return samples_per_step_; }
 
  private:
   std::string name_;
   Parameters parameters_;
   std::vector<PortBinding> ports_;
   std::vector<bool> fields_bound_;
+  int samples_per_step_;
 };
 
 }  // namespace binnacle

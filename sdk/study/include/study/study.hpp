@@ -56,6 +56,7 @@ struct Cell {
   OverRuns statistic = OverRuns::rms;
   Show show = Show::value;
   std::string unit;  // "%" of an improvement; "" of an empty cell
+  std::string text;  // printed instead of a figure: "aliased"
 };
 
 struct TablePlan {
