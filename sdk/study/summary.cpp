@@ -100,7 +100,7 @@ CellFigures figures_of(const Results& results, const Cell& cell) {
   if (cell.variant < 0 || (cell.show != Show::value && cell.baseline < 0)) return {};
   if (cell.show == Show::value) {
     const auto x = scaled(results.values(static_cast<std::size_t>(cell.variant), static_cast<std::size_t>(cell.metric)),
-                          scale_of(cell.unit));
+                          (cell.is_reversed ? -1 : 1) * scale_of(cell.unit));
     return {over_runs(x, cell.statistic), standard_error(x, cell.statistic)};
   }
   const auto [x, baseline] = paired(results, cell);

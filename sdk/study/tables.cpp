@@ -31,7 +31,9 @@ struct Header {
   bool is_plain = true;
 };
 
-const std::vector<std::string> setting_keys{"metric", "statistic", "unit", "baseline", "show"};
+constexpr const char* reversed = "estimate - truth";
+
+const std::vector<std::string> setting_keys{"metric", "statistic", "unit", "baseline", "show", "sign"};
 
 Settings read_settings(const Section& section, const std::string& pointer, const std::string& cell_key) {
   Settings settings;
@@ -46,6 +48,7 @@ Settings read_settings(const Section& section, const std::string& pointer, const
   for (const auto& key : setting_keys) keep(key, key);
   section.choice(join_pointer(pointer, "statistic"), over_runs_names());
   section.choice(join_pointer(pointer, "show"), {"value", "improvement", "ratio"});
+  section.choice(join_pointer(pointer, "sign"), {"truth - estimate", reversed});
   return settings;
 }
 
@@ -115,6 +118,8 @@ class CellReader {
     cell.metric = metric(settings);
     if (const auto* statistic = settings.find("statistic")) cell.statistic = over_runs_named(*statistic);
     if (cell.variant < 0) return cell;
+    const auto* sign = settings.find("sign");
+    cell.is_reversed = sign && *sign == reversed;
     const auto* show = settings.find("show");
     const bool has_baseline = settings.find("baseline") != nullptr;
     if (show ? *show == "improvement" : has_baseline) cell.show = Show::improvement;

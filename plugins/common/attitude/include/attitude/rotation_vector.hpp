@@ -83,8 +83,9 @@ Vector3<Scalar> sculling(std::span<const Vector3<Scalar>> theta, std::span<const
   return sum;
 }
 
-/// Paper 002, equation (5), as printed, but for its lost cross, taken for θ₂ × θ₄. Not an algorithm: its cross products do
-/// not even sum to the rotation of a linearly changing rate. A specimen that a test holds against the true coefficients.
+/// Paper 002, equation (5), as printed, with its lost cross taken for θ₂ × θ₄. Not an algorithm: for a rate that changes as
+/// (4) says it is off by parts in ten, and on a coning motion it is no better than two samples. A specimen, which a test
+/// holds against the true coefficients.
 template <class Scalar>
 Vector3<Scalar> printed_equation_5(std::span<const Vector3<Scalar>> theta) {
   const auto& [a, b, c, d] = std::tie(theta[0], theta[1], theta[2], theta[3]);
