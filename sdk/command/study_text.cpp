@@ -108,7 +108,8 @@ std::string table_text(const Json& plan, bool shows_errors) {
     std::vector<std::string> row{plan.at("rows")[r].get<std::string>()};
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const double se = shows_errors ? number(plan.at("se")[r][c]) : 0;
-      row.push_back(with_error(number(plan.at("cells")[r][c]), se));
+      const Json& cell = plan.at("cells")[r][c];
+      row.push_back(cell.is_string() ? cell.get<std::string>() : with_error(number(cell), se));
       if (has_paper(plan, c)) row.push_back(printed(plan.at("paper")[r][c]));
     }
     table.row(std::move(row));

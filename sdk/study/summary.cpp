@@ -100,7 +100,7 @@ CellFigures figures_of(const Results& results, const Cell& cell) {
   if (cell.variant < 0 || (cell.show != Show::value && cell.baseline < 0)) return {};
   if (cell.show == Show::value) {
     const auto x = scaled(results.values(static_cast<std::size_t>(cell.variant), static_cast<std::size_t>(cell.metric)),
-                          scale_of(cell.unit));
+                          (cell.is_reversed ? -1 : 1) * scale_of(cell.unit));
     return {over_runs(x, cell.statistic), standard_error(x, cell.statistic)};
   }
   const auto [x, baseline] = paired(results, cell);
@@ -115,7 +115,7 @@ Json table_entry(const Results& results, const TablePlan& table) {
     Json values = Json::array(), ses = Json::array(), row_units = Json::array();
     for (const auto& cell : row) {
       const auto figures = figures_of(results, cell);
-      values.push_back(number(figures.value));
+      values.push_back(cell.text.empty() ? number(figures.value) : Json(cell.text));
       ses.push_back(number(figures.se));
       row_units.push_back(cell.unit);
     }
@@ -147,7 +147,10 @@ std::string csv(const std::string& text) {
   return result + "\"";
 }
 
-std::string csv(const Json& value) { return value.is_null() ? "" : value.dump(); }
+std::string csv(const Json& value) {
+  if (value.is_string()) return csv(value.get<std::string>());
+  return value.is_null() ? "" : value.dump();
+}
 
 }  // namespace
 

@@ -31,7 +31,9 @@ struct Header {
   bool is_plain = true;
 };
 
-const std::vector<std::string> setting_keys{"metric", "statistic", "unit", "baseline", "show"};
+constexpr const char* reversed = "estimate - truth";
+
+const std::vector<std::string> setting_keys{"metric", "statistic", "unit", "baseline", "show", "sign"};
 
 Settings read_settings(const Section& section, const std::string& pointer, const std::string& cell_key) {
   Settings settings;
@@ -46,6 +48,7 @@ Settings read_settings(const Section& section, const std::string& pointer, const
   for (const auto& key : setting_keys) keep(key, key);
   section.choice(join_pointer(pointer, "statistic"), over_runs_names());
   section.choice(join_pointer(pointer, "show"), {"value", "improvement", "ratio"});
+  section.choice(join_pointer(pointer, "sign"), {"truth - estimate", reversed});
   return settings;
 }
 
@@ -89,14 +92,34 @@ class CellReader {
  public:
   CellReader(const Section& section, const std::string& table, const std::vector<std::string>& variants,
              const std::vector<StudyMetric>& metrics)
-      : section_(section), table_(table), variants_(variants), metrics_(metrics) {}
+      : section_(section), table_(table), variants_(variants), metrics_(metrics) {
+    const Json* texts = section.object(join_pointer(table, "texts"));
+    if (!texts) return;
+    for (const auto& [name, value] : texts->items())
+      if (const auto text = section.text(join_pointer(join_pointer(table, "texts"), name))) texts_[name] = *text;
+  }
+
+  /// A text that no cell shows was meant for one.
+  void tell_of_unused_texts() const {
+    for (const auto& [name, text] : texts_)
+      if (!used_texts_.contains(name))
+        section_.key_error("B090", join_pointer(join_pointer(table_, "texts"), name),
+                           "no cell of the table would be " + in_quotes(name));
+  }
 
   Cell read(const Settings& settings, const Header& row, const Header& column) {
     Cell cell;
+    if (auto text = texts_.find(filled(*settings.find("cell"), row, column)); text != texts_.end()) {
+      cell.text = text->second;
+      used_texts_.insert(text->first);
+      return cell;
+    }
     cell.variant = variant(settings, "cell", row, column);
     cell.metric = metric(settings);
     if (const auto* statistic = settings.find("statistic")) cell.statistic = over_runs_named(*statistic);
     if (cell.variant < 0) return cell;
+    const auto* sign = settings.find("sign");
+    cell.is_reversed = sign && *sign == reversed;
     const auto* show = settings.find("show");
     const bool has_baseline = settings.find("baseline") != nullptr;
     if (show ? *show == "improvement" : has_baseline) cell.show = Show::improvement;
@@ -160,6 +183,8 @@ class CellReader {
   const std::vector<std::string>& variants_;
   const std::vector<StudyMetric>& metrics_;
   std::set<std::string> told_;
+  std::map<std::string, std::string> texts_;  // by what the cell would be
+  std::set<std::string> used_texts_;
 };
 
 void read_paper(const Section& section, const std::string& pointer, TablePlan& plan) {
@@ -224,7 +249,7 @@ std::vector<std::string> table_metric_pointers(const Section& section, const std
 TablePlan read_table(const Section& section, const std::string& pointer, const std::vector<std::string>& variants,
                      const std::vector<StudyMetric>& metrics) {
   TablePlan plan;
-  std::vector<std::string> keys{"title", "rows", "columns", "cells", "paper", "errors"};
+  std::vector<std::string> keys{"title", "rows", "columns", "cells", "texts", "paper", "errors"};
   keys.insert(keys.end(), setting_keys.begin(), setting_keys.end());
   section.check_keys(pointer, keys, "a table");
   plan.title = section.text(join_pointer(pointer, "title")).value_or("");
@@ -256,6 +281,7 @@ TablePlan read_table(const Section& section, const std::string& pointer, const s
     }
     plan.cells.push_back(std::move(cells));
   }
+  reader.tell_of_unused_texts();
   read_paper(section, join_pointer(pointer, "paper"), plan);
   return plan;
 }

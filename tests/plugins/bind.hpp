@@ -25,6 +25,7 @@ struct Setup {
   nlohmann::json parameters = nlohmann::json::object();
   Ports ports;
   std::vector<std::string> without;
+  int samples_per_step = 1;
 };
 
 namespace detail {
@@ -131,7 +132,7 @@ std::unique_ptr<Component> bind(const Setup& setup = {}) {
   const ComponentSpec spec = Component::spec();
   const ParameterValue parameters = detail::object_value(spec.parameters, setup.parameters, setup);
   const Binding binding("under_test", Parameters(parameters), detail::port_bindings(spec, setup),
-                        detail::fields_bound(spec, setup));
+                        detail::fields_bound(spec, setup), setup.samples_per_step);
   return std::make_unique<Component>(binding);
 }
 

@@ -87,7 +87,8 @@ struct InertialBench {
       : has_sensor_errors(with_sensor_errors) {
     Setup setup{{{"gyro_noise", gyro_noise}, {"accel_noise", accel_noise}, {"order", order}},
                 {{"position", &position}, {"velocity", &velocity}, {"attitude", &attitude}},
-                {}};
+                {},
+                more.value(nlohmann::json::json_pointer("/attitude/samples"), 1)};
     setup.parameters.update(more);
     if (with_sensor_errors)
       setup.ports.insert(

@@ -283,7 +283,7 @@ TEST_CASE("what is wrong with a study is told before anything runs") {
           "reference; did you mean 'place.x'? (there are: place.x)");
   is_told(R"~({ "metrics": ["walk/place.x/rsm"] })~",
           "26: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean "
-          "'rms'? (statistics: mean, rms, max, final, p50, p95, sigma, nees, nis, at 100 s)");
+          "'rms'? (statistics: mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)");
   is_told(R"~({ "metrics": ["wlak/place.x/rms"] })~",
           "26: error[B027] /study/metrics/0: metric 'wlak/place.x/rms': there is no filter 'wlak'; did you mean "
           "'walk'? (filters: walk)");

@@ -31,11 +31,12 @@ struct PortBinding {
 class Binding {
  public:
   Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound,
-          std::vector<std::vector<NamedUnit>> covariances = {})
+          int samples_per_step = 1, std::vector<std::vector<NamedUnit>> covariances = {{}})
       : name_(std::move(name)),
         parameters_(parameters),
         ports_(std::move(ports)),
         fields_bound_(std::move(fields_bound)),
+        samples_per_step_(samples_per_step),
         covariances_(std::move(covariances)) {}
 
   /// The JSON key under which the component stands.
@@ -56,6 +57,9 @@ class Binding {
   const std::vector<NamedUnit>& covariance(int input = 0) const {
     return covariances_.at(static_cast<std::size_t>(input));
   }
+  /// Process model: the samples that a step hands it unless a measurement cuts the group short. A filter's steps are
+  /// those of its process model that asks for most.
+  int samples_per_step() const noexcept { return samples_per_step_; }
 
  private:
   std::string name_;
@@ -63,6 +67,7 @@ class Binding {
   std::vector<PortBinding> ports_;
   std::vector<bool> fields_bound_;
   std::vector<std::vector<NamedUnit>> covariances_;
+  int samples_per_step_;
 };
 
 }  // namespace binnacle

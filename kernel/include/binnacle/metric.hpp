@@ -18,7 +18,9 @@ enum class MetricQuantity { error, sigma, nees, nis };
 
 /// Over time, of what is scored (`evaluate`'s after and until). `mean`, `final` and `at` are signed, the others of the
 /// magnitude. `at`: at one time, interpolated between the two scored samples around it, wherever `evaluate` begins.
-enum class MetricStatistic { mean, rms, max, final, p50, p95, at };
+/// `drift`: the last less the first, signed; of a block of kind `attitude`, whose ⊟ ends at half a turn, with whole turns
+/// counted from sample to sample.
+enum class MetricStatistic { mean, rms, max, final, p50, p95, drift, at };
 
 struct Metric {
   std::string name;   // "ins/position.horizontal/rms"
@@ -42,7 +44,7 @@ struct MetricValue {
 };
 
 /// Reads `FILTER/BLOCK.OUTPUT/STATISTIC` against what the composition's references score. Statistics: `mean`, `rms`,
-/// `max`, `final`, `p50`, `p95`, `at 100 s`, `at start+100 s`; `sigma`: 1-σ where `final` is taken; `sigma at 100 s`;
+/// `max`, `final`, `drift`, `p50`, `p95`, `at 100 s`, `at start+100 s`; `sigma`: 1-σ where `final` is taken; `sigma at 100 s`;
 /// FILTER/BLOCK/nees: its mean over time; `nees at 100 s`; FILTER/MEASUREMENT/nis: the mean of the accepted samples. The
 /// failure is one line with what was likely meant.
 Parsed<Metric> read_metric(const Composition& composition, std::string_view text);

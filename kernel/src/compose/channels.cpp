@@ -268,7 +268,7 @@ void Composer::add_transforms() {
           }
           guarded(pointer, [&] {
             transform.transform =
-                transform.type->create_transform(Binding(name, Parameters(parameters), inputs, fields_bound, covariances));
+                transform.type->create_transform(Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances));
             add_channels(name, pointer, transform.transform->channels(), transform.channels);
           });
         }

@@ -295,6 +295,7 @@ void Composer::add_processes(FilterBuild& build) {
                            {"type", "blocks", "input", "fields", "samples_per_step"}, port_units(bindings), diagnostics_);
       plan.uses_input = !type->spec.fields.empty();
       std::vector<bool> fields_bound(type->spec.fields.size(), false);
+      int samples_per_step = 1;
       if (plan.uses_input) {
         const std::string input_pointer = join_pointer(pointer, "input");
         if (!at(input_pointer))
@@ -313,7 +314,8 @@ void Composer::add_processes(FilterBuild& build) {
           spec.minimum = 1;
           spec.maximum = 16;
           if (const auto samples = read_integer(document(), samples_pointer, spec, diagnostics_))
-            build.plan.samples_per_step = std::max(build.plan.samples_per_step, static_cast<int>(*samples));
+            samples_per_step = static_cast<int>(*samples);
+          build.plan.samples_per_step = std::max(build.plan.samples_per_step, samples_per_step);
         }
       } else if (at(join_pointer(pointer, "input"))) {
         key_error("B012", join_pointer(pointer, "input"), "'" + type->spec.type + "' takes no input");
@@ -328,7 +330,8 @@ void Composer::add_processes(FilterBuild& build) {
         continue;
       }
       guarded(pointer, [&] {
-        plan.model = type->create_process_model(Binding(name, Parameters(parameters), bindings, fields_bound));
+        plan.model = type->create_process_model(
+            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step));
       });
       if (!plan.model) {
         is_whole = false;
@@ -492,7 +495,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   if (!is_whole || measurement.channel < 0 || error_count() != errors) return false;
   if (!guarded(pointer, [&] {
         part.model = type->create_measurement_model(
-            Binding(name, Parameters(parameters), bindings, fields_bound,
+            Binding(name, Parameters(parameters), bindings, fields_bound, 1,
                     {plan_->channels[as_size(measurement.channel)].declaration.covariance}));
       }))
     return false;

@@ -2,6 +2,7 @@
 #include "run/evaluator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,13 +97,14 @@ double over_time(const std::vector<Time>& t, const std::vector<double>& values, 
     sum += value;
     squares += value * value;
   }
-  const double n = static_cast<double>(inside.size()), last = inside.back();
+  const double n = static_cast<double>(inside.size()), first = inside.front(), last = inside.back();
   for (double& value : inside) value = std::abs(value);
   switch (metric.statistic) {
     case MetricStatistic::mean: return sum / n;
     case MetricStatistic::rms: return std::sqrt(squares / n);
     case MetricStatistic::max: return *std::max_element(inside.begin(), inside.end());
     case MetricStatistic::final: return last;
+    case MetricStatistic::drift: return last - first;
     default: break;
   }
   std::sort(inside.begin(), inside.end());
@@ -330,6 +332,9 @@ class Evaluator::FilterScore : public StepTape {
       return {over_time(reference.nees.t, reference.nees.values, metric, span, start()), static_cast<double>(dof), 1};
     }
     const auto& subject = subjects_[as_size(metric.subject)];
+    if (metric.statistic == MetricStatistic::drift && subject.reference >= 0 && is_component(subject) &&
+        plan_.blocks[as_size(references_[as_size(subject.reference)].plan->block)].declaration().kind == "attitude")
+      return {over_time(subject.series->t, with_whole_turns(subject), metric, span, start()), 0, 0};
     if (metric.quantity == MetricQuantity::error)
       return {over_time(subject.series->t, subject.series->values, metric, span, start()), 0, 0};
     auto values = references_[as_size(subject.reference)].sigmas[as_size(subject.index)];
@@ -380,6 +385,27 @@ class Evaluator::FilterScore : public StepTape {
     const auto& reference = references_[as_size(subject.reference)];
     return reference.is_whole &&
            subject.index < plan_.blocks[as_size(reference.plan->block)].declaration().dof();
+  }
+
+  /// The component of an attitude's error with whole turns about its axis added, so that it never jumps by one.
+  std::vector<double> with_whole_turns(const Subject& subject) const {
+    constexpr double turn = 2 * std::numbers::pi;
+    const auto& series = references_[as_size(subject.reference)].series;
+    std::vector<double> values = subject.series->values;
+    std::array<double, 3> last{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::array<double, 3> now = {series[0].values[i], series[1].values[i], series[2].values[i]};
+      const double angle = std::hypot(now[0], now[1], now[2]);
+      if (i > 0 && angle > 0) {
+        // Of all vectors that are this rotation, now·(1 + 2πk/angle), the one nearest to the last.
+        const double along = (last[0] * now[0] + last[1] * now[1] + last[2] * now[2]) / angle;
+        const double stretch = (angle + turn * std::round((along - angle) / turn)) / angle;
+        for (double& component : now) component *= stretch;
+      }
+      last = now;
+      values[i] = now[as_size(subject.index)];
+    }
+    return values;
   }
 
   /// The 1-σ of errors and norms, in the order of push_errors(). The variance of a norm is the sum of its components'.

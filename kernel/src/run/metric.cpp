@@ -30,7 +30,8 @@ std::string help(std::string_view text, const Names& names, const std::string& w
 
 constexpr std::pair<const char*, MetricStatistic> statistics_of_errors[] = {
     {"mean", MetricStatistic::mean},   {"rms", MetricStatistic::rms}, {"max", MetricStatistic::max},
-    {"final", MetricStatistic::final}, {"p50", MetricStatistic::p50}, {"p95", MetricStatistic::p95}};
+    {"final", MetricStatistic::final}, {"p50", MetricStatistic::p50}, {"p95", MetricStatistic::p95},
+    {"drift", MetricStatistic::drift}};
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
@@ -75,7 +76,7 @@ std::string read_statistic(std::string_view text, Metric& metric) {
         return {};
       }
   return "there is no statistic " + in_quotes(text) +
-         help(text, {"mean", "rms", "max", "final", "p50", "p95", "sigma", "nees", "nis", "at 100 s"}, "statistics");
+         help(text, {"mean", "rms", "max", "final", "drift", "p50", "p95", "sigma", "nees", "nis", "at 100 s"}, "statistics");
 }
 
 std::string find_measurement(const FilterPlan& filter, std::string_view subject, Metric& metric) {

@@ -2,12 +2,16 @@
 // A process model that navigates by an inertial sensor, whatever its error model.
 #include "inertial/inertial_process.hpp"
 
+#include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
 
+#include "attitude/choice.hpp"
 #include "binnacle/view.hpp"
+#include "inertial/sample_group.hpp"
 #include "inertial/sample_memory.hpp"
 #include "strapdown/mechanization.hpp"
 
@@ -26,17 +30,6 @@ enum Port { position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, acc
 constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
 constexpr const char* near_pole =
     "north-east-down axes have no meaning at a pole, which the position came within 64 m of";
-
-// What no inertial sensor says of one sample; beyond, the series of the mechanization overflow.
-constexpr double longest_sample = 1e3;       // s
-constexpr double largest_turn = 1e3;         // rad
-constexpr double largest_velocity = 1e5;     // m/s
-constexpr const char* implausible =
-    "a sample of more than 1000 s, 1000 rad or 100 km/s is no inertial sensor's";
-
-bool is_plausible(const strapdown::Increment& measured) {
-  return measured.dt <= longest_sample && measured.dtheta.norm() <= largest_turn && measured.dv.norm() <= largest_velocity;
-}
 
 static_assert(std::is_trivially_copyable_v<SampleMemory>, "the arena is copied as bytes");
 
@@ -102,7 +95,7 @@ strapdown::MeanRates corrected(const strapdown::MeanRates& measured, const strap
   return {measured.dt, rates.dtheta, rates.dv};
 }
 
-/// Φ and Q of a group of samples, as matrices: only steps of more than one sample come here.
+/// Φ and Q of several updates, as matrices: only steps of more than one come here.
 class Folded {
  public:
   void then(const Linearized& sample) {
@@ -158,6 +151,7 @@ void InertialProcess::describe(ComponentSpec& spec) {
       parameter::choice("order", {"first", "second"})
           .defaults("\"second\"")
           .about("of the transition matrix in the step: I + F dt, or with F^2 dt^2/2 (and Q likewise)"),
+      attitude::choice_parameter(),
   };
   spec.ports = {advances("position", "position", "of the inertial sensor"),
                 advances("velocity", "velocity.ned", "of the inertial sensor over ground"),
@@ -175,6 +169,7 @@ void InertialProcess::describe(ComponentSpec& spec) {
 
 InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
     : model_(model), order_(binding.parameters().text("order") == "first" ? Order::first : Order::second) {
+  algorithm_ = attitude::read_choice(binding);
   density_.gyro = binding.parameters().vector("gyro_noise").cwiseAbs2();
   density_.accel = binding.parameters().vector("accel_noise").cwiseAbs2();
   for (const Port port : {gyro_bias, accel_bias, gyro_scale, accel_scale})
@@ -207,28 +202,25 @@ Result InertialProcess::propagate(const Step& step, const double* const* x, std:
   const strapdown::SensorErrors errors = sensor_errors(x);
   strapdown::Navigation nav{vector_at<3>(x[position]), vector_at<3>(x[velocity]), vector_at<4>(x[attitude])};
   SampleMemory remembered = SampleMemory::load(memory);
-  std::optional<Folded> group;
-  if (step.samples.size() > 1) group.emplace();
+  std::optional<Folded> folded;
   bool is_moved = false;
-  for (const InputSample& sample : step.samples) {
-    if (!(sample.dt > 0.0)) continue;
-    const strapdown::Increment measured = SampleMemory::increment(sample);
-    if (!is_plausible(measured)) return Result::failed(implausible);
-    const strapdown::Previous neighbours = remembered.before(sample);
-    const strapdown::Increment increment = correct(measured, errors);
-    const strapdown::MeanRates neighbour =
-        corrected(increment.sample_offset > 0.0 ? neighbours.before : neighbours.last, errors);
-    const strapdown::Step advanced = strapdown::step(nav, increment, {neighbour, neighbour});
+  for (auto rest = step.samples; !rest.empty();) {
+    SampleGroup group;
+    if (!group.take(rest, algorithm_.samples(), SensorFields::gyro_and_accelerometer))
+      return Result::failed(SampleGroup::implausible);
+    if (group.count() == 0) continue;
+    const strapdown::BodyMotion body = motion(group, errors, remembered);
+    const strapdown::Step advanced = strapdown::step(nav, body, algorithm_.update());
     if (!(advanced.mid.cos_lat > least_cos_lat)) return Result::failed(near_pole);
-    const strapdown::InputSensitivity input = input_sensitivity(increment, errors);
+    const strapdown::InputSensitivity input = input_sensitivity(correct(group.sum(), errors), errors);
     const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
                                 strapdown::process_noise(advanced.mid, density_)};
     nav = advanced.nav;
-    remembered.remember(neighbours, measured, sample);
-    if (group) {
-      group->then(linearized);
-    } else {
+    if (!is_moved && rest.empty()) {
       write(linearized, out);
+    } else {
+      if (!folded) folded.emplace();
+      folded->then(linearized);
     }
     is_moved = true;
   }
@@ -238,10 +230,28 @@ Result InertialProcess::propagate(const Step& step, const double* const* x, std:
   vector_at<4>(out.x_plus[attitude]) = nav.q_nb;
   if (!is_moved) {
     write_identity(out);
-  } else if (group) {
-    write(group->blocks(), out);
+  } else if (folded) {
+    write(folded->blocks(), out);
   }
   return Result::ok();
+}
+
+strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
+                                              SampleMemory& remembered) const {
+  if (group.count() == 1) {
+    const strapdown::Previous neighbours = remembered.before(group.sample(0));
+    const strapdown::Increment increment = correct(group.measured(0), errors);
+    const strapdown::MeanRates neighbour =
+        corrected(increment.sample_offset > 0.0 ? neighbours.before : neighbours.last, errors);
+    remembered.remember(neighbours, group.measured(0), group.sample(0));
+    return body_motion(increment, algorithm_.uses_previous() ? neighbour : strapdown::MeanRates{}, algorithm_);
+  }
+  std::array<strapdown::Increment, attitude::most_samples> increments;
+  for (std::size_t i = 0; i < group.count(); ++i) {
+    increments[i] = correct(group.measured(i), errors);
+    remembered.remember(remembered.before(group.sample(i)), group.measured(i), group.sample(i));
+  }
+  return body_motion(std::span(increments).first(group.count()), algorithm_);
 }
 
 void InertialProcess::write(const Linearized& linearized, const ProcessOutput& out) const {

@@ -2,7 +2,9 @@
 // Strapdown mechanization in north-east-down axes.
 #include "strapdown/mechanization.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -23,21 +25,15 @@ double source_length(const Increment& increment) {
   return increment.sample_dt > 0.0 ? increment.sample_dt : increment.dt;
 }
 
-/// The step's rotation and its first and second integrals of specific force, in body axes at its start.
-struct BodyIntegrals {
-  Vector3d rotation;  ///< rad, rotation vector
-  Vector3d velocity;  ///< m/s, u = ∫ C f dt
-  Vector3d position;  ///< m, S = ∫ (h − t) C f dt
-};
-
-BodyIntegrals integrate_body(const Increment& inc, const MeanRates& neighbour) {
+/// Constant rates and one sample: the algorithm of a mechanization that nobody chose one for.
+BodyMotion integrate_body(const Increment& inc, const MeanRates& neighbour) {
   // Constant rates, exactly: ∫C dt/h = I + (1−cos)/θ² [θ×] + (θ−sin)/θ³ [θ×]², and its like one power of t higher.
   const double theta_squared = inc.dtheta.squaredNorm();
   const double b = detail::angle_minus_sin(theta_squared);
   const Vector3d once = inc.dtheta.cross(inc.dv);
   const Vector3d twice = inc.dtheta.cross(once);
-  BodyIntegrals r{inc.dtheta, inc.dv + detail::one_minus_cos(theta_squared) * once + b * twice,
-                  inc.dt * (0.5 * inc.dv + b * once + detail::cos_minus_parabola(theta_squared) * twice)};
+  BodyMotion r{inc.dt, inc.dtheta, inc.dv + detail::one_minus_cos(theta_squared) * once + b * twice,
+               inc.dt * (0.5 * inc.dv + b * once + detail::cos_minus_parabola(theta_squared) * twice)};
   if (neighbour.dt > 0.0) {
     const double length = source_length(inc);
     const double weight = length * length / (6.0 * (length + neighbour.dt));  // H²/(12 τ)
@@ -112,12 +108,51 @@ Previous remember(const Previous& previous, const Increment& increment) {
   return {rates, increment.sample_offset > 0.0 ? previous.before : previous.last};
 }
 
+BodyMotion body_motion(const Increment& increment, const MeanRates& neighbour, const attitude::Algorithm& algorithm) {
+  BodyMotion r = integrate_body(increment, neighbour);
+  if (algorithm.update().precision == attitude::Precision::float_)
+    r.rotation = algorithm.rotation(increment.dtheta, source_length(increment), neighbour.omega, neighbour.dt);
+  return r;
+}
+
+BodyMotion body_motion(std::span<const Increment> increments, const attitude::Algorithm& algorithm) {
+  constexpr auto most = static_cast<std::size_t>(attitude::most_samples);
+  const std::size_t count = increments.size();
+  std::array<double, most> lengths;
+  std::array<Vector3d, most> theta, dv;
+  double h = 0.0;
+  Vector3d turned = Vector3d::Zero(), gained = Vector3d::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    lengths[i] = increments[i].dt, theta[i] = increments[i].dtheta, dv[i] = increments[i].dv;
+    h += lengths[i], turned += theta[i], gained += dv[i];
+  }
+  attitude::IntervalWeights storage;
+  const auto& w = algorithm.weights(std::span(lengths).first(count), storage);
+  const std::span<const Vector3d> thetas = std::span(theta).first(count), dvs = std::span(dv).first(count);
+
+  const double squared = turned.squaredNorm();
+  const Vector3d once = turned.cross(gained), twice = turned.cross(once);
+  Vector3d shifted = Vector3d::Zero();
+  for (std::size_t j = 0; j < count; ++j) {
+    Vector3d before = w.turned[0][j] * theta[0];
+    for (std::size_t i = 1; i < count; ++i) before += w.turned[i][j] * theta[i];
+    shifted += w.position[j] * dv[j] + before.cross(dv[j]);
+  }
+  return {h, algorithm.rotation(thetas, w),
+          gained + detail::one_minus_cos(squared) * once + detail::angle_minus_sin(squared) * twice +
+              attitude::sculling<double>(thetas, dvs, w.pairs),
+          h * (shifted + (detail::angle_minus_sin(squared) - 1.0 / 6.0) * once + detail::cos_minus_parabola(squared) * twice)};
+}
+
 Step step(const Navigation& nav, const Increment& increment, const Previous& previous) {
-  const double h = increment.dt;
+  return step(nav, integrate_body(increment, increment.sample_offset > 0.0 ? previous.before : previous.last), {});
+}
+
+Step step(const Navigation& nav, const BodyMotion& body, const attitude::Update& update) {
+  const double h = body.dt;
   const double height = nav.lla[2];
   const Place start = place(nav.lla[0], height);
   const Eigen::Matrix3d C_nb = dcm_from_quaternion(nav.q_nb);
-  const BodyIntegrals body = integrate_body(increment, increment.sample_offset > 0.0 ? previous.before : previous.last);
   const Vector3d u_n = C_nb * body.velocity;
   const Vector3d s_n = C_nb * body.position;
 
@@ -151,8 +186,12 @@ Step step(const Navigation& nav, const Increment& increment, const Previous& pre
                wrapped(nav.lla[1] + displacement[1] * middle.inverse_r_t * middle.inverse_cos_lat),
                height - displacement[2]};
 
-  r.nav.q_nb = quaternion_normalised(
-      quaternion_product(quaternion_product(detail::exp(-h * omega_in), nav.q_nb), detail::exp(body.rotation)));
+  if (update.is_plain()) {
+    r.nav.q_nb = quaternion_normalised(
+        quaternion_product(quaternion_product(detail::exp(-h * omega_in), nav.q_nb), detail::exp(body.rotation)));
+  } else {
+    r.nav.q_nb = update(h * omega_in, nav.q_nb, body.rotation);
+  }
 
   r.mid.dt = h;
   r.mid.sin_lat = middle.sin_lat;

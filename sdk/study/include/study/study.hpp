@@ -55,7 +55,9 @@ struct Cell {
   int metric = 0;
   OverRuns statistic = OverRuns::rms;
   Show show = Show::value;
+  bool is_reversed = false;  // estimate minus truth
   std::string unit;  // "%" of an improvement; "" of an empty cell
+  std::string text;  // printed instead of a figure: "aliased"
 };
 
 struct TablePlan {

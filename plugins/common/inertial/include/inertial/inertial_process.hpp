@@ -6,12 +6,16 @@
 #include <cstddef>
 #include <string>
 
+#include "attitude/algorithm.hpp"
 #include "binnacle/process_model.hpp"
 #include "binnacle/spec.hpp"
 #include "strapdown/error_model.hpp"
 #include "strapdown/mechanization.hpp"
 
 namespace binnacle::inertial {
+
+class SampleGroup;
+class SampleMemory;
 
 /// The error model of one sample, or of a group of them.
 struct Linearized {
@@ -37,7 +41,10 @@ struct ErrorModel {
 /// Advances position, velocity and attitude by an inertial sensor's increments (strapdown/mechanization.hpp), after
 /// taking off the bias and scale factor blocks that are plugged in (strapdown/error_model.hpp: signs).
 ///
-/// Several samples in one step are folded: Φ = Φ_n … Φ_1, Q = Φ_n Q Φ_nᵀ + Q_n. Blocks of such a product which the
+/// Whole samples go by the attitude algorithm chosen, as many at a time as it takes; what a measurement left over of a
+/// group goes by the algorithm for so many, and a single sample or a fragment by that for one.
+///
+/// Several updates in one step are folded: Φ = Φ_n … Φ_1, Q = Φ_n Q Φ_nᵀ + Q_n. Blocks of such a product which the
 /// declaration lacks are of the order that is neglected anyway.
 class InertialProcess : public ProcessModel {
  public:
@@ -55,6 +62,8 @@ class InertialProcess : public ProcessModel {
   using TransitionBlock = Eigen::Matrix3d strapdown::TransitionBlocks::*;
   using NoiseBlock = Eigen::Matrix3d strapdown::NoiseBlocks::*;
 
+  strapdown::BodyMotion motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
+                               SampleMemory& remembered) const;
   void declare_transition(const Binding& binding);
   void declare_noise();
   void write(const Linearized& linearized, const ProcessOutput& out) const;
@@ -65,6 +74,7 @@ class InertialProcess : public ProcessModel {
   std::array<NoiseBlock, 6> noise_{};             // as many as declaration_.noise
   ErrorModel model_;
   strapdown::Order order_;
+  attitude::Algorithm algorithm_;
   bool has_sensor_errors_ = false;
   strapdown::NoiseDensity density_;
 };

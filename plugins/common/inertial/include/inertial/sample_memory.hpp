@@ -11,6 +11,9 @@
 
 namespace binnacle::inertial {
 
+/// What the fields of a sample are: increments of the gyros, and behind them of the accelerometers.
+enum class SensorFields { gyro, gyro_and_accelerometer };
+
 /// The neighbours of the sample to come, as measured, and the sample last begun. All zero: nothing is known.
 ///
 /// They are corrected when they are used, by the errors estimated then: a line through the rates of two samples that
@@ -25,11 +28,11 @@ class SampleMemory {
   void save(std::byte* memory) const { std::memcpy(memory, this, sizeof *this); }
 
   /// The increment of a sample or fragment, told from which whole sample it was cut.
-  static strapdown::Increment increment(const InputSample& sample) {
+  static strapdown::Increment increment(const InputSample& sample, SensorFields fields) {
     strapdown::Increment increment;
     increment.dt = sample.dt;
     increment.dtheta = vector_at<3>(sample.fields);
-    increment.dv = vector_at<3>(sample.fields + 3);
+    if (fields == SensorFields::gyro_and_accelerometer) increment.dv = vector_at<3>(sample.fields + 3);
     if (sample.is_fragment()) {
       // Labels may differ from the length the numbers belong to (a fixed `interval`): scale by the label's share.
       const double per_label = sample.dt / static_cast<double>(sample.t1 - sample.t0);

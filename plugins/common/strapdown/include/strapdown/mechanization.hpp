@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "attitude/algorithm.hpp"
+
 namespace binnacle::strapdown {
 
 struct Navigation {
@@ -61,6 +63,28 @@ struct Step {
   Navigation nav;
   Midpoint mid;
 };
+
+/// The body's rotation vector over a step, and the first and second integral of specific force, in body axes at its start.
+struct BodyMotion {
+  double dt;                 ///< s
+  Eigen::Vector3d rotation;  ///< rad
+  Eigen::Vector3d velocity;  ///< m/s, u = ∫ C f dt
+  Eigen::Vector3d position;  ///< m, S = ∫ (h − t) C f dt
+};
+
+/// Over one increment and its neighbour (dt = 0: none), as told below.
+BodyMotion body_motion(const Increment& increment, const MeanRates& neighbour, const attitude::Algorithm& algorithm);
+
+/// Over 2 to 4 whole increments. With the algorithm's k_ij, and s_i, m_ij of polynomial rates (attitude/interval_weights.hpp):
+///     rotation  Σθ + Σ k_ij θ_i × θ_j
+///     velocity  what Σθ, Σ Δv give at constant rates, + Σ k_ij (θ_i × Δv_j + Δv_i × θ_j)
+///     position  h Σ s_i Δv_i + h Σ m_ij θ_i × Δv_j + what constant rates give of third order
+/// For rates that change as polynomials of degree N − 1, what is left out is of third order in θ and of first order in their
+/// change: as with one sample, terms like θ × (θ₁ × θ₂)/12.
+BodyMotion body_motion(std::span<const Increment> increments, const attitude::Algorithm& algorithm);
+
+/// One step of navigation over what the body did; `update` carries the attitude.
+Step step(const Navigation& nav, const BodyMotion& body, const attitude::Update& update);
 
 /// One step over one increment.
 ///

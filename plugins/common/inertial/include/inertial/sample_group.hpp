@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// The samples that one update of the attitude takes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "attitude/rotation_vector.hpp"
+#include "binnacle/process_model.hpp"
+#include "inertial/sample_memory.hpp"
+#include "strapdown/mechanization.hpp"
+
+namespace binnacle::inertial {
+
+class SampleGroup {
+ public:
+  /// What no inertial sensor says of one sample; beyond, the series of the mechanization overflow.
+  static constexpr const char* implausible =
+      "a sample of more than 1000 s, 1000 rad or 100 km/s is no inertial sensor's";
+
+  /// Takes up to `most` whole samples from the front of `rest`, or one fragment; what has no length is passed over. False:
+  /// a sample is implausible.
+  bool take(std::span<const InputSample>& rest, int most, SensorFields fields) {
+    while (!rest.empty() && count_ < static_cast<std::size_t>(most)) {
+      const InputSample& sample = rest.front();
+      if (sample.is_fragment() && count_ > 0) return true;
+      rest = rest.subspan(1);
+      if (!(sample.dt > 0.0)) continue;
+      measured_[count_] = SampleMemory::increment(sample, fields);
+      if (!is_plausible(measured_[count_])) return false;
+      samples_[count_++] = &sample;
+      if (sample.is_fragment()) return true;
+    }
+    return true;
+  }
+
+  std::size_t count() const { return count_; }
+  const InputSample& sample(std::size_t i) const { return *samples_[i]; }
+  const strapdown::Increment& measured(std::size_t i) const { return measured_[i]; }
+  strapdown::Increment sum() const {
+    strapdown::Increment all = measured_[0];
+    for (std::size_t i = 1; i < count_; ++i)
+      all.dt += measured_[i].dt, all.dtheta += measured_[i].dtheta, all.dv += measured_[i].dv;
+    return all;
+  }
+
+ private:
+  static bool is_plausible(const strapdown::Increment& measured) {
+    constexpr double longest = 1e3, largest_turn = 1e3, largest_velocity = 1e5;  // s, rad, m/s
+    return measured.dt <= longest && measured.dtheta.norm() <= largest_turn && measured.dv.norm() <= largest_velocity;
+  }
+
+  std::array<const InputSample*, attitude::most_samples> samples_{};
+  std::array<strapdown::Increment, attitude::most_samples> measured_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace binnacle::inertial

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The source: a coning motion as increments of an inertial sensor, and truth.
+#include "simulator.hpp"
+
+#include <cmath>
+#include <new>
+#include <numbers>
+#include <optional>
+#include <type_traits>
+
+#include "simulation/fields.hpp"
+#include "strapdown/rotation.hpp"
+
+namespace binnacle::coning_simulator {
+
+namespace {
+
+using simulation::FieldWriter;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+std::optional<Eigen::Vector3d> read_place(const Parameters& parameters) {
+  if (!parameters.has("place")) return std::nullopt;
+  const Parameters place = parameters.object("place");
+  return Eigen::Vector3d(place.number("lat"), place.number("lon"), place.number("height"));
+}
+
+Shaking read_shaking(const Parameters& parameters) {
+  return {parameters.vector("acceleration"), parameters.number("phase")};
+}
+
+std::vector<ChannelDeclaration> declare_channels(bool has_place, Time longest) {
+  std::vector<ChannelDeclaration> channels(2);
+  channels[ConingSimulator::imu].name = "imu";
+  channels[ConingSimulator::imu].fields = simulation::imu_fields(false);
+  channels[ConingSimulator::imu].max_interval = longest;
+  channels[ConingSimulator::truth].name = "truth";
+  channels[ConingSimulator::truth].fields =
+      has_place ? simulation::joined({simulation::position_fields(), simulation::velocity_fields(),
+                                      simulation::attitude_fields()})
+                : simulation::attitude_fields();
+  return channels;
+}
+
+}  // namespace
+
+struct ConingSimulator::Memory {
+  std::int64_t next_sample, next_truth;
+};
+
+ComponentSpec ConingSimulator::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "coning_simulator";
+  spec.summary = "The classical coning motion as exact increments of an inertial sensor, and truth.";
+  spec.source = "paper 002, equation (8)";
+  spec.parameters = {
+      number("half_angle", "rad").at_least(0).at_most(80.0 * degree).defaults("\"2 deg\"").about("of the cone"),
+      number("frequency", "Hz").at_least(1e-3).at_most(1e4).required().about("turns of the cone in a second"),
+      number("interval", "s").at_least(1e-6).at_most(100).required().about("between updates of the attitude"),
+      integer("samples").at_least(1).at_most(16).defaults("1").about("that an interval is cut into"),
+      parameter::time("duration").at_least(0).defaults("\"60 s\"").about("of the motion, which starts at time zero"),
+      number("truth_rate", "Hz").at_least(0).at_most(1e4).defaults("1").about("samples of truth, from time zero; 0: none"),
+      choice("precision", {"double", "float"}).defaults("\"double\"").about("to which increments are rounded"),
+      vector("acceleration", "m/s^2", 3)
+          .defaults("0")
+          .about("amplitude, in navigation axes, of a shaking at the frequency of the cone"),
+      number("phase", "rad").defaults("0").about("of the acceleration's cosine against the cone's"),
+      object("place", {number("lat", "rad").at_least(-85.0 * degree).at_most(85.0 * degree).required().about("latitude"),
+                       number("lon", "rad").defaults("0").about("longitude"),
+                       number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("above the ellipsoid")})
+          .about("on the turning earth; without it axes are inertial and there is no gravity"),
+  };
+  spec.example = R"json({"frequency": "10 Hz", "interval": "5 ms", "samples": 2})json";
+  return spec;
+}
+
+ConingSimulator::ConingSimulator(const Binding& binding) : ConingSimulator(binding.parameters()) {}
+
+ConingSimulator::ConingSimulator(const Parameters& parameters)
+    : cone_{parameters.number("half_angle"), parameters.number("frequency")},
+      motion_(cone_, read_shaking(parameters), read_place(parameters)),
+      has_place_(parameters.has("place")),
+      is_single_(parameters.text("precision") == "float"),
+      interval_(static_cast<long double>(parameters.number("interval")) /
+                static_cast<long double>(parameters.integer("samples"))),
+      duration_(parameters.time("duration")),
+      truth_clock_(parameters.number("truth_rate")),
+      channels_(declare_channels(has_place_, end_of(1) + 1)) {
+  constexpr double most_cycles = 1e3;
+  if (cone_.frequency * static_cast<double>(interval_) > most_cycles)
+    throw ComponentError("a sample is longer than 1000 cycles of the cone", "/interval");
+}
+
+std::size_t ConingSimulator::memory_bytes() const noexcept { return sizeof(Memory); }
+
+void ConingSimulator::start(std::uint64_t /*seed*/, std::byte* memory) const {
+  static_assert(std::is_trivially_copyable_v<Memory>);
+  new (memory) Memory{1, 0};
+}
+
+Time ConingSimulator::end_of(std::int64_t sample) const {
+  return std::llround(1e9L * interval_ * static_cast<long double>(sample));
+}
+
+/// The part of a cycle, from the exact product: after an hour a double's would be good to 1e-11 only, and a drift of
+/// 1e-6 deg is to be told to four digits.
+double ConingSimulator::cycle_at(long double seconds) const {
+  const long double cycles = static_cast<long double>(cone_.frequency) * seconds;
+  return static_cast<double>(cycles - std::floor(cycles));
+}
+
+SourceStatus ConingSimulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
+  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
+  const Time sample_due = end_of(memory.next_sample) <= duration_ ? end_of(memory.next_sample) : simulation::never;
+  const Time truth_due = truth_clock_.due(memory.next_truth, duration_);
+  if (sample_due == simulation::never && truth_due == simulation::never) return SourceStatus::end;
+  if (truth_due <= sample_due) {
+    ++memory.next_truth;
+    emit_truth(truth_due, slots[channel = truth]);
+  } else {
+    emit_imu(memory.next_sample++, slots[channel = imu]);
+  }
+  return SourceStatus::sample;
+}
+
+// Increments belong to the exact intervals; the labels are those to the nearest nanosecond.
+void ConingSimulator::emit_imu(std::int64_t sample, SampleSlot& slot) const {
+  const double middle = cycle_at(interval_ * (static_cast<long double>(sample) - 0.5L));
+  simulation::Inertial exact = motion_.increments(middle, static_cast<double>(interval_));
+  if (is_single_) {
+    exact.omega_ib_b = exact.omega_ib_b.cast<float>().cast<double>().eval();
+    exact.f_b = exact.f_b.cast<float>().cast<double>().eval();
+  }
+  slot.t0 = end_of(sample - 1);
+  slot.t = end_of(sample);
+  FieldWriter(slot) << exact.omega_ib_b << exact.f_b;
+}
+
+void ConingSimulator::emit_truth(Time t, SampleSlot& slot) const {
+  const double cycle = cycle_at(static_cast<long double>(t) / 1e9L);
+  const Eigen::Vector3d angles = strapdown::euler_from_quaternion(motion_.attitude(cycle));
+  slot.t = t;
+  FieldWriter writer(slot);
+  if (has_place_) writer << motion_.position(cycle) << motion_.velocity(cycle);
+  writer << angles;
+}
+
+}  // namespace binnacle::coning_simulator
