@@ -23,6 +23,9 @@ class RotateAxes final : public Transform {
   void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
 
  private:
+  /// C_nb′ = C_nb Cᵀ, and for an IMU that is mounted along the vehicle's axes C_v^b′ = C C_v^b, C_v^b = exp(−[ζ×]).
+  void on_truth(const SampleView& sample, Emitter& emitter) const;
+
   std::vector<ChannelDeclaration> channels_;
   Eigen::Matrix3d C_;
 };

@@ -30,7 +30,8 @@ PositionBlock::PositionBlock(const Binding& /*binding*/) {
   declaration_.outputs = {{"lat", "rad", "deg", false, false, "geodetic latitude"},
                           {"lon", "rad", "deg", true, false, "longitude, east positive"},
                           {"height", "m", "", false, false, "above the ellipsoid"}};
-  declaration_.norms = {{"horizontal", {0, 1}}};
+  // The height on its own, by its magnitude: what papers tell the mean of.
+  declaration_.norms = {{"horizontal", {0, 1}}, {"height", {2}}};
 }
 
 void PositionBlock::plus(const double* x, const double* delta, double* result) const {

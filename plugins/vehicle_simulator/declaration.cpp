@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "body_parameters.hpp"
 #include "segments.hpp"
 #include "simulation/fields.hpp"
 #include "simulation/sensor_errors.hpp"
@@ -29,7 +30,10 @@ Fields truth_fields() {
                  triad("bg", "rad/s", "bias of the gyroscopes, constant and wandering part together"),
                  triad("ba", "m/s^2", "bias of the accelerometers, constant and wandering part together"),
                  triad("sg", "1", "scale factor error of the gyroscopes"),
-                 triad("sa", "1", "scale factor error of the accelerometers")});
+                 triad("sa", "1", "scale factor error of the accelerometers"),
+                 {level("mount_x", "rad", "misalignment of the IMU in the vehicle, about the vehicle's x"),
+                  level("mount_y", "rad", "about its y"), level("mount_z", "rad", "about its z"),
+                  level("speed", "m/s", "along the path"), level("standing", "1", "1 at a speed of zero, else 0")}});
 }
 
 std::vector<ParameterSpec> start_members() {
@@ -84,7 +88,7 @@ SensorDefaults accel_defaults() {
 
 std::vector<ParameterSpec> component_parameters() {
   using namespace parameter;
-  return {
+  std::vector<ParameterSpec> parameters = {
       object("start", start_members()).required().about("where and how the drive starts"),
       time("start_time").defaults("0").about("time of the start on the clock of the run"),
       list("segments", object("segment", segment_members()))
@@ -122,6 +126,8 @@ std::vector<ParameterSpec> component_parameters() {
           .defaults("{}")
           .about("standard deviations of the estimate on the channel initial: its errors are drawn from them"),
   };
+  for (ParameterSpec& parameter : body_parameters()) parameters.push_back(std::move(parameter));
+  return parameters;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "body_parameters.hpp"
 #include "declaration.hpp"
 #include "random/normal.hpp"
 #include "simulation/fields.hpp"
@@ -28,9 +29,9 @@ namespace {
 
 constexpr double nearest_to_pole = 89.5 * std::numbers::pi / 180.0;
 
-Eigen::Vector3d antenna_velocity(const Motion& motion, const Eigen::Matrix3d& C_nb, const Eigen::Vector3d& arm_b) {
+Eigen::Vector3d antenna_velocity(const ImuMotion& motion, const Eigen::Matrix3d& C_nb, const Eigen::Vector3d& arm_b) {
   const Eigen::Vector3d omega_ie_b = C_nb.transpose() * strapdown::omega_ie_n(motion.lla[0]);
-  const Eigen::Vector3d omega_eb_b = inertial(motion).omega_ib_b - omega_ie_b;
+  const Eigen::Vector3d omega_eb_b = motion.omega_ib_b - omega_ie_b;
   return motion.v_n + C_nb * omega_eb_b.cross(arm_b);
 }
 
@@ -69,6 +70,7 @@ struct VehicleSimulator::Memory {
   std::int64_t next_imu, next_gnss, next_truth;  // ticks of their clocks
   std::int64_t has_initial;                      // the initial estimate is still to be emitted
   SensorState gyro, accel;
+  BodyMemory body;
   random::Philox position_stream, velocity_stream;
 };
 
@@ -78,6 +80,7 @@ VehicleSimulator::VehicleSimulator(const Parameters& parameters)
     : segments_(read_segments(parameters)),
       start_(read_start(parameters.object("start"))),
       suspension_{parameters.number("roll_gradient"), parameters.number("pitch_gradient")},
+      body_(read_body(parameters), segments_),
       start_time_(parameters.time("start_time")),
       imu_clock_(parameters.number("imu_rate")),
       gnss_clock_(parameters.number("gnss_rate")),
@@ -110,6 +113,7 @@ void VehicleSimulator::start(std::uint64_t seed, std::byte* memory) const {
                       .has_initial = 1,
                       .gyro = simulation::start(gyro_, "gyro", seed, dt),
                       .accel = simulation::start(accel_, "accel", seed, dt),
+                      .body = body_.start(seed),
                       .position_stream = random::stream(seed, "gnss.position"),
                       .velocity_stream = random::stream(seed, "gnss.velocity")};
 }
@@ -139,7 +143,8 @@ SourceStatus VehicleSimulator::next(std::byte* bytes, SampleSlot* slots, int& ch
 void VehicleSimulator::emit_imu(Memory& memory, SampleSlot& slot) const {
   const std::int64_t tick = memory.next_imu++;
   const double dt = imu_clock_.interval_before(tick);
-  const Inertial exact = trajectory_->increments(seconds(imu_clock_.at(tick - 1)), seconds(imu_clock_.at(tick)));
+  const Inertial exact = body_.increments(*trajectory_, seconds(imu_clock_.at(tick - 1)),
+                                          seconds(imu_clock_.at(tick)), memory.body);
   const double unit = emits_rates_ ? 1.0 / dt : 1.0;
   slot.t0 = start_time_ + imu_clock_.at(tick - 1);
   slot.t = start_time_ + imu_clock_.at(tick);
@@ -152,7 +157,7 @@ void VehicleSimulator::emit_imu(Memory& memory, SampleSlot& slot) const {
 
 void VehicleSimulator::emit_gnss(Memory& memory, SampleSlot& slot) const {
   const Time t = gnss_clock_.at(memory.next_gnss++);
-  const Motion motion = trajectory_->motion(seconds(t));
+  const ImuMotion motion = body_.motion(*trajectory_, seconds(t), memory.body);
   const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(motion.roll_pitch_yaw));
   const Eigen::Vector3d position_error = gnss_.position_error.cwiseProduct(normal_vector(memory.position_stream));
   const Eigen::Vector3d velocity_error = gnss_.velocity_error.cwiseProduct(normal_vector(memory.velocity_stream));
@@ -164,19 +169,21 @@ void VehicleSimulator::emit_gnss(Memory& memory, SampleSlot& slot) const {
 
 void VehicleSimulator::emit_truth(Memory& memory, SampleSlot& slot) const {
   const Time t = truth_clock_.at(memory.next_truth++);
-  const Motion motion = trajectory_->motion(seconds(t));
+  const ImuMotion motion = body_.motion(*trajectory_, seconds(t), memory.body);
+  const double speed = trajectory_->course(seconds(t)).speed;
   const Time interval_begin = imu_clock_.at(memory.next_imu - 1);
   const double fraction = seconds(t - interval_begin) / imu_clock_.interval_before(memory.next_imu);
   slot.t = start_time_ + t;
   FieldWriter(slot) << motion.lla << motion.v_n << motion.roll_pitch_yaw << bias_at(memory.gyro, fraction)
                     << bias_at(memory.accel, fraction) << Eigen::Vector3d(memory.gyro.scale)
-                    << Eigen::Vector3d(memory.accel.scale);
+                    << Eigen::Vector3d(memory.accel.scale) << Eigen::Vector3d(memory.body.misalignment)
+                    << speed << (speed == 0.0 ? 1.0 : 0.0);
 }
 
 // The estimate is drawn so that truth = estimate ⊞ δ with δ ~ N(0, P₀), P₀ = diag(sigma²).
 void VehicleSimulator::emit_initial(Memory& memory, SampleSlot& slot) const {
   memory.has_initial = 0;
-  const Motion motion = trajectory_->motion(0.0);
+  const ImuMotion motion = body_.motion(*trajectory_, 0.0, memory.body);
   const auto delta = [&](int group, std::string_view name) -> Eigen::Vector3d {
     const Eigen::Vector3d w = simulation::first_normal_vector(memory.seed, name);
     return (initial_.is_perfect ? 0.0 : 1.0) * initial_.sigma.segment<3>(3 * group).cwiseProduct(w);

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/source.hpp"
+#include "body.hpp"
 #include "simulation/clock.hpp"
 #include "simulation/sensor_errors.hpp"
 #include "trajectory.hpp"
@@ -52,6 +53,7 @@ class VehicleSimulator final : public Source {
   std::vector<Segment> segments_;
   Start start_;
   Suspension suspension_;
+  Body body_;
   Time start_time_;
   simulation::Clock imu_clock_, gnss_clock_, truth_clock_;
   bool emits_rates_;

@@ -11,7 +11,6 @@
 #include <Eigen/LU>
 
 #include "profile.hpp"
-#include "simulation/quadrature.hpp"
 #include "strapdown/earth.hpp"
 
 namespace binnacle::vehicle_simulator {
@@ -19,8 +18,6 @@ namespace binnacle::vehicle_simulator {
 namespace {
 
 using simulation::Angle;
-using simulation::for_each_node;
-using simulation::Gauss5;
 using simulation::Gauss8;
 
 // Limits of a piece that keep the collocation error of velocity below 1e-8 m/s.
@@ -30,16 +27,7 @@ constexpr double pieces_of_a_ramp = 4;
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
-/// Speed, heading and slope with the derivatives that attitude rates need.
-struct Course {
-  double speed, acceleration, jerk;
-  Angle heading;
-  double turn_rate, turn_acceleration;
-  Angle slope;
-  double slope_rate;
-};
-
-Course course(const Segment& segment, double t) {
+Course course_along(const Segment& segment, double t) {
   const auto plateau = Plateau(seconds(segment.duration), segment.ramp).at(t - seconds(segment.begin));
   return {.speed = segment.speed + segment.acceleration * plateau.integral,
           .acceleration = segment.acceleration * plateau.value,
@@ -102,7 +90,7 @@ Trajectory::Trajectory(const Start& start, std::vector<Segment> segments, const 
 }
 
 void Trajectory::add_pieces(std::size_t segment, double begin, double end) {
-  const Course first = course(segments_[segment], begin), last = course(segments_[segment], end);
+  const Course first = course_along(segments_[segment], begin), last = course_along(segments_[segment], end);
   const double angle =
       std::abs(last.heading.value - first.heading.value) + std::abs(last.slope.value - first.slope.value);
   const bool is_ramp = first.turn_rate != last.turn_rate || first.slope.value != last.slope.value;
@@ -127,7 +115,7 @@ void Trajectory::integrate(Piece& piece, const Eigen::Matrix<double, order, orde
     Eigen::Matrix<double, order, 3> rates;
     for (int i = 0; i < order; ++i) {
       const double t = piece.begin + half * (1.0 + Gauss8::node[static_cast<std::size_t>(i)]);
-      rates.row(i) = position_rate(position(piece, t), velocity(course(segments_[piece.segment], t))).transpose();
+      rates.row(i) = position_rate(position(piece, t), velocity(course_along(segments_[piece.segment], t))).transpose();
     }
     const Eigen::Matrix<double, order, 3> coefficients = coefficients_of_values * rates;
     Eigen::Vector3d at_begin = Eigen::Vector3d::Zero();
@@ -156,14 +144,21 @@ Time Trajectory::duration() const { return segments_.back().begin + segments_.ba
 
 Motion Trajectory::motion(double t) const {
   const double inside = std::clamp(t, pieces_.front().begin, pieces_.back().end);
-  Motion m = motion(pieces_[piece_at(inside)], inside);
+  const Piece& piece = pieces_[piece_at(inside)];
+  Motion m = motion(piece, course(piece, inside), inside);
   m.lla[1] = wrapped(m.lla[1]);
   m.roll_pitch_yaw[2] = wrapped(m.roll_pitch_yaw[2]);
   return m;
 }
 
-Motion Trajectory::motion(const Piece& piece, double t) const {
-  const Course c = course(segments_[piece.segment], t);
+Course Trajectory::course(double t) const {
+  const double inside = std::clamp(t, pieces_.front().begin, pieces_.back().end);
+  return course(pieces_[piece_at(inside)], inside);
+}
+
+Course Trajectory::course(const Piece& piece, double t) const { return course_along(segments_[piece.segment], t); }
+
+Motion Trajectory::motion(const Piece& piece, const Course& c, double t) const {
   Motion m;
   m.lla = position(piece, t);
   m.v_n = velocity(c);
@@ -177,16 +172,11 @@ Motion Trajectory::motion(const Piece& piece, double t) const {
 
 Inertial Trajectory::increments(double t0, double t1) const {
   Inertial sum{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  double t = t0;
-  for (std::size_t i = piece_at(t0); t < t1 && i < pieces_.size(); ++i) {
-    const double end = i + 1 == pieces_.size() ? t1 : std::min(pieces_[i].end, t1);
-    for_each_node<Gauss5>(t, end, [&](double at, double weight) {
-      const Inertial now = inertial(motion(pieces_[i], at));
-      sum.omega_ib_b += weight * now.omega_ib_b;
-      sum.f_b += weight * now.f_b;
-    });
-    t = end;
-  }
+  for_each_instant(t0, t1, [&](double /*t*/, double weight, const Motion& at, const Course& /*course*/) {
+    const Inertial now = inertial(at);
+    sum.omega_ib_b += weight * now.omega_ib_b;
+    sum.f_b += weight * now.f_b;
+  });
   return sum;
 }
 

@@ -230,7 +230,7 @@ namespace {
 class OneSample final : public Emitter {
  public:
   SampleSlot& slot(int channel) override {
-    REQUIRE(channel == 0);
+    REQUIRE((channel == 0 || channel == 1));
     slot_.fields = fields;
     return slot_;
   }
@@ -252,7 +252,7 @@ TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes 
                              {"yaw", 167.45 * degree},
                              {"flip", "flu_to_frd"}};
   const auto model = bind<RotateAxes>({mount, {}, {}});
-  REQUIRE(model->channels().size() == 1);
+  REQUIRE(model->channels().size() == 2);
   REQUIRE(model->channels()[0].name.empty());
   REQUIRE(model->channels()[0].fields.size() == 6);
   REQUIRE(model->channels()[0].fields[0].kind == FieldKind::rate);
@@ -286,4 +286,34 @@ TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes 
   const auto none = bind<RotateAxes>({});
   none->on(0, sample, nullptr, out);
   REQUIRE((vector_at<6>(out.fields) - vector_at<6>(raw)).norm() < 1e-15);
+}
+
+TEST_CASE("rotate axes: turning recorded samples by -10 mrad about z adds 10 mrad to the misalignment", "[frames]") {
+  const double added = 10e-3;
+  const auto model = bind<RotateAxes>({{{"yaw", -added}}, {}, {}});
+  REQUIRE(model->channels()[1].name == "truth");
+  const Vector3d zeta{0, -10.7e-3, 1e-3}, euler{0.02, -0.03, 2.5};
+  std::vector<double> fields = numbers(euler);
+  fields.insert(fields.end(), zeta.data(), zeta.data() + 3);
+  SampleView truth;
+  truth.t = 7;
+  truth.fields = fields.data();
+  OneSample out;
+  model->on(1, truth, nullptr, out);
+  REQUIRE(out.sample().t == 7);
+  const Vector3d turned = vector_at<3>(out.fields + 3);
+  REQUIRE((turned - Vector3d(0, -10.7e-3, 11e-3)).norm() < 1e-4);
+
+  // Paper 001 (6), (7): a vehicle that drives along its x axis, in the axes of the sensor before and after.
+  const Vector3d v_b = strapdown::dcm_from_quaternion(strapdown::quaternion_exp(-zeta)).col(0);
+  const Vector3d v_turned = strapdown::dcm_from_quaternion(strapdown::quaternion_exp(-turned)).col(0);
+  const double imu[6] = {v_b[0], v_b[1], v_b[2], 0, 0, 0};
+  SampleView sample;
+  sample.fields = imu;
+  const Vector3d euler_turned = vector_at<3>(out.fields);
+  model->on(0, sample, nullptr, out);
+  REQUIRE((vector_at<3>(out.fields) - v_turned).norm() < 1e-14);
+  // And it goes the same way over the ground.
+  const auto C = [](const Vector3d& angles) { return strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles)); };
+  REQUIRE((C(euler_turned) * v_turned - C(euler) * v_b).norm() < 1e-14);
 }

@@ -35,6 +35,10 @@ class FieldWriter {
     for (int i = 0; i < 3; ++i) *next_++ = v[i];
     return *this;
   }
+  FieldWriter& operator<<(double value) {
+    *next_++ = value;
+    return *this;
+  }
 
  private:
   double* next_;

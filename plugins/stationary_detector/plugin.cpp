@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the plugin `stationary_detector` brings.
+#include "binnacle/plugin.hpp"
+
+#include "detection_score.hpp"
+#include "stationary_detector.hpp"
+
+BINNACLE_PLUGIN("stationary_detector", "1.0.0", registry) {
+  using namespace binnacle::stationary_detector;
+  registry.add<StationaryDetector>();
+  registry.add<DetectionScore>();
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stationary_detector transform: from inertial samples to channels that speak while the vehicle stands or moves.
+#pragma once
+
+#include <vector>
+
+#include "binnacle/source.hpp"
+#include "motion_window.hpp"
+
+namespace binnacle::stationary_detector {
+
+struct Settings {
+  WindowSettings window;
+  double rate_threshold = 0;            // rad/s
+  double specific_force_variance = 0;   // (m/s²)²
+  double on = 0, off = 0;               // s
+  Time max_gap = 0;
+  double standing_period = 0, moving_period = 0;  // s
+};
+
+/// Channels: "standing" and "moving" (mean rates over the interval that the statement is about), of which one speaks at
+/// a time, and "state" (standing: 1 or 0) at every decision. Before the first decision, and after a gap, none speaks.
+class StationaryDetector final : public Transform {
+ public:
+  static ComponentSpec spec();
+  explicit StationaryDetector(const Binding& binding);
+
+  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
+  std::size_t memory_bytes() const noexcept override;
+  void start(std::uint64_t seed, std::byte* memory) const override;
+  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+
+ private:
+  struct Memory;
+
+  void on_imu(const SampleView& sample, Memory& memory, Emitter& emitter) const;
+  bool looks_still(const Memory& memory) const;
+  void decide(Time t, Memory& memory, Emitter& emitter) const;
+  void speak(Time t, Memory& memory, Emitter& emitter) const;
+
+  Settings settings_;
+  std::vector<ChannelDeclaration> channels_;
+};
+
+}  // namespace binnacle::stationary_detector
