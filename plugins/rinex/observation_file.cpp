@@ -152,7 +152,12 @@ class ObservationReader {
 
   bool looks_like_epoch() const {
     if (!is_old()) return !line_.empty() && line_.front() == '>';
-    // 2.x has no mark: numbers where an epoch has them, and none where an observation has its decimals.
+    // 2.x has no mark: numbers where an epoch has them, and none where an observation has its decimals. An event may
+    // have no time.
+    const auto flag = integer(columns(line_, 28, 1));
+    if (trimmed(columns(line_, 0, 28)).empty() && columns(line_, 28, 1) != " " && flag && *flag >= 2 && *flag <= 5 &&
+        line_.size() <= 32 && integer(columns(line_, 29, 3)))
+      return true;
     return integer(columns(line_, 1, 2)) && integer(columns(line_, 4, 2)) && integer(columns(line_, 7, 2)) &&
            integer(columns(line_, 10, 2)) && integer(columns(line_, 13, 2)) && number(columns(line_, 15, 11)) &&
            integer(columns(line_, 28, 1)) && integer(columns(line_, 29, 3)) && columns(line_, 3, 1) == " " &&
