@@ -10,11 +10,14 @@
 
 #include "binnacle/parameters.hpp"
 #include "cells.hpp"
-#include "text_file.hpp"
+#include "text/text_file.hpp"
 
 namespace binnacle::csv {
 
 namespace {
+
+using text_file::FileFault;
+using text_file::LineReader;
 
 std::string count_of(std::size_t count, const char* thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");

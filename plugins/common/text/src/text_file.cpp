@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines of a text file, plain or gzipped.
-#include "text_file.hpp"
+#include "text/text_file.hpp"
 
 #include <zlib.h>
 
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace binnacle::csv {
+namespace binnacle::text_file {
 
 namespace {
 
@@ -165,4 +165,4 @@ bool LineReader::refill() {
   return count > 0;
 }
 
-}  // namespace binnacle::csv
+}  // namespace binnacle::text_file

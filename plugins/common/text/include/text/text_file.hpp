@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace binnacle::csv {
+namespace binnacle::text_file {
 
 /// A file that cannot be read on: `code` is B060 (cannot be opened or read) or B061 (damaged).
 struct FileFault : std::runtime_error {
@@ -64,4 +64,4 @@ class LineReader {
   int line_ = 0;
 };
 
-}  // namespace binnacle::csv
+}  // namespace binnacle::text_file

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ports by which a model learns where the antenna is and how it moves.
+#include "antenna.hpp"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+#include "binnacle/view.hpp"
+#include "strapdown/earth.hpp"
+
+namespace binnacle::gnss_range {
+
+namespace {
+
+/// The index of the one that is bound.
+int one_of(const Binding& binding, const char* ned, const char* ecef) {
+  if (binding.is_bound(ned) == binding.is_bound(ecef))
+    throw ComponentError(std::string("plug a block into one of the ports '") + ned + "' and '" + ecef + "'", "/blocks");
+  return binding.port_index(binding.is_bound(ecef) ? ecef : ned);
+}
+
+constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
+
+}  // namespace
+
+Eigen::Matrix3d axes_per_metre(const Eigen::Vector3d& lla) {
+  const strapdown::Radii R = strapdown::radii(lla[0]);
+  const double east = 1 / (R.transverse + lla[2]);
+  Eigen::Matrix3d dtheta = Eigen::Matrix3d::Zero();
+  dtheta(0, 1) = east;
+  dtheta(1, 0) = -1 / (R.meridian + lla[2]);
+  dtheta(2, 1) = -std::tan(lla[0]) * east;
+  return dtheta;
+}
+
+std::vector<PortSpec> position_ports() {
+  return {may_read("position", "position", "of the antenna: a position block, a lever_arm; this or ecef_position"),
+          may_read("ecef_position", "position.ecef", "of the antenna in ECEF axes; this or position")};
+}
+
+std::vector<PortSpec> velocity_ports() {
+  return {may_read("velocity", "velocity.ned", "of the antenna: a velocity block, a lever_arm_velocity; this or ecef_velocity"),
+          may_read("ecef_velocity", "velocity.ecef", "of the antenna in ECEF axes; this or velocity")};
+}
+
+AntennaPosition::AntennaPosition(const Binding& binding)
+    : port_(one_of(binding, "position", "ecef_position")), is_ecef_(binding.is_bound("ecef_position")) {}
+
+Result AntennaPosition::read(const double* const* x, gnss::AntennaPlace& place) const {
+  const auto value = vector_at<3>(x[port_]);
+  if (!value.allFinite()) return Result::invalid("the position is not finite");
+  if (is_ecef_) {
+    if (value.cwiseAbs().maxCoeff() > 1e8 || value.norm() < lowest)
+      return Result::unsupported("the antenna is not near the earth's surface");
+    place = gnss::place_from_ecef(value);
+  } else {
+    if (std::abs(value[0]) > M_PI / 2 || std::abs(value[2]) > 1e6)
+      return Result::unsupported("the antenna is not near the earth's surface");
+    place = gnss::place_from_lla(value);
+  }
+  return Result::ok();
+}
+
+Eigen::RowVector3d AntennaPosition::by_error(const gnss::AntennaPlace& place, const Eigen::RowVector3d& by_ecef) const {
+  return is_ecef_ ? by_ecef : Eigen::RowVector3d(by_ecef * place.C_en);
+}
+
+AntennaVelocity::AntennaVelocity(const Binding& binding)
+    : port_(one_of(binding, "velocity", "ecef_velocity")), is_ecef_(binding.is_bound("ecef_velocity")) {
+  if (is_ecef_ != binding.is_bound("ecef_position"))
+    throw ComponentError("position and velocity are in different axes: plug both into 'ecef_…' ports, or neither",
+                         "/blocks");
+}
+
+Eigen::Vector3d AntennaVelocity::read(const double* const* x, const gnss::AntennaPlace& place) const {
+  const Eigen::Vector3d v = vector_at<3>(x[port_]);
+  return is_ecef_ ? v : Eigen::Vector3d(place.C_en * v);
+}
+
+Eigen::RowVector3d AntennaVelocity::by_error(const gnss::AntennaPlace& place, const Eigen::RowVector3d& by_ecef) const {
+  return is_ecef_ ? by_ecef : Eigen::RowVector3d(by_ecef * place.C_en);
+}
+
+Eigen::RowVector3d AntennaVelocity::by_position(const double* const* x, const gnss::AntennaPlace& place,
+                                                const Eigen::RowVector3d& by_ecef) const {
+  if (is_ecef_) return Eigen::RowVector3d::Zero();
+  const Eigen::Vector3d v = vector_at<3>(x[port_]);
+  // d(C_en v) = C_en (dθ × v); as a row on δ in north, east, down, and from there to ECEF.
+  const Eigen::Matrix3d dtheta = axes_per_metre(place.lla);
+  Eigen::Matrix3d turned;
+  for (int i = 0; i < 3; ++i) turned.col(i) = dtheta.col(i).cross(v);
+  return by_ecef * place.C_en * turned * place.C_en.transpose();
+}
+
+}  // namespace binnacle::gnss_range

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the plugin `gnss_range` brings.
+#include "binnacle/plugin.hpp"
+
+#include "clock_block.hpp"
+#include "clock_process.hpp"
+#include "earth_blocks.hpp"
+#include "ecef_pv.hpp"
+#include "ned_antenna.hpp"
+#include "pseudorange.hpp"
+#include "range_rate.hpp"
+#include "single_point.hpp"
+#include "surveyed_point.hpp"
+
+BINNACLE_PLUGIN("gnss_range", "1.0.0", registry) {
+  using namespace binnacle::gnss_range;
+  registry.add<ClockBlock>();
+  registry.add<EcefPosition>();
+  registry.add<EcefVelocity>();
+  registry.add<ClockProcess>();
+  registry.add<EcefPv>();
+  registry.add<GeodeticPosition>();
+  registry.add<NedVelocity>();
+  registry.add<Pseudorange>();
+  registry.add<RangeRateModel>();
+  registry.add<SinglePoint>();
+  registry.add<SurveyedPoint>();
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pseudoranges: a row for each satellite of an epoch.
+#pragma once
+
+#include "binnacle/spec.hpp"
+#include "range_model.hpp"
+
+namespace binnacle::gnss_range {
+
+/// ρ = |R(ωτ) r_i − r_u| + b − c (δt_i − T_GD) + I + T + v: paper 003 (5), with what it leaves to the receiver.
+/// H: −uᵀ scale in the position's error (6), 1 for the clock's bias; u points from the antenna to the satellite, so
+/// paper 003's l = −u.
+class Pseudorange final : public RangeModel {
+ public:
+  static ComponentSpec spec();
+  explicit Pseudorange(const Binding& binding);
+
+  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
+                   const Context& context, std::byte* memory, Linearization& out) const override;
+
+ private:
+  gnss::ElevationNoise noise_;
+  int galileo_port_;  // −1: none
+};
+
+}  // namespace binnacle::gnss_range

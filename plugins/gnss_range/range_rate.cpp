@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Range rates: a row for each satellite of an epoch that has one.
+#include "range_rate.hpp"
+
+#include <cmath>
+
+namespace binnacle::gnss_range {
+
+ComponentSpec RangeRateModel::spec() {
+  ComponentSpec spec;
+  spec.type = "range_rate";
+  spec.summary = "Range rates (Doppler shifts) of satellites with a broadcast ephemeris, a row for each.";
+  spec.source = "paper 003, equations (7) to (10); IS-GPS-200 20.3.3";
+  spec.parameters = gnss::ElevationNoise::parameters("m/s", false, "\"0.1 m/s\"");
+  describe_range_model(spec);
+  spec.ports = position_ports();
+  for (auto& port : velocity_ports()) spec.ports.push_back(std::move(port));
+  spec.ports.push_back(reads("clock", "receiver_clock", "of the receiver"));
+  spec.fields = gnss::observation_fields(false);
+  spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris"},
+    "blocks": {"position": "antenna", "velocity": "antenna_velocity", "clock": "clock"}, "sigma": "0.05 m/s"})json";
+  return spec;
+}
+
+RangeRateModel::RangeRateModel(const Binding& binding)
+    : RangeModel(binding), noise_(binding.parameters(), false), velocity_(binding) {
+  declaration_.reads = {antenna_.port(), velocity_.port(), clock_port_};
+  declaration_.groups = {{"range_rate", 0, 0, "m/s", -1}};
+}
+
+Result RangeRateModel::linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
+                                 const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+  gnss::AntennaPlace place;
+  Sightings sightings;
+  int count = 0;
+  if (const Result result = sight(sample, auxiliary, x, place, sightings, count); !result) return result;
+  const Eigen::Vector3d v_e = velocity_.read(x, place);
+  if (!(v_e.cwiseAbs().maxCoeff() < 1e5)) return Result::unsupported("the antenna is faster than any vehicle");
+  int rows = 0;
+  for (int i = 0; i < count; ++i) {
+    const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
+    if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
+    const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());
+    out.residual[rows] = s.range_rate - (predicted.rate + x[clock_port_][1] + s.rate_delay);
+    out.H[0].as<Eigen::Dynamic, 3>().row(rows) = antenna_.by_error(
+        place, predicted.by_position + velocity_.by_position(x, place, predicted.by_velocity));
+    out.H[1].as<Eigen::Dynamic, 3>().row(rows) = velocity_.by_error(place, predicted.by_velocity);
+    out.H[2](rows, 1) = 1;
+    out.R(rows, rows) = noise_.variance(s);
+    out.row_keys[rows] = s.satellite;
+    ++rows;
+  }
+  out.rows = rows;
+  return rows > 0 ? Result::ok() : Result::unsupported("no range rate was measured");
+}
+
+}  // namespace binnacle::gnss_range

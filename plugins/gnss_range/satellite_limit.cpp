@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many satellites of an epoch are used: always, and in stretches of time.
+#include "satellite_limit.hpp"
+
+#include <algorithm>
+
+#include "gnss/corrections.hpp"
+
+namespace binnacle::gnss_range {
+
+std::vector<ParameterSpec> SatelliteLimit::parameters() {
+  using namespace parameter;
+  return {integer("max_satellites")
+              .at_least(1)
+              .at_most(gnss::most_rows)
+              .defaults("32")
+              .about("rows of an epoch at most; of more satellites the highest are used"),
+          list("cuts", object("cut", {time("from").required().about("first instant of it"),
+                                      time("to").required().about("last instant of it"),
+                                      integer("satellites").at_least(0).required().about("used at most")}))
+              .about("stretches with fewer satellites, the highest of those there are: what a shaded sky leaves")};
+}
+
+SatelliteLimit::SatelliteLimit(const Parameters& parameters)
+    : most_(static_cast<int>(parameters.integer("max_satellites"))) {
+  if (!parameters.has("cuts")) return;
+  const auto& list = parameters.list("cuts");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Parameters cut(list[i]);
+    cuts_.push_back({cut.time("from"), cut.time("to"),
+                     static_cast<int>(std::min<std::int64_t>(cut.integer("satellites"), most_))});
+    if (cuts_.back().from > cuts_.back().to)
+      throw ComponentError("a cut ends after it begins", "/cuts/" + std::to_string(i));
+  }
+}
+
+int SatelliteLimit::at(Time t) const {
+  int limit = most_;
+  for (const Cut& cut : cuts_)
+    if (t >= cut.from && t <= cut.to) limit = std::min(limit, cut.satellites);
+  return limit;
+}
+
+}  // namespace binnacle::gnss_range

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+// Single-point solutions: position, velocity and clock of each epoch by itself, by iterated least squares.
+#include "single_point.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include "binnacle/view.hpp"
+#include "solution_fields.hpp"
+#include "strapdown/earth.hpp"
+
+namespace binnacle::gnss_range {
+
+using Eigen::Vector3d;
+
+namespace {
+
+enum Input { ephemeris_input, klobuchar_input, observation_input };
+constexpr int unknowns = 5;  // x y z, clock, and what Galileo has more
+using Normal = Eigen::Matrix<double, unknowns, unknowns>;
+using Unknowns = Eigen::Matrix<double, unknowns, 1>;
+using Covariance = Eigen::Matrix<double, 8, 8>;
+constexpr int most_iterations = 20;
+constexpr double converged = 1e-4;     // m
+constexpr double rough = 1e3;          // m: a place this good has elevations
+constexpr double lowest = 6.0e6, highest = 1e8;  // m from the earth's centre
+
+double squared(double x) { return x * x; }
+
+bool is_galileo(const gnss::Sighting& s) {
+  return gnss::constellation_of(s.satellite) == gnss::Constellation::galileo;
+}
+
+}  // namespace
+
+/// The latest messages and the latest place: where the next epoch begins.
+struct SinglePointState {
+  std::int64_t ephemeris_rows = 0;
+  double ephemerides[gnss::most_rows * gnss::ephemeris_field_count] = {};
+  std::int64_t has_klobuchar = 0;
+  double klobuchar[8] = {};
+  std::int64_t has_place = 0;
+  double place[3] = {};
+};
+static_assert(std::is_trivially_copyable_v<SinglePointState> && alignof(SinglePointState) <= 8);
+
+struct SinglePointFix {
+  gnss::AntennaPlace place{Vector3d::Zero(), Vector3d::Zero(), Eigen::Matrix3d::Identity()};
+  bool knows_place = false;
+  double clock = 0;         // m
+  double galileo_bias = 0;  // m
+  Vector3d velocity = Vector3d::Zero();
+  double drift = 0;  // m/s
+  Normal cofactors = Normal::Zero();
+  Covariance P = Covariance::Zero();  // x y z, vx vy vz, bias, drift
+  double gdop = 0;
+  int used = 0;
+  int excluded_count = 0;
+  std::array<gnss::SatelliteKey, gnss::most_rows> excluded{};
+};
+
+ComponentSpec SinglePoint::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "single_point";
+  spec.summary = "Position, velocity and clock of each epoch by itself, by iterated least squares.";
+  spec.source =
+      "Misra and Enge, Global Positioning System: Signals, Measurements, and Performance, 2nd ed., chapter 6; "
+      "exclusion by the largest normalized residual: Baarda, A testing procedure for use in geodetic networks, 1968";
+  spec.inputs = {gnss::ephemeris_port(),
+                 gnss::klobuchar_port(),
+                 {"obs", gnss::observation_fields(true), false, "pseudoranges, and range rates where there are any"}};
+  spec.parameters = {
+      object("pseudorange", gnss::ElevationNoise::parameters("m", true, "\"5 m\"")).defaults("{}").about("noise of pseudoranges"),
+      object("range_rate", gnss::ElevationNoise::parameters("m/s", false, "\"0.1 m/s\"")).defaults("{}").about("noise of range rates")};
+  for (auto& parameter : gnss::Corrections::parameters()) spec.parameters.push_back(std::move(parameter));
+  for (auto& parameter : SatelliteLimit::parameters()) spec.parameters.push_back(std::move(parameter));
+  spec.parameters.push_back(number("exclude_beyond", "1")
+                                .above(0)
+                                .defaults("5")
+                                .about("a satellite whose normalized residual is larger is left out, the worst first, "
+                                       "while there are more satellites than unknowns"));
+  spec.parameters.push_back(number("max_gdop", "1").above(0).defaults("30").about("no solution above it"));
+  spec.parameters.push_back(number("unknown_speed", "m/s")
+                                .above(0)
+                                .defaults("100")
+                                .about("standard deviation of the velocity, given as zero, where no range rates tell it"));
+  spec.parameters.push_back(number("unknown_drift", "m/s").above(0).defaults("1000").about(
+      "standard deviation of the clock's drift, given as zero, where no range rates tell it"));
+  spec.example = R"json({"inputs": {"obs": "gnss.obs", "ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
+    "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";
+  return spec;
+}
+
+SinglePoint::SinglePoint(const Binding& binding)
+    : corrections_(binding),
+      limit_(binding.parameters()),
+      range_noise_(binding.parameters().object("pseudorange"), true),
+      rate_noise_(binding.parameters().object("range_rate"), false),
+      exclude_beyond_(binding.parameters().number("exclude_beyond")),
+      max_gdop_(binding.parameters().number("max_gdop")),
+      unknown_speed_(binding.parameters().number("unknown_speed")),
+      unknown_drift_(binding.parameters().number("unknown_drift")) {
+  const auto common = [](ChannelDeclaration& channel) {
+    channel.fields.push_back(level("bias", "m", "how far the receiver's clock is ahead, times c"));
+    channel.fields.push_back(level("drift", "m/s", "its rate, times c"));
+    channel.fields.push_back(level("satellites", "1", "used"));
+    channel.fields.push_back(level("excluded", "1", "left out for their residual"));
+    channel.fields.push_back(level("gdop", "1", "geometric dilution of precision"));
+    channel.covariance.push_back({"receiver_clock.bias", "m"});
+    channel.covariance.push_back({"receiver_clock.drift", "m/s"});
+  };
+  ChannelDeclaration ecef;
+  ecef.fields = ecef_fields();
+  for (const char* axis : {"x", "y", "z"}) ecef.covariance.push_back({std::string("position.") + axis, "m"});
+  for (const char* axis : {"x", "y", "z"}) ecef.covariance.push_back({std::string("velocity.") + axis, "m/s"});
+  common(ecef);
+  ChannelDeclaration ned;
+  ned.name = "ned";
+  ned.fields = geodetic_fields();
+  for (const char* axis : {"north", "east", "down"}) ned.covariance.push_back({std::string("position.") + axis, "m"});
+  for (const char* axis : {"north", "east", "down"}) ned.covariance.push_back({std::string("velocity.") + axis, "m/s"});
+  common(ned);
+  for (const char* name : {"position_sd_n", "position_sd_e", "position_sd_d"})
+    ned.fields.push_back(level(name, "m", "standard deviation"));
+  for (const char* name : {"velocity_sd_n", "velocity_sd_e", "velocity_sd_d"})
+    ned.fields.push_back(level(name, "m/s", "standard deviation"));
+  channels_ = {std::move(ecef), std::move(ned)};
+}
+
+std::size_t SinglePoint::memory_bytes() const noexcept { return sizeof(SinglePointState); }
+
+void SinglePoint::start(std::uint64_t /*seed*/, std::byte* memory) const {
+  const SinglePointState state;
+  std::memcpy(memory, &state, sizeof state);
+}
+
+void SinglePoint::on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const {
+  auto& state = *reinterpret_cast<SinglePointState*>(memory);
+  if (input == ephemeris_input) {
+    const int rows = std::clamp(sample.rows, 0, gnss::most_rows);
+    state.ephemeris_rows = rows;
+    std::copy_n(sample.row_fields, rows * gnss::ephemeris_field_count, state.ephemerides);
+    return;
+  }
+  if (input == klobuchar_input) {
+    state.has_klobuchar = 1;
+    std::copy_n(sample.fields, 8, state.klobuchar);
+    return;
+  }
+  if (corrections_.wants_klobuchar() && state.has_klobuchar != 1) return;
+  SampleView ephemerides;
+  ephemerides.rows = static_cast<int>(std::clamp<std::int64_t>(state.ephemeris_rows, 0, gnss::most_rows));
+  ephemerides.row_fields = state.ephemerides;
+  ephemerides.available = true;
+  SampleView klobuchar;
+  klobuchar.fields = state.klobuchar;
+  const gnss::Corrections::Epoch epoch{sample.t, &sample, &ephemerides, &klobuchar};
+
+  SinglePointFix fix;
+  const Vector3d last = vector_at<3>(state.place);
+  if (state.has_place == 1 && last.norm() > lowest && last.norm() < highest) {
+    fix.place = gnss::place_from_ecef(last);
+    fix.knows_place = true;
+  }
+  if (!solve(epoch, fix)) return;
+  vector_at<3>(state.place) = fix.place.ecef;
+  state.has_place = 1;
+  emit(sample.t, fix, emitter);
+}
+
+/// From the last place, or from the earth's centre; until the place is known to `rough`, without elevations.
+bool SinglePoint::solve(const gnss::Corrections::Epoch& epoch, SinglePointFix& fix) const {
+  Sightings sightings;
+  int count = 0;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const bool knows_place = fix.knows_place;
+    count = sight(epoch, knows_place, fix, sightings);
+    double moved = 0;
+    if (!step(sightings, count, knows_place, fix, moved)) return false;
+    const double radius = fix.place.ecef.norm();
+    const bool is_on_earth = radius > lowest && radius < highest;
+    if (!is_on_earth && iteration > 8) return false;
+    fix.knows_place = is_on_earth && (knows_place || moved < rough);
+    if (is_on_earth) {
+      fix.place = gnss::place_from_ecef(fix.place.ecef);
+    }
+    if (!knows_place || moved > converged) continue;
+    if (exclude_worst(sightings, count, fix)) continue;
+    if (!(fix.gdop <= max_gdop_)) return false;
+    fix.used = count;
+    solve_velocity(sightings, count, fix);
+    return true;
+  }
+  return false;
+}
+
+int SinglePoint::sight(const gnss::Corrections::Epoch& epoch, bool knows_place, const SinglePointFix& fix,
+                       Sightings& sightings) const {
+  int count = corrections_.sight(epoch, fix.place, knows_place, sightings).used;
+  const auto end = fix.excluded.begin() + fix.excluded_count;
+  const auto kept = std::remove_if(sightings.begin(), sightings.begin() + count, [&](const gnss::Sighting& s) {
+    return std::find(fix.excluded.begin(), end, s.satellite) != end;
+  });
+  count = static_cast<int>(kept - sightings.begin());
+  return knows_place ? gnss::Corrections::keep_highest(sightings, count, limit_.at(epoch.t)) : count;
+}
+
+bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, SinglePointFix& fix,
+                       double& moved) const {
+  Normal N = Normal::Zero(), plain = Normal::Zero();
+  Unknowns b = Unknowns::Zero();
+  bool has_gps = false, has_galileo = false;
+  for (int i = 0; i < count; ++i) {
+    const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
+    (is_galileo(s) ? has_galileo : has_gps) = true;
+    Unknowns a;
+    a << -s.path.scale * s.path.direction, 1, is_galileo(s) ? 1 : 0;
+    const double residual =
+        s.pseudorange - (s.path.range + fix.clock + (is_galileo(s) ? fix.galileo_bias : 0) + s.delay);
+    const double weight = knows_place ? 1 / range_noise_.variance(s) : 1;
+    N += weight * a * a.transpose();
+    plain += a * a.transpose();
+    b += weight * residual * a;
+  }
+  if (count < 4 + (has_gps && has_galileo ? 1 : 0)) return false;
+  if (!(has_gps && has_galileo)) {  // one constellation: its clock is the clock
+    N.row(4).setZero();
+    N.col(4).setZero();
+    plain.row(4).setZero();
+    plain.col(4).setZero();
+    N(4, 4) = plain(4, 4) = 1;
+    b[4] = 0;
+  }
+  const Eigen::LDLT<Normal> solver(N), unweighted(plain);
+  const Eigen::Matrix<double, unknowns, 1> D = unweighted.vectorD();
+  if (solver.info() != Eigen::Success || !(D.minCoeff() > 1e-9)) return false;
+  const Unknowns dx = solver.solve(b);
+  if (!dx.allFinite()) return false;
+  fix.place.ecef += dx.head<3>();
+  fix.clock += dx[3];
+  fix.galileo_bias += dx[4];
+  fix.cofactors = solver.solve(Normal::Identity());
+  const Normal dop = unweighted.solve(Normal::Identity());
+  fix.gdop = std::sqrt(dop.diagonal().head<4>().sum());
+  moved = dx.head<3>().norm();
+  return true;
+}
+
+/// Baarda's data snooping: r_i over the standard deviation that the fit leaves it, σ_i² − a_i N⁻¹ a_iᵀ.
+bool SinglePoint::exclude_worst(const Sightings& sightings, int count, SinglePointFix& fix) const {
+  int galileo = 0;
+  for (int i = 0; i < count; ++i) galileo += is_galileo(sightings[static_cast<std::size_t>(i)]);
+  if (count - (galileo > 0 && galileo < count ? 5 : 4) < 2) return false;  // with one to spare nobody knows which it is
+  double worst = exclude_beyond_;
+  int at = -1;
+  for (int i = 0; i < count; ++i) {
+    const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
+    Unknowns a;
+    a << -s.path.scale * s.path.direction, 1, is_galileo(s) ? 1 : 0;
+    if (galileo == 0 || galileo == count) a[4] = 0;
+    const double residual =
+        s.pseudorange - (s.path.range + fix.clock + (is_galileo(s) ? fix.galileo_bias : 0) + s.delay);
+    const double variance = range_noise_.variance(s);
+    const double left = variance - a.dot(fix.cofactors * a);
+    if (!(left > 1e-6 * variance)) continue;
+    const double normalized = std::abs(residual) / std::sqrt(left);
+    if (normalized > worst) {
+      worst = normalized;
+      at = i;
+    }
+  }
+  if (at < 0) return false;
+  fix.excluded[static_cast<std::size_t>(fix.excluded_count++)] = sightings[static_cast<std::size_t>(at)].satellite;
+  return true;
+}
+
+void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePointFix& fix) const {
+  fix.P.setZero();
+  // Order of P: position, velocity, bias, drift; of the fit: position, bias.
+  constexpr int of_fit[] = {0, 1, 2, 6}, of_rates[] = {3, 4, 5, 7};
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) fix.P(of_fit[i], of_fit[j]) = fix.cofactors(i, j);
+  Eigen::Matrix4d N = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d b = Eigen::Vector4d::Zero();
+  int rates = 0;
+  for (int i = 0; i < count; ++i) {
+    const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
+    if (!(std::abs(s.range_rate) < 1e6)) continue;
+    const gnss::RangeRate at_rest =
+        gnss::range_rate(s.path, s.velocity, Vector3d::Zero(), corrections_.has_rotation());
+    Eigen::Vector4d a;
+    a << at_rest.by_velocity.transpose(), 1;
+    const double weight = 1 / rate_noise_.variance(s);
+    N += weight * a * a.transpose();
+    b += weight * (s.range_rate - at_rest.rate - s.rate_delay) * a;
+    ++rates;
+  }
+  const Eigen::LDLT<Eigen::Matrix4d> solver(N);
+  const bool is_solved = rates >= 4 && solver.info() == Eigen::Success && solver.vectorD().minCoeff() > 0;
+  const Eigen::Vector4d solution = is_solved ? Eigen::Vector4d(solver.solve(b)) : Eigen::Vector4d::Zero();
+  Eigen::Matrix4d cofactors = Eigen::Matrix4d::Zero();
+  if (is_solved && solution.allFinite()) {
+    fix.velocity = solution.head<3>();
+    fix.drift = solution[3];
+    cofactors = solver.solve(Eigen::Matrix4d::Identity());
+  } else {
+    fix.velocity.setZero();
+    fix.drift = 0;
+    cofactors.diagonal() << Vector3d::Constant(squared(unknown_speed_)), squared(unknown_drift_);
+  }
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) fix.P(of_rates[i], of_rates[j]) = cofactors(i, j);
+}
+
+void SinglePoint::emit(Time t, const SinglePointFix& fix, Emitter& emitter) const {
+  const auto common = [&](double* fields) {
+    const double values[] = {fix.clock, fix.drift, static_cast<double>(fix.used),
+                             static_cast<double>(fix.excluded_count), fix.gdop};
+    std::copy(std::begin(values), std::end(values), fields);
+  };
+  SampleSlot& ecef = emitter.slot(0);
+  ecef.t = t;
+  vector_at<3>(ecef.fields) = fix.place.ecef;
+  vector_at<3>(ecef.fields + 3) = fix.velocity;
+  common(ecef.fields + 6);
+  matrix_at<8, 8>(ecef.covariance) = fix.P;
+  ecef.has_covariance = true;
+  emitter.emit(0);
+
+  const Eigen::Matrix3d C_ne = fix.place.C_en.transpose();
+  Covariance turn = Covariance::Identity();
+  turn.topLeftCorner<3, 3>() = C_ne;
+  turn.block<3, 3>(3, 3) = C_ne;
+  const Covariance P = turn * fix.P * turn.transpose();
+  SampleSlot& ned = emitter.slot(1);
+  ned.t = t;
+  vector_at<3>(ned.fields) = fix.place.lla;
+  vector_at<3>(ned.fields + 3) = C_ne * fix.velocity;
+  common(ned.fields + 6);
+  for (int i = 0; i < 6; ++i) ned.fields[11 + i] = std::sqrt(P(i, i));
+  matrix_at<8, 8>(ned.covariance) = 0.5 * (P + P.transpose());
+  ned.has_covariance = true;
+  emitter.emit(1);
+}
+
+}  // namespace binnacle::gnss_range

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A place that is known: the reference of a receiver that stands still.
+#include "surveyed_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "binnacle/view.hpp"
+#include "gnss/channels.hpp"
+#include "solution_fields.hpp"
+#include "strapdown/earth.hpp"
+
+namespace binnacle::gnss_range {
+
+ComponentSpec SurveyedPoint::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "surveyed_point";
+  spec.summary = "A place that is known, at the times of another channel: what an antenna that stands still is judged by.";
+  spec.source = "NIMA TR8350.2, 3rd edition (ellipsoid)";
+  spec.parameters = {vector("ecef", "m", 3).about("in ECEF axes; this, or lat, lon and height"),
+                     number("lat", "rad").at_least(-M_PI / 2).at_most(M_PI / 2).about("geodetic latitude, WGS-84"),
+                     number("lon", "rad").about("longitude, east positive"),
+                     number("height", "m").about("above the ellipsoid")};
+  spec.inputs = {{"when", {{"satellite", "1", FieldKind::level, false, true, "an observation channel"}}, false,
+                  "whose epochs are repeated"}};
+  spec.example = R"json({"input": "gnss.obs", "ecef": [-3976219.1, 3382371.6, 3652511.2]})json";
+  return spec;
+}
+
+SurveyedPoint::SurveyedPoint(const Binding& binding) {
+  const Parameters& parameters = binding.parameters();
+  const bool is_geodetic = parameters.has("lat") && parameters.has("lon") && parameters.has("height");
+  const bool has_some = parameters.has("lat") || parameters.has("lon") || parameters.has("height");
+  if (parameters.has("ecef") == has_some || is_geodetic != has_some)
+    throw ComponentError("give 'ecef', or 'lat', 'lon' and 'height'");
+  if (is_geodetic) {
+    lla_ = {parameters.number("lat"), parameters.number("lon"), parameters.number("height")};
+    ecef_ = strapdown::ecef_from_lla(lla_);
+  } else {
+    ecef_ = parameters.vector("ecef");
+    lla_ = strapdown::lla_from_ecef(ecef_);
+  }
+  ChannelDeclaration channel;
+  channel.fields = place_fields();
+  channels_ = {std::move(channel)};
+}
+
+void SurveyedPoint::on(int /*input*/, const SampleView& sample, std::byte* /*memory*/, Emitter& emitter) const {
+  SampleSlot& slot = emitter.slot(0);
+  slot.t = sample.t;
+  vector_at<3>(slot.fields) = ecef_;
+  vector_at<3>(slot.fields + 3).setZero();
+  vector_at<3>(slot.fields + 6) = lla_;
+  vector_at<3>(slot.fields + 9).setZero();
+  emitter.emit(0);
+}
+
+}  // namespace binnacle::gnss_range

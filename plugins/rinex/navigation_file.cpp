@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Broadcast messages of a RINEX navigation file.
+#include "navigation_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "binnacle/parameters.hpp"
+#include "columns.hpp"
+#include "gnss/gps_time.hpp"
+#include "header.hpp"
+
+namespace binnacle::rinex {
+
+namespace {
+
+constexpr int lines_of_orbit = 7;  // after the line of the clock
+constexpr std::size_t number_width = 19;
+
+/// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6 and A8.
+enum Orbit {
+  iode, crs, delta_n, m0,
+  cuc, eccentricity, cus, sqrt_a,
+  toe, cic, omega0, cis,
+  i0, crc, perigee, omega_dot,
+  i_dot, data_sources, week, l2p,
+  accuracy, health, group_delay, group_delay_2,
+  transmission, orbit_numbers
+};
+
+struct Record {
+  gnss::SatelliteKey satellite = 0;
+  int line = 0;
+  Time toc = no_time;
+  std::array<std::optional<double>, 3> clock;
+  std::array<std::optional<double>, 4 * lines_of_orbit> orbit;
+};
+
+class NavigationReader {
+ public:
+  NavigationReader(const std::string& path, int origin_week, Faults& faults)
+      : path_(path), origin_week_(origin_week), faults_(faults) {}
+
+  Navigation read() {
+    try {
+      text_file::LineReader reader(path_);
+      version_ = read_version(reader, path_, FileType::navigation);
+      if (read_header(reader)) read_records(reader);
+    } catch (const text_file::FileFault& fault) {
+      faults_.add(fault.code, 0, "rest of the file", fault.what());
+    }
+    return std::move(navigation_);
+  }
+
+ private:
+  bool read_header(text_file::LineReader& reader) {
+    std::string_view line;
+    while (reader.next(line)) {
+      const auto name = label(line);
+      if (name == "END OF HEADER") {
+        finish_klobuchar();
+        return true;
+      }
+      if (name == "ION ALPHA") read_coefficients(columns(line, 2, 48), alpha_, reader.line());
+      if (name == "ION BETA") read_coefficients(columns(line, 2, 48), beta_, reader.line());
+      if (name == "IONOSPHERIC CORR" && columns(line, 0, 4) == "GPSA")
+        read_coefficients(columns(line, 5, 48), alpha_, reader.line());
+      if (name == "IONOSPHERIC CORR" && columns(line, 0, 4) == "GPSB")
+        read_coefficients(columns(line, 5, 48), beta_, reader.line());
+    }
+    faults_.add("B061", reader.line(), "header", "the file ends inside its header");
+    return false;
+  }
+
+  void read_coefficients(std::string_view text, std::optional<std::array<double, 4>>& to, int line) {
+    std::array<double, 4> values{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto value = number(columns(text, 12 * i, 12));
+      if (!value) return faults_.add("B062", line, "header line", "ionosphere coefficients are not four numbers");
+      values[i] = *value;
+    }
+    to = values;
+  }
+
+  void finish_klobuchar() {
+    if (!alpha_ || !beta_) return;
+    navigation_.klobuchar.emplace();
+    std::copy(alpha_->begin(), alpha_->end(), navigation_.klobuchar->alpha);
+    std::copy(beta_->begin(), beta_->end(), navigation_.klobuchar->beta);
+  }
+
+  /// A record begins where its continuation lines have blanks.
+  bool begins_record(std::string_view line) const {
+    return !trimmed(columns(line, 0, version_.major() == 2 ? 2 : 3)).empty();
+  }
+
+  void read_records(text_file::LineReader& reader) {
+    std::string_view line;
+    bool has_line = reader.next(line);
+    while (has_line) {
+      if (trimmed(line).empty()) {
+        has_line = reader.next(line);
+        continue;
+      }
+      const std::string first(line);
+      const int first_line = reader.line();
+      if (!begins_record(first)) {
+        faults_.add("B062", first_line, "line", "a message begins with its satellite; '" + first.substr(0, 20) + "' does not");
+        while ((has_line = reader.next(line)) && !begins_record(line)) {
+        }
+        continue;
+      }
+      std::vector<std::string> rest;
+      while ((has_line = reader.next(line)) && !begins_record(line))
+        if (!trimmed(line).empty()) rest.emplace_back(line);
+      take_record(first, first_line, rest, !has_line);
+    }
+  }
+
+  void take_record(const std::string& first, int line, const std::vector<std::string>& rest, bool is_last) {
+    const bool is_old = version_.major() == 2;
+    const auto satellite = gnss::parse_satellite(columns(first, 0, is_old ? 2 : 3));
+    if (!satellite) {
+      const char system = first.front();
+      if (is_old || std::string_view("RSJCI").find(system) == std::string_view::npos)
+        faults_.add("B062", line, "message", "'" + first.substr(0, is_old ? 2 : 3) + "' is no satellite");
+      return;
+    }
+    const std::string name = gnss::satellite_name(*satellite);
+    if (rest.size() != lines_of_orbit)
+      return faults_.add(is_last ? "B061" : "B062", line, "message",
+                         (is_last ? "the file ends inside the message of " : "the message of ") + name +
+                             (is_last ? "" : " has " + std::to_string(rest.size() + 1) + " lines instead of 8"));
+    Record record;
+    record.satellite = *satellite;
+    record.line = line;
+    const std::size_t shift = is_old ? 0 : 1;  // a letter before the number; and the year has four digits
+    const std::size_t year = is_old ? 2 : 4, after = is_old ? 5 : 8;
+    const auto toc = gps_time(columns(first, year, is_old ? 3 : 4), columns(first, after, 3),
+                              columns(first, after + 3, 3), columns(first, after + 6, 3), columns(first, after + 9, 3),
+                              columns(first, after + 12, is_old ? 5 : 3), origin_week_);
+    if (!toc) return faults_.add("B062", line, "message", "the time of the clock of " + name + " is none");
+    record.toc = *toc;
+    for (std::size_t i = 0; i < 3; ++i)
+      record.clock[i] = number(columns(first, 22 + shift + i * number_width, number_width));
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      for (std::size_t j = 0; j < 4; ++j)
+        record.orbit[4 * i + j] = number(columns(rest[i], 3 + shift + j * number_width, number_width));
+    take_message(record, name);
+  }
+
+  void take_message(const Record& record, const std::string& name) {
+    const auto refuse = [&](const std::string& why) { faults_.add("B062", record.line, "message", name + ": " + why); };
+    for (const auto& value : record.clock)
+      if (!value) return refuse("a coefficient of the clock is no number");
+    for (const Orbit needed : {iode, crs, delta_n, m0, cuc, eccentricity, cus, sqrt_a, toe, cic, omega0, cis, i0, crc,
+                               perigee, omega_dot, i_dot, week, health, group_delay})
+      if (!record.orbit[needed])
+        return refuse("number " + std::to_string(needed + 1) + " of the orbit, in line " +
+                      std::to_string(record.line + 1 + needed / 4) + ", is none");
+    const auto value = [&](Orbit which) { return *record.orbit[which]; };
+    const bool is_galileo = gnss::constellation_of(record.satellite) == gnss::Constellation::galileo;
+    const auto bits = [&](Orbit which) { return static_cast<long>(record.orbit[which].value_or(0)); };
+    // I/NAV alone is for E1: bit 0 (from E1-B) or 2 (from E5b-I); bit 1 is F/NAV.
+    if (is_galileo && (bits(data_sources) & 0b101) == 0) return;
+
+    Message message;
+    message.line = record.line;
+    gnss::Ephemeris& e = message.ephemeris;
+    e.satellite = record.satellite;
+    const double origin = (value(week) - origin_week_) * static_cast<double>(gnss::seconds_per_week);
+    e.toe = origin + value(toe);
+    e.toc = seconds(record.toc);
+    e.semi_major_axis = value(sqrt_a) * value(sqrt_a);
+    e.eccentricity = value(eccentricity);
+    e.i0 = value(i0);
+    e.omega0 = value(omega0);
+    e.perigee = value(perigee);
+    e.m0 = value(m0);
+    e.delta_n = value(delta_n);
+    e.omega_dot = value(omega_dot);
+    e.i_dot = value(i_dot);
+    e.cuc = value(cuc), e.cus = value(cus);
+    e.crc = value(crc), e.crs = value(crs);
+    e.cic = value(cic), e.cis = value(cis);
+    e.af0 = *record.clock[0], e.af1 = *record.clock[1], e.af2 = *record.clock[2];
+    // Galileo on E1 with the I/NAV clock: BGD(E1, E5b), the second one (OS SIS ICD 5.1.5).
+    e.group_delay = is_galileo ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
+    e.accuracy = std::max(0.0, record.orbit[accuracy].value_or(0));
+    e.issue = value(iode);
+    if (!gnss::is_usable(e)) return refuse("the orbit or clock is none of a satellite");
+    if (std::abs(e.toe - e.toc) > 86400) return refuse("toe and toc are more than a day apart");
+    message.toe = nanoseconds(e.toe);
+    // Galileo: data validity and health of E1-B, bits 0 to 2 (RINEX 3.04 table A8).
+    message.is_healthy = is_galileo ? (bits(health) & 0b111) == 0 : value(health) == 0;
+    const double sent = record.orbit[transmission].value_or(9999e5);
+    double uploaded = origin + (std::abs(sent) < 1e6 ? sent : value(toe) - 7200);
+    // Told in seconds of its own week or of toe's: the nearer to toe.
+    uploaded += std::round((e.toe - uploaded) / gnss::seconds_per_week) * gnss::seconds_per_week;
+    message.uploaded = nanoseconds(uploaded);
+    navigation_.messages.push_back(message);
+  }
+
+  const std::string& path_;
+  int origin_week_;
+  Faults& faults_;
+  Version version_;
+  std::optional<std::array<double, 4>> alpha_, beta_;
+  Navigation navigation_;
+};
+
+}  // namespace
+
+Navigation read_navigation(const std::string& path, int origin_week, Faults& faults) {
+  return NavigationReader(path, origin_week, faults).read();
+}
+
+}  // namespace binnacle::rinex

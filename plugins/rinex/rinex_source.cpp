@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rinex source: recorded observations and broadcast messages as channels.
+#include "rinex_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "binnacle/parameters.hpp"
+#include "gnss/channels.hpp"
+#include "header.hpp"
+
+namespace binnacle::rinex {
+
+ComponentSpec RinexSource::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "rinex";
+  spec.summary = "recorded GNSS observations and broadcast messages, RINEX 2 and 3, plain or gzipped";
+  spec.source = "RINEX 2.11 (2007), RINEX 3.04 (2018); IS-GPS-200; Galileo OS SIS ICD";
+  spec.parameters = {
+      path("observations").about("file of observations; without it only messages are emitted"),
+      path("navigation").about("file of broadcast messages"),
+      object("signals",
+             {text("gps").defaults("\"1C\"").about("GPS: L1 C/A is 1C; \"\": none"),
+              text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none")})
+          .defaults("{}")
+          .about("the signal that is taken of each constellation, by the code of its observations"),
+      choice("choose", {"upload", "nearest_toe"})
+          .defaults("\"upload\"")
+          .about("which message is used: the latest transmitted, as a receiver has it; the one of nearest reference "
+                 "time, which may not have been transmitted yet"),
+      time("max_age").above(0).defaults("\"2 h\"").about("longest time between now and a message's reference time"),
+      boolean("unhealthy").defaults("false").about("use satellites whose message says that they are not healthy"),
+      integer("week").at_least(0).at_most(9999).defaults("0").about(
+          "GPS week at whose begin time is zero; 0: seconds since 1980-01-06"),
+      list("window", time("time")).about("[from, to]: only epochs inside are emitted"),
+      choice("invalid_records", {"skip", "error"})
+          .defaults("\"skip\"")
+          .about("skip: leave out what cannot be read and report it; error: stop at the first"),
+  };
+  spec.example = R"json({"observations": "site.obs", "navigation": "site.nav", "week": 1316, "choose": "nearest_toe"})json";
+  spec.surroundings = R"json({"files": {
+"site.obs": "     2.10           OBSERVATION DATA    G (GPS)             RINEX VERSION / TYPE\n     1    C1                                                # / TYPES OF OBSERV \n                                                            END OF HEADER       \n 05  4  2  0  0  0.0000000  0  1G 1\n  25666732.384\n 05  4  2  0  0 30.0000000  0  1G 1\n  25666733.384\n",
+"site.nav": "     2.10           N: GPS NAV DATA                         RINEX VERSION / TYPE\n    1.1180D-08  1.4900D-08 -5.9600D-08 -5.9600D-08          ION ALPHA           \n    8.8060D+04  1.6380D+04 -1.9660D+05 -1.3110D+05          ION BETA            \n                                                            END OF HEADER       \n 1 05  4  2  2  0  0.0 3.966595977540D-04 1.705302565820D-12 0.000000000000D+00\n    1.400000000000D+02-5.218750000000D+01 4.026596389650D-09 2.871534990340D+00\n   -2.676621079440D-06 5.957618006510D-03 4.174187779430D-06 5.153636478420D+03\n    5.256000000000D+05 1.061707735060D-07-2.493184817740D+00-9.313225746150D-08\n    9.833919144490D-01 3.093750000000D+02-1.650496813270D+00-7.889971342930D-09\n   -8.571785642400D-12 1.000000000000D+00 1.316000000000D+03 0.000000000000D+00\n    2.000000000000D+00 0.000000000000D+00-3.259629011150D-09 1.400000000000D+02\n    5.184000000000D+05 4.000000000000D+00 0.000000000000D+00 0.000000000000D+00\n"}})json";
+  return spec;
+}
+
+RinexSource::RinexSource(const Binding& binding)
+    : from_(std::numeric_limits<Time>::min()), to_(std::numeric_limits<Time>::max()) {
+  const Parameters& parameters = binding.parameters();
+  if (parameters.has("observations")) observation_path_ = parameters.text("observations");
+  if (parameters.has("navigation")) navigation_path_ = parameters.text("navigation");
+  if (observation_path_.empty() && navigation_path_.empty())
+    throw ComponentError("there is no file: give 'observations', 'navigation', or both");
+  const Parameters signals = parameters.object("signals");
+  signals_.gps = signals.text("gps");
+  signals_.galileo = signals.text("galileo");
+  for (const char* constellation : {"gps", "galileo"}) {
+    const std::string& code = signals.text(constellation);
+    if (!code.empty() && (code.size() != 2 || code.front() != '1'))
+      throw ComponentError("a code has two characters and begins with 1, the frequency: \"1C\"; found '" + code + "'",
+                           std::string("/signals/") + constellation);
+  }
+  if (signals_.gps.empty() && signals_.galileo.empty()) throw ComponentError("no signal is taken", "/signals");
+  rules_.choice = parameters.text("choose") == "upload" ? Choice::upload : Choice::nearest_toe;
+  rules_.max_age = parameters.time("max_age");
+  rules_.takes_unhealthy = parameters.boolean("unhealthy");
+  origin_week_ = static_cast<int>(parameters.integer("week"));
+  on_invalid_ = parameters.text("invalid_records") == "error" ? OnInvalid::error : OnInvalid::skip;
+  if (parameters.has("window")) {
+    const auto& window = parameters.list("window");
+    if (window.size() != 2 || window[0].integer >= window[1].integer)
+      throw ComponentError("a window is [from, to] with from < to", "/window");
+    from_ = window[0].integer;
+    to_ = window[1].integer;
+  }
+  if (!observation_path_.empty()) check_file(observation_path_, FileType::observation);
+  if (!navigation_path_.empty()) check_file(navigation_path_, FileType::navigation);
+
+  const auto rows = gnss::most_satellites_per_constellation *
+                    (static_cast<int>(!signals_.gps.empty()) + static_cast<int>(!signals_.galileo.empty()));
+  ChannelDeclaration obs;
+  obs.name = "obs";
+  obs.fields = gnss::observation_fields(false);
+  obs.fields.push_back({"event", "1", FieldKind::level, false, false, "1: power failure since the epoch before"});
+  obs.fields.push_back({"clock_offset", "s", FieldKind::level, false, false, "of the receiver, as the file tells it; NaN: it does not"});
+  obs.fields.push_back({"clock_jump", "m", FieldKind::level, false, false,
+                        "the receiver's clock was set by it since the epoch before; found from code and phase"});
+  obs.max_rows = rows;
+  ChannelDeclaration ephemeris;
+  ephemeris.name = "ephemeris";
+  ephemeris.fields = gnss::ephemeris_fields();
+  ephemeris.max_rows = rows;
+  ChannelDeclaration iono;
+  iono.name = "iono";
+  iono.fields = gnss::klobuchar_fields();
+  channels_ = {std::move(obs), std::move(ephemeris), std::move(iono)};
+}
+
+bool RinexSource::takes(gnss::SatelliteKey key) const { return !signals_.of(gnss::constellation_of(key)).empty(); }
+
+void RinexSource::open(Reporter& reporter) {
+  Faults of_observations(observation_path_, on_invalid_, reporter);
+  Faults of_navigation(navigation_path_, on_invalid_, reporter);
+  if (!navigation_path_.empty()) {
+    navigation_ = read_navigation(navigation_path_, origin_week_, of_navigation);
+    std::erase_if(navigation_.messages, [this](const Message& m) { return !takes(m.ephemeris.satellite); });
+    if (navigation_.messages.empty()) of_navigation.note("B066", 0, "holds no broadcast message of the signals asked for");
+  }
+  if (!observation_path_.empty()) {
+    epochs_ = read_observations(observation_path_, origin_week_, signals_, of_observations);
+    const std::size_t read = epochs_.size();
+    std::erase_if(epochs_, [this](const Epoch& epoch) { return epoch.t < from_ || epoch.t > to_; });
+    if (epochs_.empty()) {
+      of_observations.report();
+      throw ComponentError::in_data(read == 0 ? "no epoch after the header" : "no epoch in the window",
+                                    observation_path_, 0, "B066");
+    }
+  }
+  Time first = from_, last = to_;
+  if (!epochs_.empty()) {
+    first = epochs_.front().t;
+    last = epochs_.back().t;
+  } else {
+    Time earliest = std::numeric_limits<Time>::max();
+    for (const Message& message : navigation_.messages)
+      earliest = std::min(earliest, rules_.choice == Choice::upload ? message.uploaded : message.toe - rules_.max_age);
+    first = std::max(first, earliest);
+  }
+  arrange(first, last);
+  if (!epochs_.empty() && !navigation_path_.empty()) report_orphans(of_observations);
+  of_navigation.report();
+  of_observations.report();
+}
+
+/// At one instant coefficients and messages come before the observations that need them.
+void RinexSource::arrange(Time first, Time last) {
+  if (!navigation_.messages.empty() && first <= last) {
+    if (navigation_.klobuchar) events_.push_back({first, klobuchar, 0});
+    sets_ = choose_messages(navigation_.messages, rules_, first, last);
+    for (std::size_t i = 0; i < sets_.size(); ++i) events_.push_back({sets_[i].t, ephemerides, i});
+  }
+  for (std::size_t i = 0; i < epochs_.size(); ++i) events_.push_back({epochs_[i].t, observations, i});
+  std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
+}
+
+/// Satellites that are observed while no message of theirs may be used.
+void RinexSource::report_orphans(Faults& faults) const {
+  std::map<gnss::SatelliteKey, std::size_t> missing;
+  int first_line = 0;
+  const MessageSet* set = nullptr;
+  for (const Event& event : events_) {
+    if (event.channel == ephemerides) set = &sets_[event.index];
+    if (event.channel != observations) continue;
+    for (const Observation& observation : epochs_[event.index].satellites) {
+      const bool has_message = set && std::any_of(set->messages.begin(), set->messages.end(), [&](std::size_t i) {
+                                 return navigation_.messages[i].ephemeris.satellite == observation.satellite;
+                               });
+      if (has_message) continue;
+      if (missing.empty()) first_line = epochs_[event.index].line;
+      ++missing[observation.satellite];
+    }
+  }
+  if (missing.empty()) return;
+  std::string message = "no usable broadcast message for";
+  for (const auto& [satellite, count] : missing)
+    message += " " + gnss::satellite_name(satellite) + " (" + std::to_string(count) + " epochs)";
+  faults.note("B065", first_line, message);
+}
+
+void RinexSource::start(std::uint64_t /*seed*/, std::byte* memory) const {
+  const std::uint64_t next_event = 0;
+  std::memcpy(memory, &next_event, sizeof next_event);
+}
+
+SourceStatus RinexSource::next(std::byte* memory, SampleSlot* slots, int& channel) const {
+  std::uint64_t at = 0;
+  std::memcpy(&at, memory, sizeof at);
+  if (at >= events_.size()) return SourceStatus::end;
+  const Event& event = events_[static_cast<std::size_t>(at++)];
+  std::memcpy(memory, &at, sizeof at);
+  channel = event.channel;
+  SampleSlot& slot = slots[channel];
+  slot.t = event.t;
+  if (event.channel == klobuchar) {
+    std::copy_n(navigation_.klobuchar->alpha, 4, slot.fields);
+    std::copy_n(navigation_.klobuchar->beta, 4, slot.fields + 4);
+  } else if (event.channel == ephemerides) {
+    double* row = slot.row_fields;
+    for (const std::size_t message : sets_[event.index].messages) {
+      gnss::write_ephemeris(navigation_.messages[message].ephemeris, row);
+      row += gnss::ephemeris_field_count;
+      ++slot.rows;
+    }
+  } else {
+    const Epoch& epoch = epochs_[event.index];
+    slot.fields[0] = epoch.event;
+    slot.fields[1] = epoch.clock_offset;
+    slot.fields[2] = epoch.clock_jump;
+    double* row = slot.row_fields;
+    for (const Observation& observation : epoch.satellites) {
+      row[gnss::observation::satellite] = static_cast<double>(observation.satellite);
+      row[gnss::observation::pseudorange] = observation.pseudorange;
+      row[gnss::observation::range_rate] = observation.range_rate;
+      row[gnss::observation::cn0] = observation.cn0;
+      row += gnss::observation::field_count;
+      ++slot.rows;
+    }
+  }
+  return SourceStatus::sample;
+}
+
+}  // namespace binnacle::rinex
