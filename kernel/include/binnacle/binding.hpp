@@ -31,13 +31,14 @@ struct PortBinding {
 class Binding {
  public:
   Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound,
-          int samples_per_step = 1, std::vector<std::vector<NamedUnit>> covariances = {{}})
+          int samples_per_step = 1,
+          std::vector<std::vector<NamedUnit>> covariances = std::vector<std::vector<NamedUnit>>(1))
       : name_(std::move(name)),
         parameters_(parameters),
         ports_(std::move(ports)),
         fields_bound_(std::move(fields_bound)),
-        samples_per_step_(samples_per_step),
-        covariances_(std::move(covariances)) {}
+        covariances_(std::move(covariances)),
+        samples_per_step_(samples_per_step) {}
 
   /// The JSON key under which the component stands.
   const std::string& name() const noexcept { return name_; }
