@@ -3,10 +3,12 @@
 #include "binnacle/plugin.hpp"
 
 #include "position_fix.hpp"
+#include "pv_fix.hpp"
 #include "velocity_fix.hpp"
 
 BINNACLE_PLUGIN("gnss_fix", "1.0.0", registry) {
   using namespace binnacle::gnss_fix;
   registry.add<PositionFix>();
   registry.add<VelocityFix>();
+  registry.add<PvFix>();
 }

@@ -107,3 +107,41 @@ TEST_CASE("a fix that cannot be used is invalid, with a reason", "[gnss_fix]") {
   REQUIRE(refuses(*speed, at_velocity, {0, 0, nan, 1, 1, 1}));
   REQUIRE(refuses(*speed, at_velocity, {0, 0, 0, 1, 1, 0}));
 }
+
+TEST_CASE("position and velocity fix: ECEF to north east down, with the whole covariance", "[gnss_fix]") {
+  const PositionKind position;
+  const AdditiveKind velocity("velocity.ned", 3, "m/s");
+  Setup setup{{}, {{"position", &position}, {"velocity", &velocity}}, {}};
+  // The channel has a clock between position and velocity: the six are found by name.
+  for (const char* name : {"position.x", "position.y", "position.z", "clock.bias", "velocity.x", "velocity.y", "velocity.z"})
+    setup.covariance.push_back({name, ""});
+  const auto model = bind<PvFix>(setup);
+
+  const Eigen::Vector3d lla(0.65, 2.2, 60.0), v_n(4, -7, 0.5);
+  const Eigen::Matrix3d C_en = strapdown::C_en(lla[0], lla[1]);
+  std::vector<double> z(6), x(lla.data(), lla.data() + 3), offset{12.0, -7.0, 3.0}, there(3);
+  position.plus(x.data(), offset.data(), there.data());
+  Eigen::Map<Eigen::Vector3d>(z.data()) = strapdown::ecef_from_lla(Eigen::Map<Eigen::Vector3d>(there.data()));
+  Eigen::Map<Eigen::Vector3d>(z.data() + 3) = C_en * v_n;
+  const Eigen::Matrix<double, 7, 7> root = (Eigen::Matrix<double, 7, 7>::Random() + 3 * Eigen::Matrix<double, 7, 7>::Identity());
+  const Eigen::Matrix<double, 7, 7> sigma = root * root.transpose();
+  SampleView sample = sample_of(z);
+  sample.covariance = sigma.data();
+
+  const PortStates ports{{&position, x, 10.0, 1e-8}, {&velocity, {1.0, 2.0, 3.0}}};
+  Complaints out;
+  const Measured m = linearize(*model, sample, ports, {}, out);
+  REQUIRE((m.residual.head<3>() - Eigen::Vector3d(12, -7, 3)).norm() < 1e-7);
+  REQUIRE((m.residual.tail<3>() - (v_n - Eigen::Vector3d(1, 2, 3))).norm() < 1e-4);  // axes 14 m away turn by 2e-6 rad
+  REQUIRE_NO_COMPLAINTS(check_measurement(*model, PvFix::spec(), sample, ports, {}, {1e-5, 1e-8}, 1e-8));
+
+  Eigen::Matrix<double, 6, 7> T = Eigen::Matrix<double, 6, 7>::Zero();
+  T.block<3, 3>(0, 0) = C_en.transpose();
+  T.block<3, 3>(3, 4) = C_en.transpose();
+  REQUIRE((m.R - T * sigma * T.transpose()).norm() < 1e-4 * sigma.norm());
+  REQUIRE(m.R.topRightCorner<3, 3>().norm() > 0.1);
+
+  sample.covariance = nullptr;
+  std::vector<double> buffer(64);
+  REQUIRE_THROWS_AS((bind<PvFix>({{}, {{"position", &position}, {"velocity", &velocity}}, {}})), ComponentError);
+}

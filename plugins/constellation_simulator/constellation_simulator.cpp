@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+// The constellation_simulator transform: from where a vehicle is to what its receiver measures.
+#include "constellation_simulator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <type_traits>
+
+#include "binnacle/view.hpp"
+#include "constellation.hpp"
+#include "gnss/channels.hpp"
+#include "gnss/signal_path.hpp"
+#include "random/normal.hpp"
+#include "strapdown/earth.hpp"
+#include "strapdown/rotation.hpp"
+
+namespace binnacle::constellation_simulator {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int most_satellites = 32;
+enum Channel { observations, ephemerides, truth };
+enum Field { lat, vn = 3, roll = 6 };
+
+FieldSpec level(const char* name, const char* unit, const char* text, bool optional = false) {
+  return {name, unit, FieldKind::level, optional, false, text};
+}
+
+}  // namespace
+
+/// Plain memory in the arena. Every satellite's deviates are drawn at every epoch, seen or not, so masks and cuts change no
+/// other figure.
+struct ConstellationSimulator::Memory {
+  Time last;  // epoch; no_time: none yet
+  std::int64_t epochs;
+  double clock_bias, clock_drift;                 // m, m/s
+  std::array<double, most_satellites> range_bias;  // m
+  random::Philox clock_stream, bias_stream, noise_stream, rate_stream;
+};
+
+struct ConstellationSimulator::Antenna {
+  Vector3d r_e, v_e;
+  Eigen::Matrix3d C_en;
+  std::optional<Vector3d> up_e;  // of the body, where its attitude is known
+};
+
+ComponentSpec ConstellationSimulator::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "constellation_simulator";
+  spec.summary = "Pseudoranges and range rates of a receiver on a simulated vehicle, and the satellites' ephemerides.";
+  spec.source = "paper 003, section 5.1, equations (5) and (7); IS-GPS-200 20.3.3.4.3; Brown and Hwang, 3rd ed., section 11.2";
+  spec.parameters = constellation_parameters();
+  const std::vector<ParameterSpec> own = {
+      time("every").above(0).defaults("\"1 s\"").about("between epochs; the first is the first sample of the input"),
+      number("elevation_mask", "rad").at_least(-1.5).at_most(1.5).defaults("\"10 deg\"").about("lower satellites are not seen"),
+      number("antenna_mask", "rad").at_least(-1.5).at_most(1.5).about(
+          "satellites lower than this over the plane of the body's x and y are not seen: what a bank shades. Needs roll, pitch, yaw"),
+      boolean("earth_rotation").defaults("true").about("whether the earth turns while the signal travels"),
+      object("pseudorange",
+             {number("bias", "m").at_least(0).defaults("6").about("1-sigma of each satellite's slow error: Gauss-Markov"),
+              number("tau", "s").above(0).defaults("1800").about("its correlation time"),
+              number("noise", "m").at_least(0).defaults("2").about("1-sigma, white")})
+          .defaults("{}")
+          .about("errors of pseudoranges"),
+      object("range_rate", {number("noise", "m/s").at_least(0).defaults("0.05").about("1-sigma, white")})
+          .defaults("{}")
+          .about("errors of range rates"),
+      object("clock",
+             {number("S_f", "m^2/s").at_least(0).defaults("0.009").about("density of the white noise of frequency, times c^2"),
+              number("S_g", "m^2/s^3").at_least(0).defaults("0.0355").about("density of the random walk of frequency, times c^2"),
+              number("bias", "m").at_least(0).defaults("100").about("1-sigma of the bias at the start"),
+              number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the drift at the start")})
+          .defaults("{}")
+          .about("the receiver's clock"),
+      list("cuts", object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
+                                  integer("satellites").at_least(0).required().about("of those in view the highest; 0: an outage")}))
+          .about("stretches in which fewer satellites are seen"),
+      list("faults", object("fault", {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
+                                      time("to").required().about("last instant"),
+                                      number("pseudorange", "m").defaults("0").about("added"),
+                                      number("range_rate", "m/s").defaults("0").about("added")}))
+          .about("what a satellite tells wrongly"),
+      list("clock_jumps", object("jump", {time("at").required().about("instant"),
+                                          number("jump", "s").required().about("added to the receiver's clock")}))
+          .about("resets of the receiver's clock")};
+  spec.parameters.insert(spec.parameters.end(), own.begin(), own.end());
+  spec.inputs = {{"truth",
+                  {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"), level("height", "m", "of the antenna"),
+                   level("vn", "m/s", "of the antenna"), level("ve", "m/s", "of the antenna"), level("vd", "m/s", "of the antenna"),
+                   level("roll", "rad", "of the body", true), level("pitch", "rad", "of the body", true),
+                   level("yaw", "rad", "of the body", true)},
+                  false,
+                  "where the antenna is; epochs are among its samples"}};
+  spec.example = R"json({"input": "drive.truth", "elevation_mask": "10 deg",
+    "cuts": [{"from": "200 s", "to": "400 s", "satellites": 3}]})json";
+  return spec;
+}
+
+ConstellationSimulator::ConstellationSimulator(const Binding& binding) : constellation_(read_constellation(binding)) {
+  const Parameters& parameters = binding.parameters();
+  every_ = parameters.time("every");
+  min_sin_elevation_ = std::sin(parameters.number("elevation_mask"));
+  has_antenna_mask_ = parameters.has("antenna_mask");
+  min_sin_antenna_ = has_antenna_mask_ ? std::sin(parameters.number("antenna_mask")) : -1.0;
+  if (has_antenna_mask_ && !(binding.has_field(roll) && binding.has_field(roll + 1) && binding.has_field(roll + 2)))
+    throw ComponentError("an antenna mask needs roll, pitch and yaw, which the channel does not carry", "/antenna_mask");
+  has_rotation_ = parameters.boolean("earth_rotation");
+  bias_ = parameters.object("pseudorange").number("bias");
+  tau_ = parameters.object("pseudorange").number("tau");
+  noise_ = parameters.object("pseudorange").number("noise");
+  rate_noise_ = parameters.object("range_rate").number("noise");
+  const Parameters clock = parameters.object("clock");
+  S_f_ = clock.number("S_f"), S_g_ = clock.number("S_g");
+  clock_bias_ = clock.number("bias"), clock_drift_ = clock.number("drift");
+  read_events(parameters);
+
+  const auto rows = static_cast<int>(constellation_.size());
+  ChannelDeclaration seen, sent, clocks;
+  seen.name = "obs";
+  seen.fields = gnss::observation_fields(false);
+  std::erase_if(seen.fields, [](const FieldSpec& field) { return field.name == "cn0"; });
+  seen.max_rows = rows;
+  sent.name = "ephemeris";
+  sent.fields = gnss::ephemeris_fields();
+  sent.max_rows = rows;
+  clocks.name = "truth";
+  clocks.fields = {level("bias", "m", "of the receiver's clock, times c"), level("drift", "m/s", "of the receiver's clock, times c"),
+                   level("satellites", "1", "in view")};
+  channels_ = {std::move(seen), std::move(sent), std::move(clocks)};
+}
+
+void ConstellationSimulator::read_events(const Parameters& parameters) {
+  const auto span = [](const Parameters& event, const std::string& pointer) {
+    const Span read{event.time("from"), event.time("to")};
+    if (read.from > read.to) throw ComponentError("it ends before it begins", pointer);
+    return read;
+  };
+  if (parameters.has("cuts"))
+    for (const auto& element : parameters.list("cuts")) {
+      const Parameters cut(element);
+      cuts_.push_back({span(cut, "/cuts/" + std::to_string(cuts_.size())), static_cast<int>(cut.integer("satellites"))});
+    }
+  if (parameters.has("faults"))
+    for (const auto& element : parameters.list("faults")) {
+      const Parameters fault(element);
+      const std::string pointer = "/faults/" + std::to_string(faults_.size());
+      const auto satellite = gnss::parse_satellite(fault.text("satellite"));
+      if (!satellite) throw ComponentError("'" + fault.text("satellite") + "' is no satellite: \"G01\" … \"G32\"", pointer + "/satellite");
+      faults_.push_back({span(fault, pointer), *satellite, fault.number("pseudorange"), fault.number("range_rate")});
+    }
+  if (parameters.has("clock_jumps"))
+    for (const auto& element : parameters.list("clock_jumps")) {
+      const Parameters jump(element);
+      jumps_.push_back({jump.time("at"), gnss::speed_of_light * jump.number("jump")});
+    }
+}
+
+std::size_t ConstellationSimulator::memory_bytes() const noexcept { return sizeof(Memory); }
+
+void ConstellationSimulator::start(std::uint64_t seed, std::byte* bytes) const {
+  static_assert(std::is_trivially_copyable_v<Memory> && alignof(Memory) <= 8);
+  Memory& memory = *new (bytes) Memory{};
+  memory.last = no_time;
+  memory.clock_stream = random::stream(seed, "clock");
+  memory.bias_stream = random::stream(seed, "pseudorange.bias");
+  memory.noise_stream = random::stream(seed, "pseudorange.noise");
+  memory.rate_stream = random::stream(seed, "range_rate.noise");
+  memory.clock_bias = clock_bias_ * random::normal(memory.clock_stream);
+  memory.clock_drift = clock_drift_ * random::normal(memory.clock_stream);
+  for (double& bias : memory.range_bias) bias = bias_ * random::normal(memory.bias_stream);
+}
+
+/// Clock and slow errors from the last epoch to t.
+void ConstellationSimulator::advance(Memory& memory, Time t) const {
+  const double dt = memory.last == no_time ? 0.0 : seconds(t - memory.last);
+  if (dt > 0) {
+    const double variance = S_f_ * dt + S_g_ * dt * dt * dt / 3, cross = S_g_ * dt * dt / 2, rate_variance = S_g_ * dt;
+    const double l11 = std::sqrt(variance), l21 = l11 > 0 ? cross / l11 : 0.0;
+    const double l22 = std::sqrt(std::max(0.0, rate_variance - l21 * l21));
+    const double first = random::normal(memory.clock_stream), second = random::normal(memory.clock_stream);
+    memory.clock_bias += memory.clock_drift * dt + l11 * first;
+    memory.clock_drift += l21 * first + l22 * second;
+    const double decay = std::exp(-dt / tau_), kick = bias_ * std::sqrt(-std::expm1(-2 * dt / tau_));
+    for (double& bias : memory.range_bias) bias = decay * bias + kick * random::normal(memory.bias_stream);
+  }
+  for (const Jump& jump : jumps_)
+    if (jump.at <= t && (memory.last == no_time || jump.at > memory.last)) memory.clock_bias += jump.bias;
+  memory.last = t;
+}
+
+void ConstellationSimulator::emit_ephemerides(Time t, Emitter& emitter) const {
+  SampleSlot& slot = emitter.slot(ephemerides);
+  slot.t = t;
+  slot.rows = static_cast<int>(constellation_.size());
+  for (std::size_t i = 0; i < constellation_.size(); ++i)
+    gnss::write_ephemeris(constellation_[i], slot.row_fields + i * gnss::ephemeris_field_count);
+  emitter.emit(ephemerides);
+}
+
+int ConstellationSimulator::most_at(Time t) const {
+  int most = most_satellites;
+  for (const Cut& cut : cuts_)
+    if (cut.span.contains(t)) most = std::min(most, cut.satellites);
+  return most;
+}
+
+bool ConstellationSimulator::is_visible(const Antenna& antenna, const Vector3d& direction) const {
+  if (-antenna.C_en.col(2).dot(direction) < min_sin_elevation_) return false;
+  return !antenna.up_e || antenna.up_e->dot(direction) >= min_sin_antenna_;
+}
+
+void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::byte* bytes, Emitter& emitter) const {
+  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
+  if (!vector_at<6>(sample.fields).allFinite()) return;
+  if (memory.last != no_time && sample.t - memory.last < every_) return;
+  if (memory.epochs == 0) emit_ephemerides(sample.t, emitter);
+  ++memory.epochs;
+  advance(memory, sample.t);
+
+  const Vector3d lla = vector_at<3>(sample.fields);
+  Antenna antenna;
+  antenna.C_en = strapdown::C_en(lla[0], lla[1]);
+  antenna.r_e = strapdown::ecef_from_lla(lla);
+  antenna.v_e = antenna.C_en * vector_at<3>(sample.fields + vn);
+  if (has_antenna_mask_ && vector_at<3>(sample.fields + roll).allFinite())
+    antenna.up_e = -(antenna.C_en * strapdown::dcm_from_quaternion(
+                                        strapdown::quaternion_from_euler(vector_at<3>(sample.fields + roll))).col(2));
+
+  struct Row {
+    gnss::SatelliteKey satellite;
+    double pseudorange, rate, sine;
+  };
+  std::array<Row, most_satellites> rows;
+  int count = 0;
+  for (std::size_t i = 0; i < constellation_.size(); ++i) {
+    const gnss::Ephemeris& satellite = constellation_[i];
+    const double noise = noise_ * random::normal(memory.noise_stream), rate_noise = rate_noise_ * random::normal(memory.rate_stream);
+    double range = 0.08 * gnss::speed_of_light;  // the label less this over c is when it was sent; converges by 1e-5 each time
+    gnss::SatelliteState state;
+    gnss::SignalPath path;
+    for (int k = 0; k < 4; ++k) {
+      double back = range / gnss::speed_of_light;
+      back += gnss::satellite_clock(satellite, sample.t, back);
+      state = gnss::satellite_state(satellite, sample.t, back);
+      path = gnss::signal_path(state.position, antenna.r_e, has_rotation_);
+      range = path.range + memory.clock_bias - gnss::speed_of_light * state.clock;
+    }
+    if (!is_visible(antenna, path.direction)) continue;
+    const double rate = gnss::range_rate(path, state.velocity, antenna.v_e, has_rotation_).rate;
+    Row& row = rows[static_cast<std::size_t>(count++)];
+    row = {satellite.satellite, range + memory.range_bias[i] + noise,
+           rate + memory.clock_drift - gnss::speed_of_light * state.clock_drift + rate_noise,
+           -antenna.C_en.col(2).dot(path.direction)};
+    for (const Fault& fault : faults_)
+      if (fault.satellite == satellite.satellite && fault.span.contains(sample.t)) {
+        row.pseudorange += fault.range;
+        row.rate += fault.rate;
+      }
+  }
+  for (const int most = most_at(sample.t); count > most; --count) {
+    const auto end = rows.begin() + count;
+    const auto lowest = std::min_element(rows.begin(), end, [](const Row& a, const Row& b) { return a.sine < b.sine; });
+    std::move(lowest + 1, end, lowest);
+  }
+
+  SampleSlot& clock = emitter.slot(truth);
+  clock.t = sample.t;
+  clock.fields[0] = memory.clock_bias;
+  clock.fields[1] = memory.clock_drift;
+  clock.fields[2] = count;
+  emitter.emit(truth);
+  if (count == 0) return;
+  SampleSlot& slot = emitter.slot(observations);
+  slot.t = sample.t;
+  slot.rows = count;
+  for (int i = 0; i < count; ++i) {
+    double* const row = slot.row_fields + 3 * i;
+    const Row& seen = rows[static_cast<std::size_t>(i)];
+    row[0] = static_cast<double>(seen.satellite);
+    row[1] = seen.pseudorange;
+    row[2] = seen.rate;
+  }
+  emitter.emit(observations);
+}
+
+}  // namespace binnacle::constellation_simulator

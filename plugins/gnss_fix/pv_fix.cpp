@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Position and velocity of a GNSS filter, with their full covariance: loose coupling.
+#include "pv_fix.hpp"
+
+#include <string>
+#include <vector>
+
+#include "strapdown/earth.hpp"
+
+namespace binnacle::gnss_fix {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+constexpr const char* names[6] = {"x", "y", "z", "vx", "vy", "vz"};
+
+FieldSpec level(const char* name, const char* unit, const char* text) {
+  return {name, unit, FieldKind::level, false, false, text};
+}
+
+}  // namespace
+
+ComponentSpec PvFix::spec() {
+  ComponentSpec spec;
+  spec.type = "pv_fix";
+  spec.summary = "Position and velocity in ECEF axes from a GNSS filter, with the whole covariance of the six.";
+  spec.source = "paper 003, section 4.2 and equation (11)";
+  spec.parameters = {
+      parameter::list("covariance", parameter::text("component"))
+          .defaults(R"(["position.x", "position.y", "position.z", "velocity.x", "velocity.y", "velocity.z"])")
+          .about("the channel's error components of x y z vx vy vz: BLOCK.COMPONENT of the filter"),
+      parameter::number("inflate", "1").at_least(1).defaults("1").about(
+          "factor on the covariance: a filter's errors are correlated in time, which its covariance does not tell")};
+  spec.ports = {reads("position", "position", "of the antenna: a position block, or a lever_arm"),
+                reads("velocity", "velocity.ned", "of the antenna: a velocity block, or a lever_arm_velocity")};
+  spec.fields = {level("x", "m", "ECEF position"),   level("y", "m", "ECEF position"),   level("z", "m", "ECEF position"),
+                 level("vx", "m/s", "ECEF velocity"), level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
+  spec.example = R"json({"channel": "gps", "blocks": {"position": "position", "velocity": "velocity"},
+    "fields": {"x": "position.x", "y": "position.y", "z": "position.z", "vx": "velocity.vx", "vy": "velocity.vy", "vz": "velocity.vz"}})json";
+  spec.surroundings = R"json({"sources": {"gps": {"type": "core/pushed",
+      "fields": {"position.x": {"unit": "m"}, "position.y": {"unit": "m"}, "position.z": {"unit": "m"},
+                 "velocity.vx": {"unit": "m/s"}, "velocity.vy": {"unit": "m/s"}, "velocity.vz": {"unit": "m/s"}},
+      "covariance": ["position.x", "position.y", "position.z", "velocity.x", "velocity.y", "velocity.z"]}},
+    "sample": {"x": -3976219.1, "y": 3382371.6, "z": 3652511.2, "vx": 5, "vy": -3, "vz": 2}})json";
+  return spec;
+}
+
+PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("inflate")) {
+  declaration_.max_rows = 6;
+  declaration_.reads = {0, 1};
+  declaration_.groups = {{"position", 0, 3, "m", 0}, {"velocity", 3, 3, "m/s", 1}};
+
+  const auto& there = binding.covariance();
+  covariance_size_ = static_cast<int>(there.size());
+  const auto& wanted = binding.parameters().list("covariance");
+  if (wanted.size() != 6) throw ComponentError("six error components, of x y z vx vy vz", "/covariance");
+  if (there.empty()) throw ComponentError("the channel attaches no covariance to its samples");
+  for (std::size_t i = 0; i < 6; ++i) {
+    components_[i] = -1;
+    std::string all;
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      if (there[k].name == wanted[i].text) components_[i] = static_cast<int>(k);
+      all += (k ? ", " : "") + there[k].name;
+    }
+    if (components_[i] < 0)
+      throw ComponentError("the channel's covariance has no component '" + wanted[i].text + "' for " + names[i] +
+                               "; it has " + all, "/covariance/" + std::to_string(i));
+  }
+}
+
+Result PvFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
+                        const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+  const auto z = vector_at<6>(sample.fields);
+  if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
+  if (!sample.covariance) return Result::unsupported("the sample comes without a covariance");
+  if (!(z.head<3>().norm() > 6.3e6 && z.head<3>().norm() < 1e8)) return Result::invalid("a position that is not near the earth");
+  const Eigen::Vector3d lla = strapdown::lla_from_ecef(z.head<3>());
+  const Matrix3d C_ne = strapdown::C_en(lla[0], lla[1]).transpose();
+  out.rows = 6;
+  vector_at<3>(out.residual) = strapdown::position_minus(lla, vector_at<3>(x[0]));
+  vector_at<3>(out.residual + 3) = C_ne * z.tail<3>() - vector_at<3>(x[1]);
+  out.H[0].as<6, 3>().topRows<3>().setIdentity();
+  out.H[1].as<6, 3>().bottomRows<3>().setIdentity();
+
+  Matrix6d sigma;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 6; ++i)
+      sigma(i, j) = sample.covariance[components_[static_cast<std::size_t>(i)] +
+                                      components_[static_cast<std::size_t>(j)] * covariance_size_];
+  if (!(sigma.diagonal().minCoeff() > 0)) return Result::invalid("a variance is not positive");
+  auto R = out.R.as<6, 6>();
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i)
+      R.block<3, 3>(3 * i, 3 * j) = scale_ * (C_ne * sigma.block<3, 3>(3 * i, 3 * j) * C_ne.transpose());
+  return Result::ok();
+}
+
+}  // namespace binnacle::gnss_fix
