@@ -86,7 +86,7 @@ ordered_json cell(const ordered_json& summary, std::size_t table, const std::str
 
 }  // namespace
 
-TEST_CASE("paper 002, figures 1 and 2: drift of every cell in 36 s against the closed form; aliased ones are marked") {
+TEST_CASE("paper 002, figures 1 and 2: drift of every cell in 36 s against the closed form, aliased ones marked") {
   const ordered_json summary = study("drift.json", "--set '/sources/coning/duration=36'");
   CHECK(summary.at("variants").size() == 102);
   // A hundredth of the hour, and so of the drift; what doubles add in it is below 1e-12 deg.
