@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a step, an update and an assembly cost, as ratios to dense fixed-size Eigen in the same run.
 #include <cstdio>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "binnacle/filter.hpp"
+#include "median_reporter.hpp"
 
 using namespace binnacle;
 
@@ -145,18 +145,6 @@ void assembly(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(Composition::parse(text, "bench.json"));
 }
 
-/// Remembers the median of each benchmark's repetitions, in processor time: on a shared machine the wall clock counts
-/// the neighbours.
-class MedianReporter : public benchmark::ConsoleReporter {
- public:
-  void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    for (const auto& run : runs)
-      if (run.aggregate_name == "median") time_ns[run.run_name.str()] = run.GetAdjustedCPUTime();
-  }
-  std::map<std::string, double> time_ns;
-};
-
 }  // namespace
 
 BENCHMARK(dense_predict);
@@ -167,16 +155,8 @@ BENCHMARK(fix_update)->Arg(9)->Arg(15)->Arg(21)->Arg(30)->Arg(45)->Arg(60)->Arg(
 BENCHMARK(assembly)->Unit(benchmark::kMillisecond);
 
 int main(int argc, char** argv) {
-  // Repeated and interleaved, so that a change of the processor's clock meets both sides of a ratio.
-  std::vector<char*> arguments(argv, argv + argc);
-  std::string defaults[] = {"--benchmark_repetitions=11", "--benchmark_enable_random_interleaving=true",
-                            "--benchmark_display_aggregates_only=true", "--benchmark_min_time=0.02"};
-  for (auto& option : defaults) arguments.insert(arguments.begin() + 1, option.data());
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   MedianReporter reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
+  if (!run_interleaved(argc, argv, reporter)) return 2;
 
   const auto ratio = [&](const char* what, const std::string& name, const std::string& reference) {
     if (reporter.time_ns.contains(name) && reporter.time_ns.contains(reference))

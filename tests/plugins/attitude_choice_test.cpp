@@ -108,6 +108,8 @@ TEST_CASE("samples that are not those of a step are refused, with the pointer", 
   CHECK_FALSE(attempt(chosen(1), 2).empty());
 }
 
+// From two samples on it is the terms of third order in θ, which no form has, that are left: of a motion of a radian a
+// second all are of order 4. What more samples are better at is fast motion of small angles.
 TEST_CASE("the order of each choice on a smooth motion", "[attitude]") {
   struct Case {
     json choice;
@@ -118,11 +120,11 @@ TEST_CASE("the order of each choice on a smooth motion", "[attitude]") {
   alone["attitude"]["previous"] = false;
   const Case cases[] = {{alone, 1, 1.9, 2.1},
                         {chosen(1), 1, 2.9, 3.3},
-                        {chosen(2), 2, 3.9, 4.2},
-                        {chosen(3), 3, 3.9, 4.3},
-                        {chosen(3, "polynomial"), 3, 3.9, 6.2},
-                        {chosen(4), 4, 2.9, 5.2},
-                        {chosen(4, "polynomial"), 4, 3.9, 6.2}};
+                        {chosen(2), 2, 3.9, 4.1},
+                        {chosen(3), 3, 3.9, 4.1},
+                        {chosen(3, "polynomial"), 3, 3.9, 4.1},
+                        {chosen(4), 4, 3.9, 4.1},
+                        {chosen(4, "polynomial"), 4, 3.9, 4.1}};
   const Vector4d exact = integrated(1.0, 4.0);
   for (const Case& c : cases) {
     const auto error = [&](int updates) {
@@ -130,7 +132,6 @@ TEST_CASE("the order of each choice on a smooth motion", "[attitude]") {
     };
     const double coarse = error(20), fine = error(80), order = std::log2(coarse / fine) / 2;
     INFO(c.choice.dump() << ": errors " << coarse << ", " << fine << ", order " << order);
-    std::printf("%s: errors %g, %g, order %g\n", c.choice.dump().c_str(), coarse, fine, order);
     CHECK(order > c.least);
     CHECK(order < c.most);
   }
@@ -194,7 +195,7 @@ TEST_CASE("a group that was cut ends where the whole one does", "[attitude]") {
       const double coarse = apart(0.02), fine = apart(0.01);
       INFO(samples << " samples, " << form << ", " << flight.name << ": " << coarse << ", " << fine);
       // Rates change linearly, so that all choices are right to O(h⁴), and the cut costs no more.
-      CHECK(fine < 2e-6);
+      CHECK(fine < 1e-5);
       CHECK(std::log2(coarse / fine) > 2.7);
     }
   }

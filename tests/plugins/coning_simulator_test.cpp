@@ -5,23 +5,37 @@
 
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <numbers>
 #include <vector>
 
-#include "bind.hpp"
+#include <nlohmann/json.hpp>
+
 #include "catch.hpp"
+#include "config/document.hpp"
+#include "spec/check.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
 using namespace binnacle;
 using namespace binnacle::coning_simulator;
-using namespace binnacle::test;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 using nlohmann::json;
 
 namespace {
+
+/// As the kernel does it, units of defaults included.
+std::unique_ptr<ConingSimulator> bound(const json& config) {
+  Diagnostics diagnostics;
+  const auto document = Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const ParameterValue value =
+      check_parameters(ConingSimulator::spec().parameters, "coning_simulator", document, "", {}, {}, diagnostics);
+  INFO(diagnostics.text());
+  REQUIRE(diagnostics.empty());
+  return std::make_unique<ConingSimulator>(Binding("coning", Parameters(value), {}, {}));
+}
 
 struct Sample {
   int channel;
@@ -30,7 +44,7 @@ struct Sample {
 };
 
 std::vector<Sample> all_of(const json& parameters) {
-  const auto source = bind<ConingSimulator>({parameters, {}, {}});
+  const auto source = bound(parameters);
   alignas(8) std::byte memory[64] = {};
   REQUIRE(source->memory_bytes() <= sizeof memory);
   source->start(1, memory);
@@ -46,7 +60,7 @@ std::vector<Sample> all_of(const json& parameters) {
   }
 }
 
-Vector4d attitude(const Sample& truth) {
+Vector4d quaternion_of(const Sample& truth) {
   const std::size_t first = truth.fields.size() - 3;
   return strapdown::quaternion_from_euler({truth.fields[first], truth.fields[first + 1], truth.fields[first + 2]});
 }
@@ -97,7 +111,7 @@ TEST_CASE("coning: increments add up whatever they are cut into, and labels are 
 }
 
 TEST_CASE("coning: an hour later the phase has its digits still", "[coning]") {
-  const auto source = bind<ConingSimulator>({{{"frequency", 25}, {"interval", 0.004}, {"duration", 4000}}, {}, {}});
+  const auto source = bound({{"frequency", 25}, {"interval", 0.004}, {"duration", 4000}});
   const auto at = [&](std::int64_t sample) {
     const std::int64_t memory[2] = {sample, 1000000};
     alignas(8) std::byte bytes[16];
@@ -124,7 +138,7 @@ TEST_CASE("coning: on the earth the mechanization finds truth again", "[coning]"
   REQUIRE(samples[0].channel == ConingSimulator::truth);
   strapdown::Navigation nav{{samples[0].fields[0], samples[0].fields[1], samples[0].fields[2]},
                             {samples[0].fields[3], samples[0].fields[4], samples[0].fields[5]},
-                            attitude(samples[0])};
+                            quaternion_of(samples[0])};
   strapdown::Previous previous;
   for (const Sample& sample : samples) {
     if (sample.channel == ConingSimulator::imu) {
@@ -140,7 +154,7 @@ TEST_CASE("coning: on the earth the mechanization finds truth again", "[coning]"
   for (const Sample& sample : samples)
     if (sample.channel == ConingSimulator::truth) last = &sample;
   REQUIRE(last->t == nanoseconds(2));
-  CHECK(strapdown::attitude_minus(attitude(*last), nav.q_nb).norm() < 1e-8);
+  CHECK(strapdown::attitude_minus(quaternion_of(*last), nav.q_nb).norm() < 1e-8);
   CHECK((nav.v_n - Vector3d(last->fields[3], last->fields[4], last->fields[5])).norm() < 1e-6);
   CHECK(strapdown::position_minus(nav.lla, {last->fields[0], last->fields[1], last->fields[2]}).norm() < 1e-6);
   // It shook: the velocity was another in between.
@@ -148,5 +162,5 @@ TEST_CASE("coning: on the earth the mechanization finds truth again", "[coning]"
 }
 
 TEST_CASE("coning: samples of a thousand cycles are refused", "[coning]") {
-  CHECK_THROWS_AS(bind<ConingSimulator>({{{"frequency", 1e4}, {"interval", 1}}, {}, {}}), ComponentError);
+  CHECK_THROWS_AS(bound({{"frequency", 1e4}, {"interval", 1}}), ComponentError);
 }

@@ -362,3 +362,29 @@ Error at the end [mm]
   CHECK(read_file(bench.path("out/table.csv"))
             .starts_with("table,row,column,value,se,unit,paper\nError at the end,calm,x1,98.5303810427"));
 }
+
+TEST_CASE("a cell may have a text instead of a figure, and figures may be told the other way round") {
+  const Workbench bench;
+  write_study(bench, R"~({ "runs": 1, "metrics": ["walk/place.x/final", "walk/place.x/drift"],
+    "variants": { "calm": {} },
+    "table": { "rows": ["calm", "stormy"], "texts": { "stormy": "too rough" }, "statistic": "mean",
+      "columns": [ { "name": "final", "cell": "{row}", "metric": "walk/place.x/final" },
+                   { "name": "reversed", "cell": "{row}", "metric": "walk/place.x/final", "sign": "estimate - truth" },
+                   { "name": "drift", "cell": "{row}", "metric": "walk/place.x/drift" } ] } })~");
+  const auto outcome = command(bench, {"study", "study.json", "--out", "out"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const auto summary = json::parse(read_file(bench.path("out/study.json")));
+  const auto& cells = summary.at("table").at("cells");
+  CHECK(cells[1] == json({"too rough", "too rough", "too rough"}));
+  CHECK(cells[0][1].get<double>() == -cells[0][0].get<double>());
+  CHECK(std::abs(cells[0][2].get<double>()) < 1);
+  CHECK(outcome.out.find("stormy    too rough    too rough  too rough") != std::string::npos);
+  CHECK(read_file(bench.path("out/table.csv")).find("stormy,final,too rough,") != std::string::npos);
+
+  write_study(bench, R"~({ "runs": 1, "metrics": ["walk/place.x/final"], "variants": { "calm": {} },
+    "table": { "rows": ["calm"], "texts": { "clam": "too rough" } } })~");
+  const auto unused = command(bench, {"study", "study.json"});
+  CHECK(unused.status == 3);
+  CHECK(unused.err.find("error[B090] /study/table/texts/clam: no cell of the table would be 'clam'") != std::string::npos);
+}
