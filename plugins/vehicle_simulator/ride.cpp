@@ -21,6 +21,8 @@ struct Jet {
   double value, first, second;
 };
 
+Jet operator+(const Jet& a, const Jet& b) { return {a.value + b.value, a.first + b.first, a.second + b.second}; }
+
 Jet operator*(const Jet& a, const Jet& b) {
   return {a.value * b.value, a.first * b.value + a.value * b.first,
           a.second * b.value + 2 * a.first * b.first + a.value * b.second};
@@ -38,15 +40,20 @@ Jet jet(const SplineNoise::Value& noise, double size) {
   return {size * noise.value, size * noise.first, size * noise.second};
 }
 
-/// Moves the point by `right` and `down` [m] from the path, whose heading turns meanwhile.
-void displace(const Jet& right, const Jet& down, const Course& course, Motion& motion) {
+/// Moves the point by `forward`, `right` and `down` [m] from the path, whose heading turns meanwhile.
+void move(const Jet& forward, const Jet& right, const Jet& down, const Course& course, Motion& motion) {
   const Vector3d e_forward{course.heading.cos, course.heading.sin, 0}, e_right{-course.heading.sin, course.heading.cos, 0};
   const Vector3d e_down{0, 0, 1};
-  const double turn = course.turn_rate;  // ė_right = −turn e_forward, ė_forward = turn e_right
-  motion.lla = strapdown::position_plus(motion.lla, right.value * e_right + down.value * e_down);
-  motion.v_n += right.first * e_right - right.value * turn * e_forward + down.first * e_down;
-  motion.dv_n += (right.second - right.value * turn * turn) * e_right -
-                 (2 * right.first * turn + right.value * course.turn_acceleration) * e_forward + down.second * e_down;
+  // ė_right = −ψ̇ e_forward, ė_forward = ψ̇ e_right.
+  const double turn = course.turn_rate, turn2 = turn * turn, bend = course.turn_acceleration;
+  motion.lla = strapdown::position_plus(motion.lla,
+                                        forward.value * e_forward + right.value * e_right + down.value * e_down);
+  motion.v_n += (forward.first - right.value * turn) * e_forward + (right.first + forward.value * turn) * e_right +
+                down.first * e_down;
+  motion.dv_n +=
+      (forward.second - forward.value * turn2 - 2 * right.first * turn - right.value * bend) * e_forward +
+      (right.second - right.value * turn2 + 2 * forward.first * turn + forward.value * bend) * e_right +
+      down.second * e_down;
 }
 
 /// 64 τ³(1 − τ)³ over [begin, begin + duration].
@@ -62,10 +69,11 @@ Jet push(double t, double begin, double duration) {
 Ride::Ride(const RideModel& model, const std::vector<Segment>& segments)
     : model_(model),
       drives_(model.sway > 0 || model.heave > 0 || model.roll > 0 || model.pitch > 0),
+      rocks_(model.rocking > 0),
       boards_(model.boarding_every > 0 &&
               (model.boarding_heave > 0 || model.boarding_roll > 0 || model.boarding_pitch > 0)),
       noise_(model.frequency) {
-  is_still_ = model.slip == 0 && !drives_ && !boards_;
+  is_still_ = model.slip == 0 && !drives_ && !rocks_ && !boards_;
   if (!boards_) return;
   std::int64_t boardings = 0;
   for (const Segment& segment : segments) {
@@ -83,6 +91,8 @@ RideMemory Ride::start(std::uint64_t seed) {
           .heave = SplineNoise::start(seed, "ride.heave"),
           .roll = SplineNoise::start(seed, "ride.roll"),
           .pitch = SplineNoise::start(seed, "ride.pitch"),
+          .rocking = {SplineNoise::start(seed, "ride.rocking.x"), SplineNoise::start(seed, "ride.rocking.y"),
+                      SplineNoise::start(seed, "ride.rocking.z")},
           .boarding = random::stream(seed, "boarding"),
           .event = -1,
           .event_begin = 0,
@@ -96,24 +106,35 @@ void Ride::apply(double t, const Course& course, Motion& motion, RideMemory& mem
   motion.roll_pitch_yaw[2] += model_.slip * course.speed * course.turn_rate;
   motion.euler_rates[2] +=
       model_.slip * (course.acceleration * course.turn_rate + course.speed * course.turn_acceleration);
-  if (drives_ && (course.speed != 0.0 || course.acceleration != 0.0 || course.jerk != 0.0))
-    drive(t, course, motion, memory);
+  const bool moves = course.speed != 0.0 || course.acceleration != 0.0 || course.jerk != 0.0;
+  if (rocks_ || (moves && (model_.sway > 0 || model_.heave > 0))) displace(t, course, motion, memory);
+  if (moves && (model_.roll > 0 || model_.pitch > 0)) lean(t, course, motion, memory);
   if (boards_ && course.speed == 0.0) board(t, motion, memory);
 }
 
-void Ride::drive(double t, const Course& course, Motion& motion, RideMemory& memory) const {
+void Ride::displace(double t, const Course& course, Motion& motion, RideMemory& memory) const {
+  const Jet driving = share_along(course, model_.half_speed);
+  const Jet standing{1.0 - driving.value, -driving.first, -driving.second};
+  Jet along[3] = {};  // forward, right, down
+  const auto add = [&](int axis, const Jet& share, double size, SplineMemory& spline) {
+    if (size > 0) along[axis] = along[axis] + share * jet(noise_.at(t, spline), size);
+  };
+  add(1, driving, model_.sway, memory.sway);
+  add(2, driving, model_.heave, memory.heave);
+  for (int axis = 0; axis < 3; ++axis) add(axis, standing, model_.rocking, memory.rocking[axis]);
+  move(along[0], along[1], along[2], course, motion);
+}
+
+void Ride::lean(double t, const Course& course, Motion& motion, RideMemory& memory) const {
   const Jet share = share_along(course, model_.half_speed);
-  if (model_.sway > 0 || model_.heave > 0)
-    displace(share * jet(noise_.at(t, memory.sway), model_.sway), share * jet(noise_.at(t, memory.heave), model_.heave),
-             course, motion);
-  const auto lean = [&](int angle, double size, SplineMemory& spline) {
+  const auto turn = [&](int angle, double size, SplineMemory& spline) {
     if (!(size > 0)) return;
     const SplineNoise::Value noise = noise_.at(t, spline);
     motion.roll_pitch_yaw[angle] += size * share.value * noise.first;
     motion.euler_rates[angle] += size * (share.first * noise.first + share.value * noise.second);
   };
-  lean(0, model_.roll, memory.roll);
-  lean(1, model_.pitch, memory.pitch);
+  turn(0, model_.roll, memory.roll);
+  turn(1, model_.pitch, memory.pitch);
 }
 
 void Ride::board(double t, Motion& motion, RideMemory& memory) const {

@@ -16,6 +16,7 @@ namespace binnacle::vehicle_simulator {
 struct RideModel {
   double slip = 0;                             // rad per m/s² of lateral acceleration
   double sway = 0, heave = 0;                  // m/s, velocity to the right, down
+  double rocking = 0;                          // m/s, forward, right, down
   double roll = 0, pitch = 0;                  // rad
   double frequency = 1.5;                      // Hz
   double half_speed = 1;                       // m/s
@@ -28,7 +29,7 @@ struct RideModel {
 
 /// What it remembers of the last question; plain memory.
 struct RideMemory {
-  SplineMemory sway, heave, roll, pitch;
+  SplineMemory sway, heave, roll, pitch, rocking[3];
   random::Philox boarding;   // at its beginning
   std::int64_t event;        // number of the boarding below; −1: none yet
   double event_begin;        // s
@@ -36,8 +37,8 @@ struct RideMemory {
 };
 
 /// Sway, heave, roll and pitch of the driving body are SplineNoise times g(v) = v/√(v² + half_speed²); sway and heave come of the
-/// path's point moving sideways and down, roll and pitch are turns about it. While the vehicle stands people
-/// board: a push of heave, roll and pitch shaped 64 τ³(1−τ)³, one in each `boarding_every` seconds of a stop.
+/// path's point moving sideways and down, roll and pitch are turns about it. Rocking is 1 − g(v) of a motion in all three
+/// directions, of a vehicle that stands in the wind. While it stands people board: a push of heave, roll and pitch shaped 64 τ³(1−τ)³, one in each `boarding_every` seconds of a stop.
 class Ride {
  public:
   Ride(const RideModel& model, const std::vector<Segment>& segments);
@@ -55,11 +56,12 @@ class Ride {
     std::int64_t first;  // number of its first boarding
   };
 
-  void drive(double t, const Course& course, Motion& motion, RideMemory& memory) const;
+  void displace(double t, const Course& course, Motion& motion, RideMemory& memory) const;
+  void lean(double t, const Course& course, Motion& motion, RideMemory& memory) const;
   void board(double t, Motion& motion, RideMemory& memory) const;
 
   RideModel model_;
-  bool is_still_, drives_, boards_;
+  bool is_still_, drives_, rocks_, boards_;
   SplineNoise noise_;
   std::vector<Stop> stops_;
 };

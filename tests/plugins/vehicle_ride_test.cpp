@@ -98,7 +98,7 @@ Json quiet_drive() {
 
 Json lively() {
   Json config = quiet_drive();
-  config["ride"] = {{"slip", 0.003}, {"sway", 0.03}, {"heave", 0.05}, {"roll", 2e-3}, {"pitch", 2e-3}};
+  config["ride"] = {{"slip", 0.003}, {"sway", 0.03}, {"heave", 0.05}, {"rocking", 0.03}, {"roll", 2e-3}, {"pitch", 2e-3}};
   config["boarding"] = {{"every", 8}, {"heave", 5e-3}, {"roll", 3e-3}, {"pitch", 2e-3}};
   config["arm"] = {1.2, -0.4, -0.9};
   config["mounting"] = {{"yaw", "35 deg"}, {"roll", "-20 deg"}, {"misalignment", {2e-3, -10.7e-3, 1e-3}}};
