@@ -64,6 +64,62 @@ json everything() { return {{"ionosphere", "klobuchar"}, {"troposphere", "saasta
 
 }  // namespace
 
+namespace {
+
+/// What single_point makes of a scene.
+struct Solution {
+  bool is_there = false;
+  std::vector<double> ecef, ned;
+  Eigen::MatrixXd P, P_ned;
+};
+
+class Collector final : public Emitter {
+ public:
+  explicit Collector(const Transform& transform) {
+    for (const auto& channel : transform.channels()) {
+      fields_.emplace_back(channel.fields.size(), 0.0);
+      covariances_.emplace_back(channel.covariance.size() * channel.covariance.size(), 0.0);
+    }
+    slots_.resize(fields_.size());
+    emitted_.resize(fields_.size());
+  }
+  SampleSlot& slot(int channel) override {
+    const auto c = static_cast<std::size_t>(channel);
+    slots_[c] = SampleSlot{};
+    slots_[c].fields = fields_[c].data();
+    slots_[c].covariance = covariances_[c].data();
+    return slots_[c];
+  }
+  void emit(int channel) override { emitted_[static_cast<std::size_t>(channel)] = true; }
+  Solution solution() const {
+    Solution s;
+    s.is_there = emitted_[0] && emitted_[1];
+    s.ecef = fields_[0];
+    s.ned = fields_[1];
+    s.P = matrix_at(covariances_[0].data(), 8, 8);
+    s.P_ned = matrix_at(covariances_[1].data(), 8, 8);
+    return s;
+  }
+
+ private:
+  std::vector<std::vector<double>> fields_, covariances_;
+  std::vector<SampleSlot> slots_;
+  std::vector<bool> emitted_;
+};
+
+Solution solve(const Scene& scene, const json& parameters) {
+  const auto transform = bind<SinglePoint>({parameters, {}, {}});
+  std::vector<std::byte> memory(transform->memory_bytes());
+  transform->start(0, memory.data());
+  Collector collector(*transform);
+  transform->on(0, scene.auxiliary[0], memory.data(), collector);
+  transform->on(1, scene.auxiliary[1], memory.data(), collector);
+  transform->on(2, scene.sample, memory.data(), collector);
+  return collector.solution();
+}
+
+}  // namespace
+
 TEST_CASE("a pseudorange made in inertial axes is predicted to a tenth of a millimetre") {
   const Scene scene;
   const auto model = bind<Pseudorange>({{}, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
@@ -230,6 +286,57 @@ TEST_CASE("what cannot be measured is refused with a reason") {
   CHECK(reason().find("has come yet") != std::string::npos);
 }
 
+TEST_CASE("wild numbers in any place are refused or give finite rows") {
+  const std::vector<double> wild{0, 1e-300, -1, 1e6, -1e9, 1e16, 1e300, -1e300, std::nan(""), INFINITY};
+  const auto ranges = bind<Pseudorange>({everything(), {{"position", &geodetic}, {"clock", &receiver_clock}}, {}});
+  const auto rates = bind<RangeRateModel>(
+      {everything(), {{"position", &geodetic}, {"velocity", &ned_velocity}, {"clock", &receiver_clock}}, {}});
+  const auto solver = bind<SinglePoint>({everything(), {}, {}});
+  const auto try_all = [&](const Scene& scene, const std::vector<double>& lla, const std::vector<double>& v,
+                           const std::vector<double>& clock, bool is_finite) {
+    Complaints out;
+    for (const Measured& m : {linearize(*ranges, scene.sample, {{&geodetic, lla}, {}, {&receiver_clock, clock}, {}}, {}, out, scene.auxiliary),
+                              linearize(*rates, scene.sample, {{&geodetic, lla}, {}, {&ned_velocity, v}, {}, {&receiver_clock, clock}}, {}, out, scene.auxiliary)}) {
+      if (!m.result || !is_finite) continue;
+      bool all = m.residual.allFinite() && m.R.allFinite();
+      for (const auto& H : m.H) all = all && H.allFinite();
+      CHECK(all);
+    }
+    CHECK(out.empty());
+    std::vector<std::byte> memory(solver->memory_bytes());
+    solver->start(0, memory.data());
+    Collector collector(*solver);
+    for (const int input : {0, 1}) solver->on(input, scene.auxiliary[input], memory.data(), collector);
+    solver->on(2, scene.sample, memory.data(), collector);
+    const Solution s = collector.solution();
+    if (s.is_there) CHECK((vector_at<3>(s.ecef.data()).allFinite() && s.P.allFinite()));
+  };
+  const Scene scene;
+  const std::vector<double> lla = scene.geodetic(), v{1, 2, 3}, clock = scene.clock_state();
+  for (const double number : wild) {
+    const bool is_finite = std::isfinite(number);
+    for (std::size_t i = 0; i < 3; ++i) {
+      auto place = lla, speed = v;
+      place[i] = speed[i] = number;
+      try_all(scene, place, v, clock, is_finite);
+      try_all(scene, lla, speed, clock, is_finite);
+    }
+    try_all(scene, lla, v, {number, number}, is_finite);
+    for (std::size_t field = 0; field < gnss::observation::field_count; ++field) {
+      Scene broken;
+      broken.observations[field] = number;
+      broken.sample.row_fields = broken.observations.data();
+      try_all(broken, lla, v, clock, true);
+    }
+    for (std::size_t field = 0; field < gnss::ephemeris_field_count; ++field) {
+      Scene broken;
+      broken.ephemerides[field] = broken.ephemerides[field + gnss::ephemeris_field_count * 5] = number;
+      broken.auxiliary[0].row_fields = broken.ephemerides.data();
+      try_all(broken, lla, v, clock, true);
+    }
+  }
+}
+
 TEST_CASE("R grows towards the horizon, and with the ionosphere") {
   const Scene scene;
   const PortStates ports{{}, {&ecef_position, scene.ecef()}, {&receiver_clock, scene.clock_state()}, {}};
@@ -316,62 +423,6 @@ TEST_CASE("blocks, and an ECEF antenna as geodetic blocks") {
   REQUIRE(model->evaluate(x, {}, value, nullptr));
   CHECK((vector_at<3>(static_cast<const double*>(value)) - scene.v_n).norm() < 1e-9);
 }
-
-namespace {
-
-/// What single_point makes of a scene.
-struct Solution {
-  bool is_there = false;
-  std::vector<double> ecef, ned;
-  Eigen::MatrixXd P, P_ned;
-};
-
-class Collector final : public Emitter {
- public:
-  explicit Collector(const Transform& transform) {
-    for (const auto& channel : transform.channels()) {
-      fields_.emplace_back(channel.fields.size(), 0.0);
-      covariances_.emplace_back(channel.covariance.size() * channel.covariance.size(), 0.0);
-    }
-    slots_.resize(fields_.size());
-    emitted_.resize(fields_.size());
-  }
-  SampleSlot& slot(int channel) override {
-    const auto c = static_cast<std::size_t>(channel);
-    slots_[c] = SampleSlot{};
-    slots_[c].fields = fields_[c].data();
-    slots_[c].covariance = covariances_[c].data();
-    return slots_[c];
-  }
-  void emit(int channel) override { emitted_[static_cast<std::size_t>(channel)] = true; }
-  Solution solution() const {
-    Solution s;
-    s.is_there = emitted_[0] && emitted_[1];
-    s.ecef = fields_[0];
-    s.ned = fields_[1];
-    s.P = matrix_at(covariances_[0].data(), 8, 8);
-    s.P_ned = matrix_at(covariances_[1].data(), 8, 8);
-    return s;
-  }
-
- private:
-  std::vector<std::vector<double>> fields_, covariances_;
-  std::vector<SampleSlot> slots_;
-  std::vector<bool> emitted_;
-};
-
-Solution solve(const Scene& scene, const json& parameters) {
-  const auto transform = bind<SinglePoint>({parameters, {}, {}});
-  std::vector<std::byte> memory(transform->memory_bytes());
-  transform->start(0, memory.data());
-  Collector collector(*transform);
-  transform->on(0, scene.auxiliary[0], memory.data(), collector);
-  transform->on(1, scene.auxiliary[1], memory.data(), collector);
-  transform->on(2, scene.sample, memory.data(), collector);
-  return collector.solution();
-}
-
-}  // namespace
 
 TEST_CASE("a single-point solution from a cold start finds position, velocity and clock") {
   const Scene scene;
