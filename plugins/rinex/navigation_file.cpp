@@ -2,6 +2,7 @@
 // Broadcast messages of a RINEX navigation file.
 #include "navigation_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -161,7 +162,9 @@ class NavigationReader {
                       std::to_string(record.line + 1 + needed / 4) + ", is none");
     const auto value = [&](Orbit which) { return *record.orbit[which]; };
     const bool is_galileo = gnss::constellation_of(record.satellite) == gnss::Constellation::galileo;
-    const auto bits = [&](Orbit which) { return static_cast<long>(record.orbit[which].value_or(0)); };
+    const auto bits = [&](Orbit which) {
+      return static_cast<long>(std::clamp(record.orbit[which].value_or(0), 0.0, 1e6));
+    };
     // I/NAV alone is for E1: bit 0 (from E1-B) or 2 (from E5b-I); bit 1 is F/NAV.
     if (is_galileo && (bits(data_sources) & 0b101) == 0) return;
 

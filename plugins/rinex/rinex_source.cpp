@@ -31,7 +31,7 @@ ComponentSpec RinexSource::spec() {
           .defaults("\"upload\"")
           .about("which message is used: the latest transmitted, as a receiver has it; the one of nearest reference "
                  "time, which may not have been transmitted yet"),
-      time("max_age").above(0).defaults("\"2 h\"").about("longest time between now and a message's reference time"),
+      time("max_age").above(0).at_most(604800).defaults("\"2 h\"").about("longest time between now and a message's reference time"),
       boolean("unhealthy").defaults("false").about("use satellites whose message says that they are not healthy"),
       integer("week").at_least(0).at_most(9999).defaults("0").about(
           "GPS week at whose begin time is zero; 0: seconds since 1980-01-06"),

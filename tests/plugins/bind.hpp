@@ -14,6 +14,7 @@
 #include "binnacle/binding.hpp"
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
+#include "binnacle/unit.hpp"
 
 namespace binnacle::test {
 
@@ -37,6 +38,11 @@ inline int dof_of(const Setup& setup, const std::string& port) {
   return found == setup.ports.end() ? 0 : found->second->declaration().dof();
 }
 
+/// Defaults are written as a config writes them: "10 deg".
+inline double quantity(const Json& json) {
+  return json.is_string() ? parse_quantity(json.get<std::string>())->value : json.get<double>();
+}
+
 inline std::vector<double> numbers(const Json& json, int size) {
   if (!json.is_number()) return json.get<std::vector<double>>();
   if (size < 0) throw std::logic_error("one number for a vector whose size nobody knows: the kernel wants a list");
@@ -50,9 +56,9 @@ inline ParameterValue value(const ParameterSpec& spec, const Json& json, const S
   ParameterValue v;
   const int size = spec.size_of_port.empty() ? spec.size : dof_of(setup, spec.size_of_port);
   switch (spec.type) {
-    case ParameterType::number: v.type = Type::number, v.number = json.get<double>(); break;
+    case ParameterType::number: v.type = Type::number, v.number = quantity(json); break;
     case ParameterType::integer: v.type = Type::integer, v.integer = json.get<std::int64_t>(); break;
-    case ParameterType::time: v.type = Type::integer, v.integer = nanoseconds(json.get<double>()); break;
+    case ParameterType::time: v.type = Type::integer, v.integer = nanoseconds(quantity(json)); break;
     case ParameterType::boolean: v.type = Type::boolean, v.boolean = json.get<bool>(); break;
     case ParameterType::text:
     case ParameterType::choice:

@@ -437,10 +437,11 @@ struct Measured {
   Eigen::VectorXd residual;
   std::vector<Eigen::MatrixXd> H;  // per entry of `reads`
   Eigen::MatrixXd R;
+  std::vector<std::int64_t> keys;  // of the rows
 };
 
 inline Measured linearize(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
-                          const Context& context, Complaints& out) {
+                          const Context& context, Complaints& out, const SampleView* auxiliary = nullptr) {
   const MeasurementDeclaration& declared = model.declaration();
   const int rows = declared.max_rows;
   std::vector<detail::Guarded> H;
@@ -454,12 +455,13 @@ inline Measured linearize(const MeasurementModel& model, const SampleView& sampl
   model.start(memory.data());
   Linearization at{0, residual.data(), views.data(), {R.data(), rows, rows, rows}, keys.data()};
   Measured m;
-  m.result = model.linearize(sample, nullptr, detail::pointers(ports).data(), context, memory.data(), at);
+  m.result = model.linearize(sample, auxiliary, detail::pointers(ports).data(), context, memory.data(), at);
   if (!m.result) return m;
   if (at.rows < 1 || at.rows > rows) out.add("rows: ", at.rows, " of at most ", rows);
   m.residual = vector_at(residual.data(), at.rows);
   for (std::size_t i = 0; i < H.size(); ++i) m.H.push_back(views[i].as().topRows(at.rows));
   m.R = at.R.as().topLeftCorner(at.rows, at.rows);
+  m.keys.assign(keys.begin(), keys.begin() + at.rows);
   const auto intact = [](const detail::Guarded& block) { return block.is_intact(); };
   if (!residual.is_intact() || !R.is_intact() || !std::all_of(H.begin(), H.end(), intact))
     out.add("written beyond the end of a block");
@@ -469,9 +471,9 @@ inline Measured linearize(const MeasurementModel& model, const SampleView& sampl
 /// H, that of ports which are not read included, against −∂r/∂δ; R symmetric and positive.
 inline Complaints check_measurement(const MeasurementModel& model, const ComponentSpec& spec, const SampleView& sample,
                                     const PortStates& ports, const Context& context, const Tolerance& tolerance,
-                                    double resolution = 1e-12) {
+                                    double resolution = 1e-12, const SampleView* auxiliary = nullptr) {
   Complaints out;
-  const Measured nominal = linearize(model, sample, ports, context, out);
+  const Measured nominal = linearize(model, sample, ports, context, out, auxiliary);
   if (!nominal.result) {
     out.add("refused: ", nominal.result.reason);
     return out;
@@ -482,7 +484,7 @@ inline Complaints check_measurement(const MeasurementModel& model, const Compone
   for (std::size_t port = 0; port < ports.size(); ++port) {
     if (!ports[port].block) continue;
     const auto predicted = [&](const PortStates& at) -> Eigen::VectorXd {
-      return -linearize(model, sample, at, context, out).residual;
+      return -linearize(model, sample, at, context, out, auxiliary).residual;
     };
     const auto found = std::find(reads.begin(), reads.end(), static_cast<int>(port));
     const bool is_read = found != reads.end();

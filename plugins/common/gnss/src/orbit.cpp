@@ -100,7 +100,8 @@ bool is_usable(const Ephemeris& e) {
   return e.satellite != 0 && std::isfinite(sum) && std::abs(e.toe) < longest && std::abs(e.toc) < longest &&
          e.semi_major_axis > 1e7 && e.semi_major_axis < 1e8 && e.eccentricity >= 0 && e.eccentricity < 0.5 &&
          std::abs(e.delta_n) < 1e-6 && std::abs(e.omega_dot) < 1e-6 && std::abs(e.i_dot) < 1e-6 &&
-         std::abs(e.af0) < 1 && std::abs(e.af1) < 1e-6 && std::abs(e.af2) < 1e-9 && std::abs(e.crc) < 1e6 &&
+         std::abs(e.af0) < 1 && std::abs(e.af1) < 1e-6 && std::abs(e.af2) < 1e-9 && std::abs(e.group_delay) < 1e-3 &&
+         e.accuracy >= 0 && e.accuracy < 1e6 && std::abs(e.crc) < 1e6 &&
          std::abs(e.crs) < 1e6 && std::abs(e.cuc) < 1 && std::abs(e.cus) < 1 && std::abs(e.cic) < 1 &&
          std::abs(e.cis) < 1;
 }
