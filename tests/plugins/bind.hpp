@@ -27,6 +27,7 @@ struct Setup {
   Ports ports;
   std::vector<std::string> without;
   int samples_per_step = 1;
+  std::vector<NamedUnit> covariance = {};  // of the channel
 };
 
 namespace detail {
@@ -125,8 +126,12 @@ inline std::vector<PortBinding> port_bindings(const ComponentSpec& spec, const S
 
 inline std::vector<bool> fields_bound(const ComponentSpec& spec, const Setup& setup) {
   std::vector<bool> bound;
-  for (const FieldSpec& field : spec.fields)
-    bound.push_back(std::find(setup.without.begin(), setup.without.end(), field.name) == setup.without.end());
+  const auto add = [&](const std::vector<FieldSpec>& fields) {
+    for (const FieldSpec& field : fields)
+      bound.push_back(std::find(setup.without.begin(), setup.without.end(), field.name) == setup.without.end());
+  };
+  add(spec.fields);
+  for (const ChannelPort& input : spec.inputs) add(input.fields);
   return bound;
 }
 
@@ -138,7 +143,7 @@ std::unique_ptr<Component> bind(const Setup& setup = {}) {
   const ComponentSpec spec = Component::spec();
   const ParameterValue parameters = detail::object_value(spec.parameters, setup.parameters, setup);
   const Binding binding("under_test", Parameters(parameters), detail::port_bindings(spec, setup),
-                        detail::fields_bound(spec, setup), setup.samples_per_step);
+                        detail::fields_bound(spec, setup), setup.samples_per_step, {setup.covariance});
   return std::make_unique<Component>(binding);
 }
 

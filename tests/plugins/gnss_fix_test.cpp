@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin gnss_fix: residuals, Jacobians, the receiver's own standard deviations.
 #include "../../plugins/gnss_fix/position_fix.hpp"
+#include "../../plugins/gnss_fix/pv_fix.hpp"
 #include "../../plugins/gnss_fix/velocity_fix.hpp"
 
 #include "bind.hpp"
 #include "catch.hpp"
 #include "kind_blocks.hpp"
 #include "model_check.hpp"
+#include "strapdown/earth.hpp"
 
 using namespace binnacle;
 using namespace binnacle::gnss_fix;
