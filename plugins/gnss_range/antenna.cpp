@@ -40,7 +40,8 @@ std::vector<PortSpec> position_ports() {
 }
 
 std::vector<PortSpec> velocity_ports() {
-  return {may_read("velocity", "velocity.ned", "of the antenna: a velocity block, a lever_arm_velocity; this or ecef_velocity"),
+  return {may_read("velocity", "velocity.ned",
+                   "of the antenna: a velocity block, a lever_arm_velocity; this or ecef_velocity"),
           may_read("ecef_velocity", "velocity.ecef", "of the antenna in ECEF axes; this or velocity")};
 }
 

@@ -11,12 +11,18 @@ ComponentSpec ClockProcess::spec() {
   spec.type = "clock_drift";
   spec.summary = "A receiver's clock: its drift is a random walk, its bias the integral of it and of white noise.";
   spec.source = "paper 003, equation (4); Brown and Hwang, Introduction to Random Signals, 3rd ed., section 11.2";
-  spec.parameters = {
-      parameter::number("S_f", "m^2/s").at_least(0).required().about("density of the white noise of frequency, times c^2"),
-      parameter::number("S_g", "m^2/s^3").at_least(0).required().about("density of the random walk of frequency, times c^2")};
+  spec.parameters = {parameter::number("S_f", "m^2/s")
+                         .at_least(0)
+                         .required()
+                         .about("density of the white noise of frequency, times c^2"),
+                     parameter::number("S_g", "m^2/s^3")
+                         .at_least(0)
+                         .required()
+                         .about("density of the random walk of frequency, times c^2")};
   spec.ports = {advances("clock", "receiver_clock", "bias and drift")};
   spec.example = R"json({"blocks": {"clock": "clock"}, "S_f": "0.009 m^2/s", "S_g": "0.0355 m^2/s^3"})json";
-  spec.surroundings = R"json({"blocks": {"clock": {"type": "gnss_range/receiver_clock", "init": {"bias": 0, "drift": 0}, "sigma": ["1 m", "0.1 m/s"]}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"clock": {"type": "gnss_range/receiver_clock", "init": {"bias": 0, "drift": 0}, "sigma": ["1 m", "0.1 m/s"]}}})json";
   return spec;
 }
 

@@ -9,7 +9,8 @@ namespace binnacle::gnss_range {
 ComponentSpec EcefPv::spec() {
   ComponentSpec spec;
   spec.type = "ecef_pv";
-  spec.summary = "Position and velocity in ECEF axes, driven by a white acceleration: a receiver without inertial sensors.";
+  spec.summary =
+      "Position and velocity in ECEF axes, driven by a white acceleration: a receiver without inertial sensors.";
   spec.source = "paper 003, section 4.2";
   spec.parameters = {
       parameter::number("S_a", "m^2/s^3")

@@ -13,7 +13,8 @@ ComponentSpec Pseudorange::spec() {
   describe_range_model(spec);
   spec.ports = position_ports();
   spec.ports.push_back(reads("clock", "receiver_clock", "of the receiver"));
-  spec.ports.push_back(may_read("galileo_bias", "vector:1:m", "what Galileo's pseudoranges have more than those of GPS"));
+  spec.ports.push_back(
+      may_read("galileo_bias", "vector:1:m", "what Galileo's pseudoranges have more than those of GPS"));
   spec.fields = gnss::observation_fields(true);
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "blocks": {"position": "antenna", "clock": "clock"}, "sigma": "0.5 m", "sigma_elevation": "0.5 m",

@@ -19,7 +19,10 @@ class RangeModel : public MeasurementModel {
   using Sightings = std::array<gnss::Sighting, gnss::most_rows>;
 
   explicit RangeModel(const Binding& binding)
-      : corrections_(binding), limit_(binding.parameters()), antenna_(binding), clock_port_(binding.port_index("clock")) {
+      : corrections_(binding),
+        limit_(binding.parameters()),
+        antenna_(binding),
+        clock_port_(binding.port_index("clock")) {
     declaration_.max_rows = limit_.most();
   }
 
@@ -27,14 +30,15 @@ class RangeModel : public MeasurementModel {
   static constexpr int klobuchar_input = 1;
 
   /// Satellites to be used; both models choose the same ones of an epoch.
-  Result sight(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-               gnss::AntennaPlace& place, Sightings& sightings, int& count) const {
+  Result sight(const SampleView& sample, const SampleView* auxiliary, const double* const* x, gnss::AntennaPlace& place,
+               Sightings& sightings, int& count) const {
     if (!auxiliary[ephemeris_input].available) return Result::unsupported("no broadcast ephemeris has come yet");
     if (corrections_.wants_klobuchar() && !auxiliary[klobuchar_input].available)
       return Result::unsupported("no ionosphere coefficients have come yet, or no channel is on input 'iono'");
     if (const Result result = antenna_.read(x, place); !result) return result;
-    const gnss::Corrections::Tally tally = corrections_.sight(
-        {sample.t, &sample, &auxiliary[ephemeris_input], &auxiliary[klobuchar_input]}, place, true, sightings);
+    const gnss::Corrections::Tally tally =
+        corrections_.sight({sample.t, &sample, &auxiliary[ephemeris_input], &auxiliary[klobuchar_input]}, place, true,
+                           sightings);
     count = gnss::Corrections::keep_highest(sightings, tally.used, limit_.at(sample.t));
     if (count > 0) return Result::ok();
     if (tally.used > 0) return Result::unsupported("a cut leaves no satellite");

@@ -42,8 +42,8 @@ Result RangeRateModel::linearize(const SampleView& sample, const SampleView* aux
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
     const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());
     out.residual[rows] = s.range_rate - (predicted.rate + x[clock_port_][1] + s.rate_delay);
-    out.H[0].as<Eigen::Dynamic, 3>().row(rows) = antenna_.by_error(
-        place, predicted.by_position + velocity_.by_position(x, place, predicted.by_velocity));
+    out.H[0].as<Eigen::Dynamic, 3>().row(rows) =
+        antenna_.by_error(place, predicted.by_position + velocity_.by_position(x, place, predicted.by_velocity));
     out.H[1].as<Eigen::Dynamic, 3>().row(rows) = velocity_.by_error(place, predicted.by_velocity);
     out.H[2](rows, 1) = 1;
     out.R(rows, rows) = noise_.variance(s);

@@ -27,8 +27,8 @@ SatelliteLimit::SatelliteLimit(const Parameters& parameters)
   const auto& list = parameters.list("cuts");
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Parameters cut(list[i]);
-    cuts_.push_back({cut.time("from"), cut.time("to"),
-                     static_cast<int>(std::min<std::int64_t>(cut.integer("satellites"), most_))});
+    cuts_.push_back(
+        {cut.time("from"), cut.time("to"), static_cast<int>(std::min<std::int64_t>(cut.integer("satellites"), most_))});
     if (cuts_.back().from > cuts_.back().to)
       throw ComponentError("a cut ends after it begins", "/cuts/" + std::to_string(i));
   }

@@ -25,15 +25,13 @@ using Normal = Eigen::Matrix<double, unknowns, unknowns>;
 using Unknowns = Eigen::Matrix<double, unknowns, 1>;
 using Covariance = Eigen::Matrix<double, 8, 8>;
 constexpr int most_iterations = 20;
-constexpr double converged = 1e-4;     // m
-constexpr double rough = 1e3;          // m: a place this good has elevations
+constexpr double converged = 1e-4;               // m
+constexpr double rough = 1e3;                    // m: a place this good has elevations
 constexpr double lowest = 6.0e6, highest = 1e8;  // m from the earth's centre
 
 double squared(double x) { return x * x; }
 
-bool is_galileo(const gnss::Sighting& s) {
-  return gnss::constellation_of(s.satellite) == gnss::Constellation::galileo;
-}
+bool is_galileo(const gnss::Sighting& s) { return gnss::constellation_of(s.satellite) == gnss::Constellation::galileo; }
 
 }  // namespace
 
@@ -74,9 +72,12 @@ ComponentSpec SinglePoint::spec() {
   spec.inputs = {gnss::ephemeris_port(),
                  gnss::klobuchar_port(),
                  {"obs", gnss::observation_fields(true), false, "pseudoranges, and range rates where there are any"}};
-  spec.parameters = {
-      object("pseudorange", gnss::ElevationNoise::parameters("m", true, "\"5 m\"")).defaults("{}").about("noise of pseudoranges"),
-      object("range_rate", gnss::ElevationNoise::parameters("m/s", false, "\"0.1 m/s\"")).defaults("{}").about("noise of range rates")};
+  spec.parameters = {object("pseudorange", gnss::ElevationNoise::parameters("m", true, "\"5 m\""))
+                         .defaults("{}")
+                         .about("noise of pseudoranges"),
+                     object("range_rate", gnss::ElevationNoise::parameters("m/s", false, "\"0.1 m/s\""))
+                         .defaults("{}")
+                         .about("noise of range rates")};
   for (auto& parameter : gnss::Corrections::parameters()) spec.parameters.push_back(std::move(parameter));
   for (auto& parameter : SatelliteLimit::parameters()) spec.parameters.push_back(std::move(parameter));
   spec.parameters.push_back(number("exclude_beyond", "1")
@@ -85,12 +86,16 @@ ComponentSpec SinglePoint::spec() {
                                 .about("a satellite whose normalized residual is larger is left out, the worst first, "
                                        "while there are more satellites than unknowns"));
   spec.parameters.push_back(number("max_gdop", "1").above(0).defaults("30").about("no solution above it"));
-  spec.parameters.push_back(number("unknown_speed", "m/s")
-                                .above(0)
-                                .defaults("100")
-                                .about("standard deviation of the velocity, given as zero, where no range rates tell it"));
-  spec.parameters.push_back(number("unknown_drift", "m/s").above(0).defaults("1000").about(
-      "standard deviation of the clock's drift, given as zero, where no range rates tell it"));
+  spec.parameters.push_back(
+      number("unknown_speed", "m/s")
+          .above(0)
+          .defaults("100")
+          .about("standard deviation of the velocity, given as zero, where no range rates tell it"));
+  spec.parameters.push_back(
+      number("unknown_drift", "m/s")
+          .above(0)
+          .defaults("1000")
+          .about("standard deviation of the clock's drift, given as zero, where no range rates tell it"));
   spec.example = R"json({"inputs": {"obs": "gnss.obs", "ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";
   return spec;
@@ -291,8 +296,7 @@ void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePo
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;
-    const gnss::RangeRate at_rest =
-        gnss::range_rate(s.path, s.velocity, Vector3d::Zero(), corrections_.has_rotation());
+    const gnss::RangeRate at_rest = gnss::range_rate(s.path, s.velocity, Vector3d::Zero(), corrections_.has_rotation());
     Eigen::Vector4d a;
     a << at_rest.by_velocity.transpose(), 1;
     const double weight = 1 / rate_noise_.variance(s);

@@ -13,13 +13,14 @@ inline FieldSpec level(const char* name, const char* unit, const char* text) {
 }
 
 inline std::vector<FieldSpec> ecef_fields() {
-  return {level("x", "m", "ECEF position"),   level("y", "m", "ECEF position"),   level("z", "m", "ECEF position"),
-          level("vx", "m/s", "ECEF velocity"), level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
+  return {level("x", "m", "ECEF position"),    level("y", "m", "ECEF position"),
+          level("z", "m", "ECEF position"),    level("vx", "m/s", "ECEF velocity"),
+          level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
 }
 
 inline std::vector<FieldSpec> geodetic_fields() {
-  return {level("lat", "rad", "geodetic latitude"), level("lon", "rad", "longitude, east positive"),
-          level("height", "m", "above the ellipsoid"), level("vn", "m/s", "velocity over ground, north"),
+  return {level("lat", "rad", "geodetic latitude"),         level("lon", "rad", "longitude, east positive"),
+          level("height", "m", "above the ellipsoid"),      level("vn", "m/s", "velocity over ground, north"),
           level("ve", "m/s", "velocity over ground, east"), level("vd", "m/s", "velocity over ground, down")};
 }
 

@@ -21,8 +21,9 @@ Version read_version(text_file::LineReader& reader, const std::string& path, Fil
                                   path, 1, "B062");
   const bool is_observation = type == FileType::observation;
   if (columns(line, 20, 1) != (is_observation ? "O" : "N"))
-    throw ComponentError::in_data(std::string("is no file of ") + (is_observation ? "observations" : "GPS navigation messages") +
-                                      " but of type '" + std::string(columns(line, 20, 1)) + "'",
+    throw ComponentError::in_data(std::string("is no file of ") +
+                                      (is_observation ? "observations" : "GPS navigation messages") + " but of type '" +
+                                      std::string(columns(line, 20, 1)) + "'",
                                   path, 1, "B062");
   return {*version};
 }

@@ -21,13 +21,32 @@ constexpr std::size_t number_width = 19;
 
 /// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6 and A8.
 enum Orbit {
-  iode, crs, delta_n, m0,
-  cuc, eccentricity, cus, sqrt_a,
-  toe, cic, omega0, cis,
-  i0, crc, perigee, omega_dot,
-  i_dot, data_sources, week, l2p,
-  accuracy, health, group_delay, group_delay_2,
-  transmission, orbit_numbers
+  iode,
+  crs,
+  delta_n,
+  m0,
+  cuc,
+  eccentricity,
+  cus,
+  sqrt_a,
+  toe,
+  cic,
+  omega0,
+  cis,
+  i0,
+  crc,
+  perigee,
+  omega_dot,
+  i_dot,
+  data_sources,
+  week,
+  l2p,
+  accuracy,
+  health,
+  group_delay,
+  group_delay_2,
+  transmission,
+  orbit_numbers
 };
 
 struct Record {
@@ -107,7 +126,8 @@ class NavigationReader {
       const std::string first(line);
       const int first_line = reader.line();
       if (!begins_record(first)) {
-        faults_.add("B062", first_line, "line", "a message begins with its satellite; '" + first.substr(0, 20) + "' does not");
+        faults_.add("B062", first_line, "line",
+                    "a message begins with its satellite; '" + first.substr(0, 20) + "' does not");
         while ((has_line = reader.next(line)) && !begins_record(line)) {
         }
         continue;
@@ -155,8 +175,8 @@ class NavigationReader {
     const auto refuse = [&](const std::string& why) { faults_.add("B062", record.line, "message", name + ": " + why); };
     for (const auto& value : record.clock)
       if (!value) return refuse("a coefficient of the clock is no number");
-    for (const Orbit needed : {iode, crs, delta_n, m0, cuc, eccentricity, cus, sqrt_a, toe, cic, omega0, cis, i0, crc,
-                               perigee, omega_dot, i_dot, week, health, group_delay})
+    for (const Orbit needed : {iode,   crs, delta_n, m0,  cuc,     eccentricity, cus,   sqrt_a, toe,    cic,
+                               omega0, cis, i0,      crc, perigee, omega_dot,    i_dot, week,   health, group_delay})
       if (!record.orbit[needed])
         return refuse("number " + std::to_string(needed + 1) + " of the orbit, in line " +
                       std::to_string(record.line + 1 + needed / 4) + ", is none");

@@ -195,7 +195,8 @@ class ObservationReader {
     epoch.t = *t;
     epoch.line = head_line;
     epoch.event = *flag == 1 ? 1 : 0;
-    if (const auto offset = number(is_old() ? columns(head, 68, 12) : columns(head, 41, 15))) epoch.clock_offset = *offset;
+    if (const auto offset = number(is_old() ? columns(head, 68, 12) : columns(head, 41, 15)))
+      epoch.clock_offset = *offset;
     const bool is_complete = is_old() ? take_old_rows(head, *count, epoch) : take_new_rows(*count, epoch);
     if (!is_complete) return false;
     if (*flag != 6) epochs_.push_back(std::move(epoch));  // 6: cycle slips, in the form of observations

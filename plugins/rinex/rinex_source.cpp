@@ -22,16 +22,16 @@ ComponentSpec RinexSource::spec() {
   spec.parameters = {
       path("observations").about("file of observations; without it only messages are emitted"),
       path("navigation").about("file of broadcast messages"),
-      object("signals",
-             {text("gps").defaults("\"1C\"").about("GPS: L1 C/A is 1C; \"\": none"),
-              text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none")})
+      object("signals", {text("gps").defaults("\"1C\"").about("GPS: L1 C/A is 1C; \"\": none"),
+                         text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none")})
           .defaults("{}")
           .about("the signal that is taken of each constellation, by the code of its observations"),
       choice("choose", {"upload", "nearest_toe"})
           .defaults("\"upload\"")
           .about("which message is used: the latest transmitted, as a receiver has it; the one of nearest reference "
                  "time, which may not have been transmitted yet"),
-      time("max_age").above(0).at_most(604800).defaults("\"2 h\"").about("longest time between now and a message's reference time"),
+      time("max_age").above(0).at_most(604800).defaults("\"2 h\"").about(
+          "longest time between now and a message's reference time"),
       boolean("unhealthy").defaults("false").about("use satellites whose message says that they are not healthy"),
       integer("week").at_least(0).at_most(9999).defaults("0").about(
           "GPS week at whose begin time is zero; 0: seconds since 1980-01-06"),
@@ -40,7 +40,8 @@ ComponentSpec RinexSource::spec() {
           .defaults("\"skip\"")
           .about("skip: leave out what cannot be read and report it; error: stop at the first"),
   };
-  spec.example = R"json({"observations": "site.obs", "navigation": "site.nav", "week": 1316, "choose": "nearest_toe"})json";
+  spec.example =
+      R"json({"observations": "site.obs", "navigation": "site.nav", "week": 1316, "choose": "nearest_toe"})json";
   spec.surroundings = R"json({"files": {
 "site.obs": "     2.10           OBSERVATION DATA    G (GPS)             RINEX VERSION / TYPE\n     1    C1                                                # / TYPES OF OBSERV \n                                                            END OF HEADER       \n 05  4  2  0  0  0.0000000  0  1G 1\n  25666732.384\n 05  4  2  0  0 30.0000000  0  1G 1\n  25666733.384\n",
 "site.nav": "     2.10           N: GPS NAV DATA                         RINEX VERSION / TYPE\n    1.1180D-08  1.4900D-08 -5.9600D-08 -5.9600D-08          ION ALPHA           \n    8.8060D+04  1.6380D+04 -1.9660D+05 -1.3110D+05          ION BETA            \n                                                            END OF HEADER       \n 1 05  4  2  2  0  0.0 3.966595977540D-04 1.705302565820D-12 0.000000000000D+00\n    1.400000000000D+02-5.218750000000D+01 4.026596389650D-09 2.871534990340D+00\n   -2.676621079440D-06 5.957618006510D-03 4.174187779430D-06 5.153636478420D+03\n    5.256000000000D+05 1.061707735060D-07-2.493184817740D+00-9.313225746150D-08\n    9.833919144490D-01 3.093750000000D+02-1.650496813270D+00-7.889971342930D-09\n   -8.571785642400D-12 1.000000000000D+00 1.316000000000D+03 0.000000000000D+00\n    2.000000000000D+00 0.000000000000D+00-3.259629011150D-09 1.400000000000D+02\n    5.184000000000D+05 4.000000000000D+00 0.000000000000D+00 0.000000000000D+00\n"}})json";
@@ -85,7 +86,8 @@ RinexSource::RinexSource(const Binding& binding)
   obs.name = "obs";
   obs.fields = gnss::observation_fields(false);
   obs.fields.push_back({"event", "1", FieldKind::level, false, false, "1: power failure since the epoch before"});
-  obs.fields.push_back({"clock_offset", "s", FieldKind::level, false, false, "of the receiver, as the file tells it; NaN: it does not"});
+  obs.fields.push_back(
+      {"clock_offset", "s", FieldKind::level, false, false, "of the receiver, as the file tells it; NaN: it does not"});
   obs.fields.push_back({"clock_jump", "m", FieldKind::level, false, false,
                         "the receiver's clock was set by it since the epoch before; found from code and phase"});
   obs.max_rows = rows;
@@ -107,7 +109,8 @@ void RinexSource::open(Reporter& reporter) {
   if (!navigation_path_.empty()) {
     navigation_ = read_navigation(navigation_path_, origin_week_, of_navigation);
     std::erase_if(navigation_.messages, [this](const Message& m) { return !takes(m.ephemeris.satellite); });
-    if (navigation_.messages.empty()) of_navigation.note("B066", 0, "holds no broadcast message of the signals asked for");
+    if (navigation_.messages.empty())
+      of_navigation.note("B066", 0, "holds no broadcast message of the signals asked for");
   }
   if (!observation_path_.empty()) {
     epochs_ = read_observations(observation_path_, origin_week_, signals_, of_observations);

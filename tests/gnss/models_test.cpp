@@ -31,9 +31,9 @@ struct Scene {
   Vector3d r0 = strapdown::ecef_from_lla(home);
   Vector3d v_n{30, -20, 4};
   Vector3d v_e = strapdown::C_en(home[0], home[1]) * v_n;
-  double bias = 0.0021;     // s
-  double drift = 1.1e-7;    // s/s
-  double label = 9000.25;   // s
+  double bias = 0.0021;    // s
+  double drift = 1.1e-7;   // s/s
+  double label = 9000.25;  // s
   std::vector<double> observations, ephemerides, coefficients{1.1e-8, 7e-9, -6e-8, -6e-8, 9e4, 1.6e4, -1.9e5, -6e4};
   SampleView sample, auxiliary[2];
 
@@ -138,7 +138,10 @@ TEST_CASE("a range rate by differences of pseudoranges is predicted to a millime
   const Scene scene;
   const auto model = bind<RangeRateModel>(
       {{}, {{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}, {"clock", &receiver_clock}}, {}});
-  const PortStates ports{{}, {&ecef_position, scene.ecef()}, {}, {&ecef_velocity, scene.ecef_velocity()},
+  const PortStates ports{{},
+                         {&ecef_position, scene.ecef()},
+                         {},
+                         {&ecef_velocity, scene.ecef_velocity()},
                          {&receiver_clock, scene.clock_state()}};
   Complaints out;
   const Measured m = linearize(*model, scene.sample, ports, {}, out, scene.auxiliary);
@@ -151,7 +154,8 @@ TEST_CASE("each correction is worth what it should be") {
   const PortStates ports{{}, {&ecef_position, scene.ecef()}, {&receiver_clock, scene.clock_state()}, {}};
   const auto residuals = [&](json parameters) {
     parameters["elevation_mask"] = 0.0;
-    const auto model = bind<Pseudorange>({parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
+    const auto model =
+        bind<Pseudorange>({parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
     Complaints out;
     return linearize(*model, scene.sample, ports, {}, out, scene.auxiliary).residual;
   };
@@ -171,8 +175,8 @@ TEST_CASE("each correction is worth what it should be") {
     // The satellite moves while its clock is not corrected for: up to 1 km/s times 1e-4 s.
     CHECK(std::abs(without_clock[row] - all[row] + gnss::speed_of_light * state.clock) < 0.2);
     CHECK(std::abs(without_delay[row] - all[row] - gnss::speed_of_light * e.group_delay) < 1e-6);
-    const double sagnac = gnss::omega_e / gnss::speed_of_light *
-                          (state.position.x() * scene.r0.y() - state.position.y() * scene.r0.x());
+    const double sagnac =
+        gnss::omega_e / gnss::speed_of_light * (state.position.x() * scene.r0.y() - state.position.y() * scene.r0.x());
     CHECK(std::abs(without_turn[row] - all[row] - sagnac) < 0.02);
     const double iono = gnss::klobuchar_delay(gnss::read_klobuchar(scene.coefficients.data()), home[0], home[1],
                                               direction.azimuth, direction.elevation, scene.label);
@@ -189,13 +193,13 @@ TEST_CASE("H of pseudoranges against differences, in either kind of position") {
   const std::vector<double> clock{scene.clock_state()[0] + 500, 3};
   const auto check = [&](const Ports& bound, const PortStates& ports) {
     const auto bare = bind<Pseudorange>({json::object(), bound, {}});
-    REQUIRE_NO_COMPLAINTS(check_measurement(*bare, Pseudorange::spec(), scene.sample, ports, {}, {1e-8}, 1e-8,
-                                            scene.auxiliary));
+    REQUIRE_NO_COMPLAINTS(
+        check_measurement(*bare, Pseudorange::spec(), scene.sample, ports, {}, {1e-8}, 1e-8, scene.auxiliary));
     // The atmosphere changes with the place by some 1e-6: all of it is left out of H but the troposphere's by height,
     // which is 1e-3 at the mask and would show.
     const auto model = bind<Pseudorange>({everything(), bound, {}});
-    REQUIRE_NO_COMPLAINTS(check_measurement(*model, Pseudorange::spec(), scene.sample, ports, {}, {1e-5}, 1e-8,
-                                            scene.auxiliary));
+    REQUIRE_NO_COMPLAINTS(
+        check_measurement(*model, Pseudorange::spec(), scene.sample, ports, {}, {1e-5}, 1e-8, scene.auxiliary));
   };
   std::vector<double> x = scene.ecef();
   x[0] += 300, x[1] -= 200;
@@ -209,27 +213,38 @@ TEST_CASE("H of range rates against differences, in either kind of axes") {
   const Scene scene;
   const auto check = [&](const Ports& bound, const PortStates& ports) {
     const auto model = bind<RangeRateModel>({{{"elevation_mask", 0.1}}, bound, {}});
-    REQUIRE_NO_COMPLAINTS(check_measurement(*model, RangeRateModel::spec(), scene.sample, ports, {}, {2e-5}, 1e-11,
-                                            scene.auxiliary));
+    REQUIRE_NO_COMPLAINTS(
+        check_measurement(*model, RangeRateModel::spec(), scene.sample, ports, {}, {2e-5}, 1e-11, scene.auxiliary));
   };
   const std::vector<double> clock{0, 30};
-  check({{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}, {"clock", &receiver_clock}},
-        {{}, {&ecef_position, scene.ecef(), 100}, {}, {&ecef_velocity, {200, -100, 50}, 1}, {&receiver_clock, clock, 1}});
+  check(
+      {{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}, {"clock", &receiver_clock}},
+      {{}, {&ecef_position, scene.ecef(), 100}, {}, {&ecef_velocity, {200, -100, 50}, 1}, {&receiver_clock, clock, 1}});
   check({{"position", &geodetic}, {"velocity", &ned_velocity}, {"clock", &receiver_clock}},
-        {{&geodetic, scene.geodetic(), 100, 1e-8}, {}, {&ned_velocity, {200, -100, 50}, 1}, {}, {&receiver_clock, clock, 1}});
+        {{&geodetic, scene.geodetic(), 100, 1e-8},
+         {},
+         {&ned_velocity, {200, -100, 50}, 1},
+         {},
+         {&receiver_clock, clock, 1}});
 }
 
 TEST_CASE("masks, exclusion and cuts choose the satellites, and both models the same") {
   Scene scene;
   const PortStates ports{{}, {&ecef_position, scene.ecef()}, {&receiver_clock, scene.clock_state()}, {}};
-  const PortStates rate_ports{{}, {&ecef_position, scene.ecef()}, {}, {&ecef_velocity, scene.ecef_velocity()},
+  const PortStates rate_ports{{},
+                              {&ecef_position, scene.ecef()},
+                              {},
+                              {&ecef_velocity, scene.ecef_velocity()},
                               {&receiver_clock, scene.clock_state()}};
   const auto keys = [&](const json& parameters) {
-    const auto model = bind<Pseudorange>({parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
+    const auto model =
+        bind<Pseudorange>({parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
     Complaints out;
     const Measured m = linearize(*model, scene.sample, ports, {}, out, scene.auxiliary);
     const auto rates = bind<RangeRateModel>(
-        {parameters, {{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}, {"clock", &receiver_clock}}, {}});
+        {parameters,
+         {{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}, {"clock", &receiver_clock}},
+         {}});
     REQUIRE(linearize(*rates, scene.sample, rate_ports, {}, out, scene.auxiliary).keys == m.keys);
     return m.keys;
   };
@@ -262,14 +277,16 @@ TEST_CASE("masks, exclusion and cuts choose the satellites, and both models the 
   scene.observations[gnss::observation::cn0] = 20;
   scene.sample.row_fields = scene.observations.data();
   CHECK(keys({{"cn0_mask", 30}, {"elevation_mask", 0.0}}).size() == by_elevation.size() - 1);
-  REQUIRE_THROWS_AS(bind<Pseudorange>({{{"exclude", {"R01"}}}, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}}),
+  REQUIRE_THROWS_AS(bind<Pseudorange>(
+                        {{{"exclude", {"R01"}}}, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}}),
                     ComponentError);
   REQUIRE_THROWS_AS(bind<Pseudorange>({{}, {{"clock", &receiver_clock}}, {}}), ComponentError);
 }
 
 TEST_CASE("what cannot be measured is refused with a reason") {
   Scene scene;
-  const auto model = bind<Pseudorange>({everything(), {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
+  const auto model =
+      bind<Pseudorange>({everything(), {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
   const PortStates ports{{}, {&ecef_position, scene.ecef()}, {&receiver_clock, scene.clock_state()}, {}};
   const auto reason = [&] {
     Complaints out;
@@ -295,8 +312,11 @@ TEST_CASE("wild numbers in any place are refused or give finite rows") {
   const auto try_all = [&](const Scene& scene, const std::vector<double>& lla, const std::vector<double>& v,
                            const std::vector<double>& clock, bool is_finite) {
     Complaints out;
-    for (const Measured& m : {linearize(*ranges, scene.sample, {{&geodetic, lla}, {}, {&receiver_clock, clock}, {}}, {}, out, scene.auxiliary),
-                              linearize(*rates, scene.sample, {{&geodetic, lla}, {}, {&ned_velocity, v}, {}, {&receiver_clock, clock}}, {}, out, scene.auxiliary)}) {
+    for (const Measured& m :
+         {linearize(*ranges, scene.sample, {{&geodetic, lla}, {}, {&receiver_clock, clock}, {}}, {}, out,
+                    scene.auxiliary),
+          linearize(*rates, scene.sample, {{&geodetic, lla}, {}, {&ned_velocity, v}, {}, {&receiver_clock, clock}}, {},
+                    out, scene.auxiliary)}) {
       if (!m.result || !is_finite) continue;
       bool all = m.residual.allFinite() && m.R.allFinite();
       for (const auto& H : m.H) all = all && H.allFinite();
@@ -342,7 +362,8 @@ TEST_CASE("R grows towards the horizon, and with the ionosphere") {
   const PortStates ports{{}, {&ecef_position, scene.ecef()}, {&receiver_clock, scene.clock_state()}, {}};
   const auto variances = [&](json parameters) {
     parameters["ionosphere"] = "klobuchar";
-    const auto model = bind<Pseudorange>({parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
+    const auto model =
+        bind<Pseudorange>({parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
     Complaints out;
     return Eigen::VectorXd(linearize(*model, scene.sample, ports, {}, out, scene.auxiliary).R.diagonal());
   };
@@ -388,8 +409,8 @@ TEST_CASE("the receiver's clock and the ECEF process: transition and noise") {
     CHECK(std::abs(Q(1, 1) - 0.0355 * 2) < 1e-12);
   }
   {
-    const auto model =
-        bind<EcefPv>({{{"S_a", 0.12}, {"S_v", 0.03}}, {{"position", &ecef_position}, {"velocity", &ecef_velocity}}, {}});
+    const auto model = bind<EcefPv>(
+        {{{"S_a", 0.12}, {"S_v", 0.03}}, {{"position", &ecef_position}, {"velocity", &ecef_velocity}}, {}});
     const ProcessCheck check(*model, EcefPv::spec());
     const PortStates ports{{&ecef_position, {-4e6, 3e6, 4e6}, 1, 1e-9}, {&ecef_velocity, {1, 2, 3}, 1}};
     REQUIRE_NO_COMPLAINTS(check.transition(ports, steps(2), {}, {1e-9}));
@@ -413,10 +434,12 @@ TEST_CASE("blocks, and an ECEF antenna as geodetic blocks") {
     REQUIRE_NO_COMPLAINTS(check_derived(*model, GeodeticPosition::spec(), geodetic,
                                         {{&ecef_position, scene.ecef(), 10}}, {}, {1e-6}, 1e-8));
   }
-  const auto model = bind<NedVelocity>({{}, {{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}}, {}});
-  REQUIRE_NO_COMPLAINTS(check_derived(*model, NedVelocity::spec(), ned_velocity,
-                                      {{&ecef_position, scene.ecef(), 1000}, {&ecef_velocity, scene.ecef_velocity(), 1}}, {},
-                                      {1e-6}, 1e-12));
+  const auto model =
+      bind<NedVelocity>({{}, {{"ecef_position", &ecef_position}, {"ecef_velocity", &ecef_velocity}}, {}});
+  REQUIRE_NO_COMPLAINTS(
+      check_derived(*model, NedVelocity::spec(), ned_velocity,
+                    {{&ecef_position, scene.ecef(), 1000}, {&ecef_velocity, scene.ecef_velocity(), 1}}, {}, {1e-6},
+                    1e-12));
   const std::vector<double> r = scene.ecef(), v = scene.ecef_velocity();
   const double* x[] = {r.data(), v.data()};
   double value[3];

@@ -123,9 +123,8 @@ TEST_CASE("ranges, directions and atmosphere equal the oracle's") {
     const SatelliteState state = satellite_state(message, t, back);
     const SignalPath path = signal_path(state.position, antenna.ecef, true);
     const Direction direction = direction_in(antenna.C_en, path.direction);
-    const double iono =
-        klobuchar_delay(*broadcasts.file(row.at("nav")).klobuchar, antenna.lla[0], antenna.lla[1], direction.azimuth,
-                        direction.elevation, time_of_day(t));
+    const double iono = klobuchar_delay(*broadcasts.file(row.at("nav")).klobuchar, antenna.lla[0], antenna.lla[1],
+                                        direction.azimuth, direction.elevation, time_of_day(t));
     const double tropo = saastamoinen_delay(antenna.lla[0], antenna.lla[2], direction.elevation).delay;
     const double model = path.range - speed_of_light * (state.clock - message.group_delay) + iono + tropo;
 
@@ -145,6 +144,7 @@ TEST_CASE("ranges, directions and atmosphere equal the oracle's") {
     CHECK(std::abs(tropo - value(row, "tropo_m")) < 2e-3);
     CHECK(std::abs(model - value(row, "model_no_rxclk_m")) < 3e-3);
   }
-  std::printf("ranges: satellite %.1e m, range %.1e m, angles %.1e deg, ionosphere %.1e m, troposphere %.1e m, all %.1e m\n",
-              satellite, range, angle, ionosphere, troposphere, model_error);
+  std::printf(
+      "ranges: satellite %.1e m, range %.1e m, angles %.1e deg, ionosphere %.1e m, troposphere %.1e m, all %.1e m\n",
+      satellite, range, angle, ionosphere, troposphere, model_error);
 }

@@ -32,7 +32,8 @@ RunResult run_config(const std::filesystem::path& data, const std::string& confi
   load.sets = std::move(sets);
   RunOptions options;
   options.observer = observer;
-  RunResult result = binnacle::run(Composition::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
+  RunResult result =
+      binnacle::run(Composition::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
   INFO(config << "\n" << result.failures.text());
   CHECK(result.failures.empty());
   return result;
@@ -77,7 +78,8 @@ class Seconds final : public RunObserver {
   }
   void record(int, Time t, std::span<const double> values) override {
     const auto value = [&](const char* name) { return values[column_.at(name)]; };
-    const State state{seconds(t), {value("position.lat"), value("position.lon"), value("position.height")},
+    const State state{seconds(t),
+                      {value("position.lat"), value("position.lon"), value("position.height")},
                       {value("velocity.vn"), value("velocity.ve"), value("velocity.vd")}};
     yaw = value("attitude.yaw") * 180 / M_PI;
     // The first record after a second has its update in it; a record at the second itself may not.
@@ -110,7 +112,8 @@ class Trajectory {
  public:
   explicit Trajectory(const std::filesystem::path& data) {
     for (auto& row : table(data / "tightly_coupled_psins" / "ref_tdcp.csv"))
-      at_[std::stoi(row.at("gps_sow"))] = {std::stod(row.at("x_ecef_m")), std::stod(row.at("y")), std::stod(row.at("z"))};
+      at_[std::stoi(row.at("gps_sow"))] = {std::stod(row.at("x_ecef_m")), std::stod(row.at("y")),
+                                           std::stod(row.at("z"))};
     const Vector3d lla = strapdown::lla_from_ecef(at_.at(first_driving));
     C_ne_ = strapdown::C_en(lla[0], lla[1]).transpose();
   }
@@ -174,14 +177,15 @@ Driving score(const Trajectory& trajectory, const Seconds& estimate) {
 }
 
 /// RMS over the five cuts of the horizontal error at the last whole second of each.
-double cut_error(const std::filesystem::path& data, const Trajectory& trajectory, int satellites, const Vector3d& offset) {
+double cut_error(const std::filesystem::path& data, const Trajectory& trajectory, int satellites,
+                 const Vector3d& offset) {
   double sum = 0;
   for (const double start : {82.0, 90.0, 98.0, 106.0, 115.0}) {
     const double from = record_begin + start, to = from + 20;
     const std::string cuts = R"([{"from": ")" + std::to_string(from) + R"( s", "to": ")" + std::to_string(to) +
                              R"( s", "satellites": )" + std::to_string(satellites) + "}]";
-    const Seconds estimate = drive(data, {"/filters/ins/measurements/ranges/cuts=" + cuts,
-                                          "/filters/ins/measurements/rates/cuts=" + cuts});
+    const Seconds estimate =
+        drive(data, {"/filters/ins/measurements/ranges/cuts=" + cuts, "/filters/ins/measurements/rates/cuts=" + cuts});
     const Vector3d e = trajectory.differences(estimate).at(static_cast<int>(std::floor(to))) - offset;
     sum += e.head<2>().squaredNorm() / 5;
   }
@@ -208,13 +212,15 @@ TEST_CASE("GPS alone on recorded observations") {
   told("SEPT, messages by nearest toe", nearest, 1.7);
   CHECK(nearest.scored == 900);
 
-  const std::string peer =
-      R"(/sources/peer={"type": "csv", "path": ")" + (*data / "peer_rtklib" / "0759.pos.gz").string() +
-      R"(", "delimiter": " ", "comment": "%", "header": false, "time": {"column": "2"},
+  const std::string peer = R"(/sources/peer={"type": "csv", "path": ")" +
+                           (*data / "peer_rtklib" / "0759.pos.gz").string() +
+                           R"(", "delimiter": " ", "comment": "%", "header": false, "time": {"column": "2"},
           "columns": {"x": {"column": "3", "unit": "m"}, "y": {"column": "4", "unit": "m"}, "z": {"column": "5", "unit": "m"}}})";
-  const Static from_peer = static_errors(
-      *data, "0759_mask15", {peer, R"(/reference=[{"channel": "peer", "blocks": {"gps/position": ["x", "y", "z"]}}])"});
-  std::printf("%-36s %3d epochs, median %.3f m (0.60)\n", "0759, 15 deg, from the peer", from_peer.scored, from_peer.median);
+  const Static from_peer =
+      static_errors(*data, "0759_mask15",
+                    {peer, R"(/reference=[{"channel": "peer", "blocks": {"gps/position": ["x", "y", "z"]}}])"});
+  std::printf("%-36s %3d epochs, median %.3f m (0.60)\n", "0759, 15 deg, from the peer", from_peer.scored,
+              from_peer.median);
   CHECK(from_peer.median <= 0.6);
 }
 
@@ -222,12 +228,12 @@ TEST_CASE("Galileo alone and with GPS on recorded observations") {
   const auto data = gnss_data();
   if (!data) return;
   const Static alone = static_errors(*data, "sept", {"/sources/gnss/signals/galileo=1C", "/sources/gnss/signals/gps="});
-  const Static both = static_errors(
-      *data, "sept",
-      {"/sources/gnss/signals/galileo=1C",
-       R"(/filters/gps/blocks/galileo={"type": "vector", "size": 1, "unit": "m", "sigma": "30 m"})",
-       R"(/filters/gps/process/galileo={"type": "random_constant", "blocks": {"x": "galileo"}})",
-       "/filters/gps/measurements/ranges/blocks/galileo_bias=galileo"});
+  const Static both =
+      static_errors(*data, "sept",
+                    {"/sources/gnss/signals/galileo=1C",
+                     R"(/filters/gps/blocks/galileo={"type": "vector", "size": 1, "unit": "m", "sigma": "30 m"})",
+                     R"(/filters/gps/process/galileo={"type": "random_constant", "blocks": {"x": "galileo"}})",
+                     "/filters/gps/measurements/ranges/blocks/galileo_bias=galileo"});
   std::printf("SEPT, Galileo alone: 3D RMS %.3f m; with GPS: %.3f m\n", alone.rms, both.rms);
   CHECK(alone.scored == 900);
   CHECK(alone.rms < 2);
@@ -239,7 +245,8 @@ TEST_CASE("single-point solutions of recorded observations") {
   if (!data) return;
   // The filter is made to forget, so that each of its estimates is the epoch's own: the same within centimetres.
   for (const auto& [config, most] : {std::pair{"0759", 1.9}, std::pair{"sept", 1.15}}) {
-    const Static alone = static_errors(*data, config, {"/filters/gps/process/motion/S_v=1e6", "/filters/gps/process/clock/S_f=1e6"});
+    const Static alone =
+        static_errors(*data, config, {"/filters/gps/process/motion/S_v=1e6", "/filters/gps/process/clock/S_f=1e6"});
     std::printf("%s, every epoch by itself: 3D RMS %.3f m\n", config, alone.rms);
     CHECK(alone.rms <= 1.1 * most);
   }
@@ -250,9 +257,10 @@ TEST_CASE("tightly coupled on a recorded car") {
   if (!data) return;
   const Trajectory trajectory(*data);
   const Driving d = score(trajectory, drive(*data, {}));
-  std::printf("driving: horizontal %.3f m (0.27), 3D %.3f (0.40), max %.3f (1.0), velocity %.3f m/s, horizontal %.3f (0.13), "
-              "final heading %.2f deg\n",
-              d.horizontal, d.distance, d.largest, d.velocity, d.velocity_horizontal, d.yaw);
+  std::printf(
+      "driving: horizontal %.3f m (0.27), 3D %.3f (0.40), max %.3f (1.0), velocity %.3f m/s, horizontal %.3f (0.13), "
+      "final heading %.2f deg\n",
+      d.horizontal, d.distance, d.largest, d.velocity, d.velocity_horizontal, d.yaw);
   CHECK(d.horizontal <= 0.27);
   CHECK(d.distance <= 0.40);
   CHECK(d.largest <= 1.0);
@@ -341,6 +349,7 @@ TEST_CASE("a receiver clock that jumps by a millisecond is recovered from") {
   CHECK(gps.at("measurements").at("ranges").at("accepted").get<int>() == 116);
   CHECK(gps.at("reference").at("position.distance").at("rms").get<double>() < 2.2);
   // Without it the filter is locked out to the end.
-  const auto locked = run_config(*data, "gnss/0759", file).summary.at("filters").at("gps").at("measurements").at("ranges");
+  const auto locked =
+      run_config(*data, "gnss/0759", file).summary.at("filters").at("gps").at("measurements").at("ranges");
   CHECK(locked.at("gated").get<int>() == 60);
 }

@@ -43,8 +43,8 @@ std::string number(double value) {
 
 struct Orbit {
   std::string satellite = "G05";
-  double toe = 14400;          // s of the week, on 2021-11-09 (day 2)
-  double sent = 7200;          // transmission
+  double toe = 14400;  // s of the week, on 2021-11-09 (day 2)
+  double sent = 7200;  // transmission
   double health = 0;
   double iode = 1;
 };
@@ -53,16 +53,39 @@ constexpr double tuesday = 2 * 86400.0;
 /// A message in the form of version 2 or 3.
 std::string message(const Orbit& o, int version) {
   const int toc = static_cast<int>(o.toe);
-  std::string text = version == 2 ? o.satellite.substr(1) + printed(" 21 11  9 %2d %2d %4.1f", toc / 3600, toc / 60 % 60, toc % 60 * 1.0)
-                                  : o.satellite + printed(" 2021 11 09 %02d %02d %02d", toc / 3600, toc / 60 % 60, toc % 60);
+  std::string text =
+      version == 2
+          ? o.satellite.substr(1) + printed(" 21 11  9 %2d %2d %4.1f", toc / 3600, toc / 60 % 60, toc % 60 * 1.0)
+          : o.satellite + printed(" 2021 11 09 %02d %02d %02d", toc / 3600, toc / 60 % 60, toc % 60);
   text += number(-6.04419e-05) + number(-1.25056e-12) + number(0) + "\n";
-  const double orbit[] = {o.iode, -108.5625, 4.320894268e-09, 2.202212030,
-                          -5.707144737e-06, 6.0007086722e-03, 9.629875422e-06, 5153.619016769,
-                          tuesday + o.toe, -5.587935448e-09, 0.83860246341, -9.685754776e-08,
-                          0.95822938409, 194.34375, 1.015982021, -7.843183840e-09,
-                          2.078658013e-10, 517, 2183, 0,
-                          2, o.health, -1.117587090e-08, 2e-9,
-                          tuesday + o.sent, 4, 0, 0};
+  const double orbit[] = {o.iode,
+                          -108.5625,
+                          4.320894268e-09,
+                          2.202212030,
+                          -5.707144737e-06,
+                          6.0007086722e-03,
+                          9.629875422e-06,
+                          5153.619016769,
+                          tuesday + o.toe,
+                          -5.587935448e-09,
+                          0.83860246341,
+                          -9.685754776e-08,
+                          0.95822938409,
+                          194.34375,
+                          1.015982021,
+                          -7.843183840e-09,
+                          2.078658013e-10,
+                          517,
+                          2183,
+                          0,
+                          2,
+                          o.health,
+                          -1.117587090e-08,
+                          2e-9,
+                          tuesday + o.sent,
+                          4,
+                          0,
+                          0};
   for (int i = 0; i < 28; ++i) {
     if (i % 4 == 0) text += version == 2 ? "   " : "    ";
     text += number(orbit[i]);
@@ -72,12 +95,13 @@ std::string message(const Orbit& o, int version) {
 }
 
 std::string navigation(const std::vector<Orbit>& orbits, int version = 2) {
-  std::string text = version == 2 ? line("     2.11           N: GPS NAV DATA", "RINEX VERSION / TYPE") +
-                                        line("    1.1180D-08  1.4900D-08 -5.9600D-08 -5.9600D-08", "ION ALPHA") +
-                                        line("    8.8060D+04  1.6380D+04 -1.9660D+05 -1.3110D+05", "ION BETA")
-                                  : line("     3.04           N: GNSS NAV DATA    M: Mixed", "RINEX VERSION / TYPE") +
-                                        line("GPSA    .1118D-07   .7451D-08  -.5960D-07  -.5960D-07", "IONOSPHERIC CORR") +
-                                        line("GPSB    .9011D+05   .0000D+00  -.1966D+06  -.6554D+05", "IONOSPHERIC CORR");
+  std::string text = version == 2
+                         ? line("     2.11           N: GPS NAV DATA", "RINEX VERSION / TYPE") +
+                               line("    1.1180D-08  1.4900D-08 -5.9600D-08 -5.9600D-08", "ION ALPHA") +
+                               line("    8.8060D+04  1.6380D+04 -1.9660D+05 -1.3110D+05", "ION BETA")
+                         : line("     3.04           N: GNSS NAV DATA    M: Mixed", "RINEX VERSION / TYPE") +
+                               line("GPSA    .1118D-07   .7451D-08  -.5960D-07  -.5960D-07", "IONOSPHERIC CORR") +
+                               line("GPSB    .9011D+05   .0000D+00  -.1966D+06  -.6554D+05", "IONOSPHERIC CORR");
   text += line("", "END OF HEADER");
   for (const auto& orbit : orbits) text += message(orbit, version);
   return text;
@@ -85,9 +109,8 @@ std::string navigation(const std::vector<Orbit>& orbits, int version = 2) {
 
 /// An epoch of four satellites 3:30:00 + s; `jump` [m] is added to every pseudorange.
 std::string epoch(double s, int version, double jump = 0, int flag = 0) {
-  std::string text = version == 2
-                         ? printed(" 21 11  9  3 30%11.7f  %d  4G05G10G13G15", s, flag) + "\n"
-                         : printed("> 2021 11 09 03 30%11.7f  %d  5", s, flag) + "\n";
+  std::string text = version == 2 ? printed(" 21 11  9  3 30%11.7f  %d  4G05G10G13G15", s, flag) + "\n"
+                                  : printed("> 2021 11 09 03 30%11.7f  %d  5", s, flag) + "\n";
   for (const int prn : {5, 10, 13, 15}) {
     const double range = 2.2e7 + 1e5 * prn + 100 * s, phase = range / 0.19029367279836;
     std::string cells = printed("%14.3f  %14.3f  %14.3f  ", range + jump, phase, -500.0 + prn);
@@ -102,12 +125,11 @@ std::string epoch(double s, int version, double jump = 0, int flag = 0) {
 }
 
 std::string observations(int version, const std::vector<std::string>& epochs) {
-  std::string text =
-      version == 2
-          ? line("     2.11           OBSERVATION DATA    G (GPS)", "RINEX VERSION / TYPE") +
-                line("     3    C1    L1    D1", "# / TYPES OF OBSERV")
-          : line("     3.04           OBSERVATION DATA    M", "RINEX VERSION / TYPE") +
-                line("G    4 C1C L1C D1C S1C", "SYS / # / OBS TYPES") + line("R    1 C1C", "SYS / # / OBS TYPES");
+  std::string text = version == 2 ? line("     2.11           OBSERVATION DATA    G (GPS)", "RINEX VERSION / TYPE") +
+                                        line("     3    C1    L1    D1", "# / TYPES OF OBSERV")
+                                  : line("     3.04           OBSERVATION DATA    M", "RINEX VERSION / TYPE") +
+                                        line("G    4 C1C L1C D1C S1C", "SYS / # / OBS TYPES") +
+                                        line("R    1 C1C", "SYS / # / OBS TYPES");
   text += line("", "END OF HEADER");
   for (const auto& e : epochs) text += e;
   return text;
@@ -305,14 +327,16 @@ TEST_CASE("a truncated file: the epochs before are kept, no number is taken that
       if (times.size() == 2) CHECK_FALSE(r.reports.empty());
     }
     const std::size_t half = last.size() / 2;
-    CHECK(Recording(whole.substr(0, whole.size() - half), navigation(four, version)).times(obs) == std::vector<double>{0, 1});
+    CHECK(Recording(whole.substr(0, whole.size() - half), navigation(four, version)).times(obs) ==
+          std::vector<double>{0, 1});
     const std::string nav = navigation(four, version);
     const Recording r(whole, nav.substr(0, nav.size() - 100));
     CHECK(r.told("B061 site.nav"));
     CHECK(r.told("the file ends inside the message of G15"));
     CHECK(r.told("no usable broadcast message for G15 (3 epochs)"));
     CHECK(r.first(eph).rows.size() == 3);
-    REQUIRE_THROWS_AS(Recording(whole.substr(0, whole.size() - 30), nav, {{"invalid_records", "error"}}), ComponentError);
+    REQUIRE_THROWS_AS(Recording(whole.substr(0, whole.size() - 30), nav, {{"invalid_records", "error"}}),
+                      ComponentError);
     REQUIRE_THROWS_AS(Recording(whole.substr(0, 100), nav), ComponentError);  // inside the header: no epoch at all
   }
 }
@@ -379,7 +403,8 @@ TEST_CASE("corrupted lines cost what is on them, and no more") {
 
 TEST_CASE("events and power failures") {
   const std::string comment = "                            4  1\n" + line("a comment", "COMMENT");
-  const std::string change = "                            4  2\n" + line("     1    C1", "# / TYPES OF OBSERV") + line("", "COMMENT");
+  const std::string change =
+      "                            4  2\n" + line("     1    C1", "# / TYPES OF OBSERV") + line("", "COMMENT");
   const std::string other = " 21 11  9  3 30  2.0000000  0  1G05\n  22500200.000\n";
   const Recording r(observations(2, {epoch(0, 2), comment, epoch(1, 2, 0, 1), change, other}), navigation(four));
   CHECK(r.reports.empty());
@@ -392,7 +417,8 @@ TEST_CASE("events and power failures") {
 
 TEST_CASE("a jump of the receiver's clock is found from code and phase") {
   const double millisecond = 299792.458;
-  const Recording r(observations(2, {epoch(0, 2), epoch(1, 2, millisecond), epoch(2, 2, millisecond)}), navigation(four));
+  const Recording r(observations(2, {epoch(0, 2), epoch(1, 2, millisecond), epoch(2, 2, millisecond)}),
+                    navigation(four));
   CHECK(r.told("the receiver's clock jumps 1 time"));
   std::vector<double> jumps;
   for (const auto& sample : r.samples)

@@ -53,7 +53,8 @@ TEST_CASE("velocity and clock drift are the derivatives of position and clock") 
     for (const double t : {0.0, 5000.0, 14000.0}) {
       const auto state = [&](double dt) { return test::Sky::state(e, t + dt); };
       const double h = 0.5;
-      const Vector3d v = (8 * (state(h).position - state(-h).position) - (state(2 * h).position - state(-2 * h).position)) / (12 * h);
+      const Vector3d v =
+          (8 * (state(h).position - state(-h).position) - (state(2 * h).position - state(-2 * h).position)) / (12 * h);
       const double drift = (state(100).clock - state(-100).clock) / 200;
       CHECK((v - state(0).velocity).norm() < 2e-6);
       CHECK(std::abs(drift - state(0).clock_drift) < 1e-15);
@@ -113,10 +114,12 @@ TEST_CASE("Klobuchar's delay in a published example") {
   // Strang and Borre, Linear Algebra, Geodesy, and GPS (1997): 40 N, 100 W, elevation 20, azimuth 210, 20:45 UT.
   const Klobuchar model{{3.82e-8, 1.49e-8, -1.79e-7, 0}, {1.43e5, 0, -3.28e5, 1.13e5}};
   const double degree = M_PI / 180;
-  CHECK(std::abs(klobuchar_delay(model, 40 * degree, 260 * degree, 210 * degree, 20 * degree, 20.75 * 3600) - 23.784) < 1e-3);
+  CHECK(std::abs(klobuchar_delay(model, 40 * degree, 260 * degree, 210 * degree, 20 * degree, 20.75 * 3600) - 23.784) <
+        1e-3);
   // At night it is 5 ns times the slant.
   const double slant = 1 + 16 * std::pow(0.53 - 0.5, 3);
-  CHECK(std::abs(klobuchar_delay(model, 40 * degree, 0, 0, 90 * degree, 2 * 3600.0) - slant * 5e-9 * speed_of_light) < 1e-9);
+  CHECK(std::abs(klobuchar_delay(model, 40 * degree, 0, 0, 90 * degree, 2 * 3600.0) - slant * 5e-9 * speed_of_light) <
+        1e-9);
 }
 
 TEST_CASE("Saastamoinen's delay: the zenith, the slant, and its change with height") {
@@ -145,13 +148,15 @@ TEST_CASE("the way of a signal: light time and its derivatives") {
     CHECK(std::abs(signal_path(s.position, antenna, false).range - (s.position - antenna).norm()) == 0);
     for (int i = 0; i < 3; ++i) {
       const Vector3d d = 100 * Vector3d::Unit(i);
-      const double slope = (signal_path(s.position, antenna + d, true).range - signal_path(s.position, antenna - d, true).range) / 200;
+      const double slope =
+          (signal_path(s.position, antenna + d, true).range - signal_path(s.position, antenna - d, true).range) / 200;
       CHECK(std::abs(slope + path.scale * path.direction[i]) < 2e-9);
       const auto rate = [&](const Vector3d& r, const Vector3d& u) {
         return range_rate(signal_path(s.position, r, true), s.velocity, u, true).rate;
       };
       const RangeRate at = range_rate(path, s.velocity, v, true);
-      CHECK(std::abs((rate(antenna, v + Vector3d::Unit(i)) - rate(antenna, v - Vector3d::Unit(i))) / 2 - at.by_velocity[i]) < 1e-9);
+      CHECK(std::abs((rate(antenna, v + Vector3d::Unit(i)) - rate(antenna, v - Vector3d::Unit(i))) / 2 -
+                     at.by_velocity[i]) < 1e-9);
       CHECK(std::abs((rate(antenna + d, v) - rate(antenna - d, v)) / 200 - at.by_position[i]) < 1e-8);
     }
   }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double shortest_pseudorange = 1e6;  // m; clocks may be off by much, but light needs its time
 constexpr double longest_pseudorange = 1e9;
-constexpr double least_range = 1e6;           // m, to a satellite
-constexpr double least_sine = 0.017;          // of elevation, where a mapping 1/sin is cut off: 1 deg
+constexpr double least_range = 1e6;   // m, to a satellite
+constexpr double least_sine = 0.017;  // of elevation, where a mapping 1/sin is cut off: 1 deg
 
 double squared(double x) { return x * x; }
 
@@ -161,13 +161,17 @@ std::vector<ParameterSpec> ElevationNoise::parameters(const char* unit, bool wit
                                                       const char* default_sigma) {
   using namespace parameter;
   std::vector<ParameterSpec> specs{
-      number("sigma", unit).at_least(0).defaults(default_sigma).about("standard deviation straight up: sigma^2 + (sigma_elevation / sin el)^2 + …"),
+      number("sigma", unit)
+          .at_least(0)
+          .defaults(default_sigma)
+          .about("standard deviation straight up: sigma^2 + (sigma_elevation / sin el)^2 + …"),
       number("sigma_elevation", unit).at_least(0).defaults("0").about("part of it that grows with 1 / sin(elevation)")};
   if (with_path_errors) {
-    specs.push_back(number("sigma_ionosphere", "1")
-                        .at_least(0)
-                        .defaults("0")
-                        .about("standard deviation of the ionosphere correction as a part of it; Klobuchar's leaves half"));
+    specs.push_back(
+        number("sigma_ionosphere", "1")
+            .at_least(0)
+            .defaults("0")
+            .about("standard deviation of the ionosphere correction as a part of it; Klobuchar's leaves half"));
     specs.push_back(number("sigma_accuracy", "1")
                         .at_least(0)
                         .defaults("0")

@@ -50,8 +50,7 @@ double eccentric_anomaly(double mean_anomaly, double eccentricity) {
 double satellite_clock(const Ephemeris& e, Time t, double back) {
   const double mu = gravitational_constant(e.satellite);
   const double dt = since(e.toc, t, back);
-  return e.af0 + dt * (e.af1 + dt * e.af2) +
-         relativity(e, mu) * std::sin(anomaly_at(e, mu, since(e.toe, t, back)).E);
+  return e.af0 + dt * (e.af1 + dt * e.af2) + relativity(e, mu) * std::sin(anomaly_at(e, mu, since(e.toe, t, back)).E);
 }
 
 SatelliteState satellite_state(const Ephemeris& e, Time t, double back) {
@@ -101,9 +100,8 @@ bool is_usable(const Ephemeris& e) {
          e.semi_major_axis > 1e7 && e.semi_major_axis < 1e8 && e.eccentricity >= 0 && e.eccentricity < 0.5 &&
          std::abs(e.delta_n) < 1e-6 && std::abs(e.omega_dot) < 1e-6 && std::abs(e.i_dot) < 1e-6 &&
          std::abs(e.af0) < 1 && std::abs(e.af1) < 1e-6 && std::abs(e.af2) < 1e-9 && std::abs(e.group_delay) < 1e-3 &&
-         e.accuracy >= 0 && e.accuracy < 1e6 && std::abs(e.crc) < 1e6 &&
-         std::abs(e.crs) < 1e6 && std::abs(e.cuc) < 1 && std::abs(e.cus) < 1 && std::abs(e.cic) < 1 &&
-         std::abs(e.cis) < 1;
+         e.accuracy >= 0 && e.accuracy < 1e6 && std::abs(e.crc) < 1e6 && std::abs(e.crs) < 1e6 && std::abs(e.cuc) < 1 &&
+         std::abs(e.cus) < 1 && std::abs(e.cic) < 1 && std::abs(e.cis) < 1;
 }
 
 }  // namespace binnacle::gnss

@@ -34,12 +34,12 @@ struct Sighting {
   double range_rate = 0;   // m/s, as measured; NaN where there is none
   SignalPath path;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the satellite, axes of transmission, m/s
-  double delay = 0;        // m, what is to be added to range + receiver clock: −c dt_sat + group delay + atmosphere
-  double d_delay_down = 0;   // m/m, ∂delay by the antenna's motion down
-  double rate_delay = 0;   // m/s: −c × drift of the satellite's clock
+  double delay = 0;         // m, what is to be added to range + receiver clock: −c dt_sat + group delay + atmosphere
+  double d_delay_down = 0;  // m/m, ∂delay by the antenna's motion down
+  double rate_delay = 0;    // m/s: −c × drift of the satellite's clock
   Direction direction;
-  double ionosphere = 0;   // m, part of delay
-  double accuracy = 0;     // m, as the message tells it
+  double ionosphere = 0;  // m, part of delay
+  double accuracy = 0;    // m, as the message tells it
 };
 
 /// What is corrected, and which satellites are used.

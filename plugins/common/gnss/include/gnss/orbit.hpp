@@ -21,22 +21,22 @@ struct Ephemeris {
   double toc = 0;              // s, of the clock
   double semi_major_axis = 0;  // m
   double eccentricity = 0;
-  double i0 = 0;               // rad, inclination at toe
-  double omega0 = 0;           // rad, longitude of the ascending node at the begin of the week
-  double perigee = 0;          // rad, argument of perigee
-  double m0 = 0;               // rad, mean anomaly at toe
-  double delta_n = 0;          // rad/s
-  double omega_dot = 0;        // rad/s
-  double i_dot = 0;            // rad/s
-  double cuc = 0, cus = 0;     // rad, argument of latitude
-  double crc = 0, crs = 0;     // m, radius
-  double cic = 0, cis = 0;     // rad, inclination
-  double af0 = 0;              // s
-  double af1 = 0;              // s/s
-  double af2 = 0;              // s/s²
-  double group_delay = 0;      // s: T_GD, Galileo's BGD(E1, E5b); a single-frequency user subtracts it from the clock
-  double accuracy = 0;         // m: URA, SISA
-  double issue = 0;            // IODE, IODnav
+  double i0 = 0;            // rad, inclination at toe
+  double omega0 = 0;        // rad, longitude of the ascending node at the begin of the week
+  double perigee = 0;       // rad, argument of perigee
+  double m0 = 0;            // rad, mean anomaly at toe
+  double delta_n = 0;       // rad/s
+  double omega_dot = 0;     // rad/s
+  double i_dot = 0;         // rad/s
+  double cuc = 0, cus = 0;  // rad, argument of latitude
+  double crc = 0, crs = 0;  // m, radius
+  double cic = 0, cis = 0;  // rad, inclination
+  double af0 = 0;           // s
+  double af1 = 0;           // s/s
+  double af2 = 0;           // s/s²
+  double group_delay = 0;   // s: T_GD, Galileo's BGD(E1, E5b); a single-frequency user subtracts it from the clock
+  double accuracy = 0;      // m: URA, SISA
+  double issue = 0;         // IODE, IODnav
 };
 
 /// In ECEF axes of the instant itself (no rotation during the travel of a signal).

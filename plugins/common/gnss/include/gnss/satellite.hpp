@@ -20,7 +20,7 @@ constexpr SatelliteKey satellite_key(Constellation constellation, int number) no
   return static_cast<SatelliteKey>(constellation) * 100 + number;
 }
 constexpr Constellation constellation_of(SatelliteKey key) noexcept {
-  return key > 100 && key < 200 ? Constellation::gps
+  return key > 100 && key < 200   ? Constellation::gps
          : key > 200 && key < 300 ? Constellation::galileo
                                   : Constellation::none;
 }

@@ -8,7 +8,7 @@ namespace binnacle::gnss {
 
 /// In ECEF axes of the instant of reception. Paper 003 has the line of sight from satellite to user: l = −direction.
 struct SignalPath {
-  double range = 0;           // m
+  double range = 0;                                     // m
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit vector from the antenna to the satellite
   Eigen::Vector3d satellite = Eigen::Vector3d::Zero();  // m, where the satellite was, turned into these axes
   /// ∂range/∂antenna = −scale directionᵀ. The light's time changes with the range, and so does the earth's turn: scale
@@ -22,9 +22,9 @@ SignalPath signal_path(const Eigen::Vector3d& satellite, const Eigen::Vector3d& 
 
 /// Rate of the range and its derivatives. Without rotation it is paper 003 (7): (v_u − v_i)ᵀ l.
 struct RangeRate {
-  double rate = 0;                       // m/s
-  Eigen::RowVector3d by_velocity;        // ∂/∂v of the antenna
-  Eigen::RowVector3d by_position;        // ∂/∂r of the antenna, 1/s
+  double rate = 0;                 // m/s
+  Eigen::RowVector3d by_velocity;  // ∂/∂v of the antenna
+  Eigen::RowVector3d by_position;  // ∂/∂r of the antenna, 1/s
 };
 RangeRate range_rate(const SignalPath& path, const Eigen::Vector3d& satellite_velocity,
                      const Eigen::Vector3d& antenna_velocity, bool with_rotation);
