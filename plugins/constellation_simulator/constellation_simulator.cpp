@@ -78,7 +78,8 @@ ComponentSpec ConstellationSimulator::spec() {
           .defaults("{}")
           .about("the receiver's clock"),
       list("cuts", object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
-                                  integer("satellites").at_least(0).required().about("of those in view the highest; 0: an outage")}))
+                                  integer("satellites").at_least(0).required().about("of those in view; 0: an outage"),
+                                  choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
           .about("stretches in which fewer satellites are seen"),
       list("faults", object("fault", {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
                                       time("to").required().about("last instant"),
@@ -143,7 +144,8 @@ void ConstellationSimulator::read_events(const Parameters& parameters) {
   if (parameters.has("cuts"))
     for (const auto& element : parameters.list("cuts")) {
       const Parameters cut(element);
-      cuts_.push_back({span(cut, "/cuts/" + std::to_string(cuts_.size())), static_cast<int>(cut.integer("satellites"))});
+      cuts_.push_back({span(cut, "/cuts/" + std::to_string(cuts_.size())), static_cast<int>(cut.integer("satellites")),
+                       cut.text("keep") == "lowest"});
     }
   if (parameters.has("faults"))
     for (const auto& element : parameters.list("faults")) {
@@ -202,11 +204,12 @@ void ConstellationSimulator::emit_ephemerides(Time t, Emitter& emitter) const {
   emitter.emit(ephemerides);
 }
 
-int ConstellationSimulator::most_at(Time t) const {
-  int most = most_satellites;
+/// The tightest of the cuts at t; null: none.
+const ConstellationSimulator::Cut* ConstellationSimulator::cut_at(Time t) const {
+  const Cut* tightest = nullptr;
   for (const Cut& cut : cuts_)
-    if (cut.span.contains(t)) most = std::min(most, cut.satellites);
-  return most;
+    if (cut.span.contains(t) && (!tightest || cut.satellites < tightest->satellites)) tightest = &cut;
+  return tightest;
 }
 
 bool ConstellationSimulator::is_visible(const Antenna& antenna, const Vector3d& direction) const {
@@ -262,11 +265,14 @@ void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::by
         row.rate += fault.rate;
       }
   }
-  for (const int most = most_at(sample.t); count > most; --count) {
-    const auto end = rows.begin() + count;
-    const auto lowest = std::min_element(rows.begin(), end, [](const Row& a, const Row& b) { return a.sine < b.sine; });
-    std::move(lowest + 1, end, lowest);
-  }
+  if (const Cut* const cut = cut_at(sample.t))
+    for (; count > cut->satellites; --count) {
+      const auto end = rows.begin() + count;
+      const auto by_height = [](const Row& a, const Row& b) { return a.sine < b.sine; };
+      const auto lost = cut->keeps_lowest ? std::max_element(rows.begin(), end, by_height)
+                                          : std::min_element(rows.begin(), end, by_height);
+      std::move(lost + 1, end, lost);
+    }
 
   SampleSlot& clock = emitter.slot(truth);
   clock.t = sample.t;

@@ -36,6 +36,7 @@ class ConstellationSimulator final : public Transform {
   struct Cut {
     Span span;
     int satellites;
+    bool keeps_lowest;
   };
   struct Fault {
     Span span;
@@ -50,7 +51,7 @@ class ConstellationSimulator final : public Transform {
   void read_events(const Parameters& parameters);
   void advance(Memory& memory, Time t) const;
   void emit_ephemerides(Time t, Emitter& emitter) const;
-  int most_at(Time t) const;
+  const Cut* cut_at(Time t) const;
   bool is_visible(const Antenna& antenna, const Eigen::Vector3d& to_satellite) const;
 
   std::vector<gnss::Ephemeris> constellation_;

@@ -40,7 +40,8 @@ class RangeModel : public MeasurementModel {
         corrections_.sight({sample.t, &sample, &auxiliary[ephemeris_input], &auxiliary[klobuchar_input]}, place, true,
                            sightings);
     count = gnss::Corrections::keep_highest(sightings, tally.used, limit_.at(sample.t));
-    if (count > 0) return Result::ok();
+    if (count >= limit_.fewest()) return Result::ok();
+    if (count > 0) return Result::unsupported("fewer satellites than 'min_satellites'");
     if (tally.used > 0) return Result::unsupported("a cut leaves no satellite");
     if (tally.without_ephemeris > 0) return Result::unsupported("no satellite in view has an ephemeris");
     return Result::unsupported("no satellite is above the masks");

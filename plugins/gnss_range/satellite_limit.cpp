@@ -15,6 +15,11 @@ std::vector<ParameterSpec> SatelliteLimit::parameters() {
               .at_most(gnss::most_rows)
               .defaults("32")
               .about("rows of an epoch at most; of more satellites the highest are used"),
+          integer("min_satellites")
+              .at_least(1)
+              .at_most(8)
+              .defaults("1")
+              .about("an epoch with fewer is unsupported; 4: a receiver that tells no position of its own otherwise"),
           list("cuts", object("cut", {time("from").required().about("first instant of it"),
                                       time("to").required().about("last instant of it"),
                                       integer("satellites").at_least(0).required().about("used at most")}))
@@ -22,7 +27,8 @@ std::vector<ParameterSpec> SatelliteLimit::parameters() {
 }
 
 SatelliteLimit::SatelliteLimit(const Parameters& parameters)
-    : most_(static_cast<int>(parameters.integer("max_satellites"))) {
+    : most_(static_cast<int>(parameters.integer("max_satellites"))),
+      fewest_(static_cast<int>(parameters.integer("min_satellites"))) {
   if (!parameters.has("cuts")) return;
   const auto& list = parameters.list("cuts");
   for (std::size_t i = 0; i < list.size(); ++i) {

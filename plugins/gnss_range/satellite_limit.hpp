@@ -16,6 +16,7 @@ class SatelliteLimit {
   explicit SatelliteLimit(const Parameters& parameters);
 
   int most() const noexcept { return most_; }
+  int fewest() const noexcept { return fewest_; }
   int at(Time t) const;
 
  private:
@@ -24,7 +25,7 @@ class SatelliteLimit {
     int satellites;
   };
   std::vector<Cut> cuts_;
-  int most_;
+  int most_, fewest_;
 };
 
 }  // namespace binnacle::gnss_range
