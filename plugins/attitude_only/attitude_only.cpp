@@ -59,8 +59,7 @@ ComponentSpec AttitudeOnly::spec() {
 }
 
 AttitudeOnly::AttitudeOnly(const Binding& binding)
-    : algorithm_(attitude::read_choice(binding)),
-      density_(binding.parameters().vector("gyro_noise").cwiseAbs2()) {
+    : algorithm_(attitude::read_choice(binding)), density_(binding.parameters().vector("gyro_noise").cwiseAbs2()) {
   declaration_.memory_bytes = sizeof(SampleMemory);
   declaration_.noise.push_back({0, 0, Structure::dense});
 }

@@ -48,7 +48,7 @@ class ConingMotion {
   Cone cone_;
   Shaking shaking_;
   std::optional<Eigen::Vector3d> place_;
-  double omega_;             // rad/s
+  double omega_;  // rad/s
   double sin_half_, cos_half_, sin_cone_;
 };
 

@@ -41,8 +41,8 @@ std::vector<ChannelDeclaration> declare_channels(bool has_place, Time longest) {
   channels[ConingSimulator::imu].max_interval = longest;
   channels[ConingSimulator::truth].name = "truth";
   channels[ConingSimulator::truth].fields =
-      has_place ? simulation::joined({simulation::position_fields(), simulation::velocity_fields(),
-                                      simulation::attitude_fields()})
+      has_place ? simulation::joined(
+                      {simulation::position_fields(), simulation::velocity_fields(), simulation::attitude_fields()})
                 : simulation::attitude_fields();
   return channels;
 }
@@ -65,15 +65,20 @@ ComponentSpec ConingSimulator::spec() {
       number("interval", "s").at_least(1e-6).at_most(100).required().about("between updates of the attitude"),
       integer("samples").at_least(1).at_most(16).defaults("1").about("that an interval is cut into"),
       parameter::time("duration").at_least(0).defaults("\"60 s\"").about("of the motion, which starts at time zero"),
-      number("truth_rate", "Hz").at_least(0).at_most(1e4).defaults("1").about("samples of truth, from time zero; 0: none"),
+      number("truth_rate", "Hz")
+          .at_least(0)
+          .at_most(1e4)
+          .defaults("1")
+          .about("samples of truth, from time zero; 0: none"),
       choice("precision", {"double", "float"}).defaults("\"double\"").about("to which increments are rounded"),
       vector("acceleration", "m/s^2", 3)
           .defaults("0")
           .about("amplitude, in navigation axes, of a shaking at the frequency of the cone"),
       number("phase", "rad").defaults("0").about("of the acceleration's cosine against the cone's"),
-      object("place", {number("lat", "rad").at_least(-85.0 * degree).at_most(85.0 * degree).required().about("latitude"),
-                       number("lon", "rad").defaults("0").about("longitude"),
-                       number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("above the ellipsoid")})
+      object("place",
+             {number("lat", "rad").at_least(-85.0 * degree).at_most(85.0 * degree).required().about("latitude"),
+              number("lon", "rad").defaults("0").about("longitude"),
+              number("height", "m").at_least(-1e4).at_most(1e5).defaults("0").about("above the ellipsoid")})
           .about("on the turning earth; without it axes are inertial and there is no gravity"),
   };
   spec.example = R"json({"frequency": "10 Hz", "interval": "5 ms", "samples": 2})json";

@@ -30,7 +30,10 @@ const Named algorithms[] = {
     {"4 samples", 4, ""},
     {"4 samples, polynomial", 4, R"(, "form": "polynomial")", attitude::Form::polynomial},
     {"4 samples, float", 4, R"(, "precision": "float")", attitude::Form::coning, {attitude::Precision::float_, {}}},
-    {"4 samples, 2 terms", 4, R"(, "truncation": "terms_2")", attitude::Form::coning,
+    {"4 samples, 2 terms",
+     4,
+     R"(, "truncation": "terms_2")",
+     attitude::Form::coning,
      {attitude::Precision::double_, attitude::Truncation::after_terms(2)}},
 };
 
@@ -39,8 +42,8 @@ void update(benchmark::State& state, const Named& named) {
   attitude::Algorithm::Choice choice;
   choice.samples = named.samples, choice.form = named.form, choice.update = named.update;
   const attitude::Algorithm algorithm(choice);
-  std::array<Vector3d, 4> theta = {Vector3d(0.01, 0.02, 0.03), Vector3d(0.012, 0.018, 0.03), Vector3d(0.014, 0.016, 0.03),
-                                   Vector3d(0.016, 0.014, 0.03)};
+  std::array<Vector3d, 4> theta = {Vector3d(0.01, 0.02, 0.03), Vector3d(0.012, 0.018, 0.03),
+                                   Vector3d(0.014, 0.016, 0.03), Vector3d(0.016, 0.014, 0.03)};
   const std::array<double, 4> lengths = {0.005, 0.005, 0.005, 0.005};
   const auto count = static_cast<std::size_t>(named.samples);
   Eigen::Vector4d q(1, 0, 0, 0);
@@ -78,8 +81,8 @@ std::string config(const Named& named, int states) {
   const std::string samples = std::to_string(named.samples);
   std::string blocks, ports, process;
   if (states == 21)
-    for (const auto& [name, unit] : {std::pair("gyro_bias", "rad/s"), {"accel_bias", "m/s^2"}, {"gyro_scale", "1"},
-                                     {"accel_scale", "1"}}) {
+    for (const auto& [name, unit] :
+         {std::pair("gyro_bias", "rad/s"), {"accel_bias", "m/s^2"}, {"gyro_scale", "1"}, {"accel_scale", "1"}}) {
       const std::string block = name;
       blocks += ", \"" + block + R"(": {"type": "vector", "size": 3, "unit": ")" + unit + R"(", "sigma": 1e-4})";
       ports += ", \"" + block + "\": \"" + block + "\"";
@@ -94,10 +97,13 @@ std::string config(const Named& named, int states) {
       "blocks": {
         "position": {"type": "position", "init": {"lat": "48 deg", "lon": "11 deg", "height": 500}, "sigma": "5 m"},
         "velocity": {"type": "velocity", "init": {"vn": 3, "ve": 4, "vd": 0}, "sigma": "0.5 m/s"},
-        "attitude": {"type": "attitude", "init": {"roll": 0, "pitch": 0, "yaw": "0.5 rad"}, "sigma": "1 deg"})" + blocks + R"(},
+        "attitude": {"type": "attitude", "init": {"roll": 0, "pitch": 0, "yaw": "0.5 rad"}, "sigma": "1 deg"})" +
+         blocks + R"(},
       "process": {"strapdown": {"type": "phi_error", "input": "imu", "gyro_noise": 2.9e-5, "accel_noise": 5e-4,
-        "blocks": {"position": "position", "velocity": "velocity", "attitude": "attitude")" + ports + R"(},
-        "samples_per_step": )" + samples + R"(, "attitude": {"samples": )" + samples + named.json + "}}" + process + "}}}}";
+        "blocks": {"position": "position", "velocity": "velocity", "attitude": "attitude")" +
+         ports + R"(},
+        "samples_per_step": )" +
+         samples + R"(, "attitude": {"samples": )" + samples + named.json + "}}" + process + "}}}}";
 }
 
 /// All samples of one step pushed.
@@ -127,14 +133,17 @@ int main(int argc, char** argv) {
   if (!run_interleaved(argc, argv, reporter)) return 2;
 
   std::printf("\n%-30s %28s %28s %28s\n", "", "update alone", "step of 9 states", "step of 21 states");
-  std::printf("%-30s %28s %28s %28s\n", "", "ns, of one sample's", "ns, of one's, per sample", "ns, of one's, per sample");
+  std::printf("%-30s %28s %28s %28s\n", "", "ns, of one sample's", "ns, of one's, per sample",
+              "ns, of one's, per sample");
   for (const Named& named : algorithms) {
     std::printf("%-30s", named.name);
     for (const char* what : {"update", "step of 9 states", "step of 21 states"}) {
       const double time = reporter.time_ns[name(what, named)], one = reporter.time_ns[name(what, algorithms[0])];
       std::printf("   %9.1f %7.2f", time, time / one);
-      if (std::string(what) != "update") std::printf(" %7.2f", time / one / named.samples);
-      else std::printf("        ");
+      if (std::string(what) != "update")
+        std::printf(" %7.2f", time / one / named.samples);
+      else
+        std::printf("        ");
     }
     std::printf("\n");
   }

@@ -22,7 +22,8 @@ using nlohmann::ordered_json;
 
 /// The summary of a study of configs/attitude.
 ordered_json study(const std::string& config, const std::string& options) {
-  const auto file = std::filesystem::temp_directory_path() / ("binnacle_attitude_" + std::to_string(::getpid()) + ".json");
+  const auto file =
+      std::filesystem::temp_directory_path() / ("binnacle_attitude_" + std::to_string(::getpid()) + ".json");
   const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' study '" + BINNACLE_TEST_PROJECT +
                               "/configs/attitude/" + config + "' " + options + " --jobs 2 --summary '" + file.string() +
                               "' > /dev/null";
@@ -114,7 +115,8 @@ TEST_CASE("paper 002, cells that are known, over the whole hour") {
   CHECK(std::abs(drift(ten, "10 Hz 0.005 s 2 samples double") + 0.1596) < 1e-4);
   CHECK(std::abs(drift(twenty, "20 Hz 0.02 s 4 samples double") + 1.993) < 1e-3);
   // Below W h of about 0.4 the term of the fourth power of the cone makes four samples worse than three: here 0.31.
-  CHECK(std::abs(drift(ten, "10 Hz 0.005 s 4 samples double")) > std::abs(drift(ten, "10 Hz 0.005 s 3 samples double")));
+  CHECK(std::abs(drift(ten, "10 Hz 0.005 s 4 samples double")) >
+        std::abs(drift(ten, "10 Hz 0.005 s 3 samples double")));
   CHECK(std::abs(drift(twenty, "20 Hz 0.02 s 4 samples double")) <
         0.1 * std::abs(drift(twenty, "20 Hz 0.02 s 3 samples double")));
 }
@@ -122,8 +124,8 @@ TEST_CASE("paper 002, cells that are known, over the whole hour") {
 TEST_CASE("paper 002, where four samples begin to be better than three, in closed form") {
   const Real pi = boost::math::constants::pi<Real>(), cone = 2 * pi / 180;
   const auto ratio = [&](const Real& epsilon, double x) {
-    return static_cast<double>(abs(binnacle::test::secular_drift(4, epsilon, x, 1) /
-                                   binnacle::test::secular_drift(3, epsilon, x, 1)));
+    return static_cast<double>(
+        abs(binnacle::test::secular_drift(4, epsilon, x, 1) / binnacle::test::secular_drift(3, epsilon, x, 1)));
   };
   double crossing = 0;
   for (double x = 0.2; x < 1 && crossing == 0; x += 0.001)
@@ -137,8 +139,9 @@ TEST_CASE("paper 002, where four samples begin to be better than three, in close
 
 TEST_CASE("paper 002, table 1: truncation matters little only where order 2 means two terms") {
   const ordered_json summary =
-      study("truncation.json", "--set '/sources/coning/duration=36' --set '/study/dimensions/precision={\"double\": {}}'"
-                               " --set '/study/tables=[]'");
+      study("truncation.json",
+            "--set '/sources/coning/duration=36' --set '/study/dimensions/precision={\"double\": {}}'"
+            " --set '/study/tables=[]'");
   const auto drift = [&](const std::string& interval, const std::string& truncation) {
     const auto& entry = summary.at("variants").at("double " + interval + " " + truncation);
     return -entry.at("metrics").at("body/attitude.north/drift").at("mean").get<double>();

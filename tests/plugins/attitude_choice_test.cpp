@@ -72,8 +72,8 @@ Vector4d walked(const json& choice, int samples, double size, double duration, i
       const auto at = static_cast<std::size_t>(i);
       const double t0 = (u * samples + i) * length;
       vector_at<3>(fields[at].data()) = smooth_increment(t0, t0 + length, size);
-      inputs[at] = {nanoseconds(t0), nanoseconds(t0 + length), length, nanoseconds(t0), nanoseconds(t0 + length),
-                    fields[at].data()};
+      inputs[at] = {nanoseconds(t0), nanoseconds(t0 + length), length,
+                    nanoseconds(t0), nanoseconds(t0 + length), fields[at].data()};
     }
     const Step step{inputs.front().t0, inputs.back().t1, length * samples, inputs};
     const double* x[] = {q.data()};

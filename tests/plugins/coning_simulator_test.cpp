@@ -73,7 +73,8 @@ TEST_CASE("coning: the rates are those of the attitude, by differences", "[conin
     const double dt = 1e-4;
     const auto back = strapdown::quaternion_conjugate(motion.attitude(cycle - 2 * dt));
     // Halfway around half a millisecond: the small rotation itself is the increment, to third order.
-    const Vector3d turned = strapdown::quaternion_log(strapdown::quaternion_product(back, motion.attitude(cycle + 2 * dt)));
+    const Vector3d turned =
+        strapdown::quaternion_log(strapdown::quaternion_product(back, motion.attitude(cycle + 2 * dt)));
     const Vector3d increment = motion.increments(cycle, 4 * dt / 4.0).omega_ib_b;
     CHECK((turned - increment).norm() < 1e-6 * increment.norm());
   }
@@ -86,7 +87,8 @@ TEST_CASE("coning: the rates are those of the attitude, by differences", "[conin
 }
 
 TEST_CASE("coning: increments add up whatever they are cut into, and labels are to the nanosecond", "[coning]") {
-  json parameters{{"frequency", 7}, {"interval", 0.01}, {"duration", 2}, {"truth_rate", 0}, {"acceleration", {1, 2, 3}}};
+  json parameters{
+      {"frequency", 7}, {"interval", 0.01}, {"duration", 2}, {"truth_rate", 0}, {"acceleration", {1, 2, 3}}};
   const auto whole = all_of(parameters);
   parameters["samples"] = 3;
   const auto thirds = all_of(parameters);
@@ -128,12 +130,9 @@ TEST_CASE("coning: an hour later the phase has its digits still", "[coning]") {
 }
 
 TEST_CASE("coning: on the earth the mechanization finds truth again", "[coning]") {
-  const json parameters{{"frequency", 5},
-                        {"interval", 0.0005},
-                        {"duration", 2},
-                        {"acceleration", {3, -2, 4}},
-                        {"phase", 0.7},
-                        {"place", {{"lat", 0.7}, {"lon", 2.2}, {"height", 100}}}};
+  const json parameters{{"frequency", 5}, {"interval", 0.0005},
+                        {"duration", 2},  {"acceleration", {3, -2, 4}},
+                        {"phase", 0.7},   {"place", {{"lat", 0.7}, {"lon", 2.2}, {"height", 100}}}};
   const auto samples = all_of(parameters);
   REQUIRE(samples[0].channel == ConingSimulator::truth);
   strapdown::Navigation nav{{samples[0].fields[0], samples[0].fields[1], samples[0].fields[2]},

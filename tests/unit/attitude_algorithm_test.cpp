@@ -117,7 +117,8 @@ double off(const Vector3d& is, const Vector3d& should) { return (is - should).no
 
 }  // namespace
 
-TEST_CASE("error constants by the lag expression are 960, 204120, 82575360; the paper's 725760 is wrong", "[attitude]") {
+TEST_CASE("error constants by the lag expression are 960, 204120, 82575360; the paper's 725760 is wrong",
+          "[attitude]") {
   // e(x) = −x^p/K (1 + O(x²))
   const Real x = Real(1) / 1000;
   const auto constant = [&](int samples, int power) {
@@ -144,8 +145,8 @@ TEST_CASE("the library's own update has these constants, on a tiny cone in fifty
     const Vector4<Real> computed = quaternion<Real>(phi);
     const Vector4<Real> back{computed[0], -computed[1], -computed[2], -computed[3]};
     const Real wide = sin(cone) * sin(x / 2);
-    const Vector4<Real> exact{1 - 2 * half * half * sin(x / 2) * sin(x / 2), -half * half * sin(x),
-                              -wide * sin(x / 2), wide * cos(x / 2)};
+    const Vector4<Real> exact{1 - 2 * half * half * sin(x / 2) * sin(x / 2), -half * half * sin(x), -wide * sin(x / 2),
+                              wide * cos(x / 2)};
     const Real error = 2 * product<Real>(exact, back)[1] / (cone * cone);
     INFO(samples << " samples: " << static_cast<double>(pow(x, power) / error));
     CHECK(std::abs(static_cast<double>(pow(x, power) / abs(error)) / expected - 1) < 1e-3);
@@ -154,7 +155,8 @@ TEST_CASE("the library's own update has these constants, on a tiny cone in fifty
   }
 }
 
-TEST_CASE("polynomial forms are exact to second order for rates of their degree, the Bortz equation says", "[attitude]") {
+TEST_CASE("polynomial forms are exact to second order for rates of their degree, the Bortz equation says",
+          "[attitude]") {
   std::mt19937 random(1);
   for (int samples = 1; samples <= most_samples; ++samples)
     for (int trial = 0; trial < 5; ++trial) {
@@ -170,7 +172,8 @@ TEST_CASE("polynomial forms are exact to second order for rates of their degree,
       CHECK(off(u, exact.u) < 1e-6);
       if (samples < 3) continue;
       // The coning form is another thing.
-      const Vector3d coning = rotation_vector<double>(in.theta, pair_weights<double>(samples, Form::coning)) - in.sum_theta;
+      const Vector3d coning =
+          rotation_vector<double>(in.theta, pair_weights<double>(samples, Form::coning)) - in.sum_theta;
       CHECK(off(coning, exact.phi) > 1e-4);
     }
 }
@@ -289,7 +292,9 @@ TEST_CASE("quaternions: exact to the last digits, and truncated where they are t
 TEST_CASE("an update turns the body by phi and the axes by what they turned", "[attitude]") {
   const Eigen::Vector4d q = Eigen::Vector4d(0.5, -0.3, 0.7, 0.4).normalized();
   const Vector3d phi(0.02, -0.01, 0.03), frame(0.001, 0.002, -0.003);
-  const auto matrix = [](const Eigen::Vector4d& p) { return Eigen::Quaterniond(p[0], p[1], p[2], p[3]).toRotationMatrix(); };
+  const auto matrix = [](const Eigen::Vector4d& p) {
+    return Eigen::Quaterniond(p[0], p[1], p[2], p[3]).toRotationMatrix();
+  };
   const auto turn = [](const Vector3d& v) { return Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix(); };
   const Update exact, single{Precision::float_, {}};
   CHECK((matrix(exact(q, phi)) - matrix(q) * turn(phi)).norm() < 1e-15);

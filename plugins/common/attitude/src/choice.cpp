@@ -22,7 +22,8 @@ Truncation read_truncation(const std::string& text) {
 ParameterSpec choice_parameter() {
   using namespace parameter;
   auto samples = integer("samples").at_least(1).at_most(most_samples);
-  samples.text = "gyro samples of an update; must be 'samples_per_step'. Without it: one by one, however many a step has";
+  samples.text =
+      "gyro samples of an update; must be 'samples_per_step'. Without it: one by one, however many a step has";
   return object("attitude",
                 {std::move(samples),
                  choice("form", {"coning", "polynomial"})
@@ -36,7 +37,8 @@ ParameterSpec choice_parameter() {
                      .about("in which rotation vector and quaternion are computed"),
                  choice("truncation", {"exact", "power_2", "power_4", "power_5", "terms_2", "terms_4", "terms_5"})
                      .defaults("\"exact\"")
-                     .about("of the update quaternion's series: the highest power of the angle kept, or terms of each")})
+                     .about(
+                         "of the update quaternion's series: the highest power of the angle kept, or terms of each")})
       .defaults("{}")
       .about("algorithm of the attitude update");
 }

@@ -68,7 +68,8 @@ class Algorithm {
     if (choice_.update.precision == Precision::double_) return rotation_vector<double>(theta, weights.pairs);
     std::array<Eigen::Vector3f, most_samples> single;
     for (std::size_t i = 0; i < theta.size(); ++i) single[i] = theta[i].cast<float>();
-    return rotation_vector<float>(std::span(single).first(theta.size()), in_float(theta.size(), weights)).cast<double>();
+    return rotation_vector<float>(std::span(single).first(theta.size()), in_float(theta.size(), weights))
+        .cast<double>();
   }
   /// φ of one increment over `length`, and of the mean rate ω₀ of its neighbour over `neighbour`: rates on a line.
   Eigen::Vector3d rotation(const Eigen::Vector3d& theta, double length, const Eigen::Vector3d& omega_0,

@@ -36,8 +36,13 @@ Scalar alternating(const Scalar& x, int terms) {
   constexpr auto divisor = [](int k) { return (2 * k - 1 + first) * (2 * k + first); };
   Scalar sum(1);
   if constexpr (std::is_floating_point_v<Scalar>) {
-    constexpr Scalar factor[] = {0, Scalar(1) / divisor(1), Scalar(1) / divisor(2), Scalar(1) / divisor(3),
-                                 Scalar(1) / divisor(4), Scalar(1) / divisor(5), Scalar(1) / divisor(6)};
+    constexpr Scalar factor[] = {0,
+                                 Scalar(1) / divisor(1),
+                                 Scalar(1) / divisor(2),
+                                 Scalar(1) / divisor(3),
+                                 Scalar(1) / divisor(4),
+                                 Scalar(1) / divisor(5),
+                                 Scalar(1) / divisor(6)};
     for (int k = terms - 1; k > 0; --k) sum = Scalar(1) - sum * (x * factor[k]);
   } else {
     for (int k = terms - 1; k > 0; --k) sum = Scalar(1) - sum * x / Scalar(divisor(k));
@@ -46,7 +51,9 @@ Scalar alternating(const Scalar& x, int terms) {
 }
 
 template <class Scalar>
-constexpr int terms_below_half = std::is_same_v<Scalar, float> ? 4 : std::is_same_v<Scalar, double> ? 7 : 0;
+constexpr int terms_below_half = std::is_same_v<Scalar, float>    ? 4
+                                 : std::is_same_v<Scalar, double> ? 7
+                                                                  : 0;
 
 }  // namespace detail
 
@@ -56,7 +63,8 @@ Vector4<Scalar> quaternion(const Vector3<Scalar>& phi, Truncation truncation = {
   using std::cos, std::sin, std::sqrt;
   const Scalar x = phi.squaredNorm() / Scalar(4);  // (φ/2)²
   Scalar cosine(1), sinc(1);
-  if (truncation.is_exact() && x < Scalar(0.0625)) truncation = Truncation::after_terms(detail::terms_below_half<Scalar>);
+  if (truncation.is_exact() && x < Scalar(0.0625))
+    truncation = Truncation::after_terms(detail::terms_below_half<Scalar>);
   if (!truncation.is_exact()) {
     cosine = detail::alternating<Scalar, 0>(x, truncation.cosine_terms);
     sinc = detail::alternating<Scalar, 1>(x, truncation.sine_terms);
