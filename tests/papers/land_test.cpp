@@ -41,9 +41,12 @@ double mean(const ordered_json& summary, const std::string& variant, const std::
 // the constraints and not the mechanization that make them. The mean over few runs scatters; configs/land/README.md has all.
 TEST_CASE("paper 001, table 1 and figures 8 to 12, with 5 runs at 50 Hz, +0 and +30 mrad") {
   const ordered_json summary =
-      study("table1.json", "--runs 5 --set /sources/van/imu_rate=50 --set '/study/dimensions/added={\"+0\": {}, "
-                           "\"+30\": {\"transforms\": {\"imu\": {\"yaw\": \"-30 mrad\"}}}}'");
-  const auto horizontal = [&](const std::string& variant) { return mean(summary, variant, "position.horizontal/mean"); };
+      study("table1.json",
+            "--runs 5 --set /sources/van/imu_rate=50 --set '/study/dimensions/added={\"+0\": {}, "
+            "\"+30\": {\"transforms\": {\"imu\": {\"yaw\": \"-30 mrad\"}}}}'");
+  const auto horizontal = [&](const std::string& variant) {
+    return mean(summary, variant, "position.horizontal/mean");
+  };
   const auto height = [&](const std::string& variant) { return mean(summary, variant, "position.height/mean"); };
   const double with = horizontal("nhc mis +0");
   CHECK(with <= 0.4 * horizontal("zupt"));
