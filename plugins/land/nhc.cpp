@@ -25,8 +25,10 @@ ComponentSpec Nhc::spec() {
           .required()
           .about("standard deviation of the true velocity to the right (y) and down (z)"),
       parameter::choice("axes", {"yz", "y", "z"}).defaults("\"yz\"").about("which of the two are constrained"),
-      parameter::number("angle", "rad").at_least(0).defaults("0").about(
-          "deviation of the direction of travel from x; adds (angle * speed)^2 to both variances"),
+      parameter::number("angle", "rad")
+          .at_least(0)
+          .defaults("0")
+          .about("deviation of the direction of travel from x; adds (angle * speed)^2 to both variances"),
       parameter::number("slip", "rad*s^2/m")
           .at_least(0)
           .defaults("0")
@@ -73,7 +75,8 @@ Result Nhc::linearize(const SampleView& sample, const SampleView* /*auxiliary*/,
     if (!context.drive || !vector_at<3>(context.drive).allFinite())
       return Result::unsupported("the angular rate is not known");
     turn_rate = vector_at<3>(context.drive).norm();
-    if (max_turn_rate_ && turn_rate > *max_turn_rate_) return Result::unsupported("turning faster than 'max_turn_rate'");
+    if (max_turn_rate_ && turn_rate > *max_turn_rate_)
+      return Result::unsupported("turning faster than 'max_turn_rate'");
   }
 
   Eigen::Vector2d variance = sigma_.cwiseAbs2().array() + squared(angle_ * speed);

@@ -29,12 +29,12 @@ class Nhc final : public MeasurementModel {
   VehicleVelocity velocity_;
   Spacing spacing_;
   MeasurementDeclaration declaration_;
-  Eigen::Vector2d sigma_;         // m/s: y, z
-  double angle_;                  // rad
-  double slip_;                   // rad per m/s²
-  double min_speed_;              // m/s
+  Eigen::Vector2d sigma_;                // m/s: y, z
+  double angle_;                         // rad
+  double slip_;                          // rad per m/s²
+  double min_speed_;                     // m/s
   std::optional<double> max_turn_rate_;  // rad/s
-  int first_, rows_;              // of the rows y, z
+  int first_, rows_;                     // of the rows y, z
 };
 
 }  // namespace binnacle::land

@@ -18,7 +18,8 @@ enum Port { velocity, attitude, misalignment };
 
 std::vector<PortSpec> VehicleVelocity::ports() {
   return {reads("velocity", "velocity.ned", "of the point that does not slip: a lever_arm_velocity to the rear axle"),
-          reads("attitude", "attitude", "of the vehicle as it is thought to be: a mounted_attitude unless the IMU's axes are its"),
+          reads("attitude", "attitude",
+                "of the vehicle as it is thought to be: a mounted_attitude unless the IMU's axes are its"),
           may_read("misalignment", "vector:*:rad",
                    "zeta of paper 001 (5), vehicle axes: x y z, or two components y z")};
 }

@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 enum Port { gyro_bias, attitude, position };
 
 FieldSpec rate(std::string name) {
-  return {std::move(name), "rad/s", FieldKind::rate, false, false, "mean angular rate against inertial space, body axes"};
+  return {std::move(name), "rad/s", FieldKind::rate,
+          false,           false,   "mean angular rate against inertial space, body axes"};
 }
 
 }  // namespace

@@ -21,8 +21,7 @@ ComponentSpec Zupt::spec() {
   return spec;
 }
 
-Zupt::Zupt(const Binding& binding)
-    : spacing_(binding), variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
+Zupt::Zupt(const Binding& binding) : spacing_(binding), variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
   declaration_.max_rows = 3;
   declaration_.reads = {0};
   declaration_.groups = {{"velocity", 0, 3, "m/s", 0}};

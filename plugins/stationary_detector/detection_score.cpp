@@ -18,16 +18,17 @@ FieldSpec duration(const char* name, const char* text) { return {name, "s", Fiel
 }  // namespace
 
 struct DetectionScore::Memory {
-  Time t;            // counted until then; no_time: no truth yet
-  double truth;      // 1 or 0, what it was then
-  double detected;   // 1 or 0; −1: nothing yet
+  Time t;                                  // counted until then; no_time: no truth yet
+  double truth;                            // 1 or 0, what it was then
+  double detected;                         // 1 or 0; −1: nothing yet
   double missed, wrong, standing, moving;  // s
 };
 
 ComponentSpec DetectionScore::spec() {
   ComponentSpec spec;
   spec.type = "detection_score";
-  spec.summary = "For how many seconds a detector missed that the vehicle stood, and told that it stood when it did not.";
+  spec.summary =
+      "For how many seconds a detector missed that the vehicle stood, and told that it stood when it did not.";
   spec.parameters = {parameter::time("after").defaults("0").about("what was before this time does not count")};
   spec.inputs = {{"detected", {standing("1 where the detector says so")}, false, "a detector's channel state"},
                  {"truth", {standing("1 where it is so")}, false, "what was; sets the resolution in time"}};

@@ -15,8 +15,8 @@ struct WindowSettings {
 };
 
 struct WindowFigures {
-  Eigen::Vector3d mean_rate;       // rad/s, of the low-passed angular rate
-  double force_variance = 0;       // (m/s²)², of the low-passed specific force's length
+  Eigen::Vector3d mean_rate;  // rad/s, of the low-passed angular rate
+  double force_variance = 0;  // (m/s²)², of the low-passed specific force's length
 };
 
 /// Samples of any rate are kept as sums over parts of the window, so its size does not depend on the rate; it moves on
@@ -37,9 +37,9 @@ class MotionWindow {
  private:
   static constexpr int axes = 6;
   struct Part {
-    double time;      // s
-    double rate[3];   // ∫ dt
-    double force;     // ∫ (|f| − g₀) dt
+    double time;     // s
+    double rate[3];  // ∫ dt
+    double force;    // ∫ (|f| − g₀) dt
     double force_squared;
   };
 

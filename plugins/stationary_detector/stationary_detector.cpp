@@ -39,13 +39,13 @@ ChannelDeclaration channel(std::string name, std::vector<FieldSpec> fields, doub
 /// All that it remembers; plain memory in the kernel's arena.
 struct StationaryDetector::Memory {
   MotionWindow window;
-  Time t;                      // end of the last sample; no_time: none yet
+  Time t;  // end of the last sample; no_time: none yet
   State state;
-  double still, not_still;     // s, for how long the window has looked so
-  Time since;                  // begin of the interval that is being averaged for the next sample of a channel
-  double averaged;             // s
-  double rate[3], force[3];    // ∫ dt over it
-  double gyro_bias[3];         // rad/s, the latest
+  double still, not_still;   // s, for how long the window has looked so
+  Time since;                // begin of the interval that is being averaged for the next sample of a channel
+  double averaged;           // s
+  double rate[3], force[3];  // ∫ dt over it
+  double gyro_bias[3];       // rad/s, the latest
 
   void forget() {
     window.clear();
@@ -69,7 +69,8 @@ ComponentSpec StationaryDetector::spec() {
   spec.source = "paper 001, section 3 and figure 4, equations (11) and (12)";
   spec.parameters = {
       number("cutoff", "Hz").above(0).at_most(1000).defaults("2").about("of the low-pass filter, -3 dB"),
-      time("window").at_least(0.01).at_most(60).defaults("\"1 s\"").about("over which rates are averaged and the force's variance is taken"),
+      time("window").at_least(0.01).at_most(60).defaults("\"1 s\"").about(
+          "over which rates are averaged and the force's variance is taken"),
       number("rate_threshold", "rad/s")
           .above(0)
           .defaults("\"0.02 deg/s\"")
@@ -104,7 +105,8 @@ StationaryDetector::StationaryDetector(const Binding& binding) {
   const char* mean = "mean over the interval that the statement is about";
   channels_ = {channel("standing", imu_fields(mean), 2 * settings_.standing_period),
                channel("moving", imu_fields(mean), 2 * settings_.moving_period),
-               channel("state", {{"standing", "1", FieldKind::level, false, false, "1 while it stands, 0 while it moves"}}, 0)};
+               channel("state",
+                       {{"standing", "1", FieldKind::level, false, false, "1 while it stands, 0 while it moves"}}, 0)};
 }
 
 std::size_t StationaryDetector::memory_bytes() const noexcept { return sizeof(Memory); }

@@ -11,9 +11,9 @@ namespace binnacle::stationary_detector {
 
 struct Settings {
   WindowSettings window;
-  double rate_threshold = 0;            // rad/s
-  double specific_force_variance = 0;   // (m/s²)²
-  double on = 0, off = 0;               // s
+  double rate_threshold = 0;           // rad/s
+  double specific_force_variance = 0;  // (m/s²)²
+  double on = 0, off = 0;              // s
   Time max_gap = 0;
   double standing_period = 0, moving_period = 0;  // s
 };

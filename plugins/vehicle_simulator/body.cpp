@@ -31,7 +31,8 @@ Body::Body(const BodyModel& model, const std::vector<Segment>& segments)
       has_arm_(!model.arm.isZero(0.0)),
       is_mounted_(!model.nominal.isIdentity(0.0) || !model.misalignment.isZero(0.0) ||
                   !model.misalignment_sigma.isZero(0.0)),
-      shakes_(model.standing.accel > 0 || model.standing.rate > 0 || model.driving.accel > 0 || model.driving.rate > 0) {
+      shakes_(model.standing.accel > 0 || model.standing.rate > 0 || model.driving.accel > 0 ||
+              model.driving.rate > 0) {
   is_plain_ = ride_.is_still() && !has_arm_ && !is_mounted_ && !shakes_;
 }
 

@@ -20,11 +20,11 @@ struct Shaking {
 struct BodyModel {
   RideModel ride;
   Shaking standing, driving;
-  double shaking_frequency = 25;                                     // Hz
-  Eigen::Vector3d arm = Eigen::Vector3d::Zero();                     // m, vehicle axes, from the path's point to the IMU
-  Eigen::Matrix3d nominal = Eigen::Matrix3d::Identity();             // M: IMU to vehicle axes, as it is thought to be
-  Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();            // rad, ζ: C_v^b = Mᵀ exp(−[ζ×])
-  Eigen::Vector3d misalignment_sigma = Eigen::Vector3d::Zero();      // rad, drawn once a run and added to it
+  double shaking_frequency = 25;                                 // Hz
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();                 // m, vehicle axes, from the path's point to the IMU
+  Eigen::Matrix3d nominal = Eigen::Matrix3d::Identity();         // M: IMU to vehicle axes, as it is thought to be
+  Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();        // rad, ζ: C_v^b = Mᵀ exp(−[ζ×])
+  Eigen::Vector3d misalignment_sigma = Eigen::Vector3d::Zero();  // rad, drawn once a run and added to it
 };
 
 /// Plain memory.
@@ -49,8 +49,8 @@ class Body {
   BodyMemory start(std::uint64_t seed) const;
   ImuMotion motion(const Trajectory& trajectory, double t, BodyMemory& memory) const;
   /// ∫ ω_ib_b dt and ∫ f_b dt over [t0, t1]. What the arm adds to f is ω̇ × l + ω × (ω × l) in vehicle axes, and the
-  /// difference of gravity by height. The shaking is a small motion about the sensor that is felt and not told: 0.3 m/s² at 25 Hz
-  /// are 12 µm.
+  /// difference of gravity by height. The shaking is a small motion about the sensor that is felt and not told:
+  /// 0.3 m/s² at 25 Hz are 12 µm.
   Inertial increments(const Trajectory& trajectory, double t0, double t1, BodyMemory& memory) const;
 
  private:

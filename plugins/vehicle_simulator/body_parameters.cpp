@@ -30,8 +30,10 @@ std::vector<ParameterSpec> ride_members() {
           size("roll", "rad", "jitter about the path's slope and lean, standard deviation at full speed"),
           size("pitch", "rad", "the same, nose up and down"),
           frequency("1.5", "at which sway, heave, roll and pitch are strongest"),
-          number("half_speed", "m/s").at_least(0.01).defaults("1").about(
-              "at speed v there is the share v / sqrt(v^2 + half_speed^2) of them")};
+          number("half_speed", "m/s")
+              .at_least(0.01)
+              .defaults("1")
+              .about("at speed v there is the share v / sqrt(v^2 + half_speed^2) of them")};
 }
 
 std::vector<ParameterSpec> boarding_members() {
@@ -78,13 +80,14 @@ Shaking read_shaking(const Parameters& parameters) { return {parameters.number("
 }  // namespace
 
 std::vector<ParameterSpec> body_parameters() {
-  return {object("ride", ride_members()).defaults("{}").about("how the body moves against the path; nothing unless given"),
-          object("boarding", boarding_members()).defaults("{}").about("people who get in and out at stops"),
-          object("shaking", shaking_members()).defaults("{}").about("vibration that the sensor feels; none unless given"),
-          vector("arm", "m", 3)
-              .defaults("[0, 0, 0]")
-              .about("from the point that follows the path, such as the rear axle, to the IMU: vehicle axes"),
-          object("mounting", mounting_members()).defaults("{}").about("how the IMU's axes lie in the vehicle")};
+  return {
+      object("ride", ride_members()).defaults("{}").about("how the body moves against the path; nothing unless given"),
+      object("boarding", boarding_members()).defaults("{}").about("people who get in and out at stops"),
+      object("shaking", shaking_members()).defaults("{}").about("vibration that the sensor feels; none unless given"),
+      vector("arm", "m", 3)
+          .defaults("[0, 0, 0]")
+          .about("from the point that follows the path, such as the rear axle, to the IMU: vehicle axes"),
+      object("mounting", mounting_members()).defaults("{}").about("how the IMU's axes lie in the vehicle")};
 }
 
 BodyModel read_body(const Parameters& parameters) {

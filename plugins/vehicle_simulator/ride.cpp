@@ -42,18 +42,18 @@ Jet jet(const SplineNoise::Value& noise, double size) {
 
 /// Moves the point by `forward`, `right` and `down` [m] from the path, whose heading turns meanwhile.
 void move(const Jet& forward, const Jet& right, const Jet& down, const Course& course, Motion& motion) {
-  const Vector3d e_forward{course.heading.cos, course.heading.sin, 0}, e_right{-course.heading.sin, course.heading.cos, 0};
+  const Vector3d e_forward{course.heading.cos, course.heading.sin, 0},
+      e_right{-course.heading.sin, course.heading.cos, 0};
   const Vector3d e_down{0, 0, 1};
   // ė_right = −ψ̇ e_forward, ė_forward = ψ̇ e_right.
   const double turn = course.turn_rate, turn2 = turn * turn, bend = course.turn_acceleration;
-  motion.lla = strapdown::position_plus(motion.lla,
-                                        forward.value * e_forward + right.value * e_right + down.value * e_down);
+  motion.lla =
+      strapdown::position_plus(motion.lla, forward.value * e_forward + right.value * e_right + down.value * e_down);
   motion.v_n += (forward.first - right.value * turn) * e_forward + (right.first + forward.value * turn) * e_right +
                 down.first * e_down;
-  motion.dv_n +=
-      (forward.second - forward.value * turn2 - 2 * right.first * turn - right.value * bend) * e_forward +
-      (right.second - right.value * turn2 + 2 * forward.first * turn + forward.value * bend) * e_right +
-      down.second * e_down;
+  motion.dv_n += (forward.second - forward.value * turn2 - 2 * right.first * turn - right.value * bend) * e_forward +
+                 (right.second - right.value * turn2 + 2 * forward.first * turn + forward.value * bend) * e_right +
+                 down.second * e_down;
 }
 
 /// 64 τ³(1 − τ)³ over [begin, begin + duration].
@@ -138,8 +138,8 @@ void Ride::lean(double t, const Course& course, Motion& motion, RideMemory& memo
 }
 
 void Ride::board(double t, Motion& motion, RideMemory& memory) const {
-  const auto after =
-      std::upper_bound(stops_.begin(), stops_.end(), t, [](double time, const Stop& stop) { return time < stop.begin; });
+  const auto after = std::upper_bound(stops_.begin(), stops_.end(), t,
+                                      [](double time, const Stop& stop) { return time < stop.begin; });
   if (after == stops_.begin()) return;
   const Stop& stop = *(after - 1);
   const double slot = std::floor((t - stop.begin) / model_.boarding_every);
@@ -149,8 +149,8 @@ void Ride::board(double t, Motion& motion, RideMemory& memory) const {
     random::Philox stream = memory.boarding;
     stream.discard(draws_apart * static_cast<std::uint64_t>(event));
     const double uniform = static_cast<double>(stream() >> 11) * 0x1p-53;
-    memory.event_begin = stop.begin + slot * model_.boarding_every +
-                         uniform * (model_.boarding_every - model_.boarding_duration);
+    memory.event_begin =
+        stop.begin + slot * model_.boarding_every + uniform * (model_.boarding_every - model_.boarding_duration);
     memory.event_size[0] = model_.boarding_heave * random::normal(stream);
     memory.event_size[1] = model_.boarding_roll * random::normal(stream);
     memory.event_size[2] = model_.boarding_pitch * random::normal(stream);

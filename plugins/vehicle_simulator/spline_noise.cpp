@@ -29,8 +29,9 @@ struct Basis {
 
 Basis basis(double u) {
   // Coefficients of 1, u, …, u⁵ (C. de Boor, A Practical Guide to Splines, chapter IX, for equally spaced knots).
-  static constexpr double c[order][order] = {{1, -5, 10, -10, 5, -1},   {26, -50, 20, 20, -20, 5}, {66, 0, -60, 0, 30, -10},
-                                             {26, 50, 20, -20, -20, 10}, {1, 5, 10, 10, 5, -5},     {0, 0, 0, 0, 0, 1}};
+  static constexpr double c[order][order] = {{1, -5, 10, -10, 5, -1},  {26, -50, 20, 20, -20, 5},
+                                             {66, 0, -60, 0, 30, -10}, {26, 50, 20, -20, -20, 10},
+                                             {1, 5, 10, 10, 5, -5},    {0, 0, 0, 0, 0, 1}};
   Basis b;
   for (std::size_t i = 0; i < order; ++i) {
     const double* p = c[i];

@@ -17,8 +17,8 @@ struct SplineMemory {
 };
 
 /// D(t) = a Σ c_k B(t/h − k), B the quintic B-spline and c_k ~ N(0, 1) drawn by their number k: Gaussian, four times
-/// differentiable. a makes the standard deviation of D′ one. D′ has no mean, its density is greatest at 0.2214/h, and values
-/// of it that lie 6h apart are independent: at that spacing it is white noise to the letter.
+/// differentiable. a makes the standard deviation of D′ one. D′ has no mean, its density is greatest at 0.2214/h, and
+/// values of it that lie 6h apart are independent: at that spacing it is white noise to the letter.
 class SplineNoise {
  public:
   struct Value {

@@ -26,7 +26,7 @@ echo
 echo "| outages | end error, horizontal, m |"
 echo "|---|---|"
 run outages | awk '
-  $1 ~ /^(long_drive|parkinglot|medium_turn_loop|mixed_turns|stop_go)$/ && NF == 6 {
+  $1 ~ /^(long_drive|parkinglot|medium_turn_loop|mixed_turns|stop_go)$/ && NF == 8 {
     if (!($1 in list)) order[++drives] = $1
     list[$1] = list[$1] sprintf(" %.1f", $3); value[++n] = $3; sum += $3
     if ($1 " " $2 == "mixed_turns 436") faulty = $3

@@ -37,24 +37,28 @@ double mean(const ordered_json& summary, const std::string& variant, const std::
 
 }  // namespace
 
-// The samples of 200 Hz and the ten runs of the config take minutes; at 50 Hz the errors are the same, for it is the constraints
-// and not the mechanization that make them.
-TEST_CASE("paper 001, table 1 and figures 8 to 12, with 4 runs at 50 Hz") {
-  const ordered_json summary = study("table1.json", "--runs 4 --set /sources/van/imu_rate=50");
-  const auto horizontal = [&](const std::string& variant) { return mean(summary, variant, "position.horizontal/mean"); };
+// The config's ten runs of seven variants at 200 Hz take minutes: five of five here, at 50 Hz, where the errors are the same, for it is
+// the constraints and not the mechanization that make them. The mean over few runs scatters; configs/land/README.md has all.
+TEST_CASE("paper 001, table 1 and figures 8 to 12, with 5 runs at 50 Hz, +0 and +30 mrad") {
+  const ordered_json summary =
+      study("table1.json",
+            "--runs 5 --set /sources/van/imu_rate=50 --set '/study/dimensions/added={\"+0\": {}, "
+            "\"+30\": {\"transforms\": {\"imu\": {\"yaw\": \"-30 mrad\"}}}}'");
+  const auto horizontal = [&](const std::string& variant) {
+    return mean(summary, variant, "position.horizontal/mean");
+  };
   const auto height = [&](const std::string& variant) { return mean(summary, variant, "position.height/mean"); };
   const double with = horizontal("nhc mis +0");
   CHECK(with <= 0.4 * horizontal("zupt"));
   CHECK(with <= 1.1 * horizontal("nhc +0"));
-  for (const char* added : {"nhc mis +10", "nhc mis +30"}) CHECK(std::abs(horizontal(added) / with - 1) <= 0.1);
+  CHECK(std::abs(horizontal("nhc mis +30") / with - 1) <= 0.1);
   CHECK(horizontal("nhc +30") >= 2 * horizontal("zupt"));
   CHECK(horizontal("nhc +30") >= 8 * with);
-  CHECK(horizontal("nhc +10") > horizontal("nhc +0"));
   CHECK(height("nhc +0") >= 8 * height("zupt"));
   CHECK(height("nhc mis +0") <= 1.1 * height("zupt"));
   CHECK(height("nhc mis +0") <= 6);
-  for (const char* variant : {"nhc mis +0", "nhc mis +10", "nhc mis +30"}) {
-    // Truth minus estimate, in mrad; the truth is -10.7 about y and 1, 11, 31 about z.
+  for (const char* variant : {"nhc mis +0", "nhc mis +30"}) {
+    // Truth minus estimate, in mrad; the truth is -10.7 about y and 1, 31 about z.
     CHECK(std::abs(mean(summary, variant, "misalignment.y/final")) <= 0.3);
     CHECK(std::abs(mean(summary, variant, "misalignment.z/final")) <= 0.5);
   }
@@ -64,8 +68,8 @@ TEST_CASE("paper 001, table 1 and figures 8 to 12, with 4 runs at 50 Hz") {
   for (const auto& [variant, entry] : summary.at("variants").items()) CHECK(entry.at("failed") == 0);
 }
 
-TEST_CASE("paper 001, NEES and NIS where the model is the truth, with 40 runs") {
-  const ordered_json summary = study("matched.json", "--runs 40");
+TEST_CASE("paper 001, NEES and NIS where the model is the truth, with 30 runs") {
+  const ordered_json summary = study("matched.json", "--runs 30");
   const auto& metrics = summary.at("variants").at("base").at("metrics");
   int held = 0;
   for (const auto& [name, figures] : metrics.items()) {

@@ -72,8 +72,7 @@ TEST_CASE("nhc: Jacobians, with and without the misalignment, all axes and one")
       INFO(axes << ", " << (zeta ? zeta->declaration().kind : "no misalignment"));
       const auto model = bind<Nhc>({{{"sigma", {0.2, 0.3}}, {"axes", axes}}, bench.with(zeta), {}});
       REQUIRE(model->declaration().reads.size() == (zeta ? 3 : 2));
-      REQUIRE_NO_COMPLAINTS(
-          check_measurement(*model, Nhc::spec(), at(1), bench.askew(zeta), {}, {1e-8}, 1e-13));
+      REQUIRE_NO_COMPLAINTS(check_measurement(*model, Nhc::spec(), at(1), bench.askew(zeta), {}, {1e-8}, 1e-13));
     }
 }
 
@@ -194,15 +193,14 @@ TEST_CASE("zero rate: Jacobians, and a gyroscope at rest feels the earth and its
                          {&bench.position, numbers(lla), 1e4, 4e-9}};
   const std::vector<double> fields = numbers(omega);
   REQUIRE(measured(*model, at(1, fields), ports).residual.norm() < 1e-18);
-  REQUIRE_NO_COMPLAINTS(
-      check_measurement(*model, ZeroRate::spec(), at(1, fields), ports, {}, {1e-5}, 1e-19));
+  REQUIRE_NO_COMPLAINTS(check_measurement(*model, ZeroRate::spec(), at(1, fields), ports, {}, {1e-5}, 1e-19));
 
   const auto coarse = bind<ZeroRate>({{{"sigma", 1e-5}}, {{"gyro_bias", &bench.bias}}, {}});
   const Measured without = measured(*coarse, at(1, fields), {ports[0], {}, {}});
   REQUIRE((without.residual - (omega - bias)).norm() < 1e-18);
-  REQUIRE_THROWS_AS(
-      bind<ZeroRate>({{{"sigma", 1e-5}}, {{"gyro_bias", &bench.bias}, {"attitude", &bench.attitude}}, {}}),
-      ComponentError);
+  REQUIRE_THROWS_AS(bind<ZeroRate>(
+                        {{{"sigma", 1e-5}}, {{"gyro_bias", &bench.bias}, {"attitude", &bench.attitude}}, {}}),
+                    ComponentError);
   const std::vector<double> bad{0, std::nan(""), 0};
   REQUIRE(measured(*model, at(1, bad), ports).result.verdict == Verdict::invalid);
 }
@@ -225,8 +223,10 @@ TEST_CASE("odometer: Jacobians, scale factor, refusals") {
   Ports plugged = bench.with(nullptr);
   plugged["scale"] = &bench.scale;
   const auto model = bind<Odometer>({{{"sigma", 0.1}, {"min_speed", 1.0}}, plugged, {}});
-  const PortStates ports{
-      {&bench.velocity, {0, 20, 0}}, {&bench.attitude, numbers(strapdown::quaternion_from_euler({0, 0, 90 * degree}))}, {}, {&bench.scale, {0.02}}};
+  const PortStates ports{{&bench.velocity, {0, 20, 0}},
+                         {&bench.attitude, numbers(strapdown::quaternion_from_euler({0, 0, 90 * degree}))},
+                         {},
+                         {&bench.scale, {0.02}}};
   const std::vector<double> z{20.4}, slow{0.5}, bad{std::nan("")};
   REQUIRE(std::abs(measured(*model, at(1, z), ports).residual[0]) < 1e-12);
   REQUIRE(measured(*model, at(1, slow), ports).result.verdict == Verdict::unsupported);

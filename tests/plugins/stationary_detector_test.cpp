@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin stationary_detector: delays on steps, the counter, vibration, holes, what the channels carry; the score.
-#include "../../plugins/stationary_detector/detection_score.hpp"
 #include "../../plugins/stationary_detector/stationary_detector.hpp"
+#include "../../plugins/stationary_detector/detection_score.hpp"
 
 #include <array>
 #include <cmath>

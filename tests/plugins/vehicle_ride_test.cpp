@@ -98,7 +98,8 @@ Json quiet_drive() {
 
 Json lively() {
   Json config = quiet_drive();
-  config["ride"] = {{"slip", 0.003}, {"sway", 0.03}, {"heave", 0.05}, {"rocking", 0.03}, {"roll", 2e-3}, {"pitch", 2e-3}};
+  config["ride"] = {{"slip", 0.003},   {"sway", 0.03}, {"heave", 0.05},
+                    {"rocking", 0.03}, {"roll", 2e-3}, {"pitch", 2e-3}};
   config["boarding"] = {{"every", 8}, {"heave", 5e-3}, {"roll", 3e-3}, {"pitch", 2e-3}};
   config["arm"] = {1.2, -0.4, -0.9};
   config["mounting"] = {{"yaw", "35 deg"}, {"roll", "-20 deg"}, {"misalignment", {2e-3, -10.7e-3, 1e-3}}};
@@ -154,7 +155,8 @@ TEST_CASE("ride: free of errors, a mechanization of the increments reproduces th
 
 TEST_CASE("ride: the path's point slides, heaves and rolls as asked for, and the truth says how the IMU is mounted") {
   Json config = quiet_drive();
-  config["segments"] = Json::parse(R"([{"do": "accelerate", "to": 15, "duration": 12}, {"do": "straight", "duration": 400},
+  config["segments"] =
+      Json::parse(R"([{"do": "accelerate", "to": 15, "duration": 12}, {"do": "straight", "duration": 400},
                                        {"do": "turn", "angle": "360 deg", "duration": 40}])");
   config["ride"] = {{"slip", 0.003}, {"sway", 0.03}, {"heave", 0.05}, {"roll", 2e-3}, {"pitch", 2e-3}};
   config["mounting"] = {{"misalignment", {0, -10.7e-3, 1e-3}}};
@@ -168,8 +170,7 @@ TEST_CASE("ride: the path's point slides, heaves and rolls as asked for, and the
     REQUIRE(truth.fields[standing] == (truth.fields[speed] == 0 ? 1 : 0));
     const Vector3d v = vehicle_velocity(truth, Matrix3d::Identity());
     const Matrix3d C_nb = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(truth.triple(angles)));
-    const Matrix3d C_nv =
-        C_nb * strapdown::dcm_from_quaternion(strapdown::quaternion_exp(-truth.triple(mount)));
+    const Matrix3d C_nv = C_nb * strapdown::dcm_from_quaternion(strapdown::quaternion_exp(-truth.triple(mount)));
     const Vector3d lean = strapdown::euler_from_quaternion(strapdown::quaternion_from_dcm(C_nv));
     if (t > 15 && t < 410) {
       ++straight;
@@ -237,7 +238,8 @@ TEST_CASE("ride: an engine shakes a standing van, the road a driving one, and ne
   Json config = quiet_drive();
   config["segments"] = Json::parse(R"([{"do": "still", "duration": 100}, {"do": "accelerate", "to": 20, "duration": 12},
                                        {"do": "straight", "duration": 100}])");
-  config["shaking"] = {{"standing", {{"accel", 0.1}, {"rate", 1e-3}}}, {"driving", {{"accel", 0.4}, {"rate", 4e-3}}},
+  config["shaking"] = {{"standing", {{"accel", 0.1}, {"rate", 1e-3}}},
+                       {"driving", {{"accel", 0.4}, {"rate", 4e-3}}},
                        {"frequency", 15}};
   double still[6] = {}, driving[6] = {}, sum[6] = {};
   int stood = 0, drove = 0;
