@@ -94,6 +94,7 @@ Result PvFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i)
       R.block<3, 3>(3 * i, 3 * j) = scale_ * (C_ne * sigma.block<3, 3>(3 * i, 3 * j) * C_ne.transpose());
+  R = (0.5 * (R + R.transpose())).eval();
   return Result::ok();
 }
 

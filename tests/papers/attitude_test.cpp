@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paper 002: the drift tables by `binnacle study`, held to the closed form in extended precision.
-#include <unistd.h>
-
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "../coning_drift.hpp"
 #include "catch.hpp"
+#include "study_of.hpp"
 
 namespace {
 
@@ -22,17 +16,7 @@ using nlohmann::ordered_json;
 
 /// The summary of a study of configs/attitude.
 ordered_json study(const std::string& config, const std::string& options) {
-  const auto file =
-      std::filesystem::temp_directory_path() / ("binnacle_attitude_" + std::to_string(::getpid()) + ".json");
-  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' study '" + BINNACLE_TEST_PROJECT +
-                              "/configs/attitude/" + config + "' " + options + " --jobs 2 --summary '" + file.string() +
-                              "' > /dev/null";
-  INFO(command);
-  REQUIRE(std::system(command.c_str()) == 0);
-  std::ifstream in(file);
-  auto summary = ordered_json::parse(in);
-  std::filesystem::remove(file);
-  return summary;
+  return papers::summary_of("study", "attitude/" + config, options + " --jobs 2");
 }
 
 /// Of "10 Hz 0.005 s 2 samples double".

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paper 000: Table 3 by `binnacle study`, and what must not work.
-#include <unistd.h>
-
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "catch.hpp"
+#include "study_of.hpp"
 
 namespace {
 
@@ -18,16 +12,7 @@ using nlohmann::ordered_json;
 
 /// The summary of a study of configs/transfer_alignment.
 ordered_json study(const std::string& config, const std::string& options) {
-  const auto file = std::filesystem::temp_directory_path() / ("binnacle_papers_" + std::to_string(::getpid()) + ".json");
-  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' study '" + BINNACLE_TEST_PROJECT +
-                              "/configs/transfer_alignment/" + config + "' " + options + " --jobs 2 --summary '" +
-                              file.string() + "' > /dev/null";
-  INFO(command);
-  REQUIRE(std::system(command.c_str()) == 0);
-  std::ifstream in(file);
-  auto summary = ordered_json::parse(in);
-  std::filesystem::remove(file);
-  return summary;
+  return papers::summary_of("study", "transfer_alignment/" + config, options + " --jobs 2");
 }
 
 struct Figure {
