@@ -28,6 +28,10 @@ RowMemory::Slot* RowMemory::slot_table(std::byte* memory) const noexcept {
   return reinterpret_cast<Slot*>(memory + sizeof(Head) + as_size(max_rows_) * sizeof(std::int64_t));
 }
 
+const RowMemory::Slot* RowMemory::slot_table(const std::byte* memory) const noexcept {
+  return reinterpret_cast<const Slot*>(memory + sizeof(Head) + as_size(max_rows_) * sizeof(std::int64_t));
+}
+
 double* RowMemory::values(std::byte* memory, int slot) const noexcept {
   return reinterpret_cast<double*>(memory + sizeof(Head) + as_size(max_rows_) * (sizeof(std::int64_t) + sizeof(Slot))) +
          as_size(slot) * as_size(values_);

@@ -38,8 +38,7 @@ class RowMemory {
     return static_cast<int>(std::clamp<std::int64_t>(stored, 0, max_rows_ - 1));
   }
   int group(const std::byte* memory, int row) const noexcept {
-    const Slot& entry = slot_table(const_cast<std::byte*>(memory))[slot(memory, row)];
-    return static_cast<int>(std::clamp<std::int64_t>(entry.group, 0, groups() - 1));
+    return static_cast<int>(std::clamp<std::int64_t>(slot_table(memory)[slot(memory, row)].group, 0, groups() - 1));
   }
   double* values(std::byte* memory, int slot) const noexcept;
   int slots() const noexcept { return max_rows_; }
@@ -56,6 +55,7 @@ class RowMemory {
     return reinterpret_cast<std::int64_t*>(memory + sizeof(Head));
   }
   Slot* slot_table(std::byte* memory) const noexcept;
+  const Slot* slot_table(const std::byte* memory) const noexcept;
   int find(int group, std::int64_t key, int hint, std::byte* memory) const noexcept;
 
   int max_rows_;

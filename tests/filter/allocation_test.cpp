@@ -57,3 +57,37 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
   REQUIRE(counts.before_start == 1);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 99);
 }
+
+TEST_CASE("a gate by key allocates nothing, with outliers to find and without") {
+  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
+  LoadOptions options;
+  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
+  Filter filter(Composition::parse(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "max_rows": 8, "fields": {
+      "key": {"unit": "1", "per_row": true}, "z": {"unit": "1", "per_row": true},
+      "slope": {"unit": "1", "per_row": true}, "variance": {"unit": "1", "per_row": true}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 2, "unit": "1", "sigma": 10}},
+      "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
+      "measurements": {"see": {"channel": "z", "gate": {"probability": 0.999, "by": "key"},
+        "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})",
+                                  "test.json", options));
+  const int channel = filter.channel("z");
+  double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1}, {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};
+  const auto offer = [&](Time t) {
+    SampleView sample;
+    sample.t = t;
+    sample.rows = 6;
+    sample.row_fields = &rows[0][0];
+    filter.push(channel, sample);
+  };
+  offer(0);
+  const long before = allocations;
+  for (Time s = 1; s < 50; ++s) {
+    rows[3][1] = s % 3 == 0 ? 500.0 : 5.0;
+    rows[1][1] = s % 6 == 0 ? -500.0 : 5.0;
+    offer(s * 1'000'000'000);
+  }
+  REQUIRE(allocations - before == 0);
+  REQUIRE(filter.counts(0, 0).rows_left_out == 2 * (16 + 8));
+}

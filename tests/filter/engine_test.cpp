@@ -485,3 +485,67 @@ TEST_CASE("a hole in the input is bridged with the rates held, and counted") {
   REQUIRE(filter.time(0) == 160 * ms);
   REQUIRE(filter.healthy(0));
 }
+
+namespace {
+
+/// `ins` with groups of `samples` for the attitude, from rates or from increments.
+Filter in_groups(int samples, bool of_increments) {
+  std::string text = ins;
+  const std::string key = R"("input": "imu",)";
+  const std::string n = std::to_string(samples);
+  text.insert(text.find(key) + key.size(), " \"samples_per_step\": " + n + ", \"attitude\": {\"samples\": " + n + "},");
+  const auto replace_all = [&](const std::string& from, const std::string& to) {
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+  };
+  if (of_increments) {
+    replace_all(R"("unit": "rad/s", "kind": "rate")", R"("unit": "rad", "kind": "increment")");
+    replace_all(R"("unit": "m/s^2", "kind": "rate")", R"("unit": "m/s", "kind": "increment")");
+  }
+  return compose(text);
+}
+
+/// A noisy swing at 100 Hz with samples from `first_lost` to `last_lost` missing.
+void swing(Filter& filter, int count, int first_lost, int last_lost, bool of_increments) {
+  std::mt19937 engine(7);
+  std::normal_distribution<double> normal;
+  const int imu = filter.channel("imu");
+  for (int i = 0; i < count; ++i) {
+    const double t = 0.01 * i, scale = of_increments ? 0.01 : 1.0;
+    double fields[6] = {0.3 * std::sin(2 * t) + 0.002 * normal(engine), 0.2 * std::cos(3 * t) + 0.002 * normal(engine),
+                        0.1 + 0.002 * normal(engine), 0.05 * normal(engine), 0.05 * normal(engine), -9.8 + 0.05 * normal(engine)};
+    for (double& field : fields) field *= scale;
+    if (i < first_lost || i > last_lost) filter.push(imu, i * 10 * ms, (i + 1) * 10 * ms, fields);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a hole in the input is bridged alone, wherever in a group of samples it falls") {
+  for (const bool of_increments : {false, true})
+    for (int place = 0; place < 4; ++place) {
+      CAPTURE(of_increments, place);
+      Filter one = in_groups(1, of_increments), four = in_groups(4, of_increments);
+      // 1000 samples less the lost ones are no multiple of four plus `place`: both end at the same time.
+      for (Filter* filter : {&one, &four}) swing(*filter, 1000, 500 + place, 559 + place, of_increments);
+      REQUIRE(four.healthy(0));
+      REQUIRE(one.time(0) - four.time(0) <= 30 * ms);
+      double a[3], b[3], u[3], v[3];
+      one.read(one.block("attitude"), a);
+      four.read(four.block("attitude"), b);
+      one.read(one.block("velocity"), u);
+      four.read(four.block("velocity"), v);
+      // At most three samples wait for their group: 0.3 rad/s and 0.1 m/s^2 of noise for 30 ms, and no more.
+      for (int i = 0; i < 3; ++i) REQUIRE(std::abs(a[i] - b[i]) < 0.012);
+      for (int i = 0; i < 3; ++i) REQUIRE(std::abs(u[i] - v[i]) < 0.12);
+    }
+}
+
+TEST_CASE("a hole inside the first group of increments is bridged by what came before it") {
+  for (const int samples : {1, 4}) {
+    CAPTURE(samples);
+    Filter filter = in_groups(samples, true);
+    swing(filter, 100, 3, 9, true);
+    REQUIRE(filter.healthy(0));
+    REQUIRE(filter.time(0) >= 960 * ms);
+  }
+}

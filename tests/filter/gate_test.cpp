@@ -168,3 +168,32 @@ TEST_CASE("what is wrong with a gate is told at its place") {
     }
   }
 }
+
+TEST_CASE("a noise estimator learns once from a sample whose outliers are left out, and not from those") {
+  // R is (1 + calls seen) times nominal: a round of the gate that is not rolled back would show.
+  const auto filter_of = [] {
+    return compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"}, "noise": {"type": "counting"})"));
+  };
+  auto rows = good;
+  rows[1].z += 500;
+  auto clean_rows = good;
+  clean_rows.erase(clean_rows.begin() + 1);
+  Filter with = filter_of(), without = filter_of();
+  push(with, 0, rows);
+  push(without, 0, clean_rows);
+  for (Filter* filter : {&with, &without}) push(*filter, 1, good);
+  REQUIRE(with.counts(0, 0).rows_left_out == 1);
+  REQUIRE((Eigen::MatrixXd(with.covariance(0).as()) - Eigen::MatrixXd(without.covariance(0).as())).norm() < 1e-13);
+}
+
+TEST_CASE("a sample gated for want of a majority tells what was left out before, and the NIS of all its rows") {
+  const std::vector<Row> split = {{1, 0, 0}, {2, 0, 0}, {3, 900, 0}, {4, -900, 0}, {5, 1800, 0}};
+  Filter filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
+  Keep kept;
+  filter.attach(0, &kept);
+  push(filter, 0, split);
+  REQUIRE(kept.outcome == Outcome::gated);
+  REQUIRE(kept.left_out.size() == 3);
+  REQUIRE(kept.nis > 1e6);
+  REQUIRE(filter.counts(0, 0).rows_left_out == 0);
+}

@@ -117,7 +117,7 @@ double off(const Vector3d& is, const Vector3d& should) { return (is - should).no
 
 }  // namespace
 
-TEST_CASE("error constants by the lag expression are 960, 204120, 82575360; the paper's 725760 is wrong",
+TEST_CASE("error constants by the lag expression are 960, 204120, 82575360, and the paper's 725760 is wrong",
           "[attitude]") {
   // e(x) = −x^p/K (1 + O(x²))
   const Real x = Real(1) / 1000;

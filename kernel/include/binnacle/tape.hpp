@@ -33,7 +33,7 @@ struct UpdateRecord {
   const std::int64_t* row_keys = nullptr;
   const int* row_groups = nullptr;   // which ResidualGroup of the measurement's parts, counted through, a row is of
   const double* residual = nullptr;
-  int left_out = 0;                  // rows that a gate by row or key took out of the sample, and their keys
+  int left_out = 0;                  // rows that a gate by row or key took out before `rows` were left, and their keys
   const std::int64_t* left_out_keys = nullptr;
   double nis = 0;
   MatrixView S;                // H P⁻ Hᵀ + R

@@ -313,6 +313,9 @@ void Engine::push_input(const SampleView& sample) {
     if (!has_interval || t0 - h.input_end >= sample.t - t0) {
       if (!h.just_started || t0 > h.input_end) ++h.gaps;
       const Time until = has_interval ? t0 : sample.t;
+      // The bridge is no sample of the sensor: it is stepped alone, never in a group with its neighbours.
+      if (h.pending > 0) step_pending(h.pending);
+      if (h.broken) return;
       bool rates_only = true;
       for (int i = 0; i < plan_.input_fields; ++i)
         rates_only = rates_only && plan_.input_kinds[as_size(i)] != FieldKind::increment;
@@ -330,6 +333,7 @@ void Engine::push_input(const SampleView& sample) {
         return;
       }
       drain_queue(until);
+      if (!h.broken && h.pending > 0) step_pending(h.pending);
       if (h.broken) return;
     }
     if (sample.t > h.input_end) add_pending(h.input_end, sample.t, h.input_end, dt, sample.fields);

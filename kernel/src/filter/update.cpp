@@ -174,12 +174,11 @@ void Engine::process(int measurement, const SampleView& sample) {
   const auto roll_back_noise = [&] {
     if (noise_memory) std::memcpy(noise_memory, noise_backup, plan.noise_memory.count);
   };
-  double nis = 0;
+  double nis = 0, nis_offered = 0;
   const auto end_gated = [&](const char* reason) {
     roll_back_models();
     if (!plan.learn_from_gated) roll_back_noise();
-    left_out_ = 0;
-    conclude(measurement, sample.t, Outcome::gated, reason, m, nis, true, nullptr);
+    conclude(measurement, sample.t, Outcome::gated, reason, m, nis_offered, true, nullptr);
     recover(plan);
   };
 
@@ -195,6 +194,7 @@ void Engine::process(int measurement, const SampleView& sample) {
       return;
     }
     nis = normalized_innovation_squared(m, work_);
+    if (left_out_ == 0) nis_offered = nis;
     if (withheld || plan.gate_unit == GateUnit::sample) break;
     const unsigned char* outliers =
         outlier_test_.find(plan.gate_unit, plan.gate_limit, m, row_keys_.data(), work_);

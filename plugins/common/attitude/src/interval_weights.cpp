@@ -62,7 +62,8 @@ IntervalWeights interval_weights(std::span<const double> lengths) {
 
 bool are_equal(std::span<const double> lengths) {
   const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.end());
-  return *longest - *shortest <= 1e-5 * *longest;
+  constexpr double label = 1.5e-9;  // s: labels are whole nanoseconds
+  return *longest - *shortest <= 1e-5 * *longest + label;
 }
 
 }  // namespace binnacle::attitude

@@ -19,12 +19,14 @@ class SampleGroup {
   static constexpr const char* implausible =
       "a sample of more than 1000 s, 1000 rad or 100 km/s is no inertial sensor's";
 
-  /// Takes up to `most` whole samples from the front of `rest`, or one fragment; what has no length is passed over. False:
-  /// a sample is implausible.
+  /// Takes up to `most` whole samples from the front of `rest`, or one fragment; what has no length is passed over. Samples
+  /// of less than half or more than twice the first one's length begin a group of their own: a polynomial through lengths as
+  /// unequal as 1:1:30:1 has weights in the hundreds. False: a sample is implausible.
   bool take(std::span<const InputSample>& rest, int most, SensorFields fields) {
     while (!rest.empty() && count_ < static_cast<std::size_t>(most)) {
       const InputSample& sample = rest.front();
       if (sample.is_fragment() && count_ > 0) return true;
+      if (count_ > 0 && sample.dt > 0.0 && !is_alike(sample.dt, measured_[0].dt)) return true;
       rest = rest.subspan(1);
       if (!(sample.dt > 0.0)) continue;
       measured_[count_] = SampleMemory::increment(sample, fields);
@@ -46,6 +48,7 @@ class SampleGroup {
   }
 
  private:
+  static bool is_alike(double a, double b) { return a <= 2.0 * b && b <= 2.0 * a; }
   static bool is_plausible(const strapdown::Increment& measured) {
     constexpr double longest = 1e3, largest_turn = 1e3, largest_velocity = 1e5;  // s, rad, m/s
     return measured.dt <= longest && measured.dtheta.norm() <= largest_turn && measured.dv.norm() <= largest_velocity;
