@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paper 004: both tables by `binnacle covariance`.
+// Paper 004: both tables by `binnacle covariance`, and that it agrees with drawn runs.
 #include <unistd.h>
 
 #include <cmath>
@@ -16,9 +16,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json analysed(const std::string& config) {
+ordered_json summary_of(const std::string& verb, const std::string& config) {
   const auto file = std::filesystem::temp_directory_path() / ("binnacle_ship_" + std::to_string(::getpid()) + ".json");
-  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' covariance '" + BINNACLE_TEST_PROJECT +
+  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' " + verb + " '" + BINNACLE_TEST_PROJECT +
                               "/configs/ship_motion/" + config + "' --summary '" + file.string() + "' > /dev/null";
   INFO(command);
   REQUIRE(std::system(command.c_str()) == 0);
@@ -27,6 +27,8 @@ ordered_json analysed(const std::string& config) {
   std::filesystem::remove(file);
   return summary;
 }
+
+ordered_json analysed(const std::string& config) { return summary_of("covariance", config); }
 
 double figure(const ordered_json& summary, const std::string& variant, const std::string& metric) {
   return summary.at("variants").at(variant).at("metrics").at(metric).at("rms").get<double>();
@@ -92,4 +94,23 @@ TEST_CASE("paper 004, table 2: other sensors and a filter with other beliefs") {
   CHECK(rate("ma a") < 0.5 * rate("ra independent a"));
   // What a mis-modelled filter believes is far too good.
   CHECK(figure(summary, "da a", "ship/pitch/own sigma") < 0.2);
+}
+
+TEST_CASE("paper 004: the covariance analysis agrees with 8000 drawn runs, with a right and a wrong model") {
+  const auto drawn = summary_of("study", "monte_carlo.json"), computed = analysed("monte_carlo.json");
+  for (const std::string variant : {"matched", "mismatched"})
+    for (const auto& [error, sigma] :
+         {std::pair<std::string, std::string>{"final", "sigma"}, {"at 5 s", "sigma at 5 s"}}) {
+      const auto& figures = drawn.at("variants").at(variant).at("metrics").at("ship/pitch.angle/" + error);
+      REQUIRE(figures.at("n") == 8000);
+      const double rms = figures.at("rms").get<double>(), se = figures.at("se_rms").get<double>();
+      const double expected = figure(computed, variant, "ship/pitch.angle/" + sigma);
+      INFO(variant << ", " << error << ": " << rms << " +- " << se << ", computed " << expected);
+      CHECK(std::abs(rms - expected) < 3 * se);
+      CHECK(se < 0.01 * rms);
+    }
+  const auto own = [&](const ordered_json& summary, const std::string& metric) {
+    return figure(summary, "mismatched", "ship/pitch.angle/" + metric);
+  };
+  CHECK(std::abs(own(drawn, "sigma") / own(computed, "own sigma") - 1) < 1e-9);
 }
