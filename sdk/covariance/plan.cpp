@@ -119,13 +119,13 @@ std::vector<ReadingOutput> read_outputs(const Section& section, const FilterInfo
   return outputs;
 }
 
-/// What a filter makes of its residuals cannot be known without data.
-void refuse_adaptive_noise(const Section& section, const std::string& filter) {
-  const std::string pointer = join_pointer(join_pointer("/filters", filter), "measurements");
+/// What a filter makes of its residuals cannot be known without data. `pointer`: of the filter, or of what is merged over it.
+void refuse_adaptive_noise(const Section& section, const std::string& filter_pointer) {
+  const std::string pointer = join_pointer(filter_pointer, "measurements");
   const Json* measurements = section.at(pointer);
   if (!measurements || !measurements->is_object()) return;
   for (const auto& [name, settings] : measurements->items())
-    if (settings.is_object() && settings.contains("noise"))
+    if (settings.is_object() && settings.contains("noise") && !settings.at("noise").is_null())
       section.key_error(
           "B094", join_pointer(join_pointer(pointer, name), "noise"),
           "adaptive noise is estimated from residuals, and a covariance analysis has no data: take it out, "
@@ -236,7 +236,8 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   plan.duration = read_time(section, under("duration"));
   plan.feeds = read_feeds(section, *composition);
   plan.outputs = read_outputs(section, composition->filters()[static_cast<std::size_t>(plan.filter)]);
-  refuse_adaptive_noise(section, name);
+  refuse_adaptive_noise(section, join_pointer("/filters", name));
+  refuse_adaptive_noise(section, under("truth"));
   const Json* patch = section.object(under("truth"));
   if (!patch || diagnostics.has_errors()) return plan;
   Json root = config.root();

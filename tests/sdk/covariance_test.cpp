@@ -132,6 +132,8 @@ TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be told"
   analysed(bench);
   refused(R"("filters": {"walk": {"measurements": {"fix": {"noise": {"type": "beta_adapter"}}}}})", "B094",
           "adaptive noise");
+  refused(R"("covariance": {"truth": {"measurements": {"fix": {"noise": {"type": "beta_adapter"}}}}})", "B094",
+          "adaptive noise");
   refused(R"("covariance": {"metrics": ["walk/place/rms"]})", "B027", "settled");
   refused(R"("covariance": {"metrics": ["walk/plaice/sigma"]})", "B027", "did you mean 'place'");
   refused(R"("covariance": {"channels": {"sean": {"interval": "1 s"}}})", "B020", "did you mean 'seen'");
