@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // check: every error of every config, or nothing.
 #include "binnacle/composition.hpp"
+#include "covariance/analysis.hpp"
 #include "output.hpp"
 #include "study/study.hpp"
 #include "verbs.hpp"
@@ -22,9 +23,17 @@ int heavier(int a, int b) {
   return weight(b) > weight(a) ? b : a;
 }
 
-/// Of a study: every variant with its metrics and tables.
+/// Of a study or a covariance analysis: every variant with its metrics and tables.
 Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
-  if (study::Study::is_in(Config::load(path, options))) return study::Study::load(path, {options, {}, {}}).warnings();
+  const Config config = Config::load(path, options);
+  study::StudyOptions study_options;
+  study_options.load = options;
+  if (covariance::is_in(config)) {
+    const auto warnings = covariance::load(path, options).warnings();
+    const bool is_study = config.root().contains(Json::json_pointer("/study/metrics"));
+    return is_study ? study::Study::load(path, study_options).warnings() : warnings;
+  }
+  if (study::Study::is_in(config)) return study::Study::load(path, study_options).warnings();
   return Composition::load(path, options)->warnings();
 }
 

@@ -124,6 +124,11 @@ std::string table_text(const Json& plan, bool shows_errors) {
 std::string study_text(const Json& summary, const study::Study& study) {
   std::string text = study.title().empty() ? "" : study.title() + "\n\n";
   for (const auto& metric : study.metrics()) text += metric_text(summary.at("variants"), metric);
+  return text + tables_text(summary, study);
+}
+
+std::string tables_text(const Json& summary, const study::Study& study) {
+  std::string text;
   for (std::size_t t = 0; t < study.tables().size(); ++t)
     text += table_text(summary.contains("tables") ? summary.at("tables")[t] : summary.at("table"),
                        study.tables()[t].shows_errors);

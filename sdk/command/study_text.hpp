@@ -12,4 +12,7 @@ namespace binnacle::command {
 /// Every metric over the variants, NEES and NIS with their χ² bands, then the tables that the config declares.
 std::string study_text(const Json& summary, const study::Study& study);
 
+/// The tables alone.
+std::string tables_text(const Json& summary, const study::Study& study);
+
 }  // namespace binnacle::command

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "section.hpp"
+#include "study/section.hpp"
 
 #include <algorithm>
 

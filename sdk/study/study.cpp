@@ -7,7 +7,7 @@
 #include <map>
 
 #include "binnacle/run.hpp"
-#include "section.hpp"
+#include "study/section.hpp"
 #include "tables.hpp"
 
 namespace binnacle::study {
@@ -101,7 +101,8 @@ std::vector<Variant> load_variants(const std::filesystem::path& path, const Load
 /// The list of metrics and those that only tables name.
 class MetricReader {
  public:
-  MetricReader(const Section& section, std::vector<Variant>& variants) : section_(section), variants_(variants) {}
+  MetricReader(const Section& section, const MetricReading& reading, std::vector<Variant>& variants)
+      : section_(section), reading_(reading), variants_(variants) {}
 
   void read_list(const std::string& pointer) {
     const Json* list = section_.at(pointer);
@@ -136,7 +137,7 @@ class MetricReader {
     bool is_known = false;
     std::vector<int> positions;
     for (auto& variant : variants_) {
-      auto metric = read_metric(*variant.composition, name);
+      auto metric = reading_(*variant.composition, name);
       positions.push_back(metric ? static_cast<int>(variant.metrics.size()) : -1);
       if (!metric) {
         if (wrong.empty()) wrong = metric.error();
@@ -157,6 +158,7 @@ class MetricReader {
   }
 
   const Section& section_;
+  const MetricReading& reading_;
   std::vector<Variant>& variants_;
   std::vector<StudyMetric> metrics_;
 };
@@ -201,19 +203,20 @@ Study Study::load(const std::filesystem::path& path, const StudyOptions& options
   study.variants_ = load_variants(path, options.load, wanted, study.warnings_);
   study.title_ = study.variants_.front().composition->title();
 
-  MetricReader metrics(section, study.variants_);
-  const char* const places[] = {"/study/metrics", "/evaluate/metrics", "/metrics"};
-  for (const char* place : places)
+  MetricReader metrics(section, options.read_metric, study.variants_);
+  for (const std::string& place :
+       {options.section + "/metrics", std::string("/evaluate/metrics"), std::string("/metrics")})
     if (section.at(place)) {
       metrics.read_list(place);
       break;
     }
-  const auto tables = table_pointers(section);
+  const auto tables = table_pointers(section, options.section);
   for (const auto& table : tables)
     for (const auto& pointer : table_metric_pointers(section, table)) metrics.read_name(pointer);
   study.metrics_ = metrics.take();
   if (study.metrics_.empty() && !diagnostics.has_errors())
-    section.key_error("B010", "/study", "missing key 'metrics': what a study tells, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
+    section.key_error("B010", options.section,
+                      "missing key 'metrics': what a study tells, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
   std::vector<std::string> names;
   for (const auto& variant : study.variants_) names.push_back(variant.name);
   for (const auto& table : tables) study.tables_.push_back(read_table(section, table, names, study.metrics_));

@@ -218,9 +218,9 @@ void read_paper(const Section& section, const std::string& pointer, TablePlan& p
 
 }  // namespace
 
-std::vector<std::string> table_pointers(const Section& section) {
+std::vector<std::string> table_pointers(const Section& section, const std::string& place) {
   std::vector<std::string> pointers;
-  for (const std::string key : {"/study/table", "/study/tables"}) {
+  for (const std::string& key : {place + "/table", place + "/tables"}) {
     const Json* value = section.at(key);
     if (value && value->is_array())
       for (std::size_t i = 0; i < value->size(); ++i) pointers.push_back(join_pointer(key, i));

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "section.hpp"
+#include "study/section.hpp"
 #include "study/study.hpp"
 
 namespace binnacle::study {
 
-/// Pointers of the study's tables: of /study/table and /study/tables, each an object or a list of them.
-std::vector<std::string> table_pointers(const Section& section);
+/// Pointers of the tables in `place`, "/study": of its "table" and "tables", each an object or a list of them.
+std::vector<std::string> table_pointers(const Section& section, const std::string& place);
 
 /// Pointers of the metrics that a table, its rows and its columns name.
 std::vector<std::string> table_metric_pointers(const Section& section, const std::string& table);

@@ -2,7 +2,7 @@
 // Names and merge patches of a study's variants.
 #include <algorithm>
 
-#include "section.hpp"
+#include "study/section.hpp"
 #include "study/study.hpp"
 
 namespace binnacle::study {

@@ -43,6 +43,7 @@ struct UpdateRecord {
   const double* x1 = nullptr;
   MatrixView P0;               // only for a tape that wants_matrices()
   MatrixView P1;
+  MatrixView H;                // rows×n, as soon as linearized; only for a tape that wants_matrices()
 };
 
 /// Subscribe with Filter::attach(). Called inside the run loop: must not throw; what it costs, the loop costs.

@@ -67,7 +67,7 @@ const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
 void Composer::read_head() {
   check_keys(document(), "",
              {"binnacle", "title", "description", "plugins", "vars", "sources", "transforms", "filters", "sinks",
-              "reference", "evaluate", "record", "study", "metrics"},
+              "reference", "evaluate", "record", "study", "covariance", "metrics"},
              "the config", diagnostics_);
   const auto* version = at("/binnacle");
   if (!version)

@@ -130,6 +130,9 @@ constexpr CodeEntry entries[] = {
      "Give another folder, or delete the journal to begin anew."},
     {"B093", "a run of a study broke", "One of the runs could not be finished; the others went on without it.",
      "Repeat it alone with the command that the message gives; its summary says more."},
+    {"B094", "adaptive noise in a covariance analysis",
+     "A noise estimator learns from residuals, and covariances alone have none.",
+     "Take the `noise` out of the measurement in what is analysed, or run a study."},
 };
 
 }  // namespace

@@ -120,6 +120,7 @@ std::uint64_t Document::hash() const {
   std::uint64_t hash = offset_basis;
   nlohmann::ordered_json what_runs = root_;
   what_runs.erase("study");
+  what_runs.erase("covariance");
   for (const char c : what_runs.dump()) hash = (hash ^ static_cast<unsigned char>(c)) * prime;
   return hash;
 }

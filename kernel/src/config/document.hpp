@@ -46,7 +46,7 @@ class Document {
   /// Whether some of its own patches were merged over it.
   bool is_patched() const { return is_patched_; }
 
-  /// FNV-1a of the compact dump of root() without "study", which changes no run.
+  /// FNV-1a of the compact dump of root() without "study" and "covariance", which change no run.
   std::uint64_t hash() const;
 
  private:

@@ -118,6 +118,9 @@ void Engine::attach(StepTape* tape) {
   if (tape) {
     P_before_.assign(as_size(padded(plan_.n)) * as_size(plan_.n), 0.0);
     Phi_dense_.assign(as_size(plan_.n) * as_size(plan_.n), 0.0);
+    int most_rows = 0;
+    for (const auto& measurement : plan_.measurements) most_rows = std::max(most_rows, measurement.max_rows);
+    H_dense_.assign(as_size(most_rows) * as_size(plan_.n), 0.0);
   }
 }
 

@@ -90,6 +90,7 @@ class Engine {
   Result linearize(const MeasurementPlan& plan, const SampleView& sample, int& rows);
   void assemble(const PartPlan& part, int first_row, int rows);
   void inject(double* delta);
+  MatrixView dense_H(const MeasurementPlan& plan, int rows);
   void estimate_noise(const MeasurementPlan& plan, Time t, int rows);
   void recover(const MeasurementPlan& plan);
   void count_left_out(const MeasurementPlan& plan);
@@ -132,7 +133,7 @@ class Engine {
   int left_out_ = 0;
   OutlierTest outlier_test_;
   std::vector<std::byte> memory_backup_;
-  std::vector<double> x_before_, P_before_, Phi_dense_;
+  std::vector<double> x_before_, P_before_, Phi_dense_, H_dense_;
   std::vector<double> block_delta_, block_reset_, reset_scratch_;
   UpdateWork work_;
 };

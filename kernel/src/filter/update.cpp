@@ -308,6 +308,14 @@ void Engine::inject(double* delta) {
   }
 }
 
+/// For the tape: H over all rows of P, not only over those of the blocks that are touched.
+MatrixView Engine::dense_H(const MeasurementPlan& plan, int rows) {
+  std::fill_n(H_dense_.data(), as_size(rows) * as_size(plan_.n), 0.0);
+  for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
+    std::copy_n(work_.H + c * as_size(work_.m_max), rows, H_dense_.data() + as_size(plan.columns.columns[c] * rows));
+  return {H_dense_.data(), rows, plan_.n, rows};
+}
+
 void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reason, int rows, double nis,
                       bool linearized, const double* delta) {
   const auto& plan = plan_.measurements[as_size(measurement)];
@@ -338,6 +346,7 @@ void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reas
     record.nis = nis;
     record.S = MatrixView{work_.S, rows, rows, work_.m_max};
     record.R = MatrixView{work_.R, rows, rows, work_.m_max};
+    if (tape_->wants_matrices()) record.H = dense_H(plan, rows);
   }
   if (outcome == Outcome::accepted) {
     record.delta = delta;

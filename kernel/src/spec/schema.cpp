@@ -355,6 +355,7 @@ Json sections() {
           {"evaluate", evaluate_schema()},
           {"record", closed_object({{"every", ref("quantity")}})},
           {"study", {{"type", "object"}}},
+          {"covariance", {{"type", "object"}}},
           {"metrics", Json::object()}};
 }
 

@@ -90,10 +90,15 @@ class Results {
   std::vector<Figures> figures_;
 };
 
+/// What a metric's name means to a composition, or one line that says why nothing.
+using MetricReading = std::function<Parsed<Metric>(const Composition&, std::string_view)>;
+
 struct StudyOptions {
   LoadOptions load;
   std::optional<int> runs;  // instead of the config's
   std::optional<std::uint64_t> seed;
+  std::string section = "/study";  // where metrics and tables stand; variants are always those of "study"
+  MetricReading read_metric = binnacle::read_metric;
 };
 
 /// Immutable; share it between threads.

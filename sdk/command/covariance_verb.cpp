@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// covariance: a composition run on covariances alone, with a truth that may differ from the filter.
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "atomic_file.hpp"
+#include "covariance/analysis.hpp"
+#include "output.hpp"
+#include "study_text.hpp"
+#include "table.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+struct Options {
+  std::string config_path;
+  ConfigOptions config;
+  std::string summary;
+  bool json = false, quiet = false, budget = false;
+};
+
+std::string metrics_text(const Json& summary, const study::Study& study) {
+  std::string text;
+  for (const auto& metric : study.metrics()) {
+    Table table("lr");
+    table.row({metric.name + (metric.unit == "1" ? "" : " [" + metric.unit + "]"), ""});
+    for (const auto& [name, variant] : summary.at("variants").items()) {
+      if (!variant.at("metrics").contains(metric.name)) continue;
+      const Json& value = variant.at("metrics").at(metric.name).at("mean");
+      table.row({name, value.is_number() ? fmt::format("{:.4f}", value.get<double>()) : "-"});
+    }
+    text += table.text() + "\n";
+  }
+  return text;
+}
+
+/// Shares of the variance, in percent.
+std::string budget_text(const Json& summary) {
+  std::string text;
+  for (const auto& [name, variant] : summary.at("variants").items())
+    for (const auto& [output, shares] : variant.at("budget").items()) {
+      Table table("lr");
+      table.row({name + ": " + output + ", share of the final variance", "%"});
+      for (const auto& [source, share] : shares.items())
+        table.row({source, share.is_number() ? fmt::format("{:.2f}", 100 * share.get<double>()) : "-"});
+      text += table.text() + "\n";
+    }
+  return text;
+}
+
+int tell_failures(const Json& summary) {
+  int failures = 0;
+  for (const auto& [name, variant] : summary.at("variants").items())
+    if (variant.contains("failures"))
+      for (const auto& failure : variant.at("failures")) {
+        print_error(fmt::format("variant '{}': {}", name, failure.at("reason").get<std::string>()));
+        ++failures;
+      }
+  return failures;
+}
+
+int analyse(const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  const LoadOptions load = options.config.load_options();
+  const auto study = covariance::load(options.config_path, load);
+  std::unique_ptr<AtomicFile> file;
+  if (!options.summary.empty()) file = std::make_unique<AtomicFile>(options.summary);
+  Json summary = covariance::analyse(study, options.config_path, load);
+  summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (file) {
+    file->write(summary.dump(2) + "\n");
+    file->commit();
+  }
+  if (!options.quiet) print_abridged(study.warnings(), "binnacle check has all");
+  if (options.json) {
+    print_json(summary);
+  } else if (!options.quiet) {
+    const std::string title = study.title().empty() ? "" : study.title() + "\n\n";
+    print(title + metrics_text(summary, study) + tables_text(summary, study) +
+          (options.budget ? budget_text(summary) : ""));
+  }
+  return tell_failures(summary) == 0 ? ok : failed;
+}
+
+}  // namespace
+
+Verb covariance_verb(CLI::App& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app =
+      command.add_subcommand("covariance", "What a filter's errors will be, from covariances alone: no data");
+  app->add_option("CONFIG", options->config_path, "The config, with its \"covariance\"")->required();
+  options->config.add_to(*app);
+  app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
+  app->add_flag("--budget", options->budget, "Also each source's share of every final variance");
+  app->add_flag("--json", options->json, "The figures as JSON on stdout");
+  app->add_flag("--quiet", options->quiet, "Errors only: no warnings or tables");
+  return {app, [options] { return analyse(*options); }};
+}
+
+}  // namespace binnacle::command

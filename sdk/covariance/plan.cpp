@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "binnacle/unit.hpp"
+#include "study/section.hpp"
+
+namespace binnacle::covariance {
+
+namespace {
+
+using study::in_quotes;
+using study::Json;
+using study::listed;
+using study::meant;
+using study::Section;
+
+constexpr const char* place = "/covariance";
+
+std::string under(const std::string& key) { return join_pointer(place, key); }
+
+Time read_time(const Section& section, const std::string& pointer) {
+  const auto text = section.text(pointer);
+  if (!text) {
+    if (!section.at(pointer))
+      section.error("B010", pointer, "missing key " + in_quotes(pointer.substr(pointer.rfind('/') + 1)));
+    return 0;
+  }
+  const auto time = parse_time(*text);
+  if (time && *time > 0) return *time;
+  section.error("B009", pointer, time ? "a time above zero is wanted here" : time.error());
+  return 0;
+}
+
+/// A plain number is SI; text has a unit of the field's dimension.
+double read_value(const Section& section, const std::string& pointer, const FieldSpec& field) {
+  const Json& value = *section.at(pointer);
+  if (value.is_number()) return value.get<double>();
+  if (const auto text = section.text(pointer)) {
+    const auto quantity = parse_quantity(*text);
+    if (!quantity) {
+      section.error("B008", pointer, quantity.error());
+    } else if (const auto unit = parse_unit(field.unit); unit && !(unit->dimension == quantity->dimension)) {
+      section.error("B007", pointer, in_quotes(field.name) + " is " + dimension_name(unit->dimension));
+    } else {
+      return quantity->value;
+    }
+  }
+  return 0;
+}
+
+std::vector<Feed> read_feeds(const Section& section, const Composition& composition) {
+  std::vector<Feed> feeds;
+  const std::string pointer = under("channels");
+  const Json* channels = section.object(pointer);
+  if (!channels) {
+    if (!section.at(pointer))
+      section.error("B010", place, "missing key 'channels': which measurements there are, and how often");
+    return feeds;
+  }
+  std::vector<std::string> names;
+  for (const auto& channel : composition.channels()) names.push_back(channel.name);
+  for (const auto& [name, settings] : channels->items()) {
+    const std::string at = join_pointer(pointer, name);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+      section.key_error("B020", at,
+                        "there is no channel " + in_quotes(name) + meant(name, names) + " (channels: " + listed(names) +
+                            ")");
+      continue;
+    }
+    if (!section.object(at)) continue;
+    section.check_keys(at, {"interval", "values"}, "a channel");
+    Feed feed;
+    feed.channel = name;
+    feed.interval = read_time(section, join_pointer(at, "interval"));
+    const auto& fields = composition.channels()[static_cast<std::size_t>(found - names.begin())].declaration->fields;
+    std::vector<std::string> known;
+    for (const auto& field : fields) {
+      if (field.per_row) continue;
+      known.push_back(field.name);
+      feed.is_of_intervals |= field.kind != FieldKind::level;
+      const std::string value = join_pointer(join_pointer(at, "values"), field.name);
+      feed.values.push_back(section.at(value) ? read_value(section, value, field) : 0.0);
+    }
+    if (section.object(join_pointer(at, "values")))
+      section.check_keys(join_pointer(at, "values"), known, "the channel's fields");
+    feeds.push_back(std::move(feed));
+  }
+  return feeds;
+}
+
+std::vector<ReadingOutput> read_outputs(const Section& section, const FilterInfo& filter) {
+  std::vector<ReadingOutput> outputs;
+  const Json* list = section.object(under("outputs"));
+  if (!list) return outputs;
+  std::vector<std::string> blocks;
+  for (const auto& block : filter.blocks) blocks.push_back(block.name);
+  const auto one_of = [&](const std::string& at, const std::vector<std::string>& names) {
+    const auto name = section.text(at);
+    if (!name)
+      section.error("B010", at, "missing key " + in_quotes(at.substr(at.rfind('/') + 1)) + " of an output");
+    else if (std::find(names.begin(), names.end(), *name) == names.end())
+      section.error("B015", at,
+                    "the filter has no " + in_quotes(*name) + meant(*name, names) + " (there are: " + listed(names) +
+                        ")");
+    return name.value_or("");
+  };
+  for (const auto& [name, settings] : list->items()) {
+    const std::string at = join_pointer(under("outputs"), name);
+    if (!section.object(at)) continue;
+    section.check_keys(at, {"measurement", "block"}, "an output");
+    outputs.push_back({name, one_of(join_pointer(at, "measurement"), filter.measurements),
+                       one_of(join_pointer(at, "block"), blocks)});
+  }
+  return outputs;
+}
+
+/// What a filter makes of its residuals cannot be known without data. `pointer`: of the filter, or of what is merged over it.
+void refuse_adaptive_noise(const Section& section, const std::string& filter_pointer) {
+  const std::string pointer = join_pointer(filter_pointer, "measurements");
+  const Json* measurements = section.at(pointer);
+  if (!measurements || !measurements->is_object()) return;
+  for (const auto& [name, settings] : measurements->items())
+    if (settings.is_object() && settings.contains("noise") && !settings.at("noise").is_null())
+      section.key_error(
+          "B094", join_pointer(join_pointer(pointer, name), "noise"),
+          "adaptive noise is estimated from residuals, and a covariance analysis has no data: take it out, "
+          "or run a study");
+}
+
+struct Words {
+  std::string filter, name, statistic;
+};
+
+Words words_of(const std::string& text) {
+  const auto first = text.find('/'), last = text.rfind('/');
+  if (first == std::string::npos || first == last) return {};
+  return {text.substr(0, first), text.substr(first + 1, last - first - 1), text.substr(last + 1)};
+}
+
+constexpr const char* shape =
+    "FILTER/BLOCK.COMPONENT/STATISTIC with sigma, 'own sigma' (each also 'at 100 s') or settled";
+
+Parsed<Request> read_request(const std::string& text) {
+  const Words words = words_of(text);
+  Request request;
+  request.name = words.name;
+  std::string word = words.statistic;
+  if (const auto at = word.find(" at "); at != std::string::npos) {
+    const auto time = parse_time(word.substr(at + 4));
+    if (!time) return Parsed<Request>::failure(time.error());
+    request.at = *time;
+    word.resize(at);
+  }
+  if (word == "sigma")
+    request.statistic = Statistic::sigma;
+  else if (word == "own sigma")
+    request.statistic = Statistic::own_sigma;
+  else if (word == "settled" && request.at == no_time)
+    request.statistic = Statistic::settled;
+  else
+    return Parsed<Request>::failure(in_quotes(text) + " is no metric of a covariance analysis: " + shape);
+  return request;
+}
+
+}  // namespace
+
+Parsed<Metric> read_metric(const Composition& composition, std::string_view text) {
+  const Words words = words_of(std::string(text));
+  const auto request = read_request(std::string(text));
+  if (!request) return Parsed<Metric>::failure(request.error());
+  const auto& filters = composition.filters();
+  const auto filter =
+      std::find_if(filters.begin(), filters.end(), [&](const auto& info) { return info.name == words.filter; });
+  if (filter == filters.end()) return Parsed<Metric>::failure("there is no filter " + in_quotes(words.filter));
+  Metric metric;
+  metric.name = text;
+  metric.filter = static_cast<int>(filter - filters.begin());
+  metric.quantity = MetricQuantity::sigma;
+  std::string block_name = words.name.substr(0, words.name.find('.'));
+  const Json::json_pointer output(join_pointer(under("outputs"), words.name) + "/block");
+  if (composition.config().contains(output) && composition.config().at(output).is_string())
+    block_name = composition.config().at(output).get<std::string>();
+  std::vector<std::string> names;
+  for (const auto& block : filter->blocks) names.push_back(block.name);
+  const auto found = std::find(names.begin(), names.end(), block_name);
+  if (found == names.end())
+    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or output " +
+                                   in_quotes(words.name) + meant(block_name, names) + " (blocks: " + listed(names) +
+                                   ")");
+  const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
+  std::size_t component = 0;
+  if (words.name != block_name && words.name.find('.') != std::string::npos) {
+    const std::string wanted = words.name.substr(words.name.find('.') + 1);
+    std::vector<std::string> components;
+    for (const auto& error : block.error) components.push_back(error.name);
+    component = static_cast<std::size_t>(std::find(components.begin(), components.end(), wanted) - components.begin());
+    if (component == components.size())
+      return Parsed<Metric>::failure("block " + in_quotes(block_name) + " has no error component " + in_quotes(wanted) +
+                                     meant(wanted, components) + " (components: " + listed(components) + ")");
+  } else if (words.name == block_name && block.error.size() > 1) {
+    return Parsed<Metric>::failure("block " + in_quotes(block_name) + " has several error components: " + shape);
+  }
+  metric.si_unit = request->statistic == Statistic::settled ? "s" : block.error[component].unit;
+  metric.unit = request->statistic != Statistic::settled && !block.error_display_unit.empty() ? block.error_display_unit
+                                                                                              : metric.si_unit;
+  return metric;
+}
+
+Request request_of(const std::string& metric) { return *read_request(metric); }
+
+Plan read_plan(const Config& config, const std::filesystem::path& path,
+               const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics) {
+  const Section section(config, diagnostics);
+  Plan plan;
+  plan.model = plan.truth = composition;
+  if (!section.object(place)) {
+    section.error("B010", place, "missing key 'covariance': what is analysed, and for how long");
+    return plan;
+  }
+  section.check_keys(place, {"filter", "duration", "channels", "outputs", "truth", "metrics", "table", "tables"},
+                     "'covariance'");
+  std::vector<std::string> names;
+  for (const auto& filter : composition->filters()) names.push_back(filter.name);
+  const std::string name = section.text(under("filter")).value_or(names.front());
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    section.error("B027", under("filter"), "there is no filter " + in_quotes(name) + meant(name, names));
+    return plan;
+  }
+  plan.filter = static_cast<int>(found - names.begin());
+  plan.duration = read_time(section, under("duration"));
+  plan.feeds = read_feeds(section, *composition);
+  plan.outputs = read_outputs(section, composition->filters()[static_cast<std::size_t>(plan.filter)]);
+  refuse_adaptive_noise(section, join_pointer("/filters", name));
+  refuse_adaptive_noise(section, under("truth"));
+  const Json* patch = section.object(under("truth"));
+  if (!patch || diagnostics.has_errors()) return plan;
+  Json root = config.root();
+  root["filters"][name].merge_patch(*patch);
+  try {
+    plan.truth = Composition::parse(root.dump(), path);
+  } catch (const Error& error) {
+    for (const auto& item : error.diagnostics().items())
+      section.error(item.code, under("truth"),
+                    "with the truth merged over filter " + in_quotes(name) + ": " + item.message);
+  }
+  return plan;
+}
+
+}  // namespace binnacle::covariance
