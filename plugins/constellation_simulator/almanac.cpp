@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // YUMA almanacs: a block of lines "name: value" for each satellite.
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string>
@@ -75,6 +76,9 @@ std::vector<gnss::Ephemeris> read_almanac(const std::string& path) {
         if (!(*value >= 1 && *value <= 32)) throw damaged("a satellite's ID is 1 to 32");
         satellite = gnss::Ephemeris{};
         satellite->satellite = gnss::satellite_key(gnss::Constellation::gps, static_cast<int>(*value));
+        if (std::any_of(almanac.begin(), almanac.end(),
+                        [&](const gnss::Ephemeris& other) { return other.satellite == satellite->satellite; }))
+          throw damaged(gnss::satellite_name(satellite->satellite) + " stands twice: one week's almanac has it once");
         is_healthy = true;
       } else if (!satellite) {
         throw damaged("'" + std::string(name) + "' comes before the first ID");

@@ -21,7 +21,7 @@ std::vector<ParameterSpec> constellation_parameters() {
                   integer("phasing").at_least(0).at_most(31).defaults("1").about(
                       "between neighbours in adjacent planes, in units of a turn / satellites"),
                   number("inclination", "rad").defaults("\"55 deg\"").about("of every plane"),
-                  number("radius", "m").above(7e6).defaults("\"26560 km\"").about("of the circular orbits"),
+                  number("radius", "m").above(1e7).below(1e8).defaults("\"26560 km\"").about("of the circular orbits"),
                   number("node", "rad").defaults("0").about("longitude of the first plane's ascending node at the begin of the week")})
               .defaults("{}")
               .about("a regular constellation"),

@@ -78,7 +78,7 @@ ComponentSpec ConstellationSimulator::spec() {
           .defaults("{}")
           .about("the receiver's clock"),
       list("cuts", object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
-                                  integer("satellites").at_least(0).required().about("of those in view; 0: an outage"),
+                                  integer("satellites").at_least(0).at_most(most_satellites).required().about("of those in view; 0: an outage"),
                                   choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
           .about("stretches in which fewer satellites are seen"),
       list("faults", object("fault", {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
@@ -153,6 +153,10 @@ void ConstellationSimulator::read_events(const Parameters& parameters) {
       const std::string pointer = "/faults/" + std::to_string(faults_.size());
       const auto satellite = gnss::parse_satellite(fault.text("satellite"));
       if (!satellite) throw ComponentError("'" + fault.text("satellite") + "' is no satellite: \"G01\" … \"G32\"", pointer + "/satellite");
+      if (std::none_of(constellation_.begin(), constellation_.end(),
+                       [&](const gnss::Ephemeris& one) { return one.satellite == *satellite; }))
+        throw ComponentError("'" + fault.text("satellite") + "' is none of the " + std::to_string(constellation_.size()) +
+                                 " satellites that are simulated", pointer + "/satellite");
       faults_.push_back({span(fault, pointer), *satellite, fault.number("pseudorange"), fault.number("range_rate")});
     }
   if (parameters.has("clock_jumps"))

@@ -50,8 +50,8 @@ Result RangeRateModel::linearize(const SampleView& sample, const SampleView* aux
     out.row_keys[rows] = s.satellite;
     ++rows;
   }
-  out.rows = rows;
-  return rows > 0 ? Result::ok() : Result::unsupported("no range rate was measured");
+  out.rows = rows;  // none: in a stack the pseudoranges of the epoch count all the same
+  return Result::ok();
 }
 
 }  // namespace binnacle::gnss_range

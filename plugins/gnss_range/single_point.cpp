@@ -195,7 +195,9 @@ bool SinglePoint::solve(const gnss::Corrections::Epoch& epoch, SinglePointFix& f
       fix.place = gnss::place_from_ecef(fix.place.ecef);
     }
     if (!knows_place || moved > converged) continue;
-    if (exclude_worst(sightings, count, fix)) continue;
+    const Verdict verdict = exclude_worst(sightings, count, fix);
+    if (verdict == Verdict::excluded) continue;
+    if (verdict == Verdict::disagree) return false;
     if (!(fix.gdop <= max_gdop_)) return false;
     fix.used = count;
     solve_velocity(sightings, count, fix);
@@ -257,10 +259,10 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
 }
 
 /// Baarda's data snooping: r_i over the standard deviation that the fit leaves it, σ_i² − a_i N⁻¹ a_iᵀ.
-bool SinglePoint::exclude_worst(const Sightings& sightings, int count, SinglePointFix& fix) const {
+SinglePoint::Verdict SinglePoint::exclude_worst(const Sightings& sightings, int count, SinglePointFix& fix) const {
   int galileo = 0;
   for (int i = 0; i < count; ++i) galileo += is_galileo(sightings[static_cast<std::size_t>(i)]);
-  if (count - (galileo > 0 && galileo < count ? 5 : 4) < 2) return false;  // with one to spare nobody knows which it is
+  const int to_spare = count - (galileo > 0 && galileo < count ? 5 : 4);
   double worst = exclude_beyond_;
   int at = -1;
   for (int i = 0; i < count; ++i) {
@@ -279,9 +281,10 @@ bool SinglePoint::exclude_worst(const Sightings& sightings, int count, SinglePoi
       at = i;
     }
   }
-  if (at < 0) return false;
+  if (at < 0) return Verdict::agree;
+  if (to_spare < 2) return Verdict::disagree;  // with one to spare nobody knows which it is
   fix.excluded[static_cast<std::size_t>(fix.excluded_count++)] = sightings[static_cast<std::size_t>(at)].satellite;
-  return true;
+  return Verdict::excluded;
 }
 
 void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePointFix& fix) const {

@@ -30,7 +30,8 @@ class SinglePoint final : public Transform {
   int sight(const gnss::Corrections::Epoch& epoch, bool knows_place, const SinglePointFix& fix,
             Sightings& sightings) const;
   bool step(const Sightings& sightings, int count, bool knows_place, SinglePointFix& fix, double& moved) const;
-  bool exclude_worst(const Sightings& sightings, int count, SinglePointFix& fix) const;
+  enum class Verdict { agree, excluded, disagree };
+  Verdict exclude_worst(const Sightings& sightings, int count, SinglePointFix& fix) const;
   void solve_velocity(const Sightings& sightings, int count, SinglePointFix& fix) const;
   void emit(Time t, const SinglePointFix& fix, Emitter& emitter) const;
 

@@ -344,7 +344,11 @@ void find_clock_jumps(std::vector<Epoch>& epochs, Faults& faults) {
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
     if (std::abs(*middle) < least_jump) continue;
-    epochs[i].clock_jump = *middle;
+    // A clock moves all satellites' codes alike; phases that begin anew after a loss of lock do not.
+    const double median = *middle;
+    const auto agreeing = std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - median) < 100.0; });
+    if (2 * agreeing <= static_cast<std::ptrdiff_t>(steps.size())) continue;
+    epochs[i].clock_jump = median;
     if (count++ == 0) first = &epochs[i];
   }
   if (!first) return;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -248,8 +247,7 @@ TEST_CASE("masks and cuts take satellites away and change no other figure", "[co
 TEST_CASE("faults and clock jumps come when they are said to", "[constellation_simulator]") {
   const Ear good = listen(no_errors, {}, 20);
   const int first = good.epochs.begin()->second.begin()->first;
-  char name[8];
-  std::snprintf(name, sizeof name, "G%02d", first - 100);
+  const std::string name = gnss::satellite_name(first);
   const Ear bad = listen(with({{"faults", {{{"satellite", name}, {"from", 5}, {"to", 8}, {"pseudorange", 1000}, {"range_rate", 3}}}},
                                {"clock_jumps", {{{"at", 12}, {"jump", 1e-3}}}}}), {}, 20);
   for (const auto& [t, epoch] : good.epochs)
@@ -261,6 +259,13 @@ TEST_CASE("faults and clock jumps come when they are said to", "[constellation_s
       REQUIRE(std::abs(bad.epochs.at(t).at(key).range - seen.range - (is_faulty ? 1000 : 0) - jump) < (s >= 12 ? 1.0 : 1e-6));
       REQUIRE(std::abs(bad.epochs.at(t).at(key).rate - seen.rate - (is_faulty ? 3 : 0)) < 1e-2);
     }
+}
+
+TEST_CASE("a fault of a satellite that is not there is refused", "[constellation_simulator]") {
+  for (const char* name : {"G30", "E05", "X1"})
+    REQUIRE_THROWS_AS(bind<ConstellationSimulator>(
+                          {with({{"faults", {{{"satellite", name}, {"from", 0}, {"to", 1}, {"pseudorange", 1000}}}}}), {}, {}}),
+                      ComponentError);
 }
 
 TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and its damage is told with the line", "[constellation_simulator]") {
@@ -281,6 +286,9 @@ TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and it
   REQUIRE(std::abs(read[0].semi_major_axis - 5153.6 * 5153.6) < 1e-3);
   REQUIRE(read[0].toc == 405504);
   REQUIRE(read[0].af1 == 0.3e-11);
+  // Two weeks in one file: which of them is meant?
+  write(satellite(3, "000", "5153.6") + satellite(3, "000", "5153.6"));
+  REQUIRE_THROWS_AS(read_almanac(file.string()), ComponentError);
   write(satellite(3, "000", "51x3.6"));
   try {
     read_almanac(file.string());
