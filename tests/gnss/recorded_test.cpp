@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -351,4 +352,42 @@ TEST_CASE("a receiver clock that jumps by a millisecond is recovered from") {
   const auto locked =
       run_config(*data, "gnss/0759", without).summary.at("filters").at("gps").at("measurements").at("ranges");
   CHECK(locked.at("gated").get<int>() == 60);
+}
+
+TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, told and survived") {
+  const auto data = gnss_data();
+  if (!data) return;
+  int changed = 0;
+  const Changed faulty(*data / "rinex" / "07590920.05o", [&](const std::string& text) {
+    std::istringstream in(text);
+    std::ostringstream out;
+    std::vector<std::string> satellites;
+    std::size_t row = 0;
+    bool is_data = false, is_time = false;
+    for (std::string line; std::getline(in, line); out << line << '\n') {
+      if (!is_data) {
+        is_data = line.find("END OF HEADER") != std::string::npos;
+      } else if (line.compare(0, 6, " 05  4") == 0) {
+        const int minute = std::stoi(line.substr(13, 2)), count = std::stoi(line.substr(29, 3));
+        is_time = std::stoi(line.substr(10, 2)) == 0 && minute >= 20 && minute < 40;
+        satellites.clear();
+        row = 0;
+        for (int i = 0; i < count; ++i) satellites.push_back(line.substr(33 + 3 * static_cast<std::size_t>(i), 2));
+      } else if (row < satellites.size() && satellites[row++] == "11" && is_time && line.size() >= 30) {
+        char number[16];
+        std::snprintf(number, sizeof number, "%14.3f", std::stod(line.substr(16, 14)) + 1000);
+        line.replace(16, 14, number);
+        ++changed;
+      }
+    }
+    return out.str();
+  });
+  REQUIRE(changed == 40);
+  const RunResult result = run_config(*data, "gnss/0759", {"/sources/gnss/observations=" + faulty.path()});
+  const auto& gps = result.summary.at("filters").at("gps");
+  const auto& ranges = gps.at("measurements").at("ranges");
+  INFO(ranges.dump());
+  CHECK(ranges.at("accepted") == 119);
+  CHECK(ranges.at("left_out").at("by_key") == nlohmann::ordered_json({{"111", 40}}));
+  CHECK(gps.at("reference").at("position.distance").at("rms").get<double>() < 2.2);
 }
