@@ -104,6 +104,8 @@ class ObservationReader {
         const auto type = trimmed(columns(line_, 7 + 4 * i, 3));
         if (!type.empty()) new_types_[system_].emplace_back(type);
       }
+    } else if (name == "SYS / SCALE FACTOR") {
+      faults_.add("B062", line(), "header line", "scale factors of observations are not applied");
     } else if (name == "TIME OF FIRST OBS") {
       const auto scale = trimmed(columns(line_, 48, 3));
       if (!scale.empty() && scale != "GPS" && scale != "GAL")
