@@ -36,7 +36,6 @@ FieldSpec level(const char* name, const char* unit, const char* text, bool optio
 /// other figure.
 struct ConstellationSimulator::Memory {
   Time last;  // epoch; no_time: none yet
-  std::int64_t epochs;
   double clock_bias, clock_drift;                 // m, m/s
   std::array<double, most_satellites> range_bias;  // m
   random::Philox clock_stream, bias_stream, noise_stream, rate_stream;
@@ -225,8 +224,7 @@ void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::by
   Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
   if (!vector_at<6>(sample.fields).allFinite()) return;
   if (memory.last != no_time && sample.t - memory.last < every_) return;
-  if (memory.epochs == 0) emit_ephemerides(sample.t, emitter);
-  ++memory.epochs;
+  if (memory.last == no_time) emit_ephemerides(sample.t, emitter);
   advance(memory, sample.t);
 
   const Vector3d lla = vector_at<3>(sample.fields);

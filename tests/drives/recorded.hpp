@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where recorded drives lie, and how a config is run on them. Data are looked for in $BINNACLE_DATA, else beside the
-// project in ../shared/data; without any, tests say so and pass.
+// How a config is run on recorded drives.
 #pragma once
 
 #include <cstdio>
@@ -11,20 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "../recorded_data.hpp"
 #include "binnacle/run.hpp"
 #include "catch.hpp"
 
 namespace recorded {
 
-inline std::optional<std::filesystem::path> data() {
-  namespace fs = std::filesystem;
-  const char* told = std::getenv("BINNACLE_DATA");
-  const fs::path root = told ? fs::path(told) : fs::path(BINNACLE_TEST_PROJECT) / ".." / "shared" / "data";
-  const fs::path folder = fs::weakly_canonical(root / "drives");
-  if (fs::is_directory(folder)) return folder;
-  std::printf("SKIPPED: no data (%s is not there; BINNACLE_DATA names another folder)\n", folder.c_str());
-  return std::nullopt;
-}
+inline std::optional<std::filesystem::path> data() { return binnacle::test::recorded_data("drives"); }
 
 /// The summary of configs/CONFIG.json; what fails is told with the config's name.
 inline nlohmann::ordered_json run(const std::filesystem::path& folder, const std::string& config,

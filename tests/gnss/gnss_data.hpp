@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded GNSS data: where they are, and their tables. Looked for in $BINNACLE_DATA, else beside the project in
-// ../shared/data; without any, tests say so and pass.
+// Recorded GNSS data, and their tables.
 #pragma once
 
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -13,17 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "../recorded_data.hpp"
+
 namespace binnacle::test {
 
-inline std::optional<std::filesystem::path> gnss_data() {
-  namespace fs = std::filesystem;
-  const char* told = std::getenv("BINNACLE_DATA");
-  const fs::path root = told ? fs::path(told) : fs::path(BINNACLE_TEST_PROJECT) / ".." / "shared" / "data";
-  const fs::path folder = fs::weakly_canonical(root / "gnss");
-  if (fs::is_directory(folder)) return folder;
-  std::printf("SKIPPED: no data (%s is not there; BINNACLE_DATA names another folder)\n", folder.c_str());
-  return std::nullopt;
-}
+inline std::optional<std::filesystem::path> gnss_data() { return recorded_data("gnss"); }
 
 /// The rows of a table with a header, each as column → text.
 inline std::vector<std::map<std::string, std::string>> table(const std::filesystem::path& path) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Coarse alignment: signs in every quadrant, honest covariances, no attitude without rest, recorded drives.
+#include "../recorded_data.hpp"
 #include "catch.hpp"
 
 #include <Eigen/Dense>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -653,19 +653,15 @@ struct RecordedDrive {
 }  // namespace
 
 TEST_CASE("alignment: on recorded drives, against the reference", "[data]") {
-  const char* given = std::getenv("BINNACLE_DATA");
-  const std::filesystem::path data = given ? given : BINNACLE_TEST_PROJECT "/../shared/data";
-  if (!std::filesystem::exists(data / "drives")) {
-    std::cout << "SKIPPED: no data\n";
-    return;
-  }
+  const auto drives = binnacle::test::recorded_data("drives");
+  if (!drives) return;
   for (const auto& drive :
        std::vector<RecordedDrive>{{"mixed-road-long-drive-large-mount-001", {170.79, 60.50, 167.45}},
                                   {"parkinglot-maneuvers", {-1.82, -24.60, 96.87}},
                                   {"urban-medium-turn-loop-nominal-001", {-1.17, -0.02, 2.59}},
                                   {"urban-mixed-turns-nominal-001", {-2.01, 1.61, 265.33}},
                                   {"urban-stop-go-large-mount-001", {170.75, 60.59, 168.91}}}) {
-    const auto file = [&](const char* name) { return (data / "drives" / drive.folder / name).string(); };
+    const auto file = [&](const char* name) { return (*drives / drive.folder / name).string(); };
     Recording imu(file("imu.csv.gz"), {{"gx_radps", unit("rad/s")},
                                        {"gy_radps", unit("rad/s")},
                                        {"gz_radps", unit("rad/s")},

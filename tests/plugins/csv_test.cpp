@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The csv source: what it reads, how it cuts intervals, and the exact words for every fault of the data.
+#include "../recorded_data.hpp"
 #include "catch.hpp"
 
 #include <unistd.h>
@@ -8,7 +9,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -591,13 +591,9 @@ TEST_CASE("csv: the spec is complete") {
 }
 
 TEST_CASE("csv: a recorded drive of 127 000 rows is read in a fraction of a second", "[data]") {
-  const char* given = std::getenv("BINNACLE_DATA");
-  const std::string data = given ? given : BINNACLE_TEST_PROJECT "/../shared/data";
-  const std::string path = data + "/drives/mixed-road-long-drive-large-mount-001/imu.csv.gz";
-  if (!std::filesystem::exists(path)) {
-    std::cout << "SKIPPED: no data\n";
-    return;
-  }
+  const auto drives = binnacle::test::recorded_data("drives");
+  if (!drives) return;
+  const std::string path = (*drives / "mixed-road-long-drive-large-mount-001" / "imu.csv.gz").string();
   const auto rate = [](const char* name, const char* si) { return column(name, unit(si), "rate"); };
   const auto value = parameters(path, {{"wx", rate("gx_radps", "rad/s")},
                                        {"wy", rate("gy_radps", "rad/s")},

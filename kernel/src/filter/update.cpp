@@ -189,7 +189,6 @@ void Engine::process(int measurement, const SampleView& sample) {
     if (!factor_innovation(m, work_)) {
       roll_back_models();
       roll_back_noise();
-      left_out_ = 0;
       conclude(measurement, sample.t, Outcome::rejected, "H P H' + R is not positive definite", 0, 0, false, nullptr);
       return;
     }
