@@ -43,7 +43,7 @@ struct MeasurementDeclaration {
 
 /// Where a linearized measurement is written. The kernel zeroes H and R before the call.
 struct Linearization {
-  int rows = 0;                       // set by the model: 1…max_rows
+  int rows = 0;                       // set by the model: 0…max_rows; 0: none of this sample's
   double* residual = nullptr;         // r = z ⊟ h(x̂), max_rows
   const MatrixView* H = nullptr;      // per entry of `reads`: ∂h/∂δ of that port, max_rows × dof(port)
   MatrixView R;                       // nominal noise covariance, max_rows × max_rows, both triangles
