@@ -194,8 +194,8 @@ class Run {
 
   bool is_alike(const Event& event, const Event& truth) const {
     return event.kind == truth.kind && event.t == truth.t &&
-           (event.kind != Event::offered || info_.measurements[static_cast<std::size_t>(event.measurement)] ==
-                                                true_info_.measurements[static_cast<std::size_t>(truth.measurement)]);
+           (event.kind != Event::offered || info_.measurements[static_cast<std::size_t>(event.measurement)].name ==
+                                                true_info_.measurements[static_cast<std::size_t>(truth.measurement)].name);
   }
 
   void take(const Event& event, const Event& truth) {
@@ -224,7 +224,7 @@ class Run {
   }
 
   void measure(const Event& event, const Event& truth) {
-    const std::string& name = info_.measurements[static_cast<std::size_t>(event.measurement)];
+    const std::string& name = info_.measurements[static_cast<std::size_t>(event.measurement)].name;
     const bool is_seen = event.outcome == Outcome::accepted || event.outcome == Outcome::withheld;
     if (!is_seen) throw Broken("measurement '" + name + "' was not accepted: " + event.reason);
     if (truth.H.rows() != event.H.rows()) throw Broken("measurement '" + name + "' has other rows in the truth");

@@ -109,11 +109,13 @@ std::vector<ReadingOutput> read_outputs(const Section& section, const FilterInfo
                         ")");
     return name.value_or("");
   };
+  std::vector<std::string> measurements;
+  for (const auto& measurement : filter.measurements) measurements.push_back(measurement.name);
   for (const auto& [name, settings] : list->items()) {
     const std::string at = join_pointer(under("outputs"), name);
     if (!section.object(at)) continue;
     section.check_keys(at, {"measurement", "block"}, "an output");
-    outputs.push_back({name, one_of(join_pointer(at, "measurement"), filter.measurements),
+    outputs.push_back({name, one_of(join_pointer(at, "measurement"), measurements),
                        one_of(join_pointer(at, "block"), blocks)});
   }
   return outputs;

@@ -33,12 +33,24 @@ struct BlockInfo {
   std::vector<std::string> use;      // per error component: "estimated", "considered", "frozen"
 };
 
+/// Rows of a measurement that are of one kind: "velocity" of a stack, "range" of a model with two kinds of rows.
+struct RowGroupInfo {
+  std::string name;
+  std::string unit;
+};
+
+struct MeasurementInfo {
+  std::string name;
+  int max_rows = 0;
+  std::vector<RowGroupInfo> groups;  // counted through its parts, as UpdateRecord::row_groups tells them
+};
+
 struct FilterInfo {
   std::string name;
   int dof = 0;                       // rows of P
   int stored_size = 0;
   std::vector<BlockInfo> blocks;
-  std::vector<std::string> measurements;
+  std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
 };
 

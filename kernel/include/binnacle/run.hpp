@@ -14,6 +14,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/metric.hpp"
+#include "binnacle/tape.hpp"
 
 namespace binnacle {
 
@@ -21,6 +22,16 @@ namespace binnacle {
 struct RecordColumn {
   std::string name;
   std::string unit;
+};
+
+/// One error over a run, truth − estimate, at the times of the reference; spans end with the call that gave them.
+struct ErrorSeries {
+  std::string name;                // "position.horizontal", "position.nees"; "match.velocity.noise": an adapted √R
+  std::string unit;                // SI, as the numbers are
+  std::string display_unit;
+  std::span<const Time> t;
+  std::span<const double> values;
+  std::span<const double> sigma;   // what the filter thought of it, 1-σ; empty where that is not known
 };
 
 /// Sees a run while it happens.
@@ -33,6 +44,10 @@ class RunObserver {
   virtual void begin(int /*filter*/, const std::string& /*name*/, const std::vector<RecordColumn>& /*columns*/) {}
   /// Estimates at t, at most as often as the config's `record` says.
   virtual void record(int /*filter*/, Time /*t*/, std::span<const double> /*values*/) {}
+  /// A filter's own tape, asked for before the run; null: none.
+  virtual StepTape* tape(int /*filter*/) { return nullptr; }
+  /// After the run, if records are wanted: every error there is against references and withheld samples.
+  virtual void scored(int /*filter*/, const ErrorSeries& /*errors*/) {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
   virtual bool progress(Time /*t*/) { return true; }
 };

@@ -7,6 +7,7 @@
 
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
+#include "filter/residual_rows.hpp"
 
 namespace binnacle {
 
@@ -281,7 +282,12 @@ Composition::Composition(std::unique_ptr<CompositionPlan> plan, Diagnostics warn
         entry.use.push_back(use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen");
       info.blocks.push_back(std::move(entry));
     }
-    for (const auto& measurement : filter.measurements) info.measurements.push_back(measurement.name);
+    for (const auto& measurement : filter.measurements) {
+      MeasurementInfo entry{measurement.name, measurement.max_rows, {}};
+      for (const auto& group : residual_rows_of(filter, measurement))
+        entry.groups.push_back({group.name, group.unit});
+      info.measurements.push_back(std::move(entry));
+    }
     filters_.push_back(std::move(info));
   }
   for (const auto& channel : plan_->channels) channels_.push_back({channel.name, &channel.declaration});

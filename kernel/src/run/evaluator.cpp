@@ -9,6 +9,7 @@
 #include <set>
 
 #include "binnacle/unit.hpp"
+#include "filter/residual_rows.hpp"
 #include "run/outputs.hpp"
 
 namespace binnacle {
@@ -117,7 +118,9 @@ double over_time(const std::vector<Time>& t, const std::vector<double>& values, 
 /// the a-posteriori state at the step's begin to the a-priori one at its end, so that scoring never changes the run.
 class Evaluator::FilterScore : public StepTape {
  public:
-  FilterScore(Runtime& runtime, int filter) : engine_(runtime.engine(filter)), plan_(engine_.plan()) {
+  /// `next` sees the same tape; null: nobody.
+  FilterScore(Runtime& runtime, int filter, StepTape* next)
+      : engine_(runtime.engine(filter)), plan_(engine_.plan()), next_(next) {
     const auto& references = runtime.plan().evaluation.references;
     std::size_t dof = 1, stored = 1, outputs = 1;
     for (const auto& block : plan_.blocks) {
@@ -181,9 +184,15 @@ class Evaluator::FilterScore : public StepTape {
     }
   }
 
-  bool wants_covariance() const override { return !pending_.empty(); }
+  bool wants_covariance() const override { return !pending_.empty() || (next_ && next_->wants_covariance()); }
+  bool wants_matrices() const override { return next_ && next_->wants_matrices(); }
+
+  void started(Time t, const double* x, MatrixView P) override {
+    if (next_) next_->started(t, x, P);
+  }
 
   void stepped(const StepRecord& record) override {
+    if (next_) next_->stepped(record);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
       if (pending_[i].t < record.t0) continue;
@@ -204,6 +213,7 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   void offered(const UpdateRecord& record) override {
+    if (next_) next_->offered(record);
     if (record.outcome != Outcome::withheld) {
       keep_noise(record);
       return;
@@ -309,14 +319,23 @@ class Evaluator::FilterScore : public StepTape {
 
   void watch(const Metric& metric) {
     if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis || metric.of_block) return;
-    auto& reference = references_[as_size(subjects_[as_size(metric.subject)].reference)];
-    reference.sigmas.resize(reference.series.size());
-    std::size_t scratch = sigma_scratch_.size(), widest = sigmas_.size();
-    const auto& block = plan_.blocks[as_size(reference.plan->block)];
-    scratch = std::max(scratch, output_sigma_scratch(block));
-    widest = std::max(widest, block.declaration().outputs.size());
-    sigma_scratch_.resize(scratch);
-    sigmas_.resize(widest);
+    keep_sigmas(references_[as_size(subjects_[as_size(metric.subject)].reference)]);
+  }
+  void keep_sigmas() {
+    for (auto& reference : references_) keep_sigmas(reference);
+  }
+
+  void tell_errors(int filter, RunObserver& observer) const {
+    for (const auto& subject : subjects_) {
+      const auto& series = *subject.series;
+      std::span<const double> sigma;
+      if (subject.reference >= 0 && !references_[as_size(subject.reference)].sigmas.empty())
+        sigma = references_[as_size(subject.reference)].sigmas[as_size(subject.index)];
+      observer.scored(filter, {series.name, series.unit, series.display_unit, series.t, series.values, sigma});
+    }
+    for (const auto& reference : references_)
+      if (reference.is_whole)
+        observer.scored(filter, {reference.name + ".nees", "1", "1", reference.nees.t, reference.nees.values, {}});
   }
 
   MetricValue value(const Metric& metric, const TimeSpan& span) const {
@@ -380,6 +399,16 @@ class Evaluator::FilterScore : public StepTape {
     Time t = no_time;
     std::vector<double> values;
   };
+
+  void keep_sigmas(Reference& reference) {
+    reference.sigmas.resize(reference.series.size());
+    std::size_t scratch = sigma_scratch_.size(), widest = sigmas_.size();
+    const auto& block = plan_.blocks[as_size(reference.plan->block)];
+    scratch = std::max(scratch, output_sigma_scratch(block));
+    widest = std::max(widest, block.declaration().outputs.size());
+    sigma_scratch_.resize(scratch);
+    sigmas_.resize(widest);
+  }
 
   bool is_component(const Subject& subject) const {
     const auto& reference = references_[as_size(subject.reference)];
@@ -463,45 +492,37 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   void add_withheld(int measurement) {
-    int index = 0;
-    for (const auto& part : plan_.measurements[as_size(measurement)].parts) {
-      for (const auto& group : part.model->declaration().groups) {
-        WithheldGroup entry;
-        entry.measurement = measurement;
-        entry.group = index++;
-        const BlockPlan* block = group.port >= 0 ? block_like(part.ports[as_size(group.port)]) : nullptr;
-        if (block) {
-          entry.norms = &block->declaration();
-          entry.series = make_series(ErrorNames(block->declaration(), block->name));
-        } else {
-          const std::string name = plan_.measurements[as_size(measurement)].name + "." + group.name;
-          entry.series.push_back({name, group.unit, group.unit, {}, {}});
-        }
-        withheld_.push_back(std::move(entry));
+    const MeasurementPlan& plan = plan_.measurements[as_size(measurement)];
+    const auto groups = residual_rows_of(plan_, plan);
+    for (std::size_t index = 0; index < groups.size(); ++index) {
+      const auto& group = groups[index];
+      if (group.kind.empty()) continue;
+      WithheldGroup entry;
+      entry.measurement = measurement;
+      entry.group = static_cast<int>(index);
+      if (group.like) {
+        entry.norms = &group.like->declaration();
+        entry.series = make_series(ErrorNames(*entry.norms, group.like->name));
+      } else {
+        entry.series.push_back({plan.name + "." + group.kind, group.unit, group.unit, {}, {}});
       }
-      if (part.model->declaration().groups.empty()) ++index;
+      withheld_.push_back(std::move(entry));
     }
   }
 
   void add_noise(int measurement) {
     const MeasurementPlan& plan = plan_.measurements[as_size(measurement)];
-    int index = 0;
-    for (const auto& part : plan.parts) {
-      const auto& groups = part.model->declaration().groups;
-      for (const auto& group : groups) {
-        NoiseGroup entry;
-        entry.measurement = measurement;
-        entry.group = index++;
-        std::string name = plan.name;
-        if (plan.parts.size() > 1) name += "." + part.name;
-        if (groups.size() > 1) name += "." + group.name;
-        const BlockPlan* block = group.port >= 0 ? block_like(part.ports[as_size(group.port)]) : nullptr;
-        const std::string unit = block ? block->declaration().error.front().unit : group.unit;
-        const bool is_shown = block && !block->declaration().error_display_unit.empty();
-        entry.series = {name + ".noise", unit, is_shown ? block->declaration().error_display_unit : unit, {}, {}};
-        noise_.push_back(std::move(entry));
-      }
-      if (groups.empty()) ++index;
+    const auto groups = residual_rows_of(plan_, plan);
+    for (std::size_t index = 0; index < groups.size(); ++index) {
+      const auto& group = groups[index];
+      if (group.kind.empty()) continue;
+      NoiseGroup entry;
+      entry.measurement = measurement;
+      entry.group = static_cast<int>(index);
+      const bool is_shown = group.like && !group.like->declaration().error_display_unit.empty();
+      entry.series = {plan.name + (groups.size() > 1 ? "." + group.name : "") + ".noise", group.unit,
+                      is_shown ? group.like->declaration().error_display_unit : group.unit, {}, {}};
+      noise_.push_back(std::move(entry));
     }
   }
 
@@ -516,16 +537,6 @@ class Evaluator::FilterScore : public StepTape {
       group.series.t.push_back(record.t);
       group.series.values.push_back(std::sqrt(sum / rows));
     }
-  }
-
-  /// The block itself, or for a derived value the block of the filter with the same error components.
-  const BlockPlan* block_like(int value) const {
-    if (value < 0) return nullptr;
-    if (value < static_cast<int>(plan_.blocks.size())) return &plan_.blocks[as_size(value)];
-    const auto& kind = plan_.derived[as_size(value) - plan_.blocks.size()].derived->declaration().kind;
-    for (const auto& block : plan_.blocks)
-      if (block.declaration().kind == kind) return &block;
-    return nullptr;
   }
 
   static void push(std::vector<Series>& series, std::size_t index, Time t, double value) {
@@ -612,6 +623,7 @@ class Evaluator::FilterScore : public StepTape {
 
   Engine& engine_;
   const FilterPlan& plan_;
+  StepTape* next_;
   std::vector<Reference> references_;
   std::vector<WithheldGroup> withheld_;
   std::vector<NoiseGroup> noise_;
@@ -621,12 +633,12 @@ class Evaluator::FilterScore : public StepTape {
   std::vector<double> delta_, between_, truth_, outputs_, covariance_, sigma_scratch_, sigmas_;
 };
 
-Evaluator::Evaluator(Runtime& runtime) : runtime_(runtime) {
+Evaluator::Evaluator(Runtime& runtime, const std::vector<StepTape*>& tapes) : runtime_(runtime) {
   std::set<int> channels;
   for (const auto& reference : runtime.plan().evaluation.references)
     if (reference.channel >= 0) channels.insert(reference.channel);
   for (std::size_t f = 0; f < runtime.plan().filters.size(); ++f)
-    scores_.push_back(std::make_unique<FilterScore>(runtime, static_cast<int>(f)));
+    scores_.push_back(std::make_unique<FilterScore>(runtime, static_cast<int>(f), f < tapes.size() ? tapes[f] : nullptr));
   runtime_.listen(this, {channels.begin(), channels.end()});
 }
 
@@ -651,6 +663,14 @@ std::vector<RecordColumn> Evaluator::noise_columns(int filter) const {
 void Evaluator::latest_noise(int filter, double* values) const { scores_[as_size(filter)]->latest_noise(values); }
 
 std::vector<Scored> Evaluator::scored(int filter) const { return scores_[as_size(filter)]->scored(); }
+
+void Evaluator::keep_sigmas() {
+  for (auto& score : scores_) score->keep_sigmas();
+}
+
+void Evaluator::tell_errors(RunObserver& observer) const {
+  for (std::size_t f = 0; f < scores_.size(); ++f) scores_[f]->tell_errors(static_cast<int>(f), observer);
+}
 
 void Evaluator::watch(const std::vector<Metric>& metrics) {
   for (const auto& metric : metrics) scores_[as_size(metric.filter)]->watch(metric);

@@ -37,7 +37,8 @@ struct Scored {
 
 class Evaluator : public SampleListener {
  public:
-  explicit Evaluator(Runtime& runtime);
+  /// `tapes`: by filter, what else listens to it; null: nobody.
+  explicit Evaluator(Runtime& runtime, const std::vector<StepTape*>& tapes = {});
   ~Evaluator() override;
 
   void sampled(int channel, const SampleView& sample) override;
@@ -47,6 +48,10 @@ class Evaluator : public SampleListener {
   std::vector<Scored> scored(int filter) const;
   /// Before the run: what these metrics need beyond the errors is kept too.
   void watch(const std::vector<Metric>& metrics);
+  /// Before the run: the 1-σ of every error is kept too.
+  void keep_sigmas();
+  /// RunObserver::scored() for everything there is.
+  void tell_errors(RunObserver& observer) const;
   MetricValue value(const Metric& metric) const;
   /// What noise estimators make of R, as 1-σ by group of rows; the newest values, NaN before the first.
   std::vector<RecordColumn> noise_columns(int filter) const;

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "binnacle/filter.hpp"
+#include "filter/residual_rows.hpp"
 #include "run/evaluator.hpp"
 #include "run/guard_sink.hpp"
 #include "run/outputs.hpp"
@@ -106,28 +107,16 @@ class Recorder {
   std::vector<double> scratch_, values_;
 };
 
-/// The groups of a measurement's rows, counted through its parts; a part with one group lends it its name.
-std::vector<std::string> group_names(const MeasurementPlan& plan) {
-  std::vector<std::string> names;
-  for (const auto& part : plan.parts) {
-    const auto& groups = part.model->declaration().groups;
-    if (groups.size() < 2) names.push_back(part.name);
-    else
-      for (const auto& group : groups) names.push_back(plan.parts.size() > 1 ? part.name + "." + group.name : group.name);
-  }
-  return names;
-}
-
 /// Rows that a gate by row or key took out of accepted samples: in all, and which.
 nlohmann::ordered_json left_out_summary(const Engine& engine, int measurement) {
   const auto& plan = engine.plan().measurements[static_cast<std::size_t>(measurement)];
-  const auto names = group_names(plan);
-  const bool tells_group = plan.gate_unit == GateUnit::row && names.size() > 1;
+  const auto groups = residual_rows_of(engine.plan(), plan);
+  const bool tells_group = plan.gate_unit == GateUnit::row && groups.size() > 1;
   nlohmann::ordered_json by_key = nlohmann::ordered_json::object();
   for (const auto& entry : engine.left_out(measurement)) {
     if (entry.count == 0) continue;
     const std::string key = std::to_string(entry.key);
-    by_key[tells_group ? names[static_cast<std::size_t>(entry.group)] + " " + key : key] = entry.count;
+    by_key[tells_group ? groups[static_cast<std::size_t>(entry.group)].name + " " + key : key] = entry.count;
   }
   const Ledger& ledger = engine.ledger(measurement);
   return {{"rows", ledger.rows_left_out}, {"of", ledger.dof_sum + ledger.rows_left_out}, {"by_key", std::move(by_key)}};
@@ -202,11 +191,16 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   Runtime runtime(plan);
   runtime.reset(options.seed, options.run);
   runtime.feed_sinks(options.feeds_sinks);
-  Evaluator evaluator(runtime);
+  std::vector<StepTape*> tapes;
+  if (options.observer)
+    for (std::size_t f = 0; f < plan.filters.size(); ++f) tapes.push_back(options.observer->tape(static_cast<int>(f)));
+  Evaluator evaluator(runtime, tapes);
   evaluator.watch(plan.evaluation.metrics);
   evaluator.watch(options.metrics);
   std::unique_ptr<Recorder> recorder;
-  if (options.observer && options.observer->wants_records())
+  const bool records = options.observer && options.observer->wants_records();
+  if (records) evaluator.keep_sigmas();
+  if (records)
     recorder = std::make_unique<Recorder>(runtime, evaluator, *options.observer, composition->record_every());
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks) guard_sink(plan, sink, "open", [&] { sink.sink->open(); });
@@ -218,6 +212,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   runtime.finish();
   if (recorder) recorder->after_instant();
   evaluator.finish();
+  if (records) evaluator.tell_errors(*options.observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks) guard_sink(plan, sink, "close", [&] { sink.sink->close(); });
 
