@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sparse covariance arithmetic against dense textbook formulas.
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include <Eigen/Dense>
 
 #include "catch.hpp"
 #include "filter/covariance.hpp"
+#include "filter/strip_loops.hpp"
 #include "filter/van_loan.hpp"
 
 using namespace binnacle;
@@ -183,6 +185,46 @@ TEST_CASE("the update equals Joseph's form, also with considered states") {
     REQUIRE((delta - K * residual).norm() < 1e-9 * (1 + delta.norm()));
     REQUIRE((stored.matrix() - expected).norm() < 1e-11 * P.norm());
     REQUIRE(stored.is_symmetric_to_the_bit());
+  }
+}
+
+TEST_CASE("every instruction set gives the same bits") {
+  if (!runs_avx2()) return;  // one set only
+  std::mt19937 engine(11);
+  for (int trial = 0; trial < 100; ++trial) {
+    const int n = 1 + static_cast<int>(engine() % 40), ld = padded(n), m = 1 + static_cast<int>(engine() % 6);
+    const auto doubles = [&](int count) {
+      std::vector<double> list(static_cast<std::size_t>(count));
+      for (double& x : list) x = std::normal_distribution<double>()(engine);
+      return list;
+    };
+    const auto in = doubles(ld * n), coefficients = doubles(3 * n);
+    std::vector<int> columns;
+    for (int c = 0; c < n; ++c)
+      if (engine() % 3 > 0) columns.push_back(c);
+    const int count = static_cast<int>(columns.size()), first = static_cast<int>(engine() % 3) * strip % ld;
+    for (int rows = 1; rows <= 3; ++rows) {
+      std::vector<double> one(static_cast<std::size_t>(3 * ld)), other(one);
+      base_strip_loops.combine(rows, in.data(), ld, first, count, columns.data(), coefficients.data(), 3, one.data());
+      avx2_strip_loops.combine(rows, in.data(), ld, first, count, columns.data(), coefficients.data(), 3, other.data());
+      REQUIRE(std::memcmp(one.data(), other.data(), one.size() * sizeof(double)) == 0);
+    }
+    auto P1 = in, P2 = in, K1 = doubles(ld * m), U1 = K1, K2 = K1, U2 = K1;
+    auto G = doubles(ld * m), S = doubles(m * m), L = doubles(m * m);
+    const auto work = [&](std::vector<double>& K, std::vector<double>& U) {
+      UpdateWork w;
+      w.m_max = m;
+      w.G = G.data();
+      w.S = S.data();
+      w.L = L.data();
+      w.K = K.data();
+      w.U = U.data();
+      return w;
+    };
+    base_strip_loops.correct(nullptr, P1.data(), n, m, work(K1, U1));
+    avx2_strip_loops.correct(nullptr, P2.data(), n, m, work(K2, U2));
+    REQUIRE(std::memcmp(P1.data(), P2.data(), P1.size() * sizeof(double)) == 0);
+    REQUIRE(std::memcmp(K1.data(), K2.data(), K1.size() * sizeof(double)) == 0);
   }
 }
 

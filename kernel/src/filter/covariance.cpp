@@ -1,61 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arithmetic on P. Strips of rows, two to a register, are held in registers; only the lower triangle is computed.
+// Arithmetic on P. Only the lower triangle is computed, then mirrored.
 #include "filter/covariance.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "filter/strip_loops.hpp"
+
 namespace binnacle {
 namespace {
 
 typedef double Pair __attribute__((vector_size(2 * sizeof(double))));
 
-// By value through memcpy: P is 16-byte aligned at best.
+// By value through memcpy: scratch is 16-byte aligned at best.
 inline Pair load(const double* p) {
   Pair pair;
   std::memcpy(&pair, p, sizeof pair);
   return pair;
 }
 inline void store(double* p, Pair pair) { std::memcpy(p, &pair, sizeof pair); }
-inline Pair both(double a) { return Pair{a, a}; }
-
-/// Rows i … i+2·Pairs−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]), for r < R.
-template <int R, int Pairs>
-inline void combine_strip(const double* in, int ld, int count, const int* columns, const double* coefficients,
-                          int stride, double* out) {
-  Pair sum[R][Pairs] = {};
-  for (int c = 0; c < count; ++c) {
-    const double* p = in + static_cast<std::ptrdiff_t>(columns[c]) * ld;
-    Pair value[Pairs];
-    for (int k = 0; k < Pairs; ++k) value[k] = load(p + 2 * k);
-    const double* a = coefficients + static_cast<std::ptrdiff_t>(c) * stride;
-    for (int r = 0; r < R; ++r) {
-      const Pair factor = both(a[r]);
-      for (int k = 0; k < Pairs; ++k) sum[r][k] += factor * value[k];
-    }
-  }
-  for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Pairs; ++k) store(out + 2 * k + static_cast<std::ptrdiff_t>(r) * ld, sum[r][k]);
-}
-
-/// The same for rows first…ld−1, six at a time: nine sums, three values and a factor fit the sixteen registers of SSE2.
-template <int R>
-inline void combine_rows(const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
-                         int stride, double* out) {
-  int i = first;
-  for (; i + 6 <= ld; i += 6) combine_strip<R, 3>(in + i, ld, count, columns, coefficients, stride, out + i);
-  for (; i < ld; i += 2) combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i);
-}
-
-inline void combine(int rows, const double* in, int ld, int first, int count, const int* columns,
-                    const double* coefficients, int stride, double* out) {
-  switch (rows) {
-    case 1: combine_rows<1>(in, ld, first, count, columns, coefficients, stride, out); break;
-    case 2: combine_rows<2>(in, ld, first, count, columns, coefficients, stride, out); break;
-    default: combine_rows<3>(in, ld, first, count, columns, coefficients, stride, out); break;
-  }
-}
 
 /// The group's coefficients in one run of memory; returns its end.
 template <int R>
@@ -110,36 +74,6 @@ void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
   }
 }
 
-/// Rows i … i+2·Pairs−1 of P(·, c+r) += Σ_j K_j u_j(c+r) + U_j k_j(c+r), for r < R.
-template <int R, int Pairs>
-inline void add_products_strip(double* P, int ld, int i, int c, int m, const double* K, const double* U) {
-  Pair sum[R][Pairs];
-  for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Pairs; ++k) sum[r][k] = load(P + i + 2 * k + static_cast<std::ptrdiff_t>(c + r) * ld);
-  const auto add = [&](const double* rows, const double* factors) {
-    Pair value[Pairs];
-    for (int k = 0; k < Pairs; ++k) value[k] = load(rows + i + 2 * k);
-    for (int r = 0; r < R; ++r) {
-      const Pair factor = both(factors[c + r]);
-      for (int k = 0; k < Pairs; ++k) sum[r][k] += factor * value[k];
-    }
-  };
-  for (int j = 0; j < m; ++j) {
-    const auto at = static_cast<std::ptrdiff_t>(j) * ld;
-    add(K + at, U + at);
-    add(U + at, K + at);
-  }
-  for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Pairs; ++k) store(P + i + 2 * k + static_cast<std::ptrdiff_t>(c + r) * ld, sum[r][k]);
-}
-
-template <int R>
-inline void add_products(double* P, int ld, int c, int m, const double* K, const double* U) {
-  int i = c / strip * strip;  // only the lower triangle is needed
-  for (; i + 8 <= ld; i += 8) add_products_strip<R, 4>(P, ld, i, c, m, K, U);
-  if (i < ld) add_products_strip<R, 2>(P, ld, i, c, m, K, U);
-}
-
 }  // namespace
 
 void finish(TransitionPlan& plan) {
@@ -186,6 +120,7 @@ void predict(const TransitionPlan& plan, const double* const* phi, const double*
   const int coupled = plan.coupled_rows;
   const int ld_coupled = padded(coupled);
   const bool scales = !plan.diagonals.empty();
+  const auto combine = strip_loops().combine;
   double* const M = scratch;                                                      // ld × coupled
   double* const Mt = M + static_cast<std::ptrdiff_t>(ld) * coupled;               // ld_coupled × ld
   double* const PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;          // ld_coupled × coupled
@@ -271,6 +206,7 @@ void project(const UpdateColumns& columns, const double* P, int n, int m, const 
   const int ld = padded(n);
   const int count = static_cast<int>(columns.columns.size());
   const int* index = columns.columns.data();
+  const auto combine = strip_loops().combine;
   for (int row = 0; row < m; row += 3)
     combine(std::min(3, m - row), P, ld, 0, count, index, work.H + row, work.m_max,
             work.G + static_cast<std::ptrdiff_t>(row) * ld);
@@ -316,53 +252,8 @@ double normalized_innovation_squared(int m, const UpdateWork& work) {
 }
 
 void correct(const unsigned char* corrected, double* P, int n, int m, const UpdateWork& work) {
-  const int ld = padded(n);
-  const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
-  const auto L = [&](int i, int j) { return work.L[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
-  const auto S = [&](int i, int j) { return work.S[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
-
-  // K Lᵀ' : forward and back substitution on the columns of G, a column of n rows at a time.
-  for (int j = 0; j < m; ++j) {
-    double* k = column(work.K, j);
-    std::memcpy(k, column(work.G, j), static_cast<std::size_t>(ld) * sizeof(double));
-    for (int l = 0; l < j; ++l) {
-      const double* kl = column(work.K, l);
-      const double a = L(j, l);
-      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
-    }
-    const double inverse = 1 / L(j, j);
-    for (int i = 0; i < ld; ++i) k[i] *= inverse;
-  }
-  for (int j = m - 1; j >= 0; --j) {
-    double* k = column(work.K, j);
-    for (int l = j + 1; l < m; ++l) {
-      const double* kl = column(work.K, l);
-      const double a = L(l, j);
-      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
-    }
-    const double inverse = 1 / L(j, j);
-    for (int i = 0; i < ld; ++i) k[i] *= inverse;
-  }
-  if (corrected)
-    for (int j = 0; j < m; ++j)
-      for (int i = 0; i < n; ++i)
-        if (!corrected[i]) column(work.K, j)[i] = 0;
-
-  // P + K Uᵀ + U Kᵀ with U = ½ K S − G.
-  for (int j = 0; j < m; ++j) {
-    double* u = column(work.U, j);
-    const double* g = column(work.G, j);
-    for (int i = 0; i < ld; ++i) u[i] = -g[i];
-    for (int l = 0; l < m; ++l) {
-      const double* k = column(work.K, l);
-      const double half = 0.5 * S(l, j);
-      for (int i = 0; i < ld; ++i) u[i] += half * k[i];
-    }
-  }
-  int c = 0;
-  for (; c + 3 <= n; c += 3) add_products<3>(P, ld, c, m, work.K, work.U);
-  for (; c < n; ++c) add_products<1>(P, ld, c, m, work.K, work.U);
-  mirror_lower(P, n, ld);
+  strip_loops().correct(corrected, P, n, m, work);
+  mirror_lower(P, n, padded(n));
 }
 
 void gain_times_residual(int n, int m, const UpdateWork& work, double* delta) {

@@ -19,10 +19,10 @@ struct Place {
   const T* in(const std::byte* arena) const { return reinterpret_cast<const T*>(arena + offset); }
 };
 
-/// Lays places out one after the other, each 16-byte aligned.
+/// Lays places out one after the other.
 class Layout {
  public:
-  static constexpr std::size_t alignment = 16;
+  static constexpr std::size_t alignment = 64;  // a cache line: no strip of P lies across two
 
   template <class T>
   Place<T> add(std::size_t count) {

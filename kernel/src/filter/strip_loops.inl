@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// The loops of StripLoops for registers of `lanes` doubles. Included by one source file per instruction set, and all of
+// it local to that file: nothing here may come out of the standard library but what the compiler itself knows, or the
+// linker could hand a function made for one processor to another.
+#include "filter/strip_loops.hpp"
+
+namespace binnacle {
+namespace {
+
+typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
+
+// By value through memcpy: scratch is 16-byte aligned at best.
+inline Lanes load(const double* p) {
+  Lanes value;
+  __builtin_memcpy(&value, p, sizeof value);
+  return value;
+}
+inline void store(double* p, const Lanes& value) { __builtin_memcpy(p, &value, sizeof value); }
+
+/// Rows 0 … lanes·Strips−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]), for r < R.
+template <int R, int Strips>
+inline void combine_strip(const double* in, int ld, int count, const int* columns, const double* coefficients,
+                          int stride, double* out) {
+  Lanes sum[R][Strips] = {};
+  for (int c = 0; c < count; ++c) {
+    const double* p = in + static_cast<std::ptrdiff_t>(columns[c]) * ld;
+    Lanes value[Strips];
+    for (int k = 0; k < Strips; ++k) value[k] = load(p + lanes * k);
+    const double* a = coefficients + static_cast<std::ptrdiff_t>(c) * stride;
+    for (int r = 0; r < R; ++r)
+      for (int k = 0; k < Strips; ++k) sum[r][k] += a[r] * value[k];
+  }
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < Strips; ++k) store(out + lanes * k + static_cast<std::ptrdiff_t>(r) * ld, sum[r][k]);
+}
+
+/// The same for rows first…ld−1, three strips at a time: nine sums, three values and a factor fit sixteen registers.
+template <int R>
+inline void combine_rows(const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
+                         int stride, double* out) {
+  int i = first;
+  for (; i + 3 * lanes <= ld; i += 3 * lanes)
+    combine_strip<R, 3>(in + i, ld, count, columns, coefficients, stride, out + i);
+  for (; i + 2 * lanes <= ld; i += 2 * lanes)
+    combine_strip<R, 2>(in + i, ld, count, columns, coefficients, stride, out + i);
+  for (; i < ld; i += lanes) combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i);
+}
+
+void combine(int rows, const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
+             int stride, double* out) {
+  switch (rows) {
+    case 1: combine_rows<1>(in, ld, first, count, columns, coefficients, stride, out); break;
+    case 2: combine_rows<2>(in, ld, first, count, columns, coefficients, stride, out); break;
+    default: combine_rows<3>(in, ld, first, count, columns, coefficients, stride, out); break;
+  }
+}
+
+/// Rows i … i+lanes·Strips−1 of P(·, c+r) += Σ_j K_j u_j(c+r) + U_j k_j(c+r), for r < R.
+template <int R, int Strips>
+inline void add_products_strip(double* P, int ld, int i, int c, int m, const double* K, const double* U) {
+  Lanes sum[R][Strips];
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < Strips; ++k) sum[r][k] = load(P + i + lanes * k + static_cast<std::ptrdiff_t>(c + r) * ld);
+  const auto add = [&](const double* rows, const double* factors) {
+    Lanes value[Strips];
+    for (int k = 0; k < Strips; ++k) value[k] = load(rows + i + lanes * k);
+    for (int r = 0; r < R; ++r)
+      for (int k = 0; k < Strips; ++k) sum[r][k] += factors[c + r] * value[k];
+  };
+  for (int j = 0; j < m; ++j) {
+    const auto at = static_cast<std::ptrdiff_t>(j) * ld;
+    add(K + at, U + at);
+    add(U + at, K + at);
+  }
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < Strips; ++k) store(P + i + lanes * k + static_cast<std::ptrdiff_t>(c + r) * ld, sum[r][k]);
+}
+
+template <int R>
+inline void add_products(double* P, int ld, int c, int m, const double* K, const double* U) {
+  int i = c / strip * strip;  // only the lower triangle is needed
+  for (; i + 8 <= ld; i += 8) add_products_strip<R, 8 / lanes>(P, ld, i, c, m, K, U);
+  if (i < ld) add_products_strip<R, 4 / lanes>(P, ld, i, c, m, K, U);
+}
+
+inline void correct_lower(const unsigned char* corrected, double* P, int n, int m, const UpdateWork& work) {
+  const int ld = padded(n);
+  const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
+  const auto L = [&](int i, int j) { return work.L[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
+  const auto S = [&](int i, int j) { return work.S[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
+
+  // K Lᵀ' : forward and back substitution on the columns of G, a column of n rows at a time.
+  for (int j = 0; j < m; ++j) {
+    double* k = column(work.K, j);
+    __builtin_memcpy(k, column(work.G, j), static_cast<std::size_t>(ld) * sizeof(double));
+    for (int l = 0; l < j; ++l) {
+      const double* kl = column(work.K, l);
+      const double a = L(j, l);
+      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
+    }
+    const double inverse = 1 / L(j, j);
+    for (int i = 0; i < ld; ++i) k[i] *= inverse;
+  }
+  for (int j = m - 1; j >= 0; --j) {
+    double* k = column(work.K, j);
+    for (int l = j + 1; l < m; ++l) {
+      const double* kl = column(work.K, l);
+      const double a = L(l, j);
+      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
+    }
+    const double inverse = 1 / L(j, j);
+    for (int i = 0; i < ld; ++i) k[i] *= inverse;
+  }
+  if (corrected)
+    for (int j = 0; j < m; ++j)
+      for (int i = 0; i < n; ++i)
+        if (!corrected[i]) column(work.K, j)[i] = 0;
+
+  // P + K Uᵀ + U Kᵀ with U = ½ K S − G.
+  for (int j = 0; j < m; ++j) {
+    double* u = column(work.U, j);
+    const double* g = column(work.G, j);
+    for (int i = 0; i < ld; ++i) u[i] = -g[i];
+    for (int l = 0; l < m; ++l) {
+      const double* k = column(work.K, l);
+      const double half = 0.5 * S(l, j);
+      for (int i = 0; i < ld; ++i) u[i] += half * k[i];
+    }
+  }
+  int c = 0;
+  for (; c + 3 <= n; c += 3) add_products<3>(P, ld, c, m, work.K, work.U);
+  for (; c < n; ++c) add_products<1>(P, ld, c, m, work.K, work.U);
+}
+
+}  // namespace
+}  // namespace binnacle

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// StripLoops for what every processor has: two doubles to a register.
+namespace binnacle {
+namespace {
+constexpr int lanes = 2;
+}
+}  // namespace binnacle
+
+#include "filter/strip_loops.inl"
+
+const binnacle::StripLoops binnacle::base_strip_loops = {combine, correct_lower};
