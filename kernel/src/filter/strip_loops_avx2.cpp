@@ -8,7 +8,7 @@ constexpr int lanes = 4;
 }
 }  // namespace binnacle
 
-#include "filter/strip_loops.inl"
+#include "filter/strip_loops_body.hpp"
 
 const binnacle::StripLoops binnacle::avx2_strip_loops = {combine, correct_lower};
 

@@ -6,6 +6,6 @@ constexpr int lanes = 2;
 }
 }  // namespace binnacle
 
-#include "filter/strip_loops.inl"
+#include "filter/strip_loops_body.hpp"
 
 const binnacle::StripLoops binnacle::base_strip_loops = {combine, correct_lower};
