@@ -7,6 +7,7 @@
 #include "binnacle/catalog.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "output.hpp"
+#include "reference.hpp"
 #include "table.hpp"
 #include "verbs.hpp"
 
@@ -124,14 +125,25 @@ const ComponentType* type_called(const Catalog& catalog, const std::string& name
 
 struct TypeOptions {
   std::vector<std::string> types;
+  bool all = false;
   bool json = false;
 };
 
 int describe_types(const TypeOptions& options) {
   int status = ok;
   const Catalog catalog = load_catalog(status);
+  if (options.all == !options.types.empty()) throw UsageError("describe takes a TYPE, or --all");
+  if (options.all && !options.json) {
+    print(reference_page(catalog));
+    return status;
+  }
   std::string text;
   Json json = Json::array();
+  if (options.all) {
+    for (const auto* type : catalog.types()) json.push_back(describe_json(*type));
+    print_json(json);
+    return status;
+  }
   for (const auto* type : types_called(catalog, options.types.front())) {
     text += (text.empty() ? "" : "\n") + describe(*type);
     json.push_back(describe_json(*type));
@@ -171,7 +183,8 @@ Verb list_verb(CLI::App& command) {
 Verb describe_verb(CLI::App& command) {
   const auto options = std::make_shared<TypeOptions>();
   CLI::App* app = command.add_subcommand("describe", "One component type: parameters, ports, fields, source");
-  app->add_option("TYPE", options->types, "\"vector\" or \"core/vector\"")->required()->expected(1);
+  app->add_option("TYPE", options->types, "\"vector\" or \"core/vector\"")->expected(1);
+  app->add_flag("--all", options->all, "Every type and the kernel's own keys, as one Markdown page");
   app->add_flag("--json", options->json, "As a JSON object; an array where the name means several types");
   return {app, [options] { return describe_types(*options); }};
 }

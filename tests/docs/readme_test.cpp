@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // README.md: its commands run, print what it says they print, and its excerpts are those of the quickstart.
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <regex>
 #include <string>
 #include <vector>
 
-#include <sys/wait.h>
-
 #include "catch.hpp"
 #include "document.hpp"
+#include "project_folder.hpp"
 
 namespace {
 
@@ -19,41 +16,6 @@ using namespace binnacle::test;
 namespace fs = std::filesystem;
 
 const char* const command = "build/release/bin/binnacle";
-
-/// A folder that looks like the project's root to those who type what the README says.
-class Root {
- public:
-  Root() {
-    std::string name = (fs::temp_directory_path() / "binnacle-docs.XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    folder_ = name;
-    fs::create_directories(folder_ / "build/release/bin");
-    fs::create_symlink(DOCS_COMMAND, folder_ / command);
-    fs::create_symlink(DOCS_EMBED, folder_ / "embed");
-    fs::create_symlink(in_project("configs"), folder_ / "configs");
-    for (const auto& block : MarkdownFile("README.md").fences("json"))
-      if (block.lines.front().rfind("// ranges.json:", 0) == 0) std::ofstream(folder_ / "ranges.json") << block.text();
-  }
-  ~Root() { fs::remove_all(folder_); }
-  Root(const Root&) = delete;
-  Root& operator=(const Root&) = delete;
-
-  /// Exit status; `output` is stdout and stderr together.
-  int run(const std::string& script, std::string& output) const {
-    const std::string line = "cd '" + folder_.string() + "' && export NO_COLOR=1 BINNACLE_PLUGIN_PATH='" +
-                             BINNACLE_TEST_PLUGINS + ":" + DOCS_PLUGINS + "' && { " + script + "\n} 2>&1";
-    FILE* pipe = ::popen(line.c_str(), "r");
-    if (!pipe) throw std::runtime_error("no shell");
-    output.clear();
-    char buffer[4096];
-    while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) output.append(buffer, n);
-    const int status = ::pclose(pipe);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  fs::path folder_;
-};
 
 std::string without_times(const std::string& text) {
   static const std::regex times(R"([0-9.]+ (ns|us|ms|s|min)( per step)?\n)");
@@ -77,7 +39,7 @@ std::vector<std::string> commands_of(const MarkdownFile& document, bool with_dat
 }  // namespace
 
 TEST_CASE("the commands of the README exit with 0") {
-  const Root root;
+  const ProjectFolder root;
   const auto commands = commands_of(MarkdownFile("README.md"), false);
   REQUIRE(commands.size() > 5);
   for (const auto& line : commands) {
@@ -96,7 +58,7 @@ TEST_CASE("the commands of the README on recorded drives exit with 0") {
     std::puts("SKIPPED: no data");
     return;
   }
-  const Root root;
+  const ProjectFolder root;
   for (std::string line : commands) {
     REQUIRE(line.find(folder) != std::string::npos);
     line.replace(line.find(folder), folder.size(), in_project(folder).lexically_normal().string());
@@ -117,7 +79,7 @@ TEST_CASE("what the README shows after a $ is what is printed") {
       const bool is_typed = line.rfind("$ ", 0) == 0;
       (is_typed ? script : expected) += (is_typed ? line.substr(2) : line) + "\n";
     }
-    Root().run(script, output);
+    ProjectFolder().run(script, output);
     INFO(script);
     CHECK(without_times(output) == without_times(expected));
   }

@@ -17,6 +17,12 @@ namespace {
 
 Json text_schema(const char* description) { return {{"type", "string"}, {"description", description}}; }
 
+/// The schema with what an editor shows of it, and the reference prints.
+Json told(const char* description, Json schema) {
+  schema["description"] = description;
+  return schema;
+}
+
 Json ref(const std::string& name) { return {{"$ref", "#/definitions/" + name}}; }
 
 Json closed_object(Json properties, const std::vector<std::string>& required = {}) {
@@ -130,7 +136,7 @@ class ReservedKeys {
       case Role::derived_block: add_ports(); break;
       case Role::process_model: add_process_keys(); break;
       case Role::measurement_model: add_measurement_keys(); break;
-      case Role::noise_estimator: properties["learn_from_gated"] = {{"type", "boolean"}}; break;
+      case Role::noise_estimator: properties["learn_from_gated"] = ref("learn_from_gated"); break;
       case Role::source: break;
       case Role::transform:
       case Role::sink: add_input_keys(); break;
@@ -142,10 +148,7 @@ class ReservedKeys {
 
  private:
   void add_block_keys() {
-    properties["init"] = ref("init");
-    properties["sigma"] = ref("sigma");
-    properties["estimate"] = properties["consider"] = ref("components");
-    properties["hold"] = {{"type", "boolean"}, {"description", "frozen components do not move with their process"}};
+    for (const char* key : {"init", "sigma", "estimate", "consider", "hold"}) properties[key] = ref(key);
   }
 
   void add_ports() {
@@ -168,7 +171,7 @@ class ReservedKeys {
   void add_process_keys() {
     add_ports();
     properties["fields"] = mapping(spec_.fields);
-    properties["samples_per_step"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}};
+    properties["samples_per_step"] = ref("samples_per_step");
     if (spec_.fields.empty()) return;
     properties["input"] = text_schema("the channel that drives the filter");
     required.push_back("input");
@@ -292,21 +295,31 @@ void add_kernel_definitions(Json& definitions) {
         quantity}}};
   definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
                           {"anyOf", {named(quantity), list_of(quantity), quantity}}};
-  definitions["components"] = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
+  const Json components = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
+  definitions["estimate"] = told("error components that are estimated (default: all); the others are frozen", components);
+  definitions["consider"] = told("components that keep their covariance and are never corrected (Schmidt)", components);
+  definitions["hold"] = told("frozen components do not move with their process", {{"type", "boolean"}});
+  definitions["learn_from_gated"] =
+      told("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
+  definitions["samples_per_step"] =
+      told("inputs that go into one step, for multi-sample attitude algorithms", {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
   const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
   definitions["gate"] = {
       {"description", "probability with which a right sample passes, or a right row or key"},
       {"anyOf",
        {probability, closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
                                    {"probability"})}}};
-  definitions["noise"] = ref("noise_estimator");
+  definitions["noise"] = told("a noise estimator: R from what the residuals were", ref("noise_estimator"));
   definitions["recover"] =
-      closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
-                    {"after", "inflate"});
+      told("reopens a filter that locks the measurement out: after so many gated samples in a row these 1-sigma are set",
+           closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
+                         {"after", "inflate"}));
   const Json windows = list_of(ref("window"));
   definitions["withhold"] = {
+      {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
-  definitions["stacked_measurement"] = or_patch(closed_object({{"stack", some_named(ref("measurement_model"))},
+  definitions["stacked_measurement"] = or_patch(closed_object({{"stack", told("measurement models whose rows make one update",
+                                                                          some_named(ref("measurement_model")))},
                                                                {"channel", ref("channel")},
                                                                {"noise", ref("noise")},
                                                                {"gate", ref("gate")},
@@ -316,16 +329,23 @@ void add_kernel_definitions(Json& definitions) {
   definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
                                 {"then", ref("stacked_measurement")},
                                 {"else", ref("lone_measurement")}};
-  definitions["filter"] = or_patch(closed_object({{"blocks", some_named(ref("state_block"))},
-                                                  {"derived", named(ref("derived_block"))},
-                                                  {"process", named(ref("process_model"))},
-                                                  {"measurements", named(ref("measurement"))}},
-                                                 {"blocks"}));
+  definitions["filter"] = or_patch(
+      closed_object({{"blocks", told("what is estimated", some_named(ref("state_block")))},
+                     {"derived", told("values computed from blocks, which models bind to as to blocks",
+                                      named(ref("derived_block")))},
+                     {"process", told("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
+                     {"measurements", told("what is seen of them; at one instant in this order",
+                                           named(ref("measurement")))}},
+                    {"blocks"}));
   definitions["reference"] = {{"anyOf",
-                               {closed_object({{"withheld", name}, {"filter", name}}, {"withheld"}),
-                                closed_object({{"channel", name},
-                                               {"blocks", named({{"anyOf", {list_of(name), named(name)}}})},
-                                               {"invalid", {{"type", "number"}}}},
+                               {closed_object({{"withheld", told("a measurement with withheld samples", name)},
+                                               {"filter", told("whose; needed where several have it", name)}},
+                                              {"withheld"}),
+                                closed_object({{"channel", told("the channel with the truth", name)},
+                                               {"blocks", told("FILTER/BLOCK: the channel's fields for its outputs",
+                                                               named({{"anyOf", {list_of(name), named(name)}}}))},
+                                               {"invalid", told("a value that means there is none",
+                                                                {{"type", "number"}})}},
                                               {"channel", "blocks"})}}};
 }
 
@@ -333,30 +353,37 @@ Json evaluate_schema() {
   const Json name = {{"type", "string"}};
   const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
-  return closed_object({{"after", ref("time")},
-                        {"until", ref("time")},
-                        {"windows", named({{"anyOf", {ref("window"), window_of_filter}}})},
-                        {"metrics", {{"anyOf", {metric, list_of(metric)}}}}});
+  return closed_object(
+      {{"after", told("nothing earlier is scored", ref("time"))},
+       {"until", told("nothing later is scored", ref("time"))},
+       {"windows", told("spans of time that are scored on their own too: [from, to]",
+                        named({{"anyOf", {ref("window"), window_of_filter}}}))},
+       {"metrics", told("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name", {{"anyOf", {metric, list_of(metric)}}})}});
 }
 
 Json sections() {
   const Json name = {{"type", "string"}};
   return {{"binnacle", {{"const", 1}, {"description", "version of the config's format"}}},
-          {"title", name},
-          {"description", Json::object()},
-          {"extends", {{"anyOf", {name, list_of(name)}}}},
-          {"plugins", list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}})},
-          {"vars", {{"type", "object"}}},
-          {"sources", named(ref("source"))},
-          {"transforms", named(ref("transform"))},
-          {"filters", some_named(ref("filter"))},
-          {"sinks", named(ref("sink"))},
-          {"reference", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}}},
-          {"evaluate", evaluate_schema()},
-          {"record", closed_object({{"every", ref("quantity")}})},
-          {"study", {{"type", "object"}}},
-          {"covariance", {{"type", "object"}}},
-          {"metrics", Json::object()}};
+          {"title", told("one line, for people", name)},
+          {"description", told("anything, for people", Json::object())},
+          {"extends", told("a config that this one is merged over (RFC 7386), or several", {{"anyOf", {name, list_of(name)}}})},
+          {"plugins", told("where else plugins are searched for",
+                           list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}}))},
+          {"vars", told("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it", {{"type", "object"}})},
+          {"sources", told("where samples come from: files, simulators", named(ref("source")))},
+          {"transforms", told("what makes samples out of samples", named(ref("transform")))},
+          {"filters", told("the filters; a later one may read an earlier one's estimates as a channel",
+                           some_named(ref("filter")))},
+          {"sinks", told("where samples go", named(ref("sink")))},
+          {"reference", told("what the filters are scored against",
+                             {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
+          {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
+          {"record", told("what --out records",
+                          closed_object({{"every", told("least time between two records; else every step",
+                                                        ref("quantity"))}}))},
+          {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
+          {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
+          {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
 }
 
 }  // namespace

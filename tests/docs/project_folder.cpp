@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "project_folder.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+#include <sys/wait.h>
+
+#include "document.hpp"
+
+namespace binnacle::test {
+
+namespace fs = std::filesystem;
+
+ProjectFolder::ProjectFolder() {
+  std::string name = (fs::temp_directory_path() / "binnacle-docs.XXXXXX").string();
+  if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+  folder_ = name;
+  fs::create_directories(folder_ / "build/release/bin");
+  fs::create_symlink(DOCS_COMMAND, folder_ / "build/release/bin/binnacle");
+  fs::create_symlink(DOCS_EMBED, folder_ / "embed");
+  fs::create_symlink(in_project("configs"), folder_ / "configs");
+  for (const auto& block : MarkdownFile("README.md").fences("json"))
+    if (block.lines.front().rfind("// ranges.json:", 0) == 0) std::ofstream(folder_ / "ranges.json") << block.text();
+}
+
+ProjectFolder::~ProjectFolder() { fs::remove_all(folder_); }
+
+int ProjectFolder::run(const std::string& script, std::string& output) const {
+  const std::string line = "cd '" + folder_.string() + "' && export NO_COLOR=1 BINNACLE_PLUGIN_PATH='" +
+                           BINNACLE_TEST_PLUGINS + ":" + DOCS_PLUGINS + "' && { " + script + "\n} 2>&1";
+  FILE* pipe = ::popen(line.c_str(), "r");
+  if (!pipe) throw std::runtime_error("no shell");
+  output.clear();
+  char buffer[4096];
+  while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) output.append(buffer, n);
+  const int status = ::pclose(pipe);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace binnacle::test
