@@ -162,7 +162,10 @@ int main(int argc, char** argv) {
     if (reporter.time_ns.contains(name) && reporter.time_ns.contains(reference))
       std::printf("%-58s %6.3f of %s\n", what, reporter.time_ns[name] / reporter.time_ns[reference], reference.c_str());
   };
-  std::printf("\n");
+#if defined(__x86_64__)
+  std::printf("\nThe covariance arithmetic runs %s; the dense reference what this was compiled for.\n",
+              __builtin_cpu_supports("avx2") ? "with AVX2, chosen at run time" : "without AVX2, which this processor lacks");
+#endif
   ratio("IMU step, 21 states (mechanization, Phi, covariance)", "imu_step/21", "dense_predict");
   ratio("the same with the first-order transition", "imu_step_first_order", "dense_predict");
   ratio("3-row position fix, 21 states (model, gate, update)", "fix_update/21", "dense_joseph");
