@@ -98,6 +98,9 @@ TEST_CASE("statistics over runs and their standard errors are those of a hand ca
   CHECK(std::isnan(over_runs({}, study::OverRuns::mean)));
   CHECK(std::isnan(over_runs({1}, study::OverRuns::std)));
 
+  const auto same = ratio_of({0.1, -0.7, 0.3}, {0.1, -0.7, 0.3}, study::OverRuns::rms);
+  CHECK(same.value == 1);
+  CHECK(same.se == 0);
   const auto half = ratio_of({1, -2, 3, 4}, {2, -4, 6, 8}, study::OverRuns::rms);
   CHECK(near(half.value, 0.5, 1e-15));
   CHECK(near(half.se, 0, 1e-15));  // paired: every run says one half
