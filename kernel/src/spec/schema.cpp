@@ -319,7 +319,11 @@ void add_kernel_definitions(Json& definitions) {
   definitions["filter"] = or_patch(closed_object({{"blocks", some_named(ref("state_block"))},
                                                   {"derived", named(ref("derived_block"))},
                                                   {"process", named(ref("process_model"))},
-                                                  {"measurements", named(ref("measurement"))}},
+                                                  {"measurements", named(ref("measurement"))},
+                                                  {"readings", named(or_patch(closed_object(
+                                                      {{"measurement", {{"type", "string"}}},
+                                                       {"block", {{"type", "string"}}}},
+                                                      {"measurement", "block"})))}},
                                                  {"blocks"}));
   definitions["reference"] = {{"anyOf",
                                {closed_object({{"withheld", name}, {"filter", name}}, {"withheld"}),
