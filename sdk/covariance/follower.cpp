@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "binnacle/parts.hpp"
 
@@ -22,10 +23,21 @@ const BlockInfo* block_named(const FilterInfo& info, const std::string& name) {
   return found == info.blocks.end() ? nullptr : &*found;
 }
 
-/// Columns of H that belong to the block, set to zero.
-MatrixXd without(MatrixXd H, const BlockInfo* block) {
-  if (block) H.middleCols(block->first_row, static_cast<Index>(block->active.size())).setZero();
-  return H;
+MatrixXd columns_of(const MatrixXd& H, const BlockInfo* block) {
+  return H.middleCols(block->first_row, static_cast<Index>(block->active.size()));
+}
+
+/// B with B H_b = I of the rows that see the block, zero for the others; empty where they do not determine it.
+MatrixXd inverse_of(const MatrixXd& H_b) {
+  std::vector<Index> seeing;
+  for (Index i = 0; i < H_b.rows(); ++i)
+    if (!H_b.row(i).isZero(0)) seeing.push_back(i);
+  if (static_cast<Index>(seeing.size()) != H_b.cols()) return {};
+  const Eigen::FullPivLU<MatrixXd> lu(H_b(seeing, Eigen::all));
+  if (!lu.isInvertible()) return {};
+  MatrixXd B = MatrixXd::Zero(H_b.cols(), H_b.rows());
+  B(Eigen::all, seeing) = lu.inverse();
+  return B;
 }
 
 /// A row over the block's error components as one over all rows of P.
@@ -88,26 +100,20 @@ Follower::Follower(const Plan& plan, const std::vector<std::string>& names, std:
 }
 
 void Follower::add_subject(const std::string& name) {
+  const SubjectName named = subject_named(name, plan_.readings);
   Subject subject;
   subject.name = name;
-  for (const auto& reading : plan_.outputs)
-    if (reading.name == name) subject.reading = &reading;
-  const auto dot = subject.reading ? std::string::npos : name.find('.');
-  const std::string block = subject.reading ? subject.reading->block : name.substr(0, dot);
-  subject.block = block_named(info_, block);
-  subject.true_block = block_named(true_info_, block);
-  if (!subject.reading) {
-    const auto& declaration = *subject.block->declaration;
-    const std::string wanted = dot == std::string::npos ? declaration.error.front().name : name.substr(dot + 1);
-    const Component component = *component_named(declaration, wanted);
-    subject.components = component.errors;
-    subject.output = component.output;
-    if (subject.output >= 0) subject.manifold = parts::block(*plan_.composition, info_.name, block).block;
-    const auto& active = subject.block->active;
-    for (const int c : subject.components)
-      if (std::find(active.begin(), active.end(), c) == active.end())
-        throw Broken("'" + name + "' is neither estimated nor considered: it has no variance");
-  }
+  if (named.reading) subject.measurement = named.reading->measurement;
+  subject.block = block_named(info_, named.block);
+  subject.true_block = block_named(true_info_, named.block);
+  const Component component = *component_named(*subject.block->declaration, named.component);
+  subject.components = component.errors;
+  subject.output = component.output;
+  if (subject.output >= 0) subject.manifold = parts::block(*plan_.composition, info_.name, named.block).block;
+  const auto& active = subject.block->active;
+  for (const int c : subject.components)
+    if (std::find(active.begin(), active.end(), c) == active.end())
+      throw Broken("'" + name + "' is neither estimated nor considered: it has no variance");
   subjects_.push_back(std::move(subject));
 }
 
@@ -245,7 +251,7 @@ VectorXd Follower::output_row(const Subject& subject) const {
 
 void Follower::note_blocks() {
   for (auto& subject : subjects_) {
-    if (subject.reading) continue;
+    if (!subject.measurement.empty()) continue;
     std::vector<VectorXd> rows;
     if (subject.output >= 0) rows.push_back(output_row(subject));
     for (const int c : subject.components) rows.push_back(VectorXd::Unit(subject.block->declaration->dof(), c));
@@ -260,21 +266,28 @@ void Follower::note_blocks() {
   }
 }
 
-/// z − h(x̂) without the wanted block: its error is what is true of the rest, less what the filter holds of it, and v.
-/// Before the update: the estimate does not know v yet.
+/// x̂_b ⊞ B r with B H_b = I (kernel/DESIGN.md, readings). Before the update: the estimate does not know v yet. Its error is
+/// S_b x − B (H x + v) of what is true, less S_b x̂ − B H x̂ of what the filter holds.
 void Follower::note_readings(const Event& event, const Event& truth) {
   for (auto& subject : subjects_) {
-    if (!subject.reading || subject.reading->measurement != event.measurement) continue;
-    const MatrixXd rest = without(event.H, subject.block), true_rest = without(truth.H, subject.true_block);
-    Index row = 0;
-    while (row < event.H.rows() && event.H.row(row) == rest.row(row)) ++row;
-    if (row == event.H.rows())
-      throw Broken("measurement '" + event.measurement + "' sees nothing of '" + subject.reading->block + "'");
-    const VectorXd of_model = rest.row(row).transpose();
+    if (subject.measurement != event.measurement) continue;
+    const MatrixXd B = inverse_of(columns_of(event.H, subject.block));
+    if (B.size() == 0)
+      throw Broken("measurement '" + event.measurement + "' does not tell block '" + subject.block->name + "'");
+    const auto& active = subject.block->active;
     const int source = joint_.source("noise of " + event.measurement);
-    VectorXd parts = joint_.variance(joined(true_rest.row(row).transpose(), of_model));
-    parts[source] += truth.R(row, row);
-    note(subject, event.t, parts, of_model.dot(P_ * of_model) + event.R(row, row));
+    VectorXd parts = VectorXd::Zero(static_cast<Index>(joint_.sources().size()));
+    double own = 0;
+    for (const int c : subject.components) {
+      const VectorXd unit = VectorXd::Unit(subject.block->declaration->dof(), c);
+      const VectorXd b = B.row(std::find(active.begin(), active.end(), c) - active.begin()).transpose();
+      const VectorXd of_truth = spread(unit, subject.true_block, true_info_.dof) - truth.H.transpose() * b;
+      const VectorXd of_model = spread(unit, subject.block, info_.dof) - event.H.transpose() * b;
+      parts += joint_.variance(joined(of_truth, of_model));
+      parts[source] += b.dot(truth.R * b);
+      own += of_model.dot(P_ * of_model) + b.dot(event.R * b);
+    }
+    note(subject, event.t, parts, own);
   }
 }
 

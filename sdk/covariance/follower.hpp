@@ -29,7 +29,7 @@ struct Point {
 /// What is told over time: an error component, a readable output, a norm, or a reading.
 struct Subject {
   std::string name;
-  const ReadingOutput* reading = nullptr;
+  std::string measurement;                      // of a reading; else ""
   const BlockInfo* block = nullptr;             // of the filter
   const BlockInfo* true_block = nullptr;        // null: the truth has none
   std::vector<int> components;                  // of the block's error; several: their norm

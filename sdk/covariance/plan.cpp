@@ -89,32 +89,39 @@ std::vector<Feed> read_feeds(const Section& section, const Composition& composit
   return feeds;
 }
 
-std::vector<ReadingOutput> read_outputs(const Section& section, const FilterInfo& filter) {
-  std::vector<ReadingOutput> outputs;
-  const Json* list = section.object(under("outputs"));
-  if (!list) return outputs;
-  std::vector<std::string> blocks;
-  for (const auto& block : filter.blocks) blocks.push_back(block.name);
-  const auto one_of = [&](const std::string& at, const std::vector<std::string>& names) {
-    const auto name = section.text(at);
-    if (!name)
-      section.error("B010", at, "missing key " + in_quotes(at.substr(at.rfind('/') + 1)) + " of an output");
-    else if (std::find(names.begin(), names.end(), *name) == names.end())
-      section.error("B015", at,
-                    "the filter has no " + in_quotes(*name) + meant(*name, names) + " (there are: " + listed(names) +
-                        ")");
-    return name.value_or("");
+/// The filter's "readings", which the composition has checked, and what else they are to be called.
+std::vector<NamedReading> readings_of(const Json& config, const std::string& filter) {
+  std::vector<NamedReading> readings;
+  const auto object = [&config](const std::string& pointer) -> const Json* {
+    const Json::json_pointer at(pointer);
+    return config.contains(at) && config.at(at).is_object() ? &config.at(at) : nullptr;
   };
-  std::vector<std::string> measurements;
-  for (const auto& measurement : filter.measurements) measurements.push_back(measurement.name);
-  for (const auto& [name, settings] : list->items()) {
+  if (const Json* list = object(join_pointer(join_pointer("/filters", filter), "readings")))
+    for (const auto& [name, settings] : list->items())
+      readings.push_back({name, settings.at("measurement").get<std::string>(), settings.at("block").get<std::string>()});
+  if (const Json* list = object(under("outputs")))
+    for (const auto& [name, reading] : list->items())
+      for (std::size_t i = 0; i < readings.size(); ++i)
+        if (reading.is_string() && readings[i].name == reading.get<std::string>()) {
+          readings.push_back({name, readings[i].measurement, readings[i].block});
+          break;
+        }
+  return readings;
+}
+
+void check_outputs(const Section& section, const std::vector<NamedReading>& readings) {
+  const Json* list = section.object(under("outputs"));
+  if (!list) return;
+  std::vector<std::string> names;
+  for (const auto& reading : readings)
+    if (!list->contains(reading.name)) names.push_back(reading.name);
+  for (const auto& [name, reading] : list->items()) {
     const std::string at = join_pointer(under("outputs"), name);
-    if (!section.object(at)) continue;
-    section.check_keys(at, {"measurement", "block"}, "an output");
-    outputs.push_back({name, one_of(join_pointer(at, "measurement"), measurements),
-                       one_of(join_pointer(at, "block"), blocks)});
+    const auto wanted = section.text(at);
+    if (wanted && std::find(names.begin(), names.end(), *wanted) == names.end())
+      section.error("B015", at, "the filter has no reading " + in_quotes(*wanted) + meant(*wanted, names) +
+                                    " (readings: " + listed(names) + ")");
   }
-  return outputs;
 }
 
 std::vector<InitialTie> read_initial(const Section& section, const FilterInfo& truth) {
@@ -230,7 +237,19 @@ Json error_free_root(const Section& section, const Json& resolved, const std::st
 
 }  // namespace
 
+SubjectName subject_named(const std::string& name, const std::vector<NamedReading>& readings) {
+  SubjectName subject;
+  const auto dot = name.find('.');
+  subject.block = name.substr(0, dot);
+  if (dot != std::string::npos) subject.component = name.substr(dot + 1);
+  for (const auto& reading : readings)
+    if (reading.name == subject.block) subject.reading = reading;
+  if (subject.reading) subject.block = subject.reading->block;
+  return subject;
+}
+
 std::optional<Component> component_named(const StateBlockDeclaration& block, const std::string& name) {
+  if (name.empty()) return Component{{0}, -1};
   for (std::size_t i = 0; i < block.error.size(); ++i)
     if (block.error[i].name == name) return Component{{static_cast<int>(i)}, -1};
   for (const auto& norm : block.norms)
@@ -257,28 +276,25 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
   metric.name = text;
   metric.filter = static_cast<int>(filter - filters.begin());
   metric.quantity = MetricQuantity::sigma;
-  std::string block_name = words.name.substr(0, words.name.find('.'));
-  const Json::json_pointer output(join_pointer(under("outputs"), words.name) + "/block");
-  if (composition.config().contains(output) && composition.config().at(output).is_string())
-    block_name = composition.config().at(output).get<std::string>();
+  const auto known = readings_of(composition.config(), words.filter);
+  const SubjectName subject = subject_named(words.name, known);
   std::vector<std::string> names;
   for (const auto& block : filter->blocks) names.push_back(block.name);
-  const auto found = std::find(names.begin(), names.end(), block_name);
-  if (found == names.end())
-    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or output " +
-                                   in_quotes(words.name) + meant(block_name, names) + " (blocks: " + listed(names) +
-                                   ")");
+  const auto found = std::find(names.begin(), names.end(), subject.block);
+  if (found == names.end()) {
+    for (const auto& reading : known) names.push_back(reading.name);
+    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or reading " +
+                                   in_quotes(subject.block) + meant(subject.block, names) + " (there are: " +
+                                   listed(names) + ")");
+  }
   const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
-  std::string wanted = block.error.front().name;
-  if (words.name != block_name && words.name.find('.') != std::string::npos)
-    wanted = words.name.substr(words.name.find('.') + 1);
-  else if (words.name == block_name && block.error.size() > 1)
-    return Parsed<Metric>::failure("block " + in_quotes(block_name) + " has several error components: " + shape);
-  const auto component = component_named(block, wanted);
-  if (!component) {
-    const auto known = component_names(block);
-    return Parsed<Metric>::failure("block " + in_quotes(block_name) + " has no " + in_quotes(wanted) +
-                                   meant(wanted, known) + " (it has: " + listed(known) + ")");
+  if (subject.component.empty() && block.error.size() > 1)
+    return Parsed<Metric>::failure("block " + in_quotes(subject.block) + " has several error components: " + shape);
+  const auto component = component_named(block, subject.component);
+  if (!component || (subject.reading && component->output >= 0)) {
+    const auto components = component_names(block);
+    return Parsed<Metric>::failure(in_quotes(words.name) + " is no component of block " + in_quotes(subject.block) +
+                                   meant(subject.component, components) + " (it has: " + listed(components) + ")");
   }
   std::string display = block.error_display_unit;
   if (component->output >= 0) {
@@ -328,7 +344,8 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
       section.key_error("B012", under(key),
                         in_quotes(key) + " is said of sources, and with 'channels' none is run: leave out the one or "
                                          "the other");
-  plan.outputs = read_outputs(section, composition->filters()[static_cast<std::size_t>(plan.filter)]);
+  plan.readings = readings_of(config.root(), name);
+  check_outputs(section, plan.readings);
   refuse_adaptive_noise(section, join_pointer("/filters", name));
   refuse_adaptive_noise(section, under("truth"));
   section.object(under("error_free"));
