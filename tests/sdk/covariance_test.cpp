@@ -269,7 +269,7 @@ TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be told"
   refused(R"("covariance": {"durations": "1 s"})", "B012", "did you mean 'duration'");
   refused(R"("covariance": {"outputs": {"x": "direct"}})", "B015", "no reading 'direct'");
   refused(R"("covariance": {"runs": 3})", "B012", "leave out the one or the other");
-  refused(R"("covariance": {"channels": {}})", "B010", "no channel speaks");
+  refused(R"("covariance": {"channels": {"seen": null}})", "B010", "no channel speaks");
   refused(R"("covariance": {"initial": {"place": {"of": "plaice", "by": [[1]]}}})", "B015", "there is no block 'plaice'");
   refused(R"("covariance": {"initial": {"place": {"of": "place", "by": [1]}}})", "B013", "1 rows of 1");
   refused(R"("covariance": {"truth": {"process": {"wander": {"q": -1}}}})", "B009", "truth");
