@@ -30,7 +30,7 @@ void Composer::begin_filters() {
   for (const auto& [name, value] : filters->items()) {
     const std::string pointer = join_pointer("/filters", name);
     if (!object_at(document(), pointer, "a filter", diagnostics_)) continue;
-    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements"}, "filter '" + name + "'",
+    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements", "readings"}, "filter '" + name + "'",
                diagnostics_);
     FilterBuild build;
     build.pointer = pointer;

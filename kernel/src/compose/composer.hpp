@@ -103,6 +103,7 @@ class Composer {
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_withholding(MeasurementPlan& measurement, const std::string& pointer);
   void collect_touched(FilterBuild& build, MeasurementPlan& measurement);
+  void add_readings(FilterBuild& build);
   std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
 
   // transition.cpp

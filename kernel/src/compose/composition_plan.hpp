@@ -71,6 +71,7 @@ struct Node {
 struct ReferencePlan {
   int filter = 0;
   int block = -1;               // −1: withheld samples of `measurement`
+  int reading = -1;             // ≥ 0: this reading of the block, not the block
   int channel = -1;
   std::vector<int> fields;      // per output of the block: per-epoch field of the channel, −1: not told
   std::optional<double> invalid;  // a sample whose fields all have this value tells nothing

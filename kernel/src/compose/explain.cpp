@@ -121,6 +121,12 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     measurements.push_back(std::move(entry));
   }
   explanation["measurements"] = std::move(measurements);
+  Json readings = Json::array();
+  for (const auto& reading : filter.readings)
+    readings.push_back({{"name", reading.value.name},
+                        {"measurement", filter.measurements[as_size(reading.measurement)].name},
+                        {"block", filter.blocks[as_size(reading.block)].name}});
+  if (!readings.empty()) explanation["readings"] = std::move(readings);
   Json initial = Json::array();
   for (const auto& latest : filter.initial) {
     Json entry{{"channel", plan.channels[as_size(latest.channel)].name}};

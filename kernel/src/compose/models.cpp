@@ -26,6 +26,7 @@ void Composer::finish_filters() {
     add_derived(build);
     add_processes(build);
     add_measurements(build);
+    add_readings(build);
     if (error_count() != errors) build.is_complete = false;
     if (build.is_complete) plan_transition(build);
   }
@@ -680,6 +681,53 @@ void Composer::add_withholding(MeasurementPlan& measurement, const std::string& 
     if (const auto window = read_window(document(), join_pointer(windows_pointer, i), diagnostics_))
       measurement.withheld.push_back(
           TimeSpan{window->from.time, window->to.time, window->from.from_start, window->to.from_start});
+}
+
+void Composer::add_readings(FilterBuild& build) {
+  const std::string section = join_pointer(build.pointer, "readings");
+  const auto* readings = object_at(document(), section, "'readings'", diagnostics_);
+  if (!readings) return;
+  const auto index_of = [&](const std::string& reading, const char* key, const std::string& pointer,
+                            const std::vector<std::string>& names) {
+    if (!require_key(document(), pointer, key, reading, std::string("a ") + key + " of the filter", diagnostics_)) return -1;
+    const std::string at_pointer = join_pointer(pointer, key);
+    const auto name = read_string(document(), at_pointer, diagnostics_);
+    if (!name) return -1;
+    const auto found = std::find(names.begin(), names.end(), *name);
+    if (found != names.end()) return static_cast<int>(found - names.begin());
+    const std::string other = join_pointer(join_pointer(build.pointer, std::string(key) + "s"), *name);
+    if (!at(other))  // else it was refused and that has been told
+      error(std::string(key) == "block" ? "B015" : "B027", at_pointer,
+            "the filter has no " + std::string(key) + " '" + *name + "'" + suggestion(*name, names) + " (" + key + "s: " +
+                listed(names) + ")");
+    return -1;
+  };
+  std::vector<std::string> blocks, measurements;
+  for (const auto& block : build.plan.blocks) blocks.push_back(block.name);
+  for (const auto& measurement : build.plan.measurements) measurements.push_back(measurement.name);
+  for (const auto& [name, value] : readings->items()) {
+    const std::string pointer = join_pointer(section, name);
+    if (!object_at(document(), pointer, "a reading", diagnostics_)) continue;
+    check_keys(document(), pointer, {"measurement", "block"}, "a reading", diagnostics_);
+    if (build.value(name) >= 0) key_error("B002", pointer, "a block is called '" + name + "' already");
+    ReadingPlan reading;
+    reading.measurement = index_of(name, "measurement", pointer, measurements);
+    reading.block = index_of(name, "block", pointer, blocks);
+    if (reading.measurement < 0 || reading.block < 0) continue;
+    const auto& measurement = build.plan.measurements[as_size(reading.measurement)];
+    reading.value = build.plan.blocks[as_size(reading.block)];
+    const int rows = static_cast<int>(reading.value.active.size());
+    const auto& columns = measurement.columns.columns;
+    if (std::find(columns.begin(), columns.end(), reading.value.first) == columns.end() || rows == 0 ||
+        rows > measurement.max_rows) {
+      error("B015", pointer, "measurement '" + measurement.name + "' does not tell block '" + reading.value.name +
+                                 "': it must see all " + std::to_string(rows) + " of its components");
+      continue;
+    }
+    reading.value.name = name;
+    reading.value.first = 0;
+    build.plan.readings.push_back(std::move(reading));
+  }
 }
 
 }  // namespace binnacle
