@@ -55,6 +55,12 @@ void Composer::refuse(const ComponentError& refusal, const std::string& pointer)
   error("B030", at_pointer, refusal.what());
 }
 
+void Composer::keep(Findings findings, const std::string& pointer) {
+  for (const auto& remark : findings.remarks)
+    diagnostics_.warning("B032", document().key_origin(pointer), pointer, remark);
+  if (!findings.figures.empty()) plan_->found.push_back({pointer, std::move(findings.figures)});
+}
+
 const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
   if (!object_at(document(), pointer, "a component", diagnostics_)) return nullptr;
   const std::string name = pointer.substr(pointer.rfind('/') + 1);
