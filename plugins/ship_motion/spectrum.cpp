@@ -75,35 +75,52 @@ Response resonant_response(double natural, double zeta, double gain, bool is_of_
   };
 }
 
+namespace {
+
+/// Adds to the bins the energy of waves that are met at frequencies from `low` to `high`; what is met beyond the bins is left out.
+void deposit(double energy, double low, double high, Spectrum& bins) {
+  const double width = bins.width[0];
+  const auto first = static_cast<Eigen::Index>(low / width), last = static_cast<Eigen::Index>(high / width);
+  for (Eigen::Index k = first; k <= std::min(last, bins.density.size() - 1); ++k) {
+    const double left = static_cast<double>(k) * width;
+    const double share = first == last ? 1 : (std::min(high, left + width) - std::max(low, left)) / (high - low);
+    bins.density[k] += energy * share / width;
+  }
+}
+
+/// Over 0 … `upper` rad/s of encounter.
+Spectrum met_below(double upper, const Sea& sea, const Encounter& encounter, const Response& response, double last_wave) {
+  constexpr int bins = 400, waves = 20000;
+  Spectrum spectrum;
+  spectrum.width = Eigen::VectorXd::Constant(bins, upper / bins);
+  spectrum.omega = Eigen::VectorXd::LinSpaced(bins, 0.5, bins - 0.5) * (upper / bins);
+  spectrum.density = Eigen::VectorXd::Zero(bins);
+  const double step = last_wave / waves;
+  for (int i = 0; i < waves; ++i) {
+    const double omega = (i + 0.5) * step;
+    const double gain = response(omega, encounter.frequency(omega));
+    const auto [low, high] =
+        std::minmax({encounter.frequency(omega - 0.5 * step), encounter.frequency(omega + 0.5 * step)});
+    deposit(gain * gain * sea.density(omega) * step, low, high, spectrum);
+  }
+  return spectrum;
+}
+
+}  // namespace
+
 Spectrum motion_spectrum(const Sea& sea, const Encounter& encounter, const Response& response) {
-  constexpr int bins = 400, parts = 50;
   // 99.99 % of the energy of a wave spectrum lies below ten times its peak.
   const double last_wave = 10 * sea.peak();
-  double last = 0;
-  for (int i = 0; i <= bins; ++i) last = std::max(last, encounter.frequency(last_wave * i / bins));
-  // Of a response that falls off, little is left up there; the bins end where the motion does.
-  const double step = last_wave / (bins * parts);
-  const auto deposit = [&](double upper) {
-    Spectrum spectrum;
-    spectrum.width = Eigen::VectorXd::Constant(bins, upper / bins);
-    spectrum.omega = Eigen::VectorXd::LinSpaced(bins, 0.5, bins - 0.5) * (upper / bins);
-    spectrum.density = Eigen::VectorXd::Zero(bins);
-    for (int i = 0; i < bins * parts; ++i) {
-      const double omega = (i + 0.5) * step, met = encounter.frequency(omega);
-      const auto bin = static_cast<Eigen::Index>(met / upper * bins);
-      if (bin >= bins) continue;
-      const double gain = response(omega, met);
-      spectrum.density[bin] += gain * gain * sea.density(omega) * step * bins / upper;
-    }
-    return spectrum;
-  };
-  const Spectrum coarse = deposit(last);
+  double upper = 0;
+  for (int i = 0; i <= 400; ++i) upper = std::max(upper, encounter.frequency(last_wave * i / 400));
+  // A response that falls off leaves little up there: the bins end where the motion does.
+  const Spectrum coarse = met_below(upper, sea, encounter, response, last_wave);
   const double whole = coarse.moment(0);
   if (!(whole > 0)) return coarse;
   double below = 0;
   Eigen::Index end = 0;
-  while (end < bins && below < 0.999 * whole) below += coarse.density[end] * coarse.width[end], ++end;
-  return deposit(static_cast<double>(end) * last / bins);
+  while (end < coarse.density.size() && below < 0.999 * whole) below += coarse.density[end] * coarse.width[end], ++end;
+  return met_below(static_cast<double>(end) * coarse.width[0], sea, encounter, response, last_wave);
 }
 
 }  // namespace binnacle::ship_motion

@@ -162,10 +162,10 @@ TEST_CASE("a ship meets head seas sooner, following seas later, and all of their
   REQUIRE(is_near(motion_spectrum(sea, head, unit_response()).peak(), head.frequency(sea.peak()), 0.05));
   // S(ω_e) = S(ω) / (dω_e/dω).
   const Spectrum met = motion_spectrum(sea, head, unit_response());
-  const double omega = 0.9, met_at = head.frequency(omega);
-  Eigen::Index bin = 0;
-  (met.omega.array() - met_at).abs().minCoeff(&bin);
-  REQUIRE(is_near(met.density[bin], sea.density(omega) / (1 + 2 * omega * U / g), 0.03));
+  for (const Eigen::Index bin : {40, 80, 120}) {
+    const double omega = (std::sqrt(1 + 4 * met.omega[bin] * U / g) - 1) / (2 * U / g);
+    REQUIRE(is_near(met.density[bin], sea.density(omega) / (1 + 2 * omega * U / g), 0.01));
+  }
 }
 
 TEST_CASE("responses: a table, a resonance, of height and of slope", "[ship_motion]") {
@@ -237,7 +237,7 @@ TEST_CASE("Welch's spectrum has the area of the variance", "[ship_motion]") {
 }
 
 TEST_CASE("a filter's own spectrum gives the filter back", "[ship_motion]") {
-  const VectorXd omega = grid(0.01, 8, 800);
+  const VectorXd omega = grid(0, 8, 801);
   const ShapingFilter two = second(0.9, 0.15, 0.04);
   const ShapingFit found = fit(2, tabulated(omega, two.spectrum(omega)));
   REQUIRE(is_near(found.filter.omega[0], 0.9, 1e-3));
@@ -294,7 +294,7 @@ TEST_CASE("a motion fitted to a sea, and the figures it tells", "[ship_motion]")
     REQUIRE(is_near(bound.figure("significant amplitude, given"), 2 * std::sqrt(wanted.moment(0)), 1e-9));
     REQUIRE(is_near(bound.figure("significant amplitude, fitted"), bound.figure("significant amplitude, given"), 0.05));
     REQUIRE(is_near(bound.figure("peak, fitted"), wanted.peak(), 0.05));
-    REQUIRE(bound.figure("misfit") < 0.15);
+    REQUIRE(bound.figure("misfit") < (order == 2 ? 0.2 : 0.1));
     REQUIRE(bound.findings.remarks.empty());
   }
   const VectorXd omega = grid(0.01, 3, 100);
