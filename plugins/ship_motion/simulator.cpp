@@ -39,7 +39,7 @@ struct Simulator::Memory {
   random::Philox engine;
   double x[max_states];
   std::int64_t sample;  // whose state x is
-  bool is_truth_out;    // x has been told, the reading has not
+  std::int64_t next;    // channel
 };
 
 ComponentSpec Simulator::spec() {
@@ -135,15 +135,16 @@ std::size_t Simulator::memory_bytes() const noexcept { return sizeof(Memory); }
 
 void Simulator::start(std::uint64_t seed, std::byte* bytes) const {
   static_assert(std::is_trivially_copyable_v<Memory>);
-  Memory& memory = *new (bytes) Memory{random::stream(seed, "ship"), {}, 0, false};
+  Memory& memory = *new (bytes) Memory{random::stream(seed, "ship"), {}, 0, truth};
   States w(F_.rows());
   for (Eigen::Index i = 0; i < w.size(); ++i) w[i] = random::normal(memory.engine);
   Eigen::Map<States, Eigen::Unaligned>(memory.x, w.size()) = root_P_ * w;
 }
 
 bool Simulator::is_over(const Memory& memory) const {
-  if (is_recorded()) return memory.sample >= static_cast<std::int64_t>(record_.times.size());
-  return memory.sample * interval_ > duration_;
+  if (memory.sample < 0) return true;
+  return is_recorded() ? memory.sample >= static_cast<std::int64_t>(record_.times.size())
+                       : memory.sample > duration_ / interval_;
 }
 
 SourceStatus Simulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
@@ -152,10 +153,10 @@ SourceStatus Simulator::next(std::byte* bytes, SampleSlot* slots, int& channel) 
   Eigen::Map<States, Eigen::Unaligned> x(memory.x, F_.rows());
   const auto row = static_cast<std::size_t>(memory.sample);
   const double angle = is_recorded() ? record_.values[memory.sample] : x[0];
-  channel = memory.is_truth_out ? gyro : truth;
+  channel = memory.next == truth ? truth : gyro;
   SampleSlot& slot = slots[channel];
   slot.t = is_recorded() ? record_.times[row] : memory.sample * interval_;
-  memory.is_truth_out = !memory.is_truth_out;
+  memory.next = channel == truth ? gyro : truth;
   if (channel == truth) {
     int field = 0;
     slot.fields[field++] = angle;

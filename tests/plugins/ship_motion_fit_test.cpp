@@ -284,6 +284,24 @@ TEST_CASE("a simulated series gives the filter back", "[ship_motion]") {
     REQUIRE(std::abs(0.5 * (told.truth[i + 1][0] - told.truth[i - 1][0]) - told.truth[i][1]) < 0.35 * sigma);
 }
 
+TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
+  const ShapingFilter filter = fourth(0.5, 0.9, 0.1, 0.2, 0.03);
+  Bound sea({{"omega", {0.5, 0.9}}, {"zeta", {0.1, 0.2}}, {"sigma", 0.03}, {"noise", 0}, {"interval", 2}, {"duration", 2}});
+  const int runs = 4000;
+  double square[2] = {}, rate = 0, lagged = 0;
+  for (int run = 0; run < runs; ++run) {
+    const Told told = told_by(*sea.simulator, static_cast<std::uint64_t>(run));
+    for (const std::size_t i : {0, 1}) square[i] += told.truth[i][0] * told.truth[i][0] / runs;
+    rate += told.truth[0][1] * told.truth[0][1] / runs;
+    lagged += told.truth[0][0] * told.truth[1][0] / runs;
+  }
+  // Of a variance from so many runs the standard error is 2.2 %.
+  const VectorXd r = filter.autocovariance(2, 2);
+  for (const double of_angle : square) REQUIRE(is_near(of_angle, r[0], 0.08));
+  REQUIRE(is_near(rate, filter.steady_covariance()(1, 1), 0.08));
+  REQUIRE(std::abs(lagged - r[1]) < 0.08 * r[0]);
+}
+
 TEST_CASE("a motion fitted to a sea, and the figures it tells", "[ship_motion]") {
   const Json sea = {{"significant_height", 3}, {"peak_period", 9}, {"speed", 0}, {"heading", 0},
                     {"response", {{"omega", 0.7}, {"zeta", 0.1}, {"slope_gain", 1}}}};

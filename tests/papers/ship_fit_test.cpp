@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paper 004 on a recorded motion: the fitted model against the record, and filter A against its own covariance.
+// Paper 004 with motions that are fitted: to a record (the model against it, filter A against its own covariance) and to a sea;
+// and of order 4.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -77,6 +78,22 @@ TEST_CASE("paper 004 on a recorded motion: the fitted spectrum is the record's")
   }
 }
 
+TEST_CASE("paper 004 in a sea: a poor fit is a warning and no error") {
+  const std::string config = std::string("'") + BINNACLE_TEST_PROJECT + "/configs/ship_motion/sea.json'";
+  const auto warnings = printed("check --json " + config);
+  REQUIRE_FALSE(warnings.empty());
+  for (const auto& warning : warnings) CHECK(warning.at("code") == "B032");
+  const auto summary = papers::summary_of("covariance", "ship_motion/sea.json", "");
+  for (const std::string speed : {"4 m/s", "8 m/s"}) {
+    INFO(speed);
+    const auto sigma = [&](const char* order) {
+      return papers::over_runs(summary, speed + " order " + order, "ship/pitch/sigma", "rms");
+    };
+    CHECK(sigma("4") < sigma("2"));
+    CHECK(sigma("2") < 0.6);
+  }
+}
+
 TEST_CASE("paper 004 on a recorded motion: filter A errs as much as its covariance says") {
   const auto folder = binnacle::test::recorded_data("ship");
   if (!folder) return;
@@ -89,4 +106,16 @@ TEST_CASE("paper 004 on a recorded motion: filter A errs as much as its covarian
       INFO(variant << ", " << axis << ": " << drawn << ", the covariance says " << computed);
       CHECK(std::abs(drawn / computed - 1) < 0.15);
     }
+}
+
+TEST_CASE("paper 004 of order 4: the covariance analysis agrees with 2000 drawn runs") {
+  const auto drawn = papers::summary_of("study", "ship_motion/fourth_order.json", "--runs 2000");
+  const auto computed = papers::summary_of("covariance", "ship_motion/fourth_order.json", "");
+  const double rms = papers::over_runs(drawn, "matched", "ship/pitch.angle/final", "rms");
+  const double se = papers::over_runs(drawn, "matched", "ship/pitch.angle/final", "se_rms");
+  const double expected = papers::over_runs(computed, "matched", "ship/pitch.angle/sigma", "rms");
+  INFO(rms << " +- " << se << ", computed " << expected);
+  CHECK(std::abs(rms - expected) < 3 * se);
+  const double nees = papers::over_runs(drawn, "matched", "ship/pitch/nees", "mean");
+  CHECK(std::abs(nees - 1) < 0.083);  // 99 % of such means of 2000
 }
