@@ -98,6 +98,12 @@ struct SourceOpening {
   Diagnostics warnings;
 };
 
+/// What a component found out while it was bound.
+struct FoundPlan {
+  std::string pointer;
+  std::vector<Findings::Figure> figures;
+};
+
 struct CompositionPlan {
   Document document;
   Catalog catalog;
@@ -108,6 +114,7 @@ struct CompositionPlan {
   std::vector<FilterPlan> filters;
   std::vector<SinkPlan> sinks;
   std::vector<Node> nodes;
+  std::vector<FoundPlan> found;
   EvaluationPlan evaluation;
   Time record_every = 0;
   Layout layout;

@@ -207,8 +207,16 @@ Json Composition::explain() const {
   }
   Json filters = Json::array();
   for (const auto& filter : plan_->filters) filters.push_back(explain_filter(*plan_, filter));
+  Json found = Json::array();
+  for (const auto& component : plan_->found) {
+    Json figures = Json::array();
+    for (const auto& figure : component.figures)
+      figures.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
+    found.push_back({{"at", component.pointer}, {"figures", std::move(figures)}});
+  }
   return {{"title", plan_->title},    {"sources", std::move(sources)}, {"transforms", std::move(transforms)},
           {"channels", channels},     {"filters", std::move(filters)}, {"unused_channels", std::move(unused)},
+          {"found", std::move(found)},
           {"arena_bytes", plan_->layout.size()}};
 }
 

@@ -207,8 +207,9 @@ void Composer::add_derived(FilterBuild& build) {
                                                  {"type", "blocks"}, port_units(bindings), diagnostics_);
         const bool has_drive = find_drive(build, *type, pointer, plan.drive);
         if (is_bound && has_drive && error_count() == errors)
-          guarded(pointer, [&] {
-            plan.derived = type->create_derived_block(Binding(name, Parameters(parameters), bindings, {}));
+          guarded(pointer, [&](Findings& findings) {
+            plan.derived =
+                type->create_derived_block(Binding(name, Parameters(parameters), bindings, {}).telling(findings));
           });
       }
       if (!plan.derived) {
@@ -330,9 +331,9 @@ void Composer::add_processes(FilterBuild& build) {
         is_whole = false;
         continue;
       }
-      guarded(pointer, [&] {
+      guarded(pointer, [&](Findings& findings) {
         plan.model = type->create_process_model(
-            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step));
+            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).telling(findings));
       });
       if (!plan.model) {
         is_whole = false;
@@ -494,10 +495,11 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
     }
   }
   if (!is_whole || measurement.channel < 0 || error_count() != errors) return false;
-  if (!guarded(pointer, [&] {
+  if (!guarded(pointer, [&](Findings& findings) {
         part.model = type->create_measurement_model(
             Binding(name, Parameters(parameters), bindings, fields_bound, 1,
-                    {plan_->channels[as_size(measurement.channel)].declaration.covariance}));
+                    {plan_->channels[as_size(measurement.channel)].declaration.covariance})
+                .telling(findings));
       }))
     return false;
   const auto& declaration = part.model->declaration();
@@ -613,9 +615,9 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
     first += part.model->declaration().max_rows;
   }
   measurement.noise_type = type->full_name();
-  guarded(noise_pointer, [&] {
+  guarded(noise_pointer, [&](Findings& findings) {
     measurement.noise =
-        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}), binding);
+        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}).telling(findings), binding);
   });
 }
 
