@@ -28,7 +28,7 @@ int add_strings(nc::Group group, const std::string& name, const std::vector<int>
 
 void write_metrics(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
   Names names;
-  for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path", "variant", "run", "tables"}) names.take(taken);
+  for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path", "variant", "run", "state", "tables"}) names.take(taken);
   const std::size_t runs = study.runs, metrics = study.metrics.size();
   for (std::size_t m = 0; m < metrics; ++m) {
     const auto& metric = study.metrics[m];
@@ -43,6 +43,22 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
       root.write(id, start, count, study.values.data() + (v * metrics + m) * runs);
     }
   }
+}
+
+/// Which runs broke; why is told in study.json.
+void write_state(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
+  const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension});
+  root.put_text(id, "long_name", "what came of the run");
+  root.put_bytes(id, "flag_values", {0, 1});
+  root.put_text(id, "flag_meanings", "finished failed");
+  std::vector<signed char> states(study.variants.size() * study.runs, 0);
+  for (std::size_t v = 0; v < study.variants.size(); ++v) {
+    const Json& variant = study.figures.at("variants").at(study.variants[v]);
+    if (!variant.contains("failures")) continue;
+    for (const auto& failure : variant.at("failures")) states.at(v * study.runs + failure.at("run").get<std::size_t>()) = 1;
+  }
+  const std::size_t start[] = {0, 0}, count[] = {study.variants.size(), study.runs};
+  root.write(id, start, count, states.data());
 }
 
 std::vector<std::string> texts_of(const Json& list) {
@@ -110,6 +126,7 @@ void write_study(const std::filesystem::path& path, const StudyResults& study) {
     for (std::size_t k = 0; k < study.runs; ++k) numbers[k] = static_cast<std::int32_t>(k);
     const std::size_t start = 0;
     root.write(id, &start, &study.runs, numbers.data());
+    write_state(root, study, variant, run);
     write_metrics(root, study, variant, run);
     write_tables(root, study.figures);
     file.close();
