@@ -18,11 +18,10 @@ void put_units(nc::Group group, int variable, const StudyResults::Metric& metric
   if (metric.unit != metric.si_unit) group.put_text(variable, "display_units", metric.unit);
 }
 
-int add_strings(nc::Group group, const std::string& name, const std::vector<int>& dimensions, const std::string& long_name,
+int add_texts(nc::Group group, const std::string& name, const std::vector<int>& dimensions, const std::string& long_name,
                 const std::vector<std::string>& texts) {
-  const int id = group.add_variable(name, NC_STRING, dimensions);
+  const int id = group.add_texts(name, dimensions, texts);
   group.put_text(id, "long_name", long_name);
-  group.write_strings(id, texts);
   return id;
 }
 
@@ -47,7 +46,7 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
 
 /// Which runs broke; why is told in study.json.
 void write_state(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
-  const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension});
+  const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension}, {1, study.runs});
   root.put_text(id, "long_name", "what came of the run");
   root.put_bytes(id, "flag_values", {0, 1});
   root.put_text(id, "flag_meanings", "finished failed");
@@ -80,17 +79,17 @@ void write_table(nc::Group group, const Json& table) {
   group.put_text(NC_GLOBAL, "title", table.at("title").get<std::string>());
   if (rows.empty() || columns.empty()) return;
   const int row = group.add_dimension("row", rows.size()), column = group.add_dimension("column", columns.size());
-  add_strings(group, "row", {row}, "rows of the table", rows);
-  add_strings(group, "column", {column}, "columns of the table", columns);
+  add_texts(group, "row", {row}, "rows of the table", rows);
+  add_texts(group, "column", {column}, "columns of the table", columns);
   std::vector<std::string> units, cells;
   for (const auto& line : table.at("units"))
     for (const auto& unit : line) units.push_back(unit.get<std::string>());
   for (const auto& line : table.at("cells"))
     for (const auto& cell : line) cells.push_back(cell.is_string() ? cell.get<std::string>() : "");
-  add_strings(group, "unit", {row, column}, "units of the values", units);
-  add_strings(group, "text", {row, column}, "what stands in a cell that has no value", cells);
+  add_texts(group, "unit", {row, column}, "units of the values", units);
+  add_texts(group, "text", {row, column}, "what stands in a cell that has no value", cells);
   const auto add = [&](const char* name, const char* long_name, const Json& values) {
-    const int id = group.add_variable(name, NC_DOUBLE, {row, column});
+    const int id = group.add_variable(name, NC_DOUBLE, {row, column}, {rows.size(), columns.size()});
     group.fill_with_nan(id);
     group.put_text(id, "long_name", long_name);
     const std::size_t start[] = {0, 0}, count[] = {rows.size(), columns.size()};
@@ -119,8 +118,8 @@ void write_study(const std::filesystem::path& path, const StudyResults& study) {
     write_provenance(root, "study", study.config, study.provenance);
     const int variant = root.add_dimension("variant", study.variants.size());
     const int run = root.add_dimension("run", study.runs);
-    add_strings(root, "variant", {variant}, "variants of the config", study.variants);
-    const int id = root.add_variable("run", NC_INT, {run});
+    add_texts(root, "variant", {variant}, "variants of the config", study.variants);
+    const int id = root.add_variable("run", NC_INT, {run}, {study.runs});
     root.put_text(id, "long_name", "which run of the seed");
     std::vector<std::int32_t> numbers(study.runs);
     for (std::size_t k = 0; k < study.runs; ++k) numbers[k] = static_cast<std::int32_t>(k);

@@ -16,10 +16,15 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
+def texts(variable):
+    """A variable of characters; its last dimension is the length."""
+    return [row.tobytes().rstrip(b"\0").decode() for row in variable[()].reshape(-1, variable.shape[-1])]
+
+
 folder = pathlib.Path(sys.argv[1])
 figures = json.loads((folder / "study.json").read_text())
 with h5py.File(folder / "study.nc", "r") as file:
-    variants = [text(name) for name in file["variant"][:]]
+    variants = texts(file["variant"])
     assert variants == list(figures["variants"])
     assert list(file["run"][:]) == list(range(figures["runs"]))
     metrics = {text(v.attrs["metric"]): v for v in file.values() if "metric" in v.attrs}
@@ -45,13 +50,14 @@ with h5py.File(folder / "study.nc", "r") as file:
     for number, table in enumerate(tables, 1):
         group = file[f"tables/table_{number}"]
         assert text(group.attrs["title"]) == table["title"]
-        assert [text(name) for name in group["row"][:]] == table["rows"]
-        assert [text(name) for name in group["column"][:]] == table["columns"]
+        assert texts(group["row"]) == table["rows"]
+        assert texts(group["column"]) == table["columns"]
+        cell_texts, units = texts(group["text"]), texts(group["unit"])
         for r, cells in enumerate(table["cells"]):
             for c, cell in enumerate(cells):
                 if isinstance(cell, str):
-                    assert text(group["text"][r, c]) == cell
+                    assert cell_texts[r * len(cells) + c] == cell
                 else:
                     assert group["value"][r, c] == cell or (cell is None and math.isnan(group["value"][r, c]))
-                assert text(group["unit"][r, c]) == table["units"][r][c]
+                assert units[r * len(cells) + c] == table["units"][r][c]
 print(compared, "values are the same")
