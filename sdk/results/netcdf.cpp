@@ -105,7 +105,7 @@ int Group::add_texts(const std::string& name, const std::vector<int>& dimensions
   std::size_t length = 1;
   for (const auto& text : texts) length = std::max(length, text.size());
   std::string characters;
-  for (const auto& text : texts) characters += text + std::string(length - text.size(), '\0');
+  for (const auto& text : texts) characters.append(text).append(length - text.size(), '\0');
   const std::string dimension_name = "text_" + std::to_string(length);
   int last = -1;
   if (nc_inq_dimid(id_, dimension_name.c_str(), &last) != NC_NOERR) last = add_dimension(dimension_name, length);
