@@ -181,7 +181,7 @@ study::Study load(const Options& options) {
 
 /// mpirun ends all of its processes when one of them dies, so this may be how the others hear of it.
 std::string interruption(const Options& options, bool is_led) {
-  return std::string("interrupted") + (is_led ? " (where a rank died, mpirun says which)" : "") +
+  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") +
          (options.out.empty() ? "; nothing was written (with --out DIR a study goes on where it was)"
                               : "; the same command goes on from here");
 }
