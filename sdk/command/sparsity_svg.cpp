@@ -15,9 +15,9 @@ namespace binnacle::command {
 namespace {
 
 constexpr double margin = 24, gap = 36;
-constexpr double letter = 6.3;      // width of one at the font's 11 px, about
+constexpr double letter = 6.3;  // width of one at the font's 11 px, about
 constexpr double line = 17;
-constexpr double slope = 40;        // of column heads [deg]
+constexpr double slope = 40;  // of column heads [deg]
 
 /// Readable on white and on black.
 constexpr const char* hues[] = {"#3b7dd8", "#2f9e63", "#8e63ce", "#d9822b", "#1f9aa8", "#cf4f5f", "#7d8a2e", "#b0609b"};
@@ -64,16 +64,19 @@ std::string escaped(const std::string& text) {
 
 /// Characters, not bytes.
 double width_of(const std::string& text) {
-  return letter * static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return letter *
+         static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-std::string text(double x, double y, const std::string& what, const std::string& kind = "", const std::string& more = "") {
+std::string text(double x, double y, const std::string& what, const std::string& kind = "",
+                 const std::string& more = "") {
   return fmt::format("  <text x=\"{:.1f}\" y=\"{:.1f}\"{}{}>{}</text>\n", x, y,
                      kind.empty() ? "" : " class=\"" + kind + "\"", more.empty() ? "" : " " + more, escaped(what));
 }
 
 std::string segment(double x1, double y1, double x2, double y2, const char* kind) {
-  return fmt::format("  <line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2, kind);
+  return fmt::format("  <line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" class=\"{}\"/>\n", x1, y1, x2, y2,
+                     kind);
 }
 
 struct Component {
@@ -151,8 +154,8 @@ class FilterDrawing {
   double overhang() const {
     double over = 0;
     for (const auto& block : blocks_)
-      over = std::max(over, width_of(block.name) * std::cos(slope / 57.3) -
-                                cell_ * (n_ - block.first - block.count() / 2.0));
+      over = std::max(over,
+                      width_of(block.name) * std::cos(slope / 57.3) - cell_ * (n_ - block.first - block.count() / 2.0));
     return over;
   }
   bool has_component_labels() const { return cell_ >= 10; }
@@ -172,7 +175,9 @@ class FilterDrawing {
   }
 
   void draw() {
-    svg_ += text(margin, top_ + line, fmt::format("Filter {}: {} in the covariance", text_of(filter_, "name"), counted(static_cast<std::size_t>(n_), "row")),
+    svg_ += text(margin, top_ + line,
+                 fmt::format("Filter {}: {} in the covariance", text_of(filter_, "name"),
+                             counted(static_cast<std::size_t>(n_), "row")),
                  "title");
     draw_labels();
     draw_matrix(left_, "Transition Φ", "phi", filter_.at("transition"), "to", "from");
@@ -187,7 +192,8 @@ class FilterDrawing {
     for (const auto& block : blocks_) {
       const double y = matrix_top_ + cell_ * block.first;
       if (cell_ * block.count() >= 9)
-        svg_ += text(names_, y + (has_component_labels() ? cell_ / 2 : cell_ * block.count() / 2) + 4, block.name, "block", "text-anchor=\"end\"");
+        svg_ += text(names_, y + (has_component_labels() ? cell_ / 2 : cell_ * block.count() / 2) + 4, block.name,
+                     "block", "text-anchor=\"end\"");
       if (!has_component_labels()) continue;
       for (int i = 0; i < block.count(); ++i) {
         const auto& component = block.components[static_cast<std::size_t>(i)];
@@ -221,7 +227,8 @@ class FilterDrawing {
     const auto rectangle = [&](int first_row, int first_column, int rows, int columns) {
       const double inset = structure == "identity" ? 0.28 * cell_ : structure == "diagonal" ? 0.12 * cell_ : 0.5;
       svg_ += fmt::format(
-          "  <rect class=\"{} {}\"{} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" rx=\"1.5\" data-row=\"{}\" "
+          "  <rect class=\"{} {}\"{} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" rx=\"1.5\" "
+          "data-row=\"{}\" "
           "data-column=\"{}\" data-rows=\"{}\" data-columns=\"{}\"><title>{}</title></rect>\n",
           kind, structure, paint, x + cell_ * first_column + inset, matrix_top_ + cell_ * first_row + inset,
           cell_ * columns - 2 * inset, cell_ * rows - 2 * inset, first_row, first_column, rows, columns, escaped(told));
@@ -264,8 +271,8 @@ class FilterDrawing {
       const std::string told = is_moved ? block.moved_by + " (" + types_.at(block.moved_by) + ")" : "moved by nothing";
       const std::string paint = is_moved ? fmt::format("style=\"fill: {}\"", hue_.at(block.moved_by)) : "";
       if (is_moved)
-        svg_ += fmt::format("  <rect {} x=\"{:.1f}\" y=\"{:.1f}\" width=\"3\" height=\"{:.1f}\"/>\n", paint, x - 6, top + 1,
-                            height - 2);
+        svg_ += fmt::format("  <rect {} x=\"{:.1f}\" y=\"{:.1f}\" width=\"3\" height=\"{:.1f}\"/>\n", paint, x - 6,
+                            top + 1, height - 2);
       svg_ += text(x + 4, top + height / 2 + 4, told, is_moved ? "" : "minor", paint);
       right_ = std::max(right_, x + 4 + width_of(told));
     }
@@ -279,9 +286,10 @@ class FilterDrawing {
     for (const auto& measurement : filter_.at("measurements")) {
       bool is_first = true;
       for (const auto& part : measurement.at("parts")) {
-        svg_ += text(left_ - 10, bottom_ + height / 2 + 4, strip_name(measurement, part), "block", "text-anchor=\"end\"");
-        svg_ += fmt::format("  <rect class=\"panel\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", left_,
-                            bottom_, side(), height);
+        svg_ +=
+            text(left_ - 10, bottom_ + height / 2 + 4, strip_name(measurement, part), "block", "text-anchor=\"end\"");
+        svg_ += fmt::format("  <rect class=\"panel\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+                            left_, bottom_, side(), height);
         for (const auto& name : part.at("columns"))
           if (const Rows* block = block_named(name.get<std::string>())) fill_strip(measurement, part, *block, height);
         draw_grid(left_, bottom_, height);
@@ -310,8 +318,8 @@ class FilterDrawing {
     bottom_ += 1.6 * line;
     double x = left_;
     const auto key = [&](const std::string& kind, double width, double height, const std::string& meaning) {
-      svg_ += fmt::format("  <rect {} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.0f}\" height=\"{:.0f}\" rx=\"1.5\"/>\n", kind, x,
-                          bottom_ - 4 - height / 2, width, height);
+      svg_ += fmt::format("  <rect {} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.0f}\" height=\"{:.0f}\" rx=\"1.5\"/>\n",
+                          kind, x, bottom_ - 4 - height / 2, width, height);
       svg_ += text(x + width + 7, bottom_, meaning, "minor");
       x += width + 27 + width_of(meaning);
     };
@@ -357,9 +365,10 @@ std::string sparsity_svg(const Json& explained) {
     right = std::max(right, drawing.right());
   }
   const double width = std::ceil(right + margin), height = std::ceil(bottom + 8);
-  return fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" "
-                     "height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n{2}  <rect class=\"paper\" width=\"{0}\" height=\"{1}\"/>\n",
-                     width, height, style) +
+  return fmt::format(
+             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" "
+             "height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n{2}  <rect class=\"paper\" width=\"{0}\" height=\"{1}\"/>\n",
+             width, height, style) +
          drawings + "</svg>\n";
 }
 

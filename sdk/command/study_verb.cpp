@@ -186,6 +186,14 @@ std::string interruption(const Options& options, bool is_led) {
                               : "; the same command goes on from here");
 }
 
+/// Said at the beginning, since of a rank that mpirun stops the last words may be lost.
+void tell_crew(const Options& options, const study::Team& team, const study::Leader& leader, int jobs) {
+  if (!options.quiet)
+    fmt::print(stderr, "{}, {}{}\n", counted(static_cast<std::size_t>(team.size()), "rank"),
+               counted(static_cast<std::size_t>(jobs + leader.threads()), "thread"),
+               options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there");
+}
+
 /// A rank other than 0: does runs and says nothing.
 int serve(study::Team& team, const Options& options, int jobs) {
   watch_signals();
@@ -210,6 +218,7 @@ int run_study(const Options& options) {
   try {
     if (!leader || leader->muster(study, goes_on)) {
       outputs.emplace(options, study, results);
+      if (leader) tell_crew(options, *team, *leader, jobs);
       is_complete = carry_out(study, results, *outputs, options, leader ? &*leader : nullptr, jobs);
     }
   } catch (const std::system_error& error) {

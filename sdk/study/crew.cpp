@@ -210,11 +210,17 @@ bool Leader::muster(const Study& study, const std::function<bool()>& goes_on) {
       continue;
     }
     take_report(study, message->from, message->text);
-    reported = 1 + static_cast<int>(std::count_if(ranks_.begin(), ranks_.end(),
-                                                  [](const Rank& rank) { return rank.has_reported; }));
+    reported = 1 + static_cast<int>(
+                       std::count_if(ranks_.begin(), ranks_.end(), [](const Rank& rank) { return rank.has_reported; }));
   }
   refuse_troubled();
   return true;
+}
+
+int Leader::threads() const {
+  int threads = 0;
+  for (const auto& rank : ranks_) threads += rank.jobs;
+  return threads;
 }
 
 void Leader::look_for_silent() {
@@ -224,7 +230,8 @@ void Leader::look_for_silent() {
     is_over_ = true;  // there is nobody to wait for
     const auto silence = std::chrono::duration_cast<std::chrono::seconds>(patience_.silence);
     fail(1, name_of(rank),
-         "not heard of for " + std::to_string(silence.count()) + " s, so it is taken for dead; its runs are still to be done");
+         "not heard of for " + std::to_string(silence.count()) +
+             " s, so it is taken for dead; its runs are still to be done");
   }
 }
 
@@ -233,13 +240,12 @@ void Leader::carry_out_all(const Study& study, Results& results, int jobs, const
   Books books(study, results, on_run);
   std::atomic<bool> is_stopped{false};
   const std::function<bool()> may_go_on = [&] { return !is_stopped && !books.have_failed() && goes_on(); };
-  int threads = jobs;
-  for (const auto& rank : ranks_) threads += rank.jobs;
+  const int all_threads = jobs + threads();
 
   // Another one for each thread while it is at work; near the end none waits behind another.
   const auto hand_out = [&](int rank) {
     Rank& entry = ranks_[static_cast<std::size_t>(rank)];
-    const auto each = books.left() > 2 * static_cast<std::size_t>(threads) ? 2u : 1u;
+    const auto each = books.left() > 2 * static_cast<std::size_t>(all_threads) ? 2u : 1u;
     Json runs = Json::array();
     while (entry.given < each * static_cast<std::size_t>(entry.jobs)) {
       const auto key = books.take();

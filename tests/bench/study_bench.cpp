@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a study grows with threads and with ranks: `study_bench CONFIG [RUNS] [REPEATS]` prints times and memory of
-// `binnacle study` with 1 and 2 threads, and under mpirun with 1 and 2 ranks of one thread each. The repeats of all go
+// `binnacle study` with 1 to 8 threads, and under mpirun with 1 and 2 ranks of one thread each. The repeats of all go
 // round in turn and the best of each counts, for a machine that has other things to do.
 #include <algorithm>
 #include <cstdio>
@@ -21,7 +21,7 @@ namespace {
 struct Way {
   std::string name;
   std::vector<std::string> launcher;
-  int jobs = 1;
+  int jobs = 1, workers = 1;                       // threads of a process, and of all together
   double wall = 1e9, processor = 1e9, memory = 0;  // s, s, MB of the largest process
 };
 
@@ -81,11 +81,14 @@ int main(int argc, char** argv) {
     words.emplace_back(count);
     return words;
   };
-  std::vector<Way> ways{{"1 thread", {}, 1}, {"2 threads", {}, 2}, {"4 threads", {}, 4}, {"8 threads", {}, 8}};
+  std::vector<Way> ways{{"1 thread", {}, 1, 1},
+                        {"2 threads", {}, 2, 2},
+                        {"4 threads", {}, 4, 4},
+                        {"8 threads", {}, 8, 8}};
   const bool has_mpirun = std::system("mpirun --version >/dev/null 2>&1") == 0;
   if (has_mpirun) {
-    ways.push_back({"1 rank", ranks("1"), 1});
-    ways.push_back({"2 ranks", ranks("2"), 1});
+    ways.push_back({"1 rank", ranks("1"), 1, 1});
+    ways.push_back({"2 ranks", ranks("2"), 1, 2});
   } else {
     std::printf("SKIPPED: no mpirun\n");
   }
@@ -97,10 +100,14 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "%s: the study failed\n", way.name.c_str());
         return 1;
       }
-  std::printf("%-10s %8s %9s %14s %22s\n", "", "wall s", "speed-up", "processor s", "MB, largest process");
-  for (const auto& way : ways)
-    std::printf("%-10s %8.2f %9.2f %14.2f %22.1f\n", way.name.c_str(), way.wall, ways[0].wall / way.wall, way.processor,
-                way.memory);
+  std::printf("%-10s %8s %9s %12s %9s %20s\n", "", "wall s", "speed-up", "processor s", "at most",
+              "MB, largest process");
+  for (const auto& way : ways) {
+    // What the processor time would come to on processors that have nothing else to do.
+    const int workers = std::min(way.workers, static_cast<int>(std::thread::hardware_concurrency()));
+    std::printf("%-10s %8.2f %9.2f %12.2f %9.2f %20.1f\n", way.name.c_str(), way.wall, ways[0].wall / way.wall,
+                way.processor, workers * ways[0].processor / way.processor, way.memory);
+  }
   std::printf("a thread more: %.2f MB\n", (ways[3].memory - ways[0].memory) / 7);
   return 0;
 }

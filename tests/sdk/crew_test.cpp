@@ -122,7 +122,8 @@ TEST_CASE("what a run left undone in the results is all that a team does") {
   const auto study = load(bench);
   auto results = open_results(study);
   int done = 0;
-  study::carry_out_all(study, results, 1, [&] { return done < 13; }, [&](auto, auto, const auto&) { ++done; });
+  study::carry_out_all(
+      study, results, 1, [&] { return done < 13; }, [&](auto, auto, const auto&) { ++done; });
   REQUIRE(done == 13);
   Office office(2);
   Member first(office, 0);
@@ -154,8 +155,10 @@ TEST_CASE("a rank with another study, or none, is refused by name") {
         std::pair<int, std::string>{2, "rank 2 on box2: error: its seed is another than that of rank 0"});
   const Workbench other;
   write_drive(other);
-  other.write("drive.json", read_file(other.path("drive.json")).replace(read_file(other.path("drive.json")).find("30 deg"), 2, "31"));
-  CHECK(refusal([&] { return load(other); }).second == "rank 2 on box2: error: its config is another than that of rank 0");
+  other.write("drive.json",
+              read_file(other.path("drive.json")).replace(read_file(other.path("drive.json")).find("30 deg"), 2, "31"));
+  CHECK(refusal([&] { return load(other); }).second ==
+        "rank 2 on box2: error: its config is another than that of rank 0");
   const auto unread = refusal([&] {
     study::StudyOptions options;
     return study::Study::load(bench.path("nowhere.json"), options);
@@ -173,7 +176,8 @@ TEST_CASE("a rank that falls silent is told, and what the others did is kept") {
   Member first(office, 0);
   const auto begin = std::chrono::steady_clock::now();
   // Reports, and gives no further sign: a killed one that nobody has noticed.
-  const Server second(office, 1, [&] { return load(bench); }, [] { return false; });
+  const Server second(
+      office, 1, [&] { return load(bench); }, [] { return false; });
   study::Leader leader(first, {10ms, 300ms});
   REQUIRE(leader.muster(study, always));
   int done = 0;

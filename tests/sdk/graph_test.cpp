@@ -25,8 +25,7 @@ using Filled = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 /// The rectangles of a drawing of one filter.
 class Drawing {
  public:
-  Drawing(const std::string& path, int n)
-      : phi(Filled::Constant(n, n, false)), qd(phi), identity(phi), n_(n) {
+  Drawing(const std::string& path, int n) : phi(Filled::Constant(n, n, false)), qd(phi), identity(phi), n_(n) {
     xml::read_xml(path, tree_);  // throws where it is not well-formed
     for (const auto& [name, node] : tree_.get_child("svg"))
       if (name == "rect") take(node);
@@ -51,11 +50,13 @@ class Drawing {
     if (matrix == "h") {
       auto& columns = h[rectangle.get<std::string>("<xmlattr>.data-measurement")];
       columns.resize(static_cast<std::size_t>(n_));
-      for (int c = 0; c < attribute("data-columns"); ++c) columns[static_cast<std::size_t>(attribute("data-column") + c)] = true;
+      for (int c = 0; c < attribute("data-columns"); ++c)
+        columns[static_cast<std::size_t>(attribute("data-column") + c)] = true;
     }
     if (matrix != "phi" && matrix != "qd") return;
     auto& filled = kind == "phi identity" ? identity : matrix == "phi" ? phi : qd;
-    filled.block(attribute("data-row"), attribute("data-column"), attribute("data-rows"), attribute("data-columns")).setConstant(true);
+    filled.block(attribute("data-row"), attribute("data-column"), attribute("data-rows"), attribute("data-columns"))
+        .setConstant(true);
   }
 
   int n_;
@@ -66,7 +67,8 @@ class Drawing {
 /// Where Φ, Qd and H were ever anything but zero, and Φ anything but the identity.
 class Seen final : public binnacle::RunObserver, public binnacle::StepTape {
  public:
-  explicit Seen(const binnacle::FilterInfo& info) : info_(info), phi(Filled::Constant(info.dof, info.dof, false)), qd(phi) {}
+  explicit Seen(const binnacle::FilterInfo& info)
+      : info_(info), phi(Filled::Constant(info.dof, info.dof, false)), qd(phi) {}
   bool wants_records() const override { return false; }
   bool wants_matrices() const override { return true; }
   binnacle::StepTape* tape(int) override { return this; }
@@ -143,15 +145,16 @@ Drawing check(const Case& what) {
   return drawing;
 }
 
-const std::string short_drive = "/sources/drive/segments=[{\"do\":\"still\",\"duration\":\"2 s\"},{\"do\":\"accelerate\",\"to\":\"8 m/s\","
-                                "\"acceleration\":\"2 m/s^2\"},{\"do\":\"turn\",\"angle\":\"60 deg\",\"rate\":\"12 deg/s\"}]";
+const std::string short_drive =
+    "/sources/drive/segments=[{\"do\":\"still\",\"duration\":\"2 s\"},{\"do\":\"accelerate\",\"to\":\"8 m/s\","
+    "\"acceleration\":\"2 m/s^2\"},{\"do\":\"turn\",\"angle\":\"60 deg\",\"rate\":\"12 deg/s\"}]";
 
 }  // namespace
 
 TEST_CASE("the sparsity that is drawn of a phi-error filter is that of its numbers") {
   const auto drawing = check({"quickstart.json", {short_drive}});
-  CHECK(drawing.count("phi dense") == 14);     // strapdown: 3 rows of 5 blocks, less position of gyro_bias
-  CHECK(drawing.count("phi diagonal") == 6);   // two Gauss-Markov processes
+  CHECK(drawing.count("phi dense") == 14);    // strapdown: 3 rows of 5 blocks, less position of gyro_bias
+  CHECK(drawing.count("phi diagonal") == 6);  // two Gauss-Markov processes
   CHECK(drawing.count("phi identity") == 0);
   CHECK(drawing.count("qd dense") == 9);
   CHECK(drawing.count("qd diagonal") == 6);
@@ -164,10 +167,18 @@ TEST_CASE("the sparsity that is drawn of a phi-error filter is that of its numbe
 TEST_CASE("the sparsity that is drawn of a psi-error filter with frozen components is that of its numbers") {
   const auto drawing = check({"transfer_alignment/base.json", {}});
   CHECK(drawing.count("phi dense") == 3);
-  CHECK(drawing.count("phi identity") == 3);   // the mounting stays
+  CHECK(drawing.count("phi identity") == 3);  // the mounting stays
   CHECK(drawing.count("qd dense") == 4);
   CHECK(drawing.count("h dense") == 3);
   CHECK(drawing.texts.contains("Frozen, without a row: position (north, east, down), velocity (down)"));
+}
+
+TEST_CASE("the drawing in the guide is the one that is made") {
+  const Workbench bench;
+  const std::string project = BINNACLE_TEST_PROJECT;
+  REQUIRE(binnacle::test::binnacle(bench, {"graph", project + "/configs/quickstart.json", "--sparsity", "made.svg"})
+              .status == 0);
+  CHECK(read_file(bench.path("made.svg")) == read_file(project + "/sdk/docs/sparsity.svg"));
 }
 
 TEST_CASE("considered components are called so, and names are what they are in a drawing") {
@@ -176,6 +187,8 @@ TEST_CASE("considered components are called so, and names are what they are in a
 
   const Workbench bench;
   bench.spoil("\"walk\": {", "\"<walk> & \\\"more\\\"\": {");
-  REQUIRE(binnacle::test::binnacle(bench, {"graph", "bad.json", "--set", "/reference=[]", "--sparsity", "it.svg"}).status == 0);
+  REQUIRE(
+      binnacle::test::binnacle(bench, {"graph", "bad.json", "--set", "/reference=[]", "--sparsity", "it.svg"}).status ==
+      0);
   CHECK(Drawing(bench.path("it.svg"), 1).texts.contains("Filter <walk> & \"more\": 1 row in the covariance"));
 }

@@ -32,6 +32,9 @@ class Leader {
   /// or plugin, or a processor whose last digits differ. False once `goes_on` says so.
   bool muster(const Study& study, const std::function<bool()>& goes_on);
 
+  /// Of the others, all together.
+  int threads() const;
+
   /// As study::carry_out_all(), with `jobs` threads of this process and those of the others. Throws Error where a rank is
   /// silent for too long.
   void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
@@ -48,8 +51,8 @@ class Leader {
     int jobs = 0;
     std::size_t given = 0;  // runs that it has not brought back
     Clock::time_point heard;
-    std::string trouble;    // why it cannot serve
-    int status = 0;         // exit status of that
+    std::string trouble;  // why it cannot serve
+    int status = 0;       // exit status of that
   };
   void take_report(const Study& study, int rank, const std::string& text);
   void refuse_troubled();
