@@ -12,9 +12,11 @@
 #include "binnacle/config.hpp"
 #include "folders.hpp"
 #include "interrupt.hpp"
+#include "launcher.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
 #include "results/study_writer.hpp"
+#include "study/crew.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
 #include "study/summary.hpp"
@@ -34,7 +36,7 @@ struct Options {
   ConfigOptions config;
   std::optional<int> runs;
   std::optional<std::uint64_t> seed;
-  int jobs = 0;
+  int jobs = 0;  // 0: all processors
   std::string summary;
   std::string out;
   bool json = false;
@@ -183,8 +185,11 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
   return failures;
 }
 
+bool goes_on() { return interrupted_by() == 0; }
+
 /// False when it was interrupted.
-bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options) {
+bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options,
+               study::Leader* leader, int jobs) {
   const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
   const std::size_t all = study.variants().size() * results.runs();
   if (restored > 0 && !options.quiet)
@@ -194,31 +199,68 @@ bool carry_out(const study::Study& study, study::Results& results, Outputs& outp
     if (outputs.journal) outputs.journal->add(variant, run, figures);
     progress.add(figures.state == study::Figures::State::failed);
   };
-  study::carry_out_all(
-      study, results, options.jobs, [] { return interrupted_by() == 0; }, on_run);
+  if (leader)
+    leader->carry_out_all(study, results, jobs, goes_on, on_run);
+  else
+    study::carry_out_all(study, results, jobs, goes_on, on_run);
   return progress.done() == all;
+}
+
+study::Study load(const Options& options) {
+  return study::Study::load(options.config_path, {options.config.load_options(), options.runs, options.seed});
+}
+
+/// mpirun ends all of its processes when one of them dies, so this may be how the others hear of it.
+std::string interruption(const Options& options, bool is_led) {
+  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") +
+         (options.out.empty() ? "; nothing was written (with --out DIR a study goes on where it was)"
+                              : "; the same command goes on from here");
+}
+
+/// Said at the beginning, since of a rank that mpirun stops the last words may be lost.
+void tell_crew(const Options& options, const study::Team& team, const study::Leader& leader, int jobs) {
+  if (!options.quiet)
+    fmt::print(stderr, "{}, {}{}\n", counted(static_cast<std::size_t>(team.size()), "rank"),
+               counted(static_cast<std::size_t>(jobs + leader.threads()), "thread"),
+               options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there");
+}
+
+/// A rank other than 0: does runs and says nothing.
+int serve(study::Team& team, const Options& options, int jobs) {
+  watch_signals();
+  if (!study::serve(
+          team, [&options] { return load(options); }, jobs, goes_on))
+    die_of_signal();
+  return ok;
 }
 
 int run_study(const Options& options) {
   const auto begin = Clock::now();
-  study::StudyOptions study_options{options.config.load_options(), options.runs, options.seed};
-  const auto study = study::Study::load(options.config_path, study_options);
+  const auto team = join_team();
+  const int jobs = options.jobs > 0 ? options.jobs : study::processors(team ? team->size_here() : 1);
+  if (team && team->rank() > 0) return serve(*team, options, jobs);
+  std::optional<study::Leader> leader;
+  if (team) leader.emplace(*team);
+  const auto study = load(options);
   study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
   watch_signals();
   std::optional<Outputs> outputs;
   bool is_complete = false;
   try {
-    outputs.emplace(options, study, results);
-    is_complete = carry_out(study, results, *outputs, options);
+    if (!leader || leader->muster(study, goes_on)) {
+      outputs.emplace(options, study, results);
+      if (leader) tell_crew(options, *team, *leader, jobs);
+      is_complete = carry_out(study, results, *outputs, options, leader ? &*leader : nullptr, jobs);
+    }
   } catch (const std::system_error& error) {
     throw OutputError(error.what());
   }
   if (!is_complete) {
     outputs.reset();
-    print_error(options.out.empty() ? "interrupted; nothing was written (with --out DIR a study goes on where it was)"
-                                    : "interrupted; the same command goes on from here");
+    print_error(interruption(options, leader.has_value()));
     die_of_signal();
   }
+  leader.reset();
   const Json figures = study::summarize(study, results);
   Json timed = figures;
   timed["wall_s"] = seconds_since(begin);
@@ -237,7 +279,6 @@ int run_study(const Options& options) {
 
 Verb study_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  options->jobs = study::processors();
   CLI::App* app = command.add_subcommand("study", "Run the variants of a config many times; tables of their errors");
   app->add_option("CONFIG", options->config_path, "The config, with its \"study\"")->required();
   options->config.add_to(*app);
@@ -245,10 +286,10 @@ Verb study_verb(CLI::App& command) {
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   app->add_option("--seed", options->seed, "Seed of everything random, instead of the config's")->type_name("N");
-  app->add_option("--jobs", options->jobs, "Runs at work at one time; the figures do not depend on it")
+  app->add_option("--jobs", options->jobs, "Runs at work at one time in each process, instead of one for each "
+                  "processor; the figures do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 1024));
   app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
   app->add_option("--out", options->out, "study.nc, study.csv, table.csv, study.json; started again, it goes on where it was")
       ->type_name("DIR");
