@@ -17,7 +17,6 @@ namespace {
 constexpr double margin = 24, gap = 36;
 constexpr double letter = 6.3;  // width of one at the font's 11 px, about
 constexpr double line = 17;
-constexpr double slope = 40;  // of column heads [deg]
 
 /// Readable on white and on black.
 constexpr const char* hues[] = {"#3b7dd8", "#2f9e63", "#8e63ce", "#d9822b", "#1f9aa8", "#cf4f5f", "#7d8a2e", "#b0609b"};
@@ -144,8 +143,11 @@ class FilterDrawing {
     names_ = margin + names;
     left_ = std::max(names_ + (has_component_labels() ? components + 24 : 12), margin + strips + 12);
     names_ = left_ - (has_component_labels() ? components + 24 : 12);
+    double narrowest = side();
+    for (const auto& block : blocks_) narrowest = std::min(narrowest, cell_ * block.count());
+    slope_ = narrowest < 24 ? 60 : 40;
     heads_ = 0;
-    for (const auto& block : blocks_) heads_ = std::max(heads_, width_of(block.name) * std::sin(slope / 57.3));
+    for (const auto& block : blocks_) heads_ = std::max(heads_, width_of(block.name) * std::sin(slope_ / 57.3));
     matrix_top_ = top_ + 2.4 * line + heads_ + 14;
     noise_left_ = left_ + side() + std::max(gap, overhang() + 12);
   }
@@ -154,8 +156,8 @@ class FilterDrawing {
   double overhang() const {
     double over = 0;
     for (const auto& block : blocks_)
-      over = std::max(over,
-                      width_of(block.name) * std::cos(slope / 57.3) - cell_ * (n_ - block.first - block.count() / 2.0));
+      over = std::max(over, width_of(block.name) * std::cos(slope_ / 57.3) -
+                                cell_ * (n_ - block.first - block.count() / 2.0));
     return over;
   }
   bool has_component_labels() const { return cell_ >= 10; }
@@ -179,6 +181,10 @@ class FilterDrawing {
                  fmt::format("Filter {}: {} in the covariance", text_of(filter_, "name"),
                              counted(static_cast<std::size_t>(n_), "row")),
                  "title");
+    if (n_ == 0) {
+      right_ = bottom_ = top_ + line;
+      return draw_frozen();
+    }
     draw_labels();
     draw_matrix(left_, "Transition Φ", "phi", filter_.at("transition"), "to", "from");
     draw_matrix(noise_left_, "Noise Qd", "qd", filter_.at("noise"), "row", "column");
@@ -207,7 +213,7 @@ class FilterDrawing {
     for (const auto& block : blocks_) {
       if (cell_ * block.count() < 9) continue;
       const double at = x + cell_ * (block.first + block.count() / 2.0) + 2, y = matrix_top_ - 6;
-      svg_ += text(at, y, block.name, "minor", fmt::format("transform=\"rotate(-{} {:.1f} {:.1f})\"", slope, at, y));
+      svg_ += text(at, y, block.name, "minor", fmt::format("transform=\"rotate(-{} {:.1f} {:.1f})\"", slope_, at, y));
     }
   }
 
@@ -329,11 +335,16 @@ class FilterDrawing {
     key("class=\"key identity\"", 8, 8, "1: stays as it is");
     svg_ += text(x, bottom_, "empty: zero, and never worked with", "minor");
     right_ = std::max(right_, x + width_of("empty: zero, and never worked with"));
+    draw_frozen();
+  }
+
+  void draw_frozen() {
     if (!frozen_.empty()) {
       bottom_ += 1.3 * line;
+      const double x = n_ == 0 ? margin : left_;
       const std::string told = "Frozen, without a row: " + joined(frozen_);
-      svg_ += text(left_, bottom_, told, "minor");
-      right_ = std::max(right_, left_ + width_of(told));
+      svg_ += text(x, bottom_, told, "minor");
+      right_ = std::max(right_, x + width_of(told));
     }
     bottom_ += line;
   }
@@ -344,6 +355,7 @@ class FilterDrawing {
   std::vector<std::string> frozen_;
   std::map<std::string, std::string> types_, hue_;  // of processes
   int n_ = 0;
+  double slope_ = 40;  // of column heads [deg]
   double cell_ = 16, names_ = 0, left_ = 0, heads_ = 0, matrix_top_ = 0, noise_left_ = 0, right_ = 0, bottom_ = 0;
   std::string svg_;
 };

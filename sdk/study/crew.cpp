@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages are lines of JSON: ["report", {…}] of a rank that has read its study, ["runs", [[variant, run], …]] for it to
-// do, ["done", [variant, run, figures]], ["alive"], and ["over"] for it to end.
+// Messages are lines of JSON: ["report", {…}] of a rank that has read its study, ["runs", [[variant, run], …]] for
+// it to do, ["done", [variant, run, figures]], ["alive"], and ["over"] for it to end.
 #include "study/crew.hpp"
 
 #include <algorithm>
@@ -24,7 +24,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto pause = std::chrono::milliseconds(1);  // between looks for messages: MPI's own waiting takes a processor
+/// Between looks for messages, longer when there are none: MPI's own waiting takes a processor.
+class Pause {
+ public:
+  std::chrono::milliseconds next() { return std::exchange(next_, std::min(2 * next_, std::chrono::milliseconds(4))); }
+  void reset() { next_ = std::chrono::milliseconds(1); }
+
+ private:
+  std::chrono::milliseconds next_{1};
+};
 
 Json read_message(const std::string& text) {
   Json json = Json::parse(text, nullptr, false);
@@ -122,10 +130,10 @@ class Desk {
     }
     has_results_.notify_one();
   }
-  /// Waits a moment for results.
-  std::vector<std::string> take_out() {
+  /// Waits for results, no longer than that.
+  std::vector<std::string> take_out(std::chrono::milliseconds longest) {
     std::unique_lock lock(mutex_);
-    has_results_.wait_for(lock, pause, [this] { return !out_.empty(); });
+    has_results_.wait_for(lock, longest, [this] { return !out_.empty(); });
     return std::exchange(out_, {});
   }
   bool is_closed() const { return is_closed_; }
@@ -202,11 +210,12 @@ void Leader::refuse_troubled() {
 }
 
 bool Leader::muster(const Study& study, const std::function<bool()>& goes_on) {
+  Pause pause;
   for (int reported = 1; reported < team_.size();) {
     if (!goes_on()) return false;
     const auto message = team_.receive();
     if (!message) {
-      std::this_thread::sleep_for(pause);
+      std::this_thread::sleep_for(pause.next());
       continue;
     }
     take_report(study, message->from, message->text);
@@ -282,13 +291,15 @@ void Leader::carry_out_all(const Study& study, Results& results, int jobs, const
       ranks_[static_cast<std::size_t>(rank)].heard = Clock::now();
       hand_out(rank);
     }
+    Pause pause;
     while (!books.are_complete() && may_go_on()) {
       if (const auto message = team_.receive()) {
+        pause.reset();
         take_in(*message);
         continue;
       }
       look_for_silent();
-      std::this_thread::sleep_for(pause);
+      std::this_thread::sleep_for(pause.next());
     }
   }
   own.join();
@@ -335,14 +346,16 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
     });
   auto told = Clock::now();
   bool is_dismissed = false;
+  Pause pause;
   while (!is_dismissed && goes_on()) {
     while (const auto message = team.receive()) {
+      pause.reset();
       const Json json = read_message(message->text);
       is_dismissed = is_dismissed || is(json, "over");
       if (is(json, "runs"))
         for (const auto& key : json[1]) desk.put({key[0].get<std::size_t>(), key[1].get<std::size_t>()});
     }
-    for (auto& text : desk.take_out()) team.send(0, std::move(text));
+    for (auto& text : desk.take_out(pause.next())) team.send(0, std::move(text));
     if (Clock::now() - told < patience.sign_of_life) continue;
     team.send(0, line_of(Json::array({"alive"})));
     told = Clock::now();

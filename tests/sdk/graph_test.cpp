@@ -130,7 +130,7 @@ Drawing check(const Case& what) {
   binnacle::RunOptions run;
   run.observer = &seen;
   binnacle::run(composition, run);
-  REQUIRE(seen.steps > 100);
+  REQUIRE(seen.steps >= 60);
   CHECK(outside(seen.phi, drawing.phi) == 0);
   CHECK(outside(seen.qd, drawing.qd) == 0);
   CHECK((drawing.identity.array() && drawing.phi.array()).count() == 0);
@@ -171,6 +171,32 @@ TEST_CASE("the sparsity that is drawn of a psi-error filter with frozen componen
   CHECK(drawing.count("qd dense") == 4);
   CHECK(drawing.count("h dense") == 3);
   CHECK(drawing.texts.contains("Frozen, without a row: position (north, east, down), velocity (down)"));
+}
+
+TEST_CASE("what a measurement sees through a derived block is drawn") {
+  const auto drawing =
+      check({"quickstart.json",
+             {short_drive,
+              "/filters/ins/derived={\"antenna\":{\"type\":\"lever_arm\",\"blocks\":{\"position\":\"position\","
+              "\"attitude\":\"attitude\"},\"arm\":[\"0.6 m\",\"-0.1 m\",\"-1.2 m\"]}}",
+              "/filters/ins/measurements/fix/stack/position/blocks/position=antenna"}});
+  CHECK(drawing.count("h dense") == 3);
+}
+
+TEST_CASE("processes that are discretized together fill what none of them declares") {
+  const auto drawing = check({"ship_motion/monte_carlo.json", {}});
+  CHECK(drawing.phi.count() == 7);
+  CHECK(drawing.qd.count() == 8);
+}
+
+TEST_CASE("a filter whose components are all frozen has nothing to draw") {
+  const Workbench bench;
+  const std::string project = BINNACLE_TEST_PROJECT;
+  REQUIRE(binnacle::test::binnacle(bench, {"graph", project + "/configs/attitude/base.json", "--sparsity", "it.svg"})
+              .status == 0);
+  const Drawing drawing(bench.path("it.svg"), 0);
+  CHECK(drawing.texts.contains("Filter body: 0 rows in the covariance"));
+  CHECK(drawing.count("panel") == 0);
 }
 
 TEST_CASE("the drawing in the guide is the one that is made") {
