@@ -85,7 +85,8 @@ std::vector<ParameterSpec> RecordPlace::parameters() {
   return {parameter::path("path").required().about("text with a header line and commas, plain or gzipped"),
           parameter::text("column").required().about("of the motion"),
           parameter::number("unit", "*").required().about("of the column's numbers: \"deg\""),
-          parameter::text("time").about("column of the time in seconds; default: the first")};
+          parameter::text("time").about("column of the time in seconds; default: the first"),
+          parameter::list("window", parameter::time("time")).about("[from, to]: only samples inside")};
 }
 
 RecordPlace::RecordPlace(const Parameters& owner, const std::string& si_unit, const std::string& pointer) {
@@ -94,6 +95,13 @@ RecordPlace::RecordPlace(const Parameters& owner, const std::string& si_unit, co
   column = parameters.text("column");
   if (parameters.has("time")) time_column = parameters.text("time");
   unit = parameters.number("unit");
+  if (parameters.has("window")) {
+    const auto& window = parameters.list("window");
+    if (window.size() != 2 || window[0].integer >= window[1].integer)
+      throw ComponentError("a window is [from, to] with from < to", pointer + "/window");
+    from = window[0].integer;
+    to = window[1].integer;
+  }
   for (const auto& [key, value] : owner.members("record"))
     if (key == "unit" && value.text != si_unit)
       throw ComponentError("the motion is in " + si_unit + ", the column in " + value.text, pointer + "/unit");
@@ -115,14 +123,13 @@ Record RecordPlace::read() const {
     Lines lines(path);
     std::vector<std::string_view> cells = header_of(lines, path);
     const Columns columns = find_columns(*this, cells);
-    double last = 0;
     while (lines.next(cells)) {
-      const double t = number(cells, columns.time, *this, lines.line());
-      if (!values.empty() && t <= last)
+      const Time t = nanoseconds(number(cells, columns.time, *this, lines.line()));
+      if (t < from || t > to) continue;
+      if (!values.empty() && t <= record.times.back())
         throw ComponentError::in_data("time does not increase", path, lines.line(), "B063");
-      record.times.push_back(nanoseconds(t));
+      record.times.push_back(t);
       values.push_back(unit * number(cells, columns.value, *this, lines.line()));
-      last = t;
     }
   } catch (const text_file::FileFault& fault) {
     throw unreadable(fault, path);

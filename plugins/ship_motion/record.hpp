@@ -2,6 +2,7 @@
 // A recorded motion: one column of a text file, without its mean.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct RecordPlace {
   std::string column;
   std::string time_column;  // "": the first
   double unit = 1;          // of the column, in SI
+  Time from = std::numeric_limits<Time>::min(), to = std::numeric_limits<Time>::max();
 
   static std::vector<ParameterSpec> parameters();
   /// The parameter `record` of `owner`, which stands at `pointer`. `si_unit`: that of the motion. Throws ComponentError where the

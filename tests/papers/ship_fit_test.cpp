@@ -99,7 +99,7 @@ TEST_CASE("paper 004 on a recorded motion: filter A errs as much as its covarian
   if (!folder) return;
   const auto summary =
       papers::summary_of("study", "ship_motion/recorded.json", "--runs 60 --var ship='" + folder->string() + "'");
-  for (const std::string variant : {"order 2", "order 4"})
+  for (const std::string variant : {"order 2", "order 4", "order 2, halves", "order 4, halves"})
     for (const std::string axis : {"roll", "pitch"}) {
       const double drawn = papers::over_runs(summary, variant, "ship/" + axis + ".angle/rms", "rms");
       const double computed = papers::over_runs(summary, variant, "ship/" + axis + ".angle/sigma", "rms");

@@ -338,6 +338,13 @@ TEST_CASE("a motion fitted to a record, and the record played", "[ship_motion]")
   REQUIRE(played.t.size() == motion.t.size());
   REQUIRE(played.t.front() == nanoseconds(100));
   REQUIRE(played.truth[0].size() == 3);
+  Json part = record;
+  part["window"] = {200, 300};
+  const Bound in_part({{"record", part}, {"noise", 0}});
+  const Told short_play = told_by(*in_part.simulator, 1);
+  REQUIRE(short_play.t.front() == nanoseconds(200));
+  REQUIRE(short_play.t.back() == nanoseconds(300));
+  REQUIRE(std::abs(angles(short_play).mean()) < 1e-12);
   const VectorXd x = angles(played);
   REQUIRE(std::abs(x.mean()) < 1e-12);
   REQUIRE(is_near(x[10] - x[20], deg * (motion.truth[10][0] - motion.truth[20][0]), 1e-4));
