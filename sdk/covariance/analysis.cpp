@@ -168,7 +168,9 @@ class VariantAnalysis {
   Json budget() const { return budget_.shares(filter()); }
 
  private:
-  const std::string& filter() const { return plan_.composition->filters()[static_cast<std::size_t>(plan_.filter)].name; }
+  const std::string& filter() const {
+    return plan_.composition->filters()[static_cast<std::size_t>(plan_.filter)].name;
+  }
   const std::string& name_of(const Metric& metric) const {
     return variant_.composition->filters()[static_cast<std::size_t>(metric.filter)].name;
   }

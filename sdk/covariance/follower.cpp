@@ -19,7 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 const BlockInfo* block_named(const FilterInfo& info, const std::string& name) {
-  const auto found = std::find_if(info.blocks.begin(), info.blocks.end(), [&](const auto& b) { return b.name == name; });
+  const auto found =
+      std::find_if(info.blocks.begin(), info.blocks.end(), [&](const auto& b) { return b.name == name; });
   return found == info.blocks.end() ? nullptr : &*found;
 }
 
@@ -65,7 +66,8 @@ MatrixXd tied(const MatrixXd& P, const std::vector<InitialTie>& ties, const Filt
     const BlockInfo &to = *block_named(info, tie.block), &from = *block_named(info, tie.of);
     for (std::size_t i = 0; i < to.active.size(); ++i)
       for (std::size_t j = 0; j < from.active.size(); ++j)
-        T(to.first_row + static_cast<Index>(i), from.first_row + static_cast<Index>(j)) += tie.by(to.active[i], from.active[j]);
+        T(to.first_row + static_cast<Index>(i), from.first_row + static_cast<Index>(j)) +=
+            tie.by(to.active[i], from.active[j]);
   }
   return T * P * T.transpose();
 }
@@ -193,7 +195,8 @@ void Follower::finish() {
   if (!why_.empty()) throw Broken(why_);
   if (!events_.empty())
     throw Broken("the truth has no measurement '" + events_.front().measurement + "' where the filter has one");
-  if (t_ == no_time) throw Broken("filter '" + info_.name + "' never started; what a program pushes is fed by 'channels'");
+  if (t_ == no_time)
+    throw Broken("filter '" + info_.name + "' never started; what a program pushes is fed by 'channels'");
   follow_truth_to(t_);
   note_blocks();
 }
@@ -233,7 +236,8 @@ VectorXd Follower::output_row(const Subject& subject) const {
   const auto& declaration = *subject.block->declaration;
   const auto& output = declaration.outputs[static_cast<std::size_t>(subject.output)];
   const double* const x = x_.data() + subject.block->stored_offset;
-  std::vector<double> moved(static_cast<std::size_t>(declaration.stored_size)), above(declaration.outputs.size()), below = above;
+  std::vector<double> moved(static_cast<std::size_t>(declaration.stored_size)), above(declaration.outputs.size()),
+      below = above;
   VectorXd delta = VectorXd::Zero(declaration.dof()), row = delta;
   for (Index i = 0; i < delta.size(); ++i) {
     delta[i] = step;
@@ -243,7 +247,8 @@ VectorXd Follower::output_row(const Subject& subject) const {
     subject.manifold->plus(x, delta.data(), moved.data());
     subject.manifold->read(moved.data(), below.data());
     delta[i] = 0;
-    const double difference = above[static_cast<std::size_t>(subject.output)] - below[static_cast<std::size_t>(subject.output)];
+    const double difference =
+        above[static_cast<std::size_t>(subject.output)] - below[static_cast<std::size_t>(subject.output)];
     row[i] = (output.is_angle ? std::remainder(difference, 2 * std::numbers::pi) : difference) / (2 * step);
   }
   return row;
@@ -266,7 +271,7 @@ void Follower::note_blocks() {
   }
 }
 
-/// x̂_b ⊞ B r with B H_b = I (kernel/DESIGN.md, readings). Before the update: the estimate does not know v yet. Its error is
+/// x̂_b ⊞ B r with B H_b = I (sdk/docs/covariance.md). Before the update: the estimate does not know v yet. Its error is
 /// S_b x − B (H x + v) of what is true, less S_b x̂ − B H x̂ of what the filter holds.
 void Follower::note_readings(const Event& event, const Event& truth) {
   for (auto& subject : subjects_) {

@@ -29,15 +29,15 @@ struct Point {
 /// What is told over time: an error component, a readable output, a norm, or a reading.
 struct Subject {
   std::string name;
-  std::string measurement;                      // of a reading; else ""
-  const BlockInfo* block = nullptr;             // of the filter
-  const BlockInfo* true_block = nullptr;        // null: the truth has none
-  std::vector<int> components;                  // of the block's error; several: their norm
-  int output = -1;                              // >= 0: of the block's readable outputs, instead of components
-  std::shared_ptr<const StateBlock> manifold;   // of an output
+  std::string measurement;                     // of a reading; else ""
+  const BlockInfo* block = nullptr;            // of the filter
+  const BlockInfo* true_block = nullptr;       // null: the truth has none
+  std::vector<int> components;                 // of the block's error; several: their norm
+  int output = -1;                             // >= 0: of the block's readable outputs, instead of components
+  std::shared_ptr<const StateBlock> manifold;  // of an output
   std::vector<Point> points;
-  Eigen::VectorXd parts;                        // the newest variance by source
-  std::vector<std::string> names;               // of the sources then
+  Eigen::VectorXd parts;           // the newest variance by source
+  std::vector<std::string> names;  // of the sources then
 };
 
 class Follower {
@@ -83,7 +83,7 @@ class Follower {
   std::vector<double> x_;                   // its stored state
   Time t_ = no_time;
   bool is_over_ = false;
-  std::string why_;                         // it broke
+  std::string why_;  // it broke
   std::vector<Subject> subjects_;
 };
 

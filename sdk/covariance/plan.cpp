@@ -98,7 +98,8 @@ std::vector<NamedReading> readings_of(const Json& config, const std::string& fil
   };
   if (const Json* list = object(join_pointer(join_pointer("/filters", filter), "readings")))
     for (const auto& [name, settings] : list->items())
-      readings.push_back({name, settings.at("measurement").get<std::string>(), settings.at("block").get<std::string>()});
+      readings.push_back(
+          {name, settings.at("measurement").get<std::string>(), settings.at("block").get<std::string>()});
   if (const Json* list = object(under("outputs")))
     for (const auto& [name, reading] : list->items())
       for (std::size_t i = 0; i < readings.size(); ++i)
@@ -119,8 +120,9 @@ void check_outputs(const Section& section, const std::vector<NamedReading>& read
     const std::string at = join_pointer(under("outputs"), name);
     const auto wanted = section.text(at);
     if (wanted && std::find(names.begin(), names.end(), *wanted) == names.end())
-      section.error("B015", at, "the filter has no reading " + in_quotes(*wanted) + meant(*wanted, names) +
-                                    " (readings: " + listed(names) + ")");
+      section.error("B015", at,
+                    "the filter has no reading " + in_quotes(*wanted) + meant(*wanted, names) +
+                        " (readings: " + listed(names) + ")");
   }
 }
 
@@ -133,8 +135,8 @@ std::vector<InitialTie> read_initial(const Section& section, const FilterInfo& t
   const auto dof_of = [&](const std::string& at, const std::string& name) -> Eigen::Index {
     for (const auto& block : truth.blocks)
       if (block.name == name) return block.declaration->dof();
-    section.error("B015", at, "there is no block " + in_quotes(name) + meant(name, names) + " (blocks: " +
-                                  listed(names) + ")");
+    section.error("B015", at,
+                  "there is no block " + in_quotes(name) + meant(name, names) + " (blocks: " + listed(names) + ")");
     return 0;
   };
   for (const auto& [name, settings] : list->items()) {
@@ -152,7 +154,8 @@ std::vector<InitialTie> read_initial(const Section& section, const FilterInfo& t
       const Json& row = by->at(static_cast<std::size_t>(i));
       is_matrix = row.is_array() && static_cast<Eigen::Index>(row.size()) == columns &&
                   std::all_of(row.begin(), row.end(), [](const Json& value) { return value.is_number(); });
-      for (Eigen::Index j = 0; is_matrix && j < columns; ++j) tie.by(i, j) = row.at(static_cast<std::size_t>(j)).get<double>();
+      for (Eigen::Index j = 0; is_matrix && j < columns; ++j)
+        tie.by(i, j) = row.at(static_cast<std::size_t>(j)).get<double>();
     }
     if (!is_matrix)
       section.error("B013", join_pointer(at, "by"),
@@ -284,8 +287,8 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
   if (found == names.end()) {
     for (const auto& reading : known) names.push_back(reading.name);
     return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or reading " +
-                                   in_quotes(subject.block) + meant(subject.block, names) + " (there are: " +
-                                   listed(names) + ")");
+                                   in_quotes(subject.block) + meant(subject.block, names) +
+                                   " (there are: " + listed(names) + ")");
   }
   const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
   if (subject.component.empty() && block.error.size() > 1)
@@ -342,8 +345,9 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   for (const char* key : {"error_free", "runs"})
     if (is_fed && section.at(under(key)))
       section.key_error("B012", under(key),
-                        in_quotes(key) + " is said of sources, and with 'channels' none is run: leave out the one or "
-                                         "the other");
+                        in_quotes(key) +
+                            " is said of sources, and with 'channels' none is run: leave out the one or "
+                            "the other");
   plan.readings = readings_of(config.root(), name);
   check_outputs(section, plan.readings);
   refuse_adaptive_noise(section, join_pointer("/filters", name));

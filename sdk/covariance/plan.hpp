@@ -39,14 +39,14 @@ struct InitialTie {
 
 /// What is run on covariances: one composition, in which the truth is a filter beside the filter.
 struct Plan {
-  Time duration = 0;  // 0: until the sources end
-  int runs = 1;       // of the sources, with the random numbers of a study's first runs
+  Time duration = 0;        // 0: until the sources end
+  int runs = 1;             // of the sources, with the random numbers of a study's first runs
   std::vector<Feed> feeds;  // empty: the composition's sources are run
   std::vector<NamedReading> readings;
   std::vector<InitialTie> initial;  // of the truth
   std::shared_ptr<const Composition> composition;
   int filter = 0;
-  int truth = 0;      // the same as `filter` where the config states no other
+  int truth = 0;  // the same as `filter` where the config states no other
 };
 
 /// Tells what is wrong in `diagnostics`.

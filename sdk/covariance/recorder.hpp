@@ -17,9 +17,9 @@ namespace binnacle::covariance {
 struct Event {
   enum Kind { started, stepped, offered } kind = started;
   Time t = 0;
-  std::vector<double> x;            // stored state afterwards
-  Eigen::MatrixXd P0, P1, Phi;      // of a step; P1 of the start
-  Eigen::MatrixXd S, R, H;          // of a measurement that was linearized
+  std::vector<double> x;        // stored state afterwards
+  Eigen::MatrixXd P0, P1, Phi;  // of a step; P1 of the start
+  Eigen::MatrixXd S, R, H;      // of a measurement that was linearized
   std::string measurement, reason;
   Outcome outcome = Outcome::rejected;
 };

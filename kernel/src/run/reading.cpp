@@ -43,7 +43,8 @@ bool Reading::take(const UpdateRecord& record, MatrixView P) {
   if (B.size() == 0) return false;
   const VectorXd d = B * vector_at(record.residual, record.rows);
   std::fill(delta_.begin(), delta_.end(), 0.0);
-  for (std::size_t a = 0; a < block_.active.size(); ++a) delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];
+  for (std::size_t a = 0; a < block_.active.size(); ++a)
+    delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];
   block_.block->plus(record.x0 + block_.stored_offset, delta_.data(), value_.data());
   MatrixXd E = -B * H;
   E.middleCols(block_.first, rows_) += MatrixXd::Identity(rows_, rows_);
