@@ -20,14 +20,10 @@ Welch::Welch(Eigen::Index length, double interval) : interval_(interval), window
     window_[n] = 0.5 - 0.5 * std::cos(2 * pi * static_cast<double>(n) / static_cast<double>(length));
   // ∫ over −π/T … π/T of |X|² is 2π Σx²w²/T; twice, since one-sided.
   scale_ = interval / (pi * window_.squaredNorm());
-  const Eigen::Index bins = length / 2 - 1;
-  average_.resize(bins, length);
-  for (Eigen::Index lag = 0; lag < length; ++lag) {
-    const double overlap = window_.head(length - lag).dot(window_.tail(length - lag));
-    for (Eigen::Index k = 0; k < bins; ++k)
-      average_(k, lag) = scale_ * overlap * (lag == 0 ? 1 : 2) *
-                         std::cos(2 * pi * static_cast<double>((k + 1) * lag % length) / static_cast<double>(length));
-  }
+  // E|X|² = Σ over lags of both signs of what the window leaves in pairs that far apart, times their covariance.
+  pairs_.resize(length);
+  for (Eigen::Index lag = 0; lag < length; ++lag)
+    pairs_[lag] = (lag == 0 ? 1 : 2) * window_.head(length - lag).dot(window_.tail(length - lag));
 }
 
 double Welch::bin() const { return 2 * pi / (static_cast<double>(length()) * interval_); }
@@ -52,6 +48,16 @@ Spectrum Welch::of(const Eigen::VectorXd& series) const {
   return spectrum;
 }
 
-Eigen::VectorXd Welch::expected(const Eigen::VectorXd& autocovariance) const { return average_ * autocovariance; }
+Eigen::VectorXd Welch::expected(const Eigen::VectorXd& autocovariance) const {
+  Eigen::FFT<double> fft;
+  std::vector<double> terms(static_cast<std::size_t>(length()));
+  Eigen::Map<Eigen::VectorXd>(terms.data(), length()) = pairs_.cwiseProduct(autocovariance);
+  std::vector<std::complex<double>> transform;
+  fft.fwd(transform, terms);
+  Eigen::VectorXd density(length() / 2 - 1);
+  for (Eigen::Index k = 0; k < density.size(); ++k)
+    density[k] = scale_ * transform[static_cast<std::size_t>(k + 1)].real();
+  return density;
+}
 
 }  // namespace binnacle::ship_motion

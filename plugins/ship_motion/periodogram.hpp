@@ -29,7 +29,7 @@ class Welch {
   double interval_;
   Eigen::VectorXd window_;
   double scale_;  // of |X|² to a one-sided density
-  Eigen::MatrixXd average_;
+  Eigen::VectorXd pairs_;
 };
 
 }  // namespace binnacle::ship_motion

@@ -61,8 +61,10 @@ double ShapingFilter::noise_density() const {
 }
 
 Eigen::VectorXd ShapingFilter::autocovariance(double interval, Eigen::Index count) const {
-  const Eigen::MatrixXd Phi = (dynamics() * interval).eval().exp();
-  Eigen::VectorXd x = steady_covariance().col(0), r(count);
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
+  const Square Phi = (dynamics() * interval).eval().exp();
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1> x = steady_covariance().col(0);
+  Eigen::VectorXd r(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     r[k] = x[0];
     x = (Phi * x).eval();

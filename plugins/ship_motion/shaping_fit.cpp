@@ -83,7 +83,7 @@ ShapingFit fit_seen(int order, const Spectrum& given, double variance,
   // A peak may be a spike on a flat top, and the second frequency lie on either side: several beginnings.
   const double centre = given.moment(1) / given.moment(0);
   Vertex best{{}, std::numeric_limits<double>::infinity()};
-  for (const double first : {given.peak(), centre})
+  for (const double first : {given.peak() > 0 ? given.peak() : 0.5 * centre, centre})
     for (const double ratio : order == 2 ? std::vector<double>{1} : std::vector<double>{0.7, 1, 1.5, 3})
       for (const double zeta : {0.05, 0.3}) {
         Eigen::VectorXd start(order);

@@ -385,6 +385,9 @@ TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
   refused({{"fit", {{"sea", sea}}}});
   sea["response"] = {{"omega", 0.7}, {"zeta", 0.1}};
   refused({{"fit", {{"sea", sea}}}});
+  // It may fall from 0 on.
+  REQUIRE_NOTHROW(bind<Motion>(
+      {{{"fit", {{"spectrum", {{"omega", {0.0, 0.5, 1.0, 2.0}}, {"density", {3.0, 2.0, 0.1, 0.01}}}}}}}, two, {}}));
   const File file("t,roll\n0,1\n1,2\n2,x\n");
   const Json record = {{"path", file.path()}, {"column", "roll"}, {"unit", "deg"}};
   const auto why = [&](const Json& changed) {
@@ -405,4 +408,16 @@ TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
   other = record;
   other["path"] = file.path() + ".none";
   REQUIRE(why(other).find("B060") == 0);
+  std::string gap = "t,roll\n", still = gap;
+  for (int i = 0; i < 100; ++i) {
+    gap += std::to_string(i < 50 ? i : i + 1) + "," + std::to_string(i % 7) + "\n";
+    still += std::to_string(i) + ",3\n";
+  }
+  std::ofstream(file.path()) << gap;
+  REQUIRE(why(record).find("B065") == 0);
+  std::ofstream(file.path()) << still;
+  other = record;
+  other["segment"] = 20;
+  REQUIRE(why(other) == "nothing moves in the record/fit/record");
+  REQUIRE(why(record).find("a segment of 10 samples") == 0);
 }
