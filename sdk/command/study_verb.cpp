@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // study: variants of a config, many runs of each, and the tables made of them.
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -8,9 +9,12 @@
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
+#include "binnacle/config.hpp"
 #include "folders.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
+#include "provenance.hpp"
+#include "results/study_writer.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
 #include "study/summary.hpp"
@@ -77,6 +81,28 @@ class ProgressLine {
   Clock::time_point begin_ = Clock::now(), drawn_;
 };
 
+/// What study.nc holds. Nothing of it depends on when, where to, or by how many workers it was made.
+results::StudyResults study_results(const study::Study& study, const study::Results& results, const Json& figures,
+                                    const Json& config, const std::string& command) {
+  results::StudyResults all;
+  all.figures = figures;
+  all.config = config;
+  all.provenance = provenance(study.variants().front().composition->catalog(), command);
+  all.provenance["seed"] = study.seed();
+  all.runs = results.runs();
+  for (const auto& metric : study.metrics()) all.metrics.push_back({metric.name, metric.unit, metric.si_unit});
+  for (std::size_t v = 0; v < study.variants().size(); ++v) {
+    all.variants.push_back(study.variants()[v].name);
+    for (std::size_t m = 0; m < study.metrics().size(); ++m)
+      for (std::size_t run = 0; run < results.runs(); ++run) {
+        const auto& of_run = results.at(v, run);
+        const bool is_there = of_run.state == study::Figures::State::finished;
+        all.values.push_back(is_there ? of_run.values[m].value : std::nan(""));
+      }
+  }
+  return all;
+}
+
 /// What a study leaves behind. Places are looked at before the first run, so that a bad name is told at once.
 struct Outputs {
   Outputs(const Options& options, const study::Study& study, study::Results& results) {
@@ -85,6 +111,9 @@ struct Outputs {
     folder = options.out;
     make_folders(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
+    config = Config::load(options.config_path, options.config.load_options()).root();
+    command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
+                          study.seed(), options.config.as_typed());
   }
   void write(const char* name, const std::string& text) const {
     AtomicFile file(folder / name);
@@ -95,27 +124,32 @@ struct Outputs {
   void commit(const study::Study& study, const study::Results& results, const Json& figures, const Json& timed) const {
     if (journal) {
       journal->sync();
+      std::error_code ignored;
+      std::filesystem::remove(folder / "study.json", ignored);  // with it there, all of them are, and of one study
       write("study.csv", study::runs_csv(study, results));
       write("table.csv", study::tables_csv(figures));
+      write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
     }
     if (!summary) return;
     summary->write(timed.dump(2) + "\n");
     summary->commit();
   }
+  void write_netcdf(const study::Study& study, const study::Results& results, const Json& figures) const {
+    AtomicFile file(folder / "study.nc", AtomicFile::Temporary::named);
+    try {
+      results::write_study(file.path(), study_results(study, results, figures, config, command));
+    } catch (const results::WriteError& error) {
+      file.fail(error.what());
+    }
+    file.commit();
+  }
   std::unique_ptr<AtomicFile> summary;
   std::filesystem::path folder;
   std::unique_ptr<study::Journal> journal;
+  Json config;
+  std::string command;
 };
-
-std::string shell_quoted(const std::string& text) {
-  if (!text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=") ==
-                           std::string::npos)
-    return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
 
 /// The command that repeats one run alone.
 std::string repeated_by(const Options& options, const study::Study& study, const study::Variant& variant,
@@ -123,10 +157,7 @@ std::string repeated_by(const Options& options, const study::Study& study, const
   std::string line = "binnacle run " + shell_quoted(options.config_path);
   if (!variant.patches.empty()) line += " --variant " + shell_quoted(variant.name);
   line += fmt::format(" --seed {} --run {}", study.seed(), run);
-  const LoadOptions load = options.config.load_options();
-  for (const auto& [name, value] : load.vars) line += " --var " + shell_quoted(name + "=" + value);
-  for (const auto& set : load.sets) line += " --set " + shell_quoted(set);
-  return line;
+  return line + options.config.as_typed();
 }
 
 /// Runs that broke: the first few by name and number, then how many there are.
@@ -219,7 +250,7 @@ Verb study_verb(CLI::App& command) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
-  app->add_option("--out", options->out, "study.csv, table.csv, study.json; started again, it goes on where it was")
+  app->add_option("--out", options->out, "study.nc, study.csv, table.csv, study.json; started again, it goes on where it was")
       ->type_name("DIR");
   app->add_flag("--json", options->json, "The figures as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or tables");
