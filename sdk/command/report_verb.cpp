@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // report: what a run or a study left in a folder, as one HTML page.
-#include "report/page.hpp"
-
 #include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
 
-#include "atomic_file.hpp"
 #include "output.hpp"
-#include "results/results.hpp"
+#include "report_file.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -22,25 +19,13 @@ struct Options {
   bool json = false;
 };
 
-results::Results read(const std::string& folder) {
-  try {
-    return results::read(folder);
-  } catch (const std::runtime_error& error) {
-    throw OutputError(error.what());
-  }
-}
-
 int report(const Options& options) {
-  const auto path = options.output.empty() ? std::filesystem::path(options.folder) / "report.html"
-                                           : std::filesystem::path(options.output);
-  const std::string page = report::page(read(options.folder));
-  AtomicFile file(path);
-  file.write(page);
-  file.commit();
+  const std::filesystem::path page = options.output.empty() ? report_in(options.folder) : options.output;
+  const auto bytes = write_report(options.folder, page);
   if (options.json)
-    print_json({{"page", path.string()}, {"bytes", page.size()}});
-  else if (options.output != "/dev/stdout")
-    print(fmt::format("{}, {:.1f} MB; open it in a browser\n", path.string(), static_cast<double>(page.size()) / 1e6));
+    print_json({{"page", page.string()}, {"bytes", bytes}});
+  else if (page != "/dev/stdout")
+    print(fmt::format("{}, {:.1f} MB; open it in a browser\n", page.string(), static_cast<double>(bytes) / 1e6));
   return ok;
 }
 

@@ -454,8 +454,11 @@ class FilterPayload {
   // -- map
 
   Json path_json(const Path& path, const std::vector<double>& shade, double step) {
-    const auto kept = spaced(path.east, path.north, step);
-    return {{"t", columns_.exact(picked(path.t, kept))},
+    auto kept = spaced(path.east, path.north, step);
+    // A track that jumps to and fro has more points than its extent tells.
+    for (double wider = 2 * step; kept.size() > most_track_points; wider *= 2) kept = spaced(path.east, path.north, wider);
+    return {{"points", kept.size()},
+            {"t", columns_.exact(picked(path.t, kept))},
             {"e", columns_.plotted(picked(path.east, kept))},
             {"n", columns_.plotted(picked(path.north, kept))},
             {"shade", shade.empty() ? Json(nullptr) : Json(columns_.plotted(picked(shade, kept)))}};
@@ -467,7 +470,7 @@ class FilterPayload {
       const auto [low, high] = std::minmax_element(values->begin(), values->end());
       if (low != values->end()) extent = std::max(extent, *high - *low);
     }
-    const double step = extent / static_cast<double>(most_track_points) * 2;
+    const double step = std::max(1e-3, extent / static_cast<double>(most_track_points) * 2);
     Json json{{"block", track.block}, {"estimate", path_json(track.estimate, track.sigma, step)}};
     if (std::isfinite(track.lat)) json["origin"] = {{"lat", track.lat * 180 / M_PI}, {"lon", track.lon * 180 / M_PI}};
     if (!track.reference.t.empty()) json["reference"] = path_json(track.reference, track.error, step);

@@ -63,6 +63,22 @@ const colourOf = (name, index) => `--c${name in colourNames ? colourNames[name] 
 
 const outcomeColour = (code) => css(`--o${code}`);
 
+/// Of 99.7 % there should be.
+function shareClass({ three, of }) {
+  return three >= 0.99 * of ? 'fine' : three >= 0.95 * of ? 'so-so' : 'poor';
+}
+
+/// With an empty row in every gap: no line is drawn where there was nothing.
+function broken(rows) {
+  const steps = rows.slice(1).map((r, i) => r[0] - rows[i][0]).sort((a, b) => a - b);
+  const gap = 10 * (steps[steps.length >> 1] || 0);
+  const least = rows.length ? (rows[rows.length - 1][0] - rows[0][0]) / 200 : 0;
+  return rows.flatMap((r, i) => {
+    const before = i ? r[0] - rows[i - 1][0] : 0;
+    return before > gap && before > least ? [[r[0] - before / 2, null, null, null], r] : [r];
+  });
+}
+
 // ---- a plot
 
 /// spec: { title, unit, name, span, windows, t, v, s, turn, centre, outcomes, lines: [{ value | column, label }], moving, stat, colour, n, least }
@@ -70,7 +86,7 @@ class TimePlot {
   constructor(spec) {
     this.spec = spec;
     this.span = spec.span;
-    this.readout = el('span', { class: 'readout' }, spec.stat || '');
+    this.readout = el('span', { class: 'readout ' + (spec.within ? shareClass(spec.within) : '') }, spec.stat || '');
     this.plot = el('div', { class: 'plot' });
     this.line = el('div', { class: 'cursor' });
     this.element = el('figure', { class: 'chart', 'data-name': spec.name },
@@ -99,13 +115,14 @@ class TimePlot {
     const indices = indicesWithin(this.t, from, to, columns, this.o, stretches);
     this.kinds = this.o ? indices.map((i) => this.o[i]) : null;
     const centre = this.spec.centre === 'value';
-    return indices.map((i) => {
+    const rows = indices.map((i) => {
       const value = this.v[i], half = this.s ? 3 * this.s[i] : null;
       const middle = centre ? value : 0;
-      const low = this.lows ? this.lows[i] : half === null ? null : middle - half;
+      const low = this.lows ? this.lows[i] : half === null ? null : this.spec.isLength ? 0 : middle - half;
       const high = this.highs ? this.highs[i] : half === null ? null : middle + half;
       return [this.t[i], Number.isNaN(value) ? null : value, low, high];
     });
+    return this.o ? rows : broken(rows);
   }
 
   /// All of the values, and as much of the band as it takes for most of it: what a filter did not know at its start
@@ -133,7 +150,7 @@ class TimePlot {
       high = Math.max(high, line.value);
     }
     const margin = (high - low || Math.abs(high) || 1) * 0.06;
-    return [this.spec.isSquare || (low === 0 && this.spec.least === 0) ? 0 : low - margin, high + margin];
+    return [this.spec.isSquare || this.spec.isLength || this.spec.least === 0 ? Math.min(0, low) : low - margin, high + margin];
   }
 
   show([from, to]) {
@@ -167,8 +184,8 @@ class TimePlot {
       plotter: (event) => event.seriesIndex === 0 && plot.draw(event),
       underlayCallback: (context, area, graph) => plot.drawUnder(context, area, graph),
       axes: {
-        x: { axisLabelFormatter: (t, granularity, opts, graph) => tick(t, graph.xAxisRange()), pixelsPerLabel: 70 },
-        y: { axisLabelFormatter: (value, granularity, opts, graph) => tick(value, graph.yAxisRange()), axisLabelWidth: 54, pixelsPerLabel: 26 },
+        x: { axisLabelFormatter: (t, granularity, opts, graph) => tick(t, graph.xAxisRange()), pixelsPerLabel: 48 },
+        y: { axisLabelFormatter: (value, granularity, opts, graph) => tick(value, graph.yAxisRange()), axisLabelWidth: this.plot.clientWidth < 420 ? 44 : 54, pixelsPerLabel: 22 },
       },
       zoomCallback: (from, to, ranges) => plot.zoomed(from, to, ranges),
       highlightCallback: (event, t, points, index) => plot.highlighted(t, index),
@@ -193,7 +210,7 @@ class TimePlot {
     const spec = this.spec;
     const digits = (number) => (isNumber(number) ? withMinus(String(Number(number.toPrecision(7)))) : '\u2013');
     let text = `t ${Number(t.toFixed(6))} s: ${digits(value)}`;
-    if (this.s) text += ` \u00b1 ${digits((high - low) / 2)}`;
+    if (this.s) text += spec.isLength ? ` of 3\u03c3 ${digits(high)}` : ` \u00b1 ${digits((high - low) / 2)}`;
     else if (spec.high && !this.lows) text += ` (95 %: ${figure(spec.low)} to ${figure(spec.high)})`;
     else if (this.highs) text += ` (95 %: ${figure(low)} to ${figure(high)})`;
     if (this.kinds) text += `, ${outcomeNames[this.kinds[index]]}`;
@@ -286,35 +303,49 @@ function wedge(context, x, y, direction) {
   context.lineTo(x + 3, y + 5 * direction);
 }
 
-function drawBand(context, lows, highs, colour, isOutline) {
-  const known = highs.map((point, i) => i).filter((i) => !Number.isNaN(highs[i].canvasy) && !Number.isNaN(lows[i].canvasy));
-  if (!known.length) return;
-  if (isOutline) {
-    context.strokeStyle = css('--bound');
-    context.setLineDash([4, 3]);
-    for (const edge of [lows, highs]) {
-      context.beginPath();
-      for (const i of known) context.lineTo(edge[i].canvasx, edge[i].canvasy);
-      context.stroke();
+/// The stretches in which both edges are known.
+function runs(lows, highs) {
+  const list = [];
+  let run = [];
+  highs.forEach((point, i) => {
+    if (!Number.isNaN(point.canvasy) && !Number.isNaN(lows[i].canvasy)) run.push(i);
+    else if (run.length) {
+      list.push(run);
+      run = [];
     }
-    context.setLineDash([]);
-    return;
+  });
+  return run.length ? [...list, run] : list;
+}
+
+function drawBand(context, lows, highs, colour, isOutline) {
+  for (const run of runs(lows, highs)) {
+    if (isOutline) {
+      drawEdges(context, [lows, highs], run, css('--bound'), 1, [4, 3]);
+      continue;
+    }
+    context.beginPath();
+    for (const i of run) context.lineTo(highs[i].canvasx, highs[i].canvasy);
+    for (const i of run.slice().reverse()) context.lineTo(lows[i].canvasx, lows[i].canvasy);
+    context.closePath();
+    context.fillStyle = colour;
+    context.globalAlpha = 0.16;
+    context.fill();
+    context.globalAlpha = 1;
+    drawEdges(context, [lows, highs], run, colour, 0.45, []);
   }
-  context.beginPath();
-  for (const i of known) context.lineTo(highs[i].canvasx, highs[i].canvasy);
-  for (const i of known.slice().reverse()) context.lineTo(lows[i].canvasx, lows[i].canvasy);
-  context.closePath();
-  context.fillStyle = colour;
-  context.globalAlpha = 0.16;
-  context.fill();
-  context.globalAlpha = 0.45;
+}
+
+function drawEdges(context, edges, run, colour, alpha, dashes) {
+  context.globalAlpha = alpha;
   context.strokeStyle = colour;
   context.lineWidth = 0.8;
-  for (const edge of [lows, highs]) {
+  context.setLineDash(dashes);
+  for (const edge of edges) {
     context.beginPath();
-    for (const i of known) context.lineTo(edge[i].canvasx, edge[i].canvasy);
+    for (const i of run) context.lineTo(edge[i].canvasx, edge[i].canvasy);
     context.stroke();
   }
+  context.setLineDash([]);
   context.globalAlpha = 1;
 }
 

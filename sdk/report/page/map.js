@@ -17,7 +17,7 @@ class TrackMap {
     this.drag();
     view.cursorListeners.push((t) => this.cursor(t));
     view.listeners.push(() => this.drawWindow());
-    addEventListener('resize', () => { this.fit(); this.draw(); });
+    for (const [target, event] of [[window, 'resize'], [this.element, 'fit']]) target.addEventListener(event, () => { this.fit(); this.draw(); });
   }
 
   controls() {
@@ -86,8 +86,15 @@ class TrackMap {
     return list.join(' ');
   }
 
+  /// Not across gaps.
   line(path, name) {
-    return svg('polyline', { class: name, points: this.points(path) });
+    const group = svg('g', {});
+    let begin = 0;
+    for (const end of [...path.gaps, path.e.length]) {
+      group.append(svg('polyline', { class: name, points: this.points(path, begin, end) }));
+      begin = end;
+    }
+    return group;
   }
 
   /// Runs of one shade as one line each.
@@ -95,9 +102,11 @@ class TrackMap {
     this.levels = shadeLevels(path.shade);
     const lines = [];
     let begin = 0;
+    const gaps = new Set(path.gaps);
     for (let i = 1; i <= path.e.length; ++i) {
-      if (i < path.e.length && shadeOf(path.shade[i], this.levels) === shadeOf(path.shade[begin], this.levels)) continue;
-      lines.push(svg('polyline', { class: 'shaded', style: `stroke: var(--r${shadeOf(path.shade[begin], this.levels)})`, points: this.points(path, begin, Math.min(i + 1, path.e.length)) }));
+      const isGap = gaps.has(i);
+      if (!isGap && i < path.e.length && shadeOf(path.shade[i], this.levels) === shadeOf(path.shade[begin], this.levels)) continue;
+      lines.push(svg('polyline', { class: 'shaded', style: `stroke: var(--r${shadeOf(path.shade[begin], this.levels)})`, points: this.points(path, begin, isGap ? i : Math.min(i + 1, path.e.length)) }));
       begin = i;
     }
     return lines;
@@ -164,16 +173,25 @@ class TrackMap {
     const item = (name, text) => el('span', { class: 'key' }, el('i', { class: name }), text);
     const plain = [this.paths.reference && this.mode !== 'error' && item('reference', 'reference'), this.mode === 'error' && item('thin', 'estimate'), this.mode === 'plain' && item('estimate', 'estimate')];
     const ramp = this.mode === 'plain' ? [] : el('span', { class: 'ramp' },
-      this.mode === 'error' ? 'reference track, coloured by the horizontal error: ' : 'estimate, coloured by its horizontal 1\u03c3: ',
+      this.mode === 'error' ? 'reference, horizontal error: ' : 'estimate, horizontal 1\u03c3: ',
       this.levels.map((level, i) => el('span', { class: 'key' }, el('i', { style: `background: var(--r${i})` }), i < this.levels.length - 1 ? `\u2264 ${short(level)}` : `> ${short(this.levels[i - 1] ?? 0)}`)), ' m');
     const origin = this.track.origin;
     this.legend.replaceChildren(...[...plain, ramp].flat().filter(Boolean),
-      el('span', { class: 'origin' }, origin ? `0, 0 is ${origin.lat.toFixed(6)}\u00b0, ${origin.lon.toFixed(6)}\u00b0` : ''));
+      el('span', { class: 'origin' }, origin ? `origin ${withMinus(origin.lat.toFixed(6))}\u00b0, ${withMinus(origin.lon.toFixed(6))}\u00b0` : ''));
   }
 }
 
 function unpackedPath(path) {
-  return { t: column(path.t), e: column(path.e), n: column(path.n), shade: column(path.shade) };
+  const unpacked = { t: column(path.t), e: column(path.e), n: column(path.n), shade: column(path.shade) };
+  return { ...unpacked, gaps: gapsOf(unpacked) };
+}
+
+/// Where the track goes on far from where it was.
+function gapsOf({ e, n }) {
+  const steps = [];
+  for (let i = 1; i < e.length; ++i) steps.push(Math.hypot(e[i] - e[i - 1], n[i] - n[i - 1]));
+  const usual = steps.slice().sort((a, b) => a - b)[steps.length >> 1] || 0;
+  return steps.flatMap((step, i) => (step > 10 * usual ? [i + 1] : []));
 }
 
 function least(values) {

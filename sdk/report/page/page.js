@@ -25,14 +25,22 @@ function badge(kind, text, why) {
 /// Of a mean that should be about its degrees of freedom.
 function bandBadge(mean, low, high) {
   if (!isNumber(mean) || !isNumber(low) || !isNumber(high)) return null;
-  if (mean > high) return badge('bad', 'above', 'Errors are larger than the filter thinks: it trusts itself or its sensors too much.');
-  if (mean < low) return badge('low', 'below', 'Errors are smaller than the filter thinks: its noise is set larger than it is.');
+  if (mean > high) return badge('bad', 'too sure', 'Above what 99 % of such means lie in: errors are larger than the filter thinks.');
+  if (mean < low) return badge('low', 'cautious', 'Below what 99 % of such means lie in: errors are smaller than the filter thinks.');
   return badge('good', 'consistent', 'Within what 99 % of such means lie in.');
 }
 
-function withinText(within) {
+/// Neighbouring NEES are not independent, so that no band fits their mean: only what is far off is told.
+function neesBadge(ratio) {
+  if (!isNumber(ratio)) return null;
+  if (ratio > 1.5) return badge('bad', 'too sure', 'True errors are larger than the filter says.');
+  if (ratio < 0.67) return badge('low', 'cautious', 'True errors are smaller than the filter says.');
+  return badge('good', 'consistent', 'True errors are about as large as the filter says.');
+}
+
+function withinText(within, isLength) {
   if (!within || !within.of) return '';
-  return `${percent(within.three, within.of)} within \u00b13\u03c3`;
+  return `${percent(within.three, within.of)} ${isLength ? 'below 3' : 'within \u00b13'}\u03c3`;
 }
 
 // ---- a filter
@@ -48,12 +56,14 @@ function tiles(filter, summary, path) {
   const errors = summary.reference || {};
   for (const name of headlines(errors)) {
     const entry = errors[name];
-    add(`${name} error, rms`, [figure(entry.rms), el('span', { class: 'unit' }, ' ' + (entry.unit || ''))], `95 %: ${figure(entry.p95)}, largest ${figure(entry.max)} ${entry.unit || ''}`);
+    add(name, [figure(entry.rms), el('span', { class: 'unit' }, ` ${entry.unit || ''} rms`)], `95 % below ${figure(entry.p95)}, max ${figure(entry.max)}`);
   }
   for (const measurement of filter.measurements) {
     const mean = measurement.nis && measurement.nis.mean;
-    if (mean) add(`NIS of ${measurement.name}`, [figure(mean.value / mean.dof), el('span', { class: 'unit' }, ' \u00d7 expected')], bandBadge(mean.value, mean.low, mean.high), ` ${percent(measurement.nis.inside, measurement.nis.accepted)} within 95 % bounds`);
+    if (mean) add(`NIS / rows of ${measurement.name}`, [brief(mean.value / mean.dof), ' ', bandBadge(mean.value, mean.low, mean.high)], `1 is right; ${percent(measurement.nis.inside, measurement.nis.accepted)} within 95 % bounds`);
   }
+  for (const [block, entry] of Object.entries(summary.consistency || {}))
+    add(`NEES / dof of ${block}`, [brief(entry.nees_mean / entry.dof), ' ', neesBadge(entry.nees_mean / entry.dof)], '1 is right');
   if (summary.broken) add('Filter', 'broken', typeof summary.broken === 'string' ? summary.broken : '');
   return el('div', { class: 'tiles' }, list);
 }
@@ -90,22 +100,40 @@ function sampleNote(entry) {
   return shown < entry.n ? `${grouped(entry.n)} samples, of which the least and greatest of each stretch are drawn` : `${grouped(entry.n)} samples`;
 }
 
+/// The errors that stand beside the estimates: of the same names if each has one, else as many as there are; then the others.
+function besideEstimates(block) {
+  const of = (name) => block.errors.find((error) => error.name === name);
+  const named = block.estimates.map((estimate) => of(estimate.name));
+  const beside = named.every(Boolean) ? named : block.errors.slice(0, block.estimates.length);
+  return [beside, block.errors.filter((error) => !beside.includes(error))];
+}
+
+function errorPlot(filter, block, entry) {
+  const isLength = !!column(entry.v).length && least(column(entry.v)) >= 0;
+  return timePlot(filter, {
+    title: entry.name, unit: entry.unit, name: `${block.name}.${entry.name} error`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, isLength, within: entry.within,
+    colour: colourOf(entry.name, block.errors.indexOf(entry)), stat: withinText(entry.within, isLength) || 'error', centre: 'zero',
+  });
+}
+
+function estimatePlot(filter, block, entry, i) {
+  return timePlot(filter, {
+    title: entry.name, unit: entry.unit, name: `${block.name}.${entry.name}`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, turn: entry.turn,
+    colour: colourOf(entry.name, i), stat: entry.s ? 'estimate \u00b13\u03c3' : 'estimate', centre: 'value',
+  });
+}
+
 function statesSection(filter) {
   if (!filter.blocks.length) return null;
-  const part = section('States', 'Left, where there is a reference: the error with the filter\u2019s \u00b13\u03c3 about zero; in a good filter 99.7 % of errors lie inside, and the band is not much wider than they are. Right: the estimate within its \u00b13\u03c3.');
+  const part = section('States', 'Errors with the filter\u2019s \u00b13\u03c3 about zero, where there is a reference: of a good filter 99.7 % lie inside, and the band is not much wider than they are. Estimates within their \u00b13\u03c3.' + (filter.windows.length ? ' Shaded: windows that are scored by themselves, and what was withheld.' : ''));
   for (const block of filter.blocks) {
-    const errors = block.errors.map((entry, i) => timePlot(filter, {
-      title: entry.name, unit: entry.unit, name: `${block.name}.${entry.name} error`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, least: entry.s ? undefined : 0,
-      colour: colourOf(entry.name, i), stat: withinText(entry.within) || 'error', centre: 'zero',
-    }));
-    const estimates = block.estimates.map((entry, i) => timePlot(filter, {
-      title: entry.name + (entry.from ? ` (${entry.from})` : ''), unit: entry.unit, name: `${block.name}.${entry.name}`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, turn: entry.turn,
-      colour: colourOf(entry.name, i), stat: entry.s ? 'estimate \u00b13\u03c3' : 'estimate', centre: 'value',
-    }));
-    const count = block.errors.length ? sampleNote(block.errors[0]) : sampleNote(block.estimates[0]);
-    part.element.append(el('div', { class: 'block' }, el('h4', {}, block.name, el('span', { class: 'aside' }, count)),
+    const [beside, others] = besideEstimates(block);
+    const errors = beside.map((entry) => errorPlot(filter, block, entry));
+    const estimates = block.estimates.map((entry, i) => estimatePlot(filter, block, entry, i));
+    part.element.append(el('div', { class: 'block' }, el('h4', {}, block.name, el('span', { class: 'aside' }, sampleNote(block.errors[0] || block.estimates[0]))),
       errors.length ? el('div', { class: 'pair' }, el('div', {}, el('h5', {}, 'error'), errors), el('div', {}, el('h5', {}, 'estimate'), estimates))
-        : el('div', { class: 'grid' }, estimates)));
+        : el('div', { class: 'grid' }, estimates),
+      others.length ? [el('h5', {}, 'further errors'), el('div', { class: 'grid' }, others.map((entry) => errorPlot(filter, block, entry)))] : null));
   }
   return part;
 }
@@ -123,7 +151,7 @@ function measurementsSection(filter) {
   const used = filter.measurements.filter((measurement) => measurement.n > 0);
   if (!used.length) return null;
   const counts = outcomeNames.map((name, code) => used.reduce((sum, measurement) => sum + measurement.outcomes.counts[code], 0));
-  const part = section('Measurements', 'What became of each sample, by time.', new OutcomeLanes(filter).element,
+  const part = section('Measurements', 'What became of each sample, by time. Below, the NIS of each: dots are samples, the line their mean over many, dashed are the bounds that 95 % of \u03c7\u00b2 lie between. In a good filter the mean is the number of rows, and the residuals fill their \u00b13\u221aS without leaving it.', new OutcomeLanes(filter).element,
     el('div', { class: 'legend' }, outcomeNames.map((name, code) => counts[code] > 0 && el('span', { class: 'key' }, el('i', { style: `background: var(--o${code})` }), `${name} ${grouped(counts[code])}`))));
   for (const measurement of used) part.element.append(measurementBlock(filter, measurement));
   return part;
@@ -145,14 +173,14 @@ function nisPlot(filter, measurement) {
   return timePlot(filter, {
     title: 'NIS', unit: nis.dof ? `of ${nis.dof} rows` : 'rows vary', name: `${measurement.name}.nis`, t: nis.t, v: nis.v, o: nis.o, n: nis.n, colour: '--c0', isSquare: true, least: 0,
     low: nis.low, high: nis.high, lows: nis.lows, highs: nis.highs, moving: nis.moving, lines: nis.dof ? [{ value: nis.low }, { value: nis.high }] : [],
-    stat: nis.mean ? `mean ${figure(nis.mean.value)} of ${figure(nis.mean.dof)}; ${percent(nis.inside, nis.accepted)} within the dashed 95 %` : '',
+    stat: nis.mean ? `mean ${brief(nis.mean.value)}, expected ${brief(nis.mean.dof)}; ${percent(nis.inside, nis.accepted)} within the dashed 95 %` : '',
   });
 }
 
 function residualPlot(filter, measurement, entry, i) {
   return timePlot(filter, {
     title: entry.of ? `${entry.name}, all ${entry.of}` : entry.name, unit: entry.unit, name: `${measurement.name}.${entry.name} residual`, t: entry.t, v: entry.v, s: entry.s, o: entry.o, n: entry.n,
-    colour: colourOf(entry.name, i % 3), centre: 'zero', lines: entry.bound ? [{ value: entry.bound, isInRange: true }, { value: -entry.bound, isInRange: true }] : [], stat: withinText(entry.within),
+    colour: colourOf(entry.name, i % 3), centre: 'zero', within: entry.within, lines: entry.bound ? [{ value: entry.bound, isInRange: true }, { value: -entry.bound, isInRange: true }] : [], stat: withinText(entry.within),
   });
 }
 
@@ -272,14 +300,26 @@ function redraw() {
   for (const listener of view.listeners) listener(view.window);
 }
 
-/// On paper: light, every plot drawn, and each as wide as the paper has it.
+/// On paper: light, every plot drawn as wide as the paper has it, and as a picture, since a canvas is printed stroke by
+/// stroke, which takes long and loses what lies under another canvas.
 function print(isBegin) {
   document.documentElement.classList.toggle('printing', isBegin);
-  const all = document.querySelectorAll('main details');
-  for (const details of all) if (isBegin && !details.querySelector('pre')) details.open = true;
-  for (const item of view.items) if (isBegin) item.isVisible = true;
+  for (const picture of document.querySelectorAll('img.drawn')) picture.remove();
+  if (isBegin) {
+    for (const details of document.querySelectorAll('main details')) if (!details.querySelector('pre')) details.open = true;
+    for (const item of view.items) item.isVisible = true;
+  }
   redraw();
-  dispatchEvent(new Event('resize'));
+  if (!isBegin) {
+    dispatchEvent(new Event('resize'));
+    return;
+  }
+  for (const map of document.querySelectorAll('.track')) map.dispatchEvent(new Event('fit'));
+  for (const item of view.items) {
+    const canvas = item.graph ? item.graph.hidden_ : item.canvas;
+    if (!canvas) continue;
+    canvas.parentElement.append(el('img', { class: 'drawn', alt: '', src: canvas.toDataURL(), style: `width: ${canvas.clientWidth}px; height: ${canvas.clientHeight}px` }));
+  }
 }
 
 function start() {

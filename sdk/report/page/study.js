@@ -16,10 +16,8 @@ function studyTable(path, plan) {
     anyPaper && el('tr', {}, columns.map((entry) => [el('th', { class: 'n' }, 'here'), entry.paper && el('th', { class: 'n paper' }, 'paper')])),
   ].filter(Boolean);
   const rows = plan.rows.map((name, r) => row(name, columns.map((entry, c) => {
-    const at = `/cells/${r}/${c}`, cell = plan.cells[r][c], se = plan.se && plan.se[r] ? plan.se[r][c] : null;
-    if (plan.se && plan.se[r]) shownPaths.add(`${path}/se/${r}/${c}`);
-    const own = typeof cell === 'string' ? el('td', { class: 'n' }, cell) : numeral(path + at, cell, (value) => (value === null ? '' : withError(value, se)));
-    if (typeof cell === 'number' && isNumber(se)) own.dataset.se = String(se);
+    const cell = plan.cells[r][c], se = plan.se && plan.se[r] ? plan.se[r][c] : null;
+    const own = typeof cell === 'number' ? measured(`${path}/cells/${r}/${c}`, cell, `${path}/se/${r}/${c}`, se) : el('td', { class: 'n' }, cell || '');
     const paper = entry.paper && numeral(`${path}/paper/${r}/${c}`, plan.paper[r][c], (value) => (isNumber(value) ? withMinus(String(value)) : '\u2013'));
     if (paper) paper.classList.add('paper');
     return [own, paper];
@@ -33,16 +31,11 @@ function metricTable(root, figures, metric) {
   const hasBand = entries.some((entry) => entry.band);
   const rows = names.map((name, i) => {
     const entry = entries[i], at = `${root}/variants${token(name)}/metrics${token(metric)}`;
-    for (const key of ['se', 'se_rms']) if (key in entry) shownPaths.add(`${at}/${key}`);
     const cell = (key, show = figure) => numeral(`${at}/${key}`, entry[key], show);
-    const line = row(name, cell('rms', (value) => withError(value, entry.se_rms)), cell('mean', (value) => withError(value, entry.se)), cell('std'), cell('p50'), cell('p95'),
+    return row(name, measured(`${at}/rms`, entry.rms, `${at}/se_rms`, entry.se_rms), measured(`${at}/mean`, entry.mean, `${at}/se`, entry.se), cell('std'), cell('p50'), cell('p95'),
       cell('max'), cell('n', count), hasBand && (entry.band
         ? el('td', {}, numeral(`${at}/band/0`, entry.band[0], figure, 'span'), ' to ', numeral(`${at}/band/1`, entry.band[1], figure, 'span'), ' ', bandBadge(entry.mean, entry.band[0], entry.band[1]))
         : el('td')));
-    const [rms, mean] = line.querySelectorAll('td');
-    rms.dataset.se = String(entry.se_rms);
-    mean.dataset.se = String(entry.se);
-    return line;
   });
   return table(['variant', 'rms', 'mean', 'std', 'p50', 'p95', 'max', 'runs', ...(hasBand ? ['mean if consistent (99 %)'] : [])], rows, { left: hasBand ? [8] : [] });
 }
@@ -59,7 +52,7 @@ class Distribution {
     this.picture = svg('svg', { class: 'distribution', role: 'img' });
     this.legend = el('div', { class: 'legend' });
     this.element = el('figure', { class: 'track' }, this.controls(), this.picture, this.legend);
-    addEventListener('resize', () => this.draw());
+    for (const [target, event] of [[window, 'resize'], [this.element, 'fit']]) target.addEventListener(event, () => this.draw());
     requestAnimationFrame(() => this.draw());
   }
 
@@ -84,10 +77,10 @@ class Distribution {
     const all = rows.flatMap((entry) => [entry.values[0], entry.values[entry.values.length - 1]]);
     const low = this.isMagnitude ? 0 : Math.min(...all), high = Math.max(...all, low + 1e-300);
     const isNarrow = width < 560;
-    const left = this.isCumulative ? 46 : isNarrow ? 8 : Math.min(190, 16 + 6.8 * Math.max(...rows.map((entry) => entry.name.length)));
+    const left = this.isCumulative ? 46 : isNarrow ? 8 : Math.min(190, 16 + 7.4 * Math.max(...rows.map((entry) => entry.name.length)));
     const scale = { low, high, left, right: width - 16, x: (value) => left + ((value - low) / (high - low || 1)) * (width - 16 - left) };
     const each = isNarrow ? 44 : 30;
-    const height = this.isCumulative ? 320 : each * rows.length + 34;
+    const height = this.isCumulative ? 320 : each * rows.length + 44;
     this.picture.replaceChildren();
     this.picture.setAttribute('viewBox', `0 0 ${width} ${height}`);
     this.picture.style.height = height + 'px';
@@ -104,20 +97,21 @@ class Distribution {
     const step = niceStep((high - low) / Math.max(3, (right - left) / 110) || 1);
     const grid = svg('g', { class: 'grid' });
     for (let value = Math.ceil(low / step - 1e-9) * step; value <= high + step * 1e-9; value += step)
-      grid.append(svg('line', { x1: x(value), x2: x(value), y1: 0, y2: height - 26 }), svg('text', { x: x(value), y: height - 12, 'text-anchor': 'middle' }, tick(value, [low, high])));
-    grid.append(svg('text', { x: right, y: height - 1, 'text-anchor': 'end' }, `${this.isMagnitude ? '|' : ''}${metric.name}${this.isMagnitude ? '|' : ''}${bracketed(metric.unit)}`));
+      grid.append(svg('line', { x1: x(value), x2: x(value), y1: 0, y2: height - 36 }), svg('text', { x: x(value), y: height - 22, 'text-anchor': 'middle' }, tick(value, [low, high])));
+    grid.append(svg('text', { x: right, y: height - 5, 'text-anchor': 'end' }, `${this.isMagnitude ? '|' : ''}${metric.name}${this.isMagnitude ? '|' : ''}${bracketed(metric.unit)}`));
     this.picture.append(grid);
   }
 
   strip({ name, values, v }, { x }, y, isNarrow) {
-    const quantile = (q) => values[Math.round(q * (values.length - 1))];
-    const rms = Math.sqrt(values.reduce((sum, value) => sum + value * value, 0) / values.length);
+    const told = (this.isMagnitude && this.study.figures.variants[name].metrics[this.study.metrics[this.metric].name]) || {};
+    const quantile = (q) => (q === 0.5 && told.p50) || (q === 0.95 && told.p95) || between(values, q);
+    const rms = told.rms || 0;
     const colour = `var(--c${this.colour(v)})`;
     const group = svg('g', {}, svg('title', {}, `${name}: median ${figure(quantile(0.5))}, 5 % to 95 %: ${figure(quantile(0.05))} to ${figure(quantile(0.95))}, rms ${figure(rms)}`));
     group.append(svg('text', { class: 'label', x: 8, y: isNarrow ? y - 12 : y + 4 }, name));
     group.append(svg('line', { x1: x(quantile(0.05)), x2: x(quantile(0.95)), y1: y, y2: y, style: `stroke: ${colour}; stroke-width: 1.2` }));
     group.append(svg('rect', { x: x(quantile(0.25)), width: Math.max(1, x(quantile(0.75)) - x(quantile(0.25))), y: y - 8, height: 16, rx: 2, style: `fill: ${colour}; fill-opacity: .18; stroke: ${colour}` }));
-    values.forEach((value, i) => group.append(svg('circle', { cx: x(value).toFixed(1), cy: (y + ((i * 7919) % 11) - 5).toFixed(1), r: 1.6, style: `fill: ${colour}; fill-opacity: .55` })));
+    values.forEach((value, i) => group.append(svg('circle', { cx: x(value).toFixed(1), cy: (y + scatter(i)).toFixed(1), r: 1.6, style: `fill: ${colour}; fill-opacity: .55` })));
     group.append(svg('line', { x1: x(quantile(0.5)), x2: x(quantile(0.5)), y1: y - 8, y2: y + 8, style: `stroke: ${colour}; stroke-width: 2.5` }));
     if (this.isMagnitude) group.append(svg('path', { d: `M${x(rms)} ${y - 5}l5 5l-5 5l-5 -5z`, style: 'fill: var(--text)' }));
     this.picture.append(group);
@@ -130,7 +124,7 @@ class Distribution {
   }
 
   cumulative(rows, { x, left, right }, height) {
-    const y = (share) => 8 + (1 - share) * (height - 42);
+    const y = (share) => 8 + (1 - share) * (height - 52);
     const grid = svg('g', { class: 'grid' });
     for (const share of [0, 0.25, 0.5, 0.75, 1]) grid.append(svg('line', { x1: left, x2: right, y1: y(share), y2: y(share) }), svg('text', { x: left - 6, y: y(share) + 4, 'text-anchor': 'end' }, `${100 * share} %`));
     this.picture.append(grid);
@@ -140,6 +134,18 @@ class Distribution {
       this.picture.append(svg('path', { d, style: `fill: none; stroke: var(--c${v % 6}); stroke-width: 1.6; ${v < 6 ? '' : 'stroke-dasharray: 5 3'}` }, svg('title', {}, name)));
     }
   }
+}
+
+/// Between the two values around it, of sorted ones.
+function between(values, q) {
+  const at = q * (values.length - 1), i = Math.floor(at);
+  return i + 1 < values.length ? values[i] + (at - i) * (values[i + 1] - values[i]) : values[i];
+}
+
+/// Dots of a row lie apart, the same way every time.
+function scatter(i) {
+  const noise = Math.sin((i + 1) * 12.9898) * 43758.5453;
+  return 11 * (noise - Math.floor(noise)) - 5.5;
 }
 
 function failureTable(root, figures) {

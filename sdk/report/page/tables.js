@@ -4,12 +4,12 @@
 function table(heads, rows, options = {}) {
   const align = (i) => (i > 0 && !(options.left || []).includes(i) ? { class: 'n' } : {});
   const body = el('tbody', {}, rows);
-  return el('div', { class: 'scroll' },
-    el('table', {}, options.caption && el('caption', {}, options.caption),
+  return el('div', { class: 'table' }, options.caption && el('p', { class: 'caption' }, options.caption), el('div', { class: 'scroll' },
+    el('table', {},
       el('thead', {}, heads.map((row) => (row instanceof Node ? row : null)), heads.some((head) => head instanceof Node)
         ? null
         : el('tr', {}, heads.map((head, i) => el('th', { scope: 'col', ...align(i) }, head)))),
-      body));
+      body)));
 }
 
 const row = (name, ...cells) => el('tr', {}, el('th', { scope: 'row' }, name), ...cells);
@@ -80,8 +80,8 @@ const zeros = [];
 function consistencyTable(path, consistency) {
   const rows = Object.entries(consistency).map(([block, entry]) => row(block,
     numeral(path + token(block) + '/nees_mean', entry.nees_mean), numeral(path + token(block) + '/dof', entry.dof, count),
-    el('td', { class: 'n' }, figure(entry.nees_mean / entry.dof)), numeral(path + token(block) + '/n', entry.n, count)));
-  return table(['block', 'mean NEES', 'degrees of freedom', 'NEES / dof', 'samples'], rows);
+    el('td', { class: 'n' }, figure(entry.nees_mean / entry.dof)), numeral(path + token(block) + '/n', entry.n, count), el('td', {}, neesBadge(entry.nees_mean / entry.dof))));
+  return table(['block', 'mean NEES', 'degrees of freedom', 'NEES / dof', 'samples', ''], rows);
 }
 
 function acrossTable(path, across) {

@@ -39,6 +39,9 @@ function figure(value) {
   return withMinus(value.toPrecision(4));
 }
 
+/// Two digits, for what is about one.
+const brief = (value) => (isNumber(value) ? (Math.abs(value) >= 100 ? grouped(Math.round(value)) : Number.isInteger(value) ? String(value) : value.toPrecision(2)) : '\u2013');
+
 /// Whole numbers, in groups of three from five digits on.
 function grouped(value) {
   const text = String(value);
@@ -47,13 +50,13 @@ function grouped(value) {
 
 const count = (value) => (isNumber(value) ? (Number.isInteger(value) ? grouped(value) : figure(value)) : '\u2013');
 
-/// "3.38 ± 0.11": the error to two digits, the value to as many decimals.
+/// Both as texts: the error to two digits, the value to as many decimals.
 function withError(value, se) {
-  if (!isNumber(value) || !isNumber(se) || !(se > 0)) return figure(value);
+  if (!isNumber(value) || !isNumber(se) || !(se > 0)) return [figure(value), isNumber(se) ? figure(se) : ''];
   const decimals = 1 - Math.floor(Math.log10(se));
-  if (decimals > 6 || Math.abs(value) >= 1e7) return figure(value) + ' \u00b1 ' + figure(se);
+  if (decimals > 6 || Math.abs(value) >= 1e7) return [figure(value), figure(se)];
   const places = Math.max(0, decimals);
-  return withMinus(value.toFixed(places)) + ' \u00b1 ' + se.toFixed(places);
+  return [withMinus(value.toFixed(places)), se.toFixed(places)];
 }
 
 /// A share that is never rounded up to all or down to nothing.
@@ -86,6 +89,13 @@ function numeral(path, value, show = figure, tag = 'td') {
   shownPaths.add(path);
   const full = value === null || value === undefined ? '' : String(value);
   return el(tag, { class: 'n', 'data-path': path, 'data-value': full, title: full }, show(value));
+}
+
+/// "3.38 ± 0.11", both as the summary has them.
+function measured(path, value, errorPath, se) {
+  const [text, error] = withError(value, se);
+  return el('td', { class: 'n' }, numeral(path, value, () => text, 'span'),
+    se === undefined || se === null ? '' : [' \u00b1 ', numeral(errorPath, se, () => error, 'span')]);
 }
 
 const shownPaths = new Set();

@@ -118,17 +118,18 @@ class TimeBar extends Strip {
     super(host, canvas, 26);
     const spans = filters.map((filter) => filter.span);
     this.span = [Math.min(...spans.map((span) => span[0])), Math.max(...spans.map((span) => span[1]))];
-    this.curve = overview(filters);
+    this.curves = filters.length === 1 ? filters.map(overview).filter(Boolean) : [];
     this.windows = filters.length === 1 ? filters[0].windows : [];
     this.from = this.input('from', 0);
     this.to = this.input('to', 1);
     const step = (name, label, change) => el('button', { type: 'button', title: label, 'aria-label': label, onclick: () => this.step(change) }, name);
     host.append(
-      el('div', { class: 'edges' }, el('label', {}, 't ', this.from), el('label', {}, 'to ', this.to, ' s')),
+      el('div', { class: 'edges' }, el('label', {}, el('span', {}, 't '), this.from), el('label', {}, el('span', {}, 'to '), this.to, el('span', {}, ' s'))),
       el('div', { class: 'brush' }, canvas),
       el('div', { class: 'steps' }, step('\u2212', 'Zoom out', [-0.5, 0.5]), step('+', 'Zoom in', [0.25, -0.25]), step('\u2039', 'Earlier', [-0.5, -0.5]),
         step('\u203a', 'Later', [0.5, 0.5]), el('button', { type: 'button', class: 'all', onclick: () => setWindow(null) }, 'All')));
     host.hidden = false;
+    document.body.classList.add('timed');
     this.grab();
     view.listeners.push(() => this.show());
     addEventListener('resize', () => this.show());
@@ -170,7 +171,7 @@ class TimeBar extends Strip {
     context.fillRect(0, 0, this.width, this.height);
     context.fillStyle = css('--window');
     for (const window of this.windows) context.fillRect(this.x(window.from), 0, this.x(window.to) - this.x(window.from), this.height);
-    this.drawCurve(context);
+    for (const curve of this.curves) this.drawCurve(context, curve);
     if (view.window) {
       context.fillStyle = css('--shade');
       context.fillRect(0, 0, this.x(from), this.height);
@@ -185,9 +186,7 @@ class TimeBar extends Strip {
     this.element.dataset.to = to;
   }
 
-  drawCurve(context) {
-    if (!this.curve) return;
-    const { t, v } = this.curve;
+  drawCurve(context, { t, v }) {
     const sizes = Array.from(v, Math.abs).filter(isNumber).sort((a, b) => a - b);
     const top = sizes[Math.floor(0.99 * (sizes.length - 1))] || 1;
     context.strokeStyle = css('--muted');
@@ -220,9 +219,8 @@ class TimeBar extends Strip {
 }
 
 /// A curve to find one's way by: the first norm of an error there is.
-function overview(filters) {
-  if (filters.length !== 1) return null;
-  const errors = filters[0].blocks.flatMap((block) => block.errors);
+function overview(filter) {
+  const errors = filter.blocks.flatMap((block) => block.errors);
   const chosen = errors.find((error) => /horizontal|tilt/.test(error.name)) || errors[0];
   if (!chosen) return null;
   const t = column(chosen.t), v = column(chosen.v);
