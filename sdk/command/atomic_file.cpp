@@ -73,7 +73,7 @@ void AtomicFile::open_temporary(Temporary temporary) {
   temporary_ = folder / fmt::format(".{}.tmp-{}", target_.filename().string(), ::getpid());
   file_ = temporary == Temporary::unnamed ? open_unnamed(folder) : -1;
   if (file_ >= 0) return;
-  remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
+  if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
   file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
   has_name_ = file_ >= 0;
 }
@@ -84,7 +84,11 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const std::string& why) const {
-  throw OutputError(fmt::format("'{}' could not be written: {}", target_.string(), why));
+  std::string mend;
+  for (const int full : {ENOSPC, EDQUOT})
+    if (why == std::strerror(full)) mend = "; make room there, or write elsewhere";
+  if (why == std::strerror(EFBIG)) mend = "; raise the limit (ulimit -f), or write elsewhere";
+  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, mend));
 }
 
 void AtomicFile::flush() {

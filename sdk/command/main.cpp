@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The binnacle command: verbs, and their exit status.
 #include <algorithm>
+#include <csignal>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -108,6 +109,7 @@ int carry_out(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace binnacle::command;
+  std::signal(SIGXFSZ, SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is told like a full disk
   try {
     return carry_out(argc, argv);
   } catch (const binnacle::Error& error) {

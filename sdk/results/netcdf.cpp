@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netcdf.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <memory>
+
+#include <H5public.h>
 
 namespace binnacle::results::nc {
 
@@ -26,6 +29,10 @@ int read_values(int group, int variable, const std::size_t* start, const std::si
   static_assert(sizeof(std::int64_t) == sizeof(long long));
   return nc_get_vara_longlong(group, variable, start, count, reinterpret_cast<long long*>(values));
 }
+
+/// At the process's end HDF5 goes through all that it holds. A file whose last bytes found no room it writes once more
+/// from freed memory (1.10.8 on Debian 12: SIGSEGV); what else it would free, the system does.
+void keep_from_tidying() { H5dont_atexit(); }
 
 }  // namespace
 
@@ -93,14 +100,26 @@ void Group::fill_with_nan(int variable) const {
   check(nc_def_var_fill(id_, variable, NC_FILL, &nan));
 }
 
-void Group::write_strings(int variable, const std::vector<std::string>& values) const {
-  if (values.empty()) return;
-  std::vector<const char*> texts;
-  for (const auto& value : values) texts.push_back(value.c_str());
-  const auto sizes = shape(variable);
-  // A growing dimension has no size yet.
-  const std::vector<std::size_t> start(sizes.size(), 0);
-  check(nc_put_vara_string(id_, variable, start.data(), sizes.data(), texts.data()));
+int Group::add_texts(const std::string& name, const std::vector<int>& dimensions,
+                     const std::vector<std::string>& texts) const {
+  std::size_t length = 1;
+  for (const auto& text : texts) length = std::max(length, text.size());
+  std::string characters;
+  for (const auto& text : texts) characters.append(text).append(length - text.size(), '\0');
+  const std::string dimension_name = "text_" + std::to_string(length);
+  int last = -1;
+  if (nc_inq_dimid(id_, dimension_name.c_str(), &last) != NC_NOERR) last = add_dimension(dimension_name, length);
+  auto all = dimensions;
+  all.push_back(last);
+  std::vector<std::size_t> shape;
+  for (const int dimension : all) {
+    shape.push_back(0);
+    check(nc_inq_dimlen(id_, dimension, &shape.back()));
+  }
+  const int id = add_variable(name, NC_CHAR, all, shape);
+  put_text(id, "_Encoding", "utf-8");
+  check(nc_put_var_text(id_, id, characters.data()));
+  return id;
 }
 
 void Group::write(int variable, const std::size_t* start, const std::size_t* count, const double* values) const {
@@ -223,19 +242,22 @@ std::uint64_t Group::natural(int variable, const std::string& attribute) const {
   return value;
 }
 
-std::vector<std::string> Group::read_strings(int variable) const {
+std::vector<std::string> Group::read_texts(int variable) const {
   nc_type type = NC_NAT;
   check(nc_inq_vartype(id_, variable, &type));
-  if (type != NC_STRING) throw Failure("its variable '" + variable_name(variable) + "' holds no texts");
+  const auto sizes = shape(variable);
+  if (type != NC_CHAR || sizes.empty()) throw Failure("its variable '" + variable_name(variable) + "' holds no texts");
   std::size_t count = 1;
-  for (const std::size_t size : shape(variable)) count *= size;
-  if (count == 0) return {};
-  std::vector<char*> texts(count, nullptr);
-  check(nc_get_var_string(id_, variable, texts.data()));
-  std::vector<std::string> values;
-  for (const char* text : texts) values.emplace_back(text ? text : "");
-  check(nc_free_string(count, texts.data()));
-  return values;
+  for (const std::size_t size : sizes) count *= size;
+  std::string characters(count, '\0');
+  if (count > 0) check(nc_get_var_text(id_, variable, characters.data()));
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; at < count; at += sizes.back()) {
+    std::string text = characters.substr(at, sizes.back());
+    text.erase(text.find_last_not_of('\0') + 1);
+    texts.push_back(std::move(text));
+  }
+  return texts;
 }
 
 template <class T>
@@ -267,6 +289,7 @@ template std::vector<double> Group::read_column(int, std::size_t) const;
 template std::vector<std::int64_t> Group::read_column(int, std::size_t) const;
 
 File File::create(const std::filesystem::path& path) {
+  keep_from_tidying();
   int id = -1;
   errno = 0;
   check(nc_create(std::filesystem::absolute(path).c_str(), NC_NETCDF4 | NC_CLOBBER, &id));
@@ -274,6 +297,7 @@ File File::create(const std::filesystem::path& path) {
 }
 
 File File::open(const std::filesystem::path& path) {
+  keep_from_tidying();
   int id = -1;
   errno = 0;
   check(nc_open(std::filesystem::absolute(path).c_str(), NC_NOWRITE, &id));

@@ -43,7 +43,9 @@ class Group {
   void put_integer(int variable, const std::string& name, std::int64_t value) const;
   void put_natural(int variable, const std::string& name, std::uint64_t value) const;
   void fill_with_nan(int variable) const;
-  void write_strings(int variable, const std::vector<std::string>& values) const;
+  /// A variable of texts, whole: characters with a last dimension of their own, "text_LENGTH". Strings of variable length
+  /// would read nicer in a dump, but older MATLAB does not know them, and HDF5 trusts a damaged file's blindly.
+  int add_texts(const std::string& name, const std::vector<int>& dimensions, const std::vector<std::string>& texts) const;
   void write(int variable, const std::size_t* start, const std::size_t* count, const double* values) const;
   void write(int variable, const std::size_t* start, const std::size_t* count, const signed char* values) const;
   void write(int variable, const std::size_t* start, const std::size_t* count, const std::int32_t* values) const;
@@ -64,7 +66,8 @@ class Group {
   std::string text(int variable, const std::string& attribute) const;
   std::vector<signed char> bytes(int variable, const std::string& attribute) const;
   std::uint64_t natural(int variable, const std::string& attribute) const;
-  std::vector<std::string> read_strings(int variable) const;
+  /// As add_texts() had them.
+  std::vector<std::string> read_texts(int variable) const;
   template <class T>
   std::vector<T> read(int variable) const;
   /// One column of a variable (rows, columns).

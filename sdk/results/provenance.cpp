@@ -19,11 +19,9 @@ void write_plugins(nc::Group root, const Json& plugins) {
   for (const auto& [variable, key, long_name] :
        {std::tuple{"plugin", "name", "plugins that were loaded"}, std::tuple{"plugin_version", "version", "their versions"},
         std::tuple{"plugin_path", "path", "their files"}}) {
-    const int id = root.add_variable(variable, NC_STRING, {dimension});
-    root.put_text(id, "long_name", long_name);
     std::vector<std::string> texts;
     for (const auto& plugin : plugins) texts.push_back(text_of(plugin, key));
-    root.write_strings(id, texts);
+    root.put_text(root.add_texts(variable, {dimension}, texts), "long_name", long_name);
   }
 }
 
@@ -45,9 +43,8 @@ void write_provenance(nc::Group root, const std::string& kind, const Json& confi
   if (provenance.contains("seed")) root.put_natural(NC_GLOBAL, "seed", provenance.at("seed").get<std::uint64_t>());
   if (provenance.contains("run")) root.put_integer(NC_GLOBAL, "run", provenance.at("run").get<std::int64_t>());
   if (provenance.contains("plugins")) write_plugins(root, provenance.at("plugins"));
-  const int id = root.add_variable("config", NC_STRING, {});
+  const int id = root.add_texts("config", {}, {config.dump(2, ' ', false, Json::error_handler_t::replace)});
   root.put_text(id, "long_name", "the config as resolved: extends merged, variables and --set applied");
-  root.write_strings(id, {config.dump(2, ' ', false, Json::error_handler_t::replace)});
 }
 
 void read_provenance(nc::Group root, const std::string& kind, Json& config, Json& provenance) {
@@ -56,7 +53,7 @@ void read_provenance(nc::Group root, const std::string& kind, Json& config, Json
     throw nc::Failure("it was made by another version of Binnacle (" + root.text(NC_GLOBAL, "version") + ")");
   if (root.text(NC_GLOBAL, "binnacle_kind") != kind) throw nc::Failure("it is no " + kind);
   const auto variable = root.variable("config");
-  const auto texts = variable ? root.read_strings(*variable) : std::vector<std::string>{};
+  const auto texts = variable ? root.read_texts(*variable) : std::vector<std::string>{};
   config = texts.size() == 1 ? Json::parse(texts[0], nullptr, false) : Json(Json::value_t::discarded);
   if (config.is_discarded()) throw nc::Failure("its variable 'config' is no JSON");
   provenance = Json::object();
@@ -68,8 +65,8 @@ void read_provenance(nc::Group root, const std::string& kind, Json& config, Json
   const auto names = root.variable("plugin"), versions = root.variable("plugin_version"),
              paths = root.variable("plugin_path");
   if (names && versions && paths) {
-    const auto name = root.read_strings(*names), version = root.read_strings(*versions),
-               path = root.read_strings(*paths);
+    const auto name = root.read_texts(*names), version = root.read_texts(*versions),
+               path = root.read_texts(*paths);
     for (std::size_t i = 0; i < name.size() && i < version.size() && i < path.size(); ++i)
       provenance["plugins"].push_back({{"name", name[i]}, {"version", version[i]}, {"path", path[i]}});
   }

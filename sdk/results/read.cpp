@@ -32,7 +32,8 @@ auto read_netcdf(const fs::path& path, const char* verb, const Read& read) {
   try {
     return read(nc::File::open(path));
   } catch (const nc::Failure& failure) {
-    fail(path, failure.what(), verb);
+    const std::string said = failure.what();
+    fail(path, said.starts_with("NetCDF: ") ? "it is damaged, or no NetCDF file (" + said + ")" : said, verb);
   } catch (const nlohmann::json::exception&) {
     fail(path, "its provenance is damaged", verb);
   } catch (const std::bad_alloc&) {

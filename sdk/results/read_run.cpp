@@ -21,7 +21,7 @@ int variable_of(nc::Group group, const std::string& name) {
 std::vector<std::string> components_of(nc::Group group, int variable) {
   const auto dimensions = group.dimensions(variable);
   if (dimensions.size() != 2) throw nc::Failure("its variable '" + group.variable_name(variable) + "' has no components");
-  return group.read_strings(variable_of(group, group.dimension_name(dimensions[1])));
+  return group.read_texts(variable_of(group, group.dimension_name(dimensions[1])));
 }
 
 std::string display_unit_of(nc::Group group, int variable) {
@@ -105,7 +105,7 @@ Updates read_updates(nc::Group group) {
     if (outcome < 0 || outcome >= outcome_count) throw nc::Failure("its group '" + group.name() + "' has an outcome unknown");
     updates.outcome.push_back(static_cast<Outcome>(outcome));
   }
-  const auto texts = group.read_strings(variable_of(group, "reason_text"));
+  const auto texts = group.read_texts(variable_of(group, "reason_text"));
   for (const std::int32_t reason : group.read<std::int32_t>(variable_of(group, "reason"))) {
     if (reason < 0 || static_cast<std::size_t>(reason) >= texts.size())
       throw nc::Failure("its group '" + group.name() + "' has a reason unknown");

@@ -10,7 +10,7 @@ StudyResults read_study(const nc::File& file) {
   read_provenance(root, "study", study.config, study.provenance);
   const auto variants = root.variable("variant"), runs = root.variable("run");
   if (!variants || !runs) throw nc::Failure("it has no variable 'variant' or 'run'");
-  study.variants = root.read_strings(*variants);
+  study.variants = root.read_texts(*variants);
   study.runs = root.shape(*runs).at(0);
   std::vector<std::vector<double>> values;
   for (int variable = 0; variable < root.variables(); ++variable) {

@@ -48,8 +48,7 @@ int add_time(nc::Group group, const std::string& name, int dimension, const std:
 /// The names of a variable's columns, as a coordinate that has the dimension's own name.
 int add_components(nc::Group group, const std::string& name, const std::vector<std::string>& components) {
   const int dimension = group.add_dimension(name, components.size());
-  const int id = group.add_variable(name, NC_STRING, {dimension});
-  group.write_strings(id, components);
+  group.add_texts(name, {dimension}, components);
   return dimension;
 }
 
@@ -109,9 +108,8 @@ class RunWriter::Measurement {
     std::vector<std::string> texts(reasons_.size());
     for (const auto& [text, number] : reasons_) texts[as_size(number)] = text;
     const int dimension = group_.add_dimension("reason_text", texts.size());
-    const int id = group_.add_variable("reason_text", NC_STRING, {dimension});
+    const int id = group_.add_texts("reason_text", {dimension}, texts);
     group_.put_text(id, "long_name", "what `reason` is an index of; empty: it was used");
-    group_.write_strings(id, texts);
   }
 
  private:

@@ -18,17 +18,16 @@ void put_units(nc::Group group, int variable, const StudyResults::Metric& metric
   if (metric.unit != metric.si_unit) group.put_text(variable, "display_units", metric.unit);
 }
 
-int add_strings(nc::Group group, const std::string& name, const std::vector<int>& dimensions, const std::string& long_name,
+int add_texts(nc::Group group, const std::string& name, const std::vector<int>& dimensions, const std::string& long_name,
                 const std::vector<std::string>& texts) {
-  const int id = group.add_variable(name, NC_STRING, dimensions);
+  const int id = group.add_texts(name, dimensions, texts);
   group.put_text(id, "long_name", long_name);
-  group.write_strings(id, texts);
   return id;
 }
 
 void write_metrics(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
   Names names;
-  for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path", "variant", "run", "tables"}) names.take(taken);
+  for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path", "variant", "run", "state", "tables"}) names.take(taken);
   const std::size_t runs = study.runs, metrics = study.metrics.size();
   for (std::size_t m = 0; m < metrics; ++m) {
     const auto& metric = study.metrics[m];
@@ -43,6 +42,22 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
       root.write(id, start, count, study.values.data() + (v * metrics + m) * runs);
     }
   }
+}
+
+/// Which runs broke; why is told in study.json.
+void write_state(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
+  const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension}, {1, study.runs});
+  root.put_text(id, "long_name", "what came of the run");
+  root.put_bytes(id, "flag_values", {0, 1});
+  root.put_text(id, "flag_meanings", "finished failed");
+  std::vector<signed char> states(study.variants.size() * study.runs, 0);
+  for (std::size_t v = 0; v < study.variants.size(); ++v) {
+    const Json& variant = study.figures.at("variants").at(study.variants[v]);
+    if (!variant.contains("failures")) continue;
+    for (const auto& failure : variant.at("failures")) states.at(v * study.runs + failure.at("run").get<std::size_t>()) = 1;
+  }
+  const std::size_t start[] = {0, 0}, count[] = {study.variants.size(), study.runs};
+  root.write(id, start, count, states.data());
 }
 
 std::vector<std::string> texts_of(const Json& list) {
@@ -64,17 +79,17 @@ void write_table(nc::Group group, const Json& table) {
   group.put_text(NC_GLOBAL, "title", table.at("title").get<std::string>());
   if (rows.empty() || columns.empty()) return;
   const int row = group.add_dimension("row", rows.size()), column = group.add_dimension("column", columns.size());
-  add_strings(group, "row", {row}, "rows of the table", rows);
-  add_strings(group, "column", {column}, "columns of the table", columns);
+  add_texts(group, "row", {row}, "rows of the table", rows);
+  add_texts(group, "column", {column}, "columns of the table", columns);
   std::vector<std::string> units, cells;
   for (const auto& line : table.at("units"))
     for (const auto& unit : line) units.push_back(unit.get<std::string>());
   for (const auto& line : table.at("cells"))
     for (const auto& cell : line) cells.push_back(cell.is_string() ? cell.get<std::string>() : "");
-  add_strings(group, "unit", {row, column}, "units of the values", units);
-  add_strings(group, "text", {row, column}, "what stands in a cell that has no value", cells);
+  add_texts(group, "unit", {row, column}, "units of the values", units);
+  add_texts(group, "text", {row, column}, "what stands in a cell that has no value", cells);
   const auto add = [&](const char* name, const char* long_name, const Json& values) {
-    const int id = group.add_variable(name, NC_DOUBLE, {row, column});
+    const int id = group.add_variable(name, NC_DOUBLE, {row, column}, {rows.size(), columns.size()});
     group.fill_with_nan(id);
     group.put_text(id, "long_name", long_name);
     const std::size_t start[] = {0, 0}, count[] = {rows.size(), columns.size()};
@@ -103,13 +118,14 @@ void write_study(const std::filesystem::path& path, const StudyResults& study) {
     write_provenance(root, "study", study.config, study.provenance);
     const int variant = root.add_dimension("variant", study.variants.size());
     const int run = root.add_dimension("run", study.runs);
-    add_strings(root, "variant", {variant}, "variants of the config", study.variants);
-    const int id = root.add_variable("run", NC_INT, {run});
+    add_texts(root, "variant", {variant}, "variants of the config", study.variants);
+    const int id = root.add_variable("run", NC_INT, {run}, {study.runs});
     root.put_text(id, "long_name", "which run of the seed");
     std::vector<std::int32_t> numbers(study.runs);
     for (std::size_t k = 0; k < study.runs; ++k) numbers[k] = static_cast<std::int32_t>(k);
     const std::size_t start = 0;
     root.write(id, &start, &study.runs, numbers.data());
+    write_state(root, study, variant, run);
     write_metrics(root, study, variant, run);
     write_tables(root, study.figures);
     file.close();

@@ -68,7 +68,7 @@ Outcome command(const Workbench& bench, std::vector<std::string> arguments) {
 }
 
 void check_same_files(const Workbench& bench, const std::string& a, const std::string& b) {
-  for (const char* name : {"study.csv", "table.csv", "study.json"})
+  for (const char* name : {"study.csv", "table.csv", "study.json", "study.nc"})
     CHECK(read_file(bench.path(a + "/" + name)) == read_file(bench.path(b + "/" + name)));
 }
 
