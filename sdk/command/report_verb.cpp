@@ -20,7 +20,7 @@ struct Options {
 };
 
 int report(const Options& options) {
-  const std::filesystem::path page = options.output.empty() ? report_in(options.folder) : options.output;
+  const std::filesystem::path page = options.output.empty() ? report_in(options.folder) : std::filesystem::path(options.output);
   const auto bytes = write_report(options.folder, page);
   if (options.json)
     print_json({{"page", page.string()}, {"bytes", bytes}});
