@@ -70,8 +70,8 @@ function tiles(filter, summary, path) {
 
 function headlines(errors) {
   const names = Object.keys(errors);
-  const preferred = ['position.horizontal', 'velocity.horizontal', 'attitude.tilt', 'attitude.yaw'].filter((name) => names.includes(name));
-  return preferred.length ? preferred : names.slice(0, 3);
+  const preferred = names.filter((name) => /\.(horizontal|distance|tilt|yaw)$/.test(name));
+  return (preferred.length ? preferred : names).slice(0, 4);
 }
 
 function summarySection(filter, summary, path) {
@@ -223,14 +223,14 @@ function header(kind, provenance) {
 
 function originSection(config, provenance) {
   const plugins = Array.isArray(provenance.plugins) && provenance.plugins.length
-    ? table(['plugin', 'version', 'file'], provenance.plugins.map((plugin) => row(plugin.name, el('td', {}, plugin.version || ''), el('td', { class: 'path' }, plugin.path || ''))), { left: [1, 2] }) : null;
+    ? el('details', {}, el('summary', {}, `${provenance.plugins.length} plugins`), table(['plugin', 'version', 'file'], provenance.plugins.map((plugin) => row(plugin.name, el('td', {}, plugin.version || ''), el('td', { class: 'path' }, plugin.path || ''))), { left: [1, 2] })) : null;
   return section('Origin', 'With these plugins and this config, as run, the command above gives these figures again.', plugins,
     el('details', {}, el('summary', {}, 'Config as run'), el('pre', {}, JSON.stringify(config, null, 2))));
 }
 
 function warningSection(warnings) {
   if (!Array.isArray(warnings) || !warnings.length) return null;
-  return section('Warnings', `${warnings.length} of the data.`, el('ul', { class: 'warnings' }, warnings.map((warning) => el('li', {}, typeof warning === 'string' ? warning : warning.text || warning.message || JSON.stringify(warning)))));
+  return section('Warnings', 'What was odd about the data.', el('ul', { class: 'warnings' }, warnings.map((warning) => el('li', {}, typeof warning === 'string' ? warning : warning.text || warning.message || JSON.stringify(warning)))));
 }
 
 /// { title, sections } in the order of the page; a run has one for each filter.
