@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "browser.hpp"
@@ -38,6 +40,11 @@ class Folder {
  private:
   fs::path path_;
 };
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 /// Null, with a word about it, where there is none; in CI there is one.
 std::unique_ptr<Browser> browser() {
@@ -220,16 +227,38 @@ TEST_CASE("Page of a million samples: usable") {
   require_quiet(*chromium);
 }
 
-TEST_CASE("binnacle report: the quickstart's results as a page") {
+TEST_CASE("binnacle report: what the guide shows, and the quickstart's results as a page") {
+  const Folder folder;
+  const fs::path command = BINNACLE_TEST_COMMAND, project = BINNACLE_TEST_PROJECT;
+  fs::create_directory_symlink(project / "configs", folder.path() / "configs");
+  std::ifstream guide(project / "sdk/docs/report.md");
+  std::string line, script = "cd '" + folder.path().string() + "' && PATH='" + command.parent_path().string() + "':\"$PATH\"", expected;
+  while (std::getline(guide, line) && line != "```text") continue;
+  while (std::getline(guide, line) && line != "```")
+    if (line.starts_with("$ "))
+      script += " && " + line.substr(2);
+    else
+      expected += line + "\n";
+  INFO(script);
+  REQUIRE(std::system(("{ " + script + "; } > '" + (folder.path() / "printed").string() + "'").c_str()) == 0);
+  REQUIRE(contents(folder.path() / "printed") == expected);
+  const std::string page = contents(folder.path() / "out/report.html");
+  REQUIRE(std::system((command.string() + " report '" + (folder.path() / "out").string() + "' --json --output '" + (folder.path() / "again.html").string() + "' > '" +
+                       (folder.path() / "told").string() + "'").c_str()) == 0);
+  REQUIRE(contents(folder.path() / "again.html") == page);
+  REQUIRE(Json::parse(contents(folder.path() / "told")) == Json({{"page", (folder.path() / "again.html").string()}, {"bytes", page.size()}}));
   const auto chromium = browser();
   if (!chromium) return;
-  const Folder folder;
-  const std::string out = (folder.path() / "out").string(), command = BINNACLE_TEST_COMMAND;
-  const std::string config = std::string(BINNACLE_TEST_PROJECT) + "/configs/quickstart.json";
-  REQUIRE(std::system((command + " run '" + config + "' --quiet --out '" + out + "' && " + command + " report '" + out + "' --json > '" + out + ".json'").c_str()) == 0);
-  std::ifstream told(out + ".json"), summary(out + "/summary.json");
-  REQUIRE(Json::parse(told).at("page") == Json(out + "/report.html"));
-  chromium->open(out + "/report.html");
-  require_figures(*chromium, Json::parse(summary), "/run");
+  chromium->open(folder.path() / "out/report.html");
+  require_figures(*chromium, Json::parse(contents(folder.path() / "out/summary.json")), "/run");
   require_quiet(*chromium);
+}
+
+TEST_CASE("binnacle report: a folder without results is told, with what to do") {
+  const Folder folder;
+  const std::string command = BINNACLE_TEST_COMMAND, told = (folder.path() / "told").string();
+  const int status = std::system((command + " report '" + folder.path().string() + "' 2> '" + told + "'").c_str());
+  REQUIRE(WEXITSTATUS(status) == 5);
+  REQUIRE(contents(told).find("make one with 'binnacle run") != std::string::npos);
+  REQUIRE(!fs::exists(folder.path() / "report.html"));
 }

@@ -206,3 +206,10 @@ TEST_CASE("Page: fetches nothing, and holds the licence of what it brings along"
   REQUIRE(text.find("Permission is hereby granted") != std::string::npos);
   REQUIRE(text.find("default-src 'none'") != std::string::npos);
 }
+
+TEST_CASE("Page: its limits are those that the guide tells") {
+  const Limits limits;
+  REQUIRE(limits.numbers == 1'500'000);
+  REQUIRE(limits.most_points == 20'000);
+  REQUIRE(limits.least_points == 1'000);
+}

@@ -203,6 +203,7 @@ class TimePlot {
   highlighted(t, index) {
     const point = this.drawn[index];
     if (point) this.readout.textContent = this.told(point, index);
+    this.element.classList.add('read');
     setCursor(t);
   }
 
@@ -210,7 +211,7 @@ class TimePlot {
     const spec = this.spec;
     const digits = (number) => (isNumber(number) ? withMinus(String(Number(number.toPrecision(7)))) : '\u2013');
     let text = `t ${Number(t.toFixed(6))} s: ${digits(value)}`;
-    if (this.s) text += spec.isLength ? ` of 3\u03c3 ${digits(high)}` : ` \u00b1 ${digits((high - low) / 2)}`;
+    if (this.s) text += spec.isLength ? `, 3\u03c3 ${digits(high)}` : `, 3\u03c3 ${digits((high - low) / 2)}`;
     else if (spec.high && !this.lows) text += ` (95 %: ${figure(spec.low)} to ${figure(spec.high)})`;
     else if (this.highs) text += ` (95 %: ${figure(low)} to ${figure(high)})`;
     if (this.kinds) text += `, ${outcomeNames[this.kinds[index]]}`;
@@ -219,6 +220,7 @@ class TimePlot {
 
   unhighlighted() {
     this.readout.textContent = this.spec.stat || '';
+    this.element.classList.remove('read');
     setCursor(null);
   }
 
