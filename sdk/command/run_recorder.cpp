@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "folders.hpp"
+#include "report_file.hpp"
 
 namespace binnacle::command {
 
@@ -115,6 +116,7 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   write_netcdf([&] { netcdf_->close(); });
   std::error_code ignored;
   fs::remove(summary_->target(), ignored);  // an earlier run's: its records are about to go
+  fs::remove(report_in(folder_), ignored);
   for (const auto& filter : filters_) filter->commit();
   netcdf_file_->commit();
   config_->commit();

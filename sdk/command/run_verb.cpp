@@ -11,6 +11,7 @@
 #include "interrupt.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
+#include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "summary_text.hpp"
 #include "verbs.hpp"
@@ -136,6 +137,7 @@ int run_config(const Options& options) {
     die_of_signal();
   }
   outputs->commit(result.summary, composition->config());
+  if (!options.out.empty()) write_report(options.out, report_in(options.out));
   if (!options.quiet) tell_warnings(*composition, result);
   if (options.json)
     print_json(result.summary);

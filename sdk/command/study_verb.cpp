@@ -15,6 +15,7 @@
 #include "launcher.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
+#include "report_file.hpp"
 #include "results/study_writer.hpp"
 #include "study/crew.hpp"
 #include "study/journal.hpp"
@@ -128,10 +129,12 @@ struct Outputs {
       journal->sync();
       std::error_code ignored;
       std::filesystem::remove(folder / "study.json", ignored);  // with it there, all of them are, and of one study
+      std::filesystem::remove(report_in(folder), ignored);
       write("study.csv", study::runs_csv(study, results));
       write("table.csv", study::tables_csv(figures));
       write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
+      write_report(folder, report_in(folder));
     }
     if (!summary) return;
     summary->write(timed.dump(2) + "\n");

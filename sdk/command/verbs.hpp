@@ -25,6 +25,7 @@ Verb covariance_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);
+Verb report_verb(CLI::App& command);
 Verb list_verb(CLI::App& command);
 Verb describe_verb(CLI::App& command);
 Verb create_verb(CLI::App& command);

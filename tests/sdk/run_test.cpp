@@ -92,7 +92,7 @@ TEST_CASE("the summary is printed as tables, or as JSON, or not") {
 TEST_CASE("--out records every output with its sigma, units in the header, exact numbers") {
   const Workbench bench;
   REQUIRE(run(bench, {"--out", "new/out"}).status == 0);
-  CHECK(names_in(bench.path("new/out")) == std::vector<std::string>{"config.json", "run.nc", "summary.json", "walk.csv"});
+  CHECK(names_in(bench.path("new/out")) == std::vector<std::string>{"config.json", "report.html", "run.nc", "summary.json", "walk.csv"});
 
   std::istringstream lines(read_file(bench.path("new/out/walk.csv")));
   std::string line;
