@@ -3,5 +3,9 @@
 #include "binnacle/plugin.hpp"
 
 #include "csv_source.hpp"
+#include "csv_writer.hpp"
 
-BINNACLE_PLUGIN("csv", "1.0.0", registry) { registry.add<binnacle::csv::CsvSource>(); }
+BINNACLE_PLUGIN("csv", "1.1.0", registry) {
+  registry.add<binnacle::csv::CsvSource>();
+  registry.add<binnacle::csv::CsvWriter>();
+}

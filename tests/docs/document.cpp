@@ -17,6 +17,16 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+std::string without_times(const std::string& text) {
+  static const std::regex times(R"([0-9.]+ (ns|us|ms|s|min)( per step)?\n)");
+  return std::regex_replace(text, times, "TIME$2\n");
+}
+
+std::string without_blanks(std::string text) {
+  text = std::regex_replace(text, std::regex(R"((^|\s)//[^\n]*)"), "");
+  return std::regex_replace(text, std::regex(R"(\s+)"), "");
+}
+
 std::string Fence::text() const {
   std::string text;
   for (const auto& line : lines) text += line + "\n";
@@ -25,19 +35,24 @@ std::string Fence::text() const {
 
 MarkdownFile::MarkdownFile(const std::string& path) : path_(in_project(path)), text_(text_of(path_)) {}
 
-std::vector<Fence> MarkdownFile::fences(const std::string& language) const {
+std::vector<Fence> MarkdownFile::fences() const {
   std::vector<Fence> found;
   std::istringstream stream(text_);
-  bool is_inside = false, is_wanted = false;
+  bool is_inside = false;
   for (std::string line; std::getline(stream, line);) {
     if (line.rfind("```", 0) == 0) {
       is_inside = !is_inside;
-      is_wanted = is_inside && line.substr(3) == language;
-      if (is_wanted) found.push_back({language, {}});
-    } else if (is_wanted) {
+      if (is_inside) found.push_back({line.substr(3), {}});
+    } else if (is_inside) {
       found.back().lines.push_back(line);
     }
   }
+  return found;
+}
+
+std::vector<Fence> MarkdownFile::fences(const std::string& language) const {
+  auto found = fences();
+  std::erase_if(found, [&](const Fence& fence) { return fence.language != language; });
   return found;
 }
 

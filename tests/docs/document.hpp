@@ -22,6 +22,8 @@ class MarkdownFile {
 
   const std::string& text() const { return text_; }
   std::vector<Fence> fences(const std::string& language) const;
+  /// All of them, in their order.
+  std::vector<Fence> fences() const;
   /// Targets of links to files, without what follows a '#'.
   std::vector<std::string> links() const;
   std::filesystem::path folder() const { return path_.parent_path(); }
@@ -33,5 +35,9 @@ class MarkdownFile {
 
 std::filesystem::path in_project(const std::string& path);
 std::string text_of(const std::filesystem::path& path);
+/// What a command printed, without the times that it took.
+std::string without_times(const std::string& text);
+/// JSON without comments and blanks.
+std::string without_blanks(std::string text);
 
 }  // namespace binnacle::test

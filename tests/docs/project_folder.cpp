@@ -20,6 +20,8 @@ ProjectFolder::ProjectFolder() {
   folder_ = name;
   fs::create_directories(folder_ / "build/release/bin");
   fs::create_symlink(DOCS_COMMAND, folder_ / "build/release/bin/binnacle");
+  fs::create_directories(folder_ / "build/release/lib");
+  fs::create_symlink(BINNACLE_TEST_PLUGINS, folder_ / "build/release/lib/binnacle");
   fs::create_symlink(DOCS_EMBED, folder_ / "embed");
   fs::create_symlink(in_project("configs"), folder_ / "configs");
   for (const auto& block : MarkdownFile("README.md").fences("json"))
@@ -38,6 +40,12 @@ int ProjectFolder::run(const std::string& script, std::string& output) const {
   while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) output.append(buffer, n);
   const int status = ::pclose(pipe);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void ProjectFolder::write(const std::string& name, const std::string& text) const {
+  std::ofstream file(folder_ / name, std::ios::binary);
+  file << text;
+  if (!file.flush()) throw std::runtime_error("cannot write " + name);
 }
 
 }  // namespace binnacle::test

@@ -16,6 +16,8 @@ class ProjectFolder {
 
   /// Exit status; `output` is stdout and stderr together.
   int run(const std::string& script, std::string& output) const;
+  /// A file of that name in the folder.
+  void write(const std::string& name, const std::string& text) const;
 
  private:
   std::filesystem::path folder_;

@@ -2,7 +2,6 @@
 // README.md: its commands run, print what it says they print, and its excerpts are those of the quickstart.
 #include <cstdio>
 #include <filesystem>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -16,16 +15,6 @@ using namespace binnacle::test;
 namespace fs = std::filesystem;
 
 const char* const command = "build/release/bin/binnacle";
-
-std::string without_times(const std::string& text) {
-  static const std::regex times(R"([0-9.]+ (ns|us|ms|s|min)( per step)?\n)");
-  return std::regex_replace(text, times, "TIME$2\n");
-}
-
-std::string without_blanks(std::string text) {
-  text = std::regex_replace(text, std::regex(R"((^|\s)//[^\n]*)"), "");
-  return std::regex_replace(text, std::regex(R"(\s+)"), "");
-}
 
 std::vector<std::string> commands_of(const MarkdownFile& document, bool with_data) {
   std::vector<std::string> found;

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The csv_writer sink: samples of a channel as delimited text, as the csv source reads it.
+#include "csv_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace binnacle::csv {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+FieldSpec field(const char* name, const char* unit, FieldKind kind = FieldKind::level) {
+  return {name, unit, kind, true, false, "written where \"columns\" names it"};
+}
+
+/// Those that have a standard name; others are told which of these they are by "fields".
+std::vector<FieldSpec> writable_fields() {
+  std::vector<FieldSpec> fields;
+  for (const char* name : {"wx", "wy", "wz"}) fields.push_back(field(name, "rad/s", FieldKind::rate));
+  for (const char* name : {"fx", "fy", "fz"}) fields.push_back(field(name, "m/s^2", FieldKind::rate));
+  for (const char* name : {"lat", "lon"}) fields.push_back(field(name, "rad"));
+  fields.push_back(field("height", "m"));
+  for (const char* name : {"vn", "ve", "vd", "speed"}) fields.push_back(field(name, "m/s"));
+  for (const char* name : {"roll", "pitch", "yaw", "course"}) fields.push_back(field(name, "rad"));
+  for (const char* name : {"position_sd_n", "position_sd_e", "position_sd_d"}) fields.push_back(field(name, "m"));
+  for (const char* name : {"velocity_sd_n", "velocity_sd_e", "velocity_sd_d"}) fields.push_back(field(name, "m/s"));
+  return fields;
+}
+
+ParameterSpec column_spec() {
+  return parameter::object(
+      "field", {parameter::text("column").about("its name in the header; default: the field's name"),
+                parameter::number("unit", "*").required().about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\"")});
+}
+
+/// Nanoseconds as seconds, exactly: "12.5", "-0.01".
+void append_time(std::string& text, Time t) {
+  const auto magnitude = t < 0 ? 0 - static_cast<std::uint64_t>(t) : static_cast<std::uint64_t>(t);
+  std::string decimals = std::to_string(magnitude % 1'000'000'000);
+  decimals.insert(0, 9 - decimals.size(), '0');
+  while (decimals.size() > 1 && decimals.back() == '0') decimals.pop_back();
+  text += (t < 0 ? "-" : "") + std::to_string(magnitude / 1'000'000'000) + "." + decimals;
+}
+
+/// As many digits as it takes to read the same number again.
+void append_number(std::string& text, double value) {
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  text.append(digits.data(), end);
+}
+
+std::string joined(const std::vector<FieldSpec>& fields) {
+  std::string text;
+  for (const auto& each : fields) text += (text.empty() ? "" : ", ") + each.name;
+  return text;
+}
+
+}  // namespace
+
+ComponentSpec CsvWriter::spec() {
+  ComponentSpec spec;
+  spec.type = "csv_writer";
+  spec.summary = "samples of a channel as delimited text, a row for each, as the csv source reads it";
+  spec.source = "RFC 4180 (text/csv)";
+  spec.parameters = {
+      parameter::path("path").required().about("the file; it is there when the run has ended"),
+      parameter::map("columns", column_spec()).required().about("what is written, from left to right after the time"),
+      parameter::text("time").defaults("\"t_s\"").about("name of the column of times, in seconds"),
+      parameter::time("offset").defaults("0").about("added to every time")};
+  spec.inputs = {{"input", writable_fields(), false, "what is written; rates are means over the sample's interval"}};
+  spec.example = R"json({"input": "imu", "path": "imu.csv",
+    "columns": {"wx": {"column": "gx_dps", "unit": "deg/s"}, "fx": {"column": "ax_g", "unit": "g"}}})json";
+  return spec;
+}
+
+CsvWriter::CsvWriter(const Binding& binding) : path_(binding.parameters().text("path")) {
+  const auto fields = writable_fields();
+  header_ = binding.parameters().text("time");
+  offset_ = binding.parameters().time("offset");
+  for (const auto& [name, value] : binding.parameters().members("columns")) {
+    const std::string pointer = "/columns/" + name;
+    const auto found = std::find_if(fields.begin(), fields.end(), [&, &key = name](const auto& f) { return f.name == key; });
+    if (found == fields.end())
+      throw ComponentError("there is no field '" + name + "' to write; there are " + joined(fields) +
+                               " (a field of another name is told by \"fields\": {\"speed\": \"" + name + "\"})",
+                           pointer);
+    Column column{name, name, static_cast<std::size_t>(found - fields.begin()), 1};
+    for (const auto& [key, member] : value.members) {
+      if (key == "column" && member.type != ParameterValue::Type::absent) column.name = member.text;
+      if (key != "unit") continue;
+      if (member.text != found->unit)
+        throw ComponentError("'" + name + "' is in " + found->unit + ", and this is a unit of " + member.text, pointer + "/unit");
+      column.unit = member.number;
+    }
+    header_ += "," + column.name;
+    columns_.push_back(column);
+  }
+  if (columns_.empty()) throw ComponentError("no field is named", "/columns");
+  header_ += "\n";
+}
+
+void CsvWriter::open() {
+  const fs::path folder = fs::path(path_).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder))
+    throw ComponentError("there is no folder '" + folder.string() + "'; make it first", "/path");
+  text_ = header_;
+}
+
+void CsvWriter::on(int /*input*/, const SampleView& sample) {
+  const auto is_number = [&](const Column& column) { return std::isfinite(sample.fields[column.index]); };
+  if (std::none_of(columns_.begin(), columns_.end(), is_number)) return;
+  append_time(text_, sample.t + offset_);
+  for (auto& column : columns_) {
+    text_ += ',';
+    if (!is_number(column)) continue;
+    append_number(text_, sample.fields[column.index] / column.unit);
+    column.has_number = true;
+  }
+  text_ += '\n';
+}
+
+void CsvWriter::close() {
+  for (const auto& column : columns_)
+    if (!column.has_number)
+      throw ComponentError("no sample has a '" + column.field + "'; nothing was written", "/columns/" + column.field);
+  write();
+}
+
+void CsvWriter::write() {
+  const std::string temporary = path_ + ".part";
+  std::ofstream file(temporary, std::ios::binary);
+  file << text_;
+  file.close();
+  const int reason = errno;
+  std::error_code error;
+  if (file) fs::rename(temporary, path_, error);
+  if (file && !error) return;
+  std::error_code ignored;
+  fs::remove(temporary, ignored);
+  throw ComponentError("'" + path_ + "' cannot be written: " + (error ? error.message() : std::strerror(reason)), "/path");
+}
+
+}  // namespace binnacle::csv
