@@ -118,7 +118,7 @@ class Nees : public SampleListener {
 };
 
 /// What a Monte Carlo found: how many of the statements about NEES hold, and whether the one about NIS does.
-struct Findings {
+struct Consistency {
   int nees_statements = 0;
   int nees_outside = 0;
   double nis = 0;  // mean, over the rows of a fix
@@ -133,7 +133,7 @@ void run_to_the_end(Runtime& runtime, int run) {
   runtime.finish();
 }
 
-Findings monte_carlo(const std::string& title, const std::shared_ptr<const Composition>& composition) {
+Consistency monte_carlo(const std::string& title, const std::shared_ptr<const Composition>& composition) {
   binnacle::run(composition);  // opens its sources
   Runtime runtime(composition->plan());
   Nees nees(runtime);
@@ -149,7 +149,7 @@ Findings monte_carlo(const std::string& title, const std::shared_ptr<const Compo
     dof_sum += static_cast<double>(ledger.dof_sum);
   }
 
-  Findings found;
+  Consistency found;
   found.nees_statements = static_cast<int>(instants.size() * nees.figures().front().size());
   const double each = 1 - (1 - confidence) / found.nees_statements;
   std::printf("\n%s: %d runs\n  %-14s dof  band            ", title.c_str(), runs, "mean NEES");
@@ -189,32 +189,32 @@ std::vector<std::string> fix_noise(double factor) {
 }  // namespace
 
 TEST_CASE("NEES and NIS of a filter whose model is the truth: constant biases") {
-  const Findings found = monte_carlo("matched, constant biases", load("matched.json"));
+  const Consistency found = monte_carlo("matched, constant biases", load("matched.json"));
   CHECK(found.nees_outside == 0);
   CHECK(found.nis_is_inside);
 }
 
 TEST_CASE("NEES and NIS of a filter whose model is the truth: wandering biases") {
-  const Findings found = monte_carlo("matched, Gauss-Markov biases", load("matched_drift.json"));
+  const Consistency found = monte_carlo("matched, Gauss-Markov biases", load("matched_drift.json"));
   CHECK(found.nees_outside == 0);
   CHECK(found.nis_is_inside);
 }
 
 // NIS hardly sees the process noise of an inertial sensor: the fixes' own noise covers it. NEES does.
 TEST_CASE("a filter with twice the process noise is found out") {
-  const Findings found = monte_carlo("process noise x 2", load("matched.json", process_noise(2)));
+  const Consistency found = monte_carlo("process noise x 2", load("matched.json", process_noise(2)));
   CHECK(found.nees_outside > 0);
   CHECK(found.nis < found.nis_dof);
 }
 
 TEST_CASE("a filter with half the process noise is found out") {
-  const Findings found = monte_carlo("process noise / 2", load("matched.json", process_noise(0.5)));
+  const Consistency found = monte_carlo("process noise / 2", load("matched.json", process_noise(0.5)));
   CHECK(found.nees_outside > 0);
   CHECK(found.nis > found.nis_dof);
 }
 
 TEST_CASE("a filter that believes its fixes too little is found out") {
-  const Findings found = monte_carlo("R x 1.5", load("matched.json", fix_noise(1.5)));
+  const Consistency found = monte_carlo("R x 1.5", load("matched.json", fix_noise(1.5)));
   CHECK(found.nees_outside > 0);
   CHECK_FALSE(found.nis_is_inside);
 }
