@@ -207,6 +207,8 @@ function trackSection(filter) {
 }
 
 function filterSections(filter, summary, path) {
+  // Never started, or with one sample only: nothing is drawn over time.
+  if (!filter.span || !(filter.span[1] > filter.span[0])) return [summarySection(filter, summary, path)];
   return [summarySection(filter, summary, path), trackSection(filter), statesSection(filter), consistencySection(filter), measurementsSection(filter), adaptedSection(filter)].filter(Boolean);
 }
 
@@ -333,7 +335,7 @@ function start() {
   }
   main.append(el('footer', {}, 'Made by binnacle report. This page is complete in itself: it fetches nothing.'));
   document.getElementById('contents').append(el('div', { class: 'brand' }, el('a', { href: '#main' }, 'Binnacle'), themeSwitch()), contents(list));
-  const timed = payload.run ? payload.run.filters.filter((filter) => filter.span) : [];
+  const timed = payload.run ? payload.run.filters.filter((filter) => filter.span && filter.span[1] > filter.span[0]) : [];
   if (timed.length) new TimeBar(document.getElementById('timebar'), timed);
   addEventListener('beforeprint', () => print(true));
   addEventListener('afterprint', () => print(false));
