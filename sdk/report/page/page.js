@@ -171,9 +171,9 @@ function measurementBlock(filter, measurement) {
 function nisPlot(filter, measurement) {
   const nis = measurement.nis;
   return timePlot(filter, {
-    title: 'NIS', unit: nis.dof ? `of ${nis.dof} rows` : 'rows vary', name: `${measurement.name}.nis`, t: nis.t, v: nis.v, o: nis.o, n: nis.n, colour: '--c0', isSquare: true, least: 0,
+    title: 'NIS', unit: nis.dof ? `of ${nis.dof} rows` : `of ${brief(nis.mean ? nis.mean.dof : null)} rows on average`, name: `${measurement.name}.nis`, t: nis.t, v: nis.v, o: nis.o, n: nis.n, colour: '--c0', isSquare: true, least: 0,
     low: nis.low, high: nis.high, lows: nis.lows, highs: nis.highs, moving: nis.moving, lines: nis.dof ? [{ value: nis.low }, { value: nis.high }] : [],
-    stat: nis.mean ? `mean ${brief(nis.mean.value)}, expected ${brief(nis.mean.dof)}; ${percent(nis.inside, nis.accepted)} within the dashed 95 %` : '',
+    stat: nis.mean ? `mean ${brief(nis.mean.value)}; ${percent(nis.inside, nis.accepted)} within 95 % bounds` : '',
   });
 }
 
