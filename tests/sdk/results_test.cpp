@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -141,6 +142,19 @@ TEST_CASE("errors and outcomes of run.nc make the figures of the summary") {
     REQUIRE(error.t.size() == error.values.size());
     REQUIRE((error.sigma.empty() || error.sigma.size() == error.values.size()));
     if (!summary.at("reference").contains(error.name)) continue;
+    const auto& figures = summary.at("reference").at(error.name);
+    CHECK(figures.at("unit") == error.display_unit);
+    const double scale = error.display_unit == "deg" ? 180 / std::numbers::pi : 1;
+    double squares = 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < error.t.size(); ++i) {
+      if (error.t[i] < summary.at("start_s").get<double>() + 10) continue;  // as the config says
+      squares += error.values[i] * error.values[i];
+      ++n;
+    }
+    CHECK(n == figures.at("n").get<std::size_t>());
+    const double rms = figures.at("rms").get<double>();
+    CHECK(std::abs(std::sqrt(squares / static_cast<double>(n)) * scale - rms) < 1e-9 * rms);
     ++compared;
   }
   CHECK(compared == summary.at("reference").size());

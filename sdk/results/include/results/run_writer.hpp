@@ -33,7 +33,6 @@ class RunWriter {
 
  private:
   class Filter;
-  class Measurement;
   struct Contents;
   std::unique_ptr<Contents> contents_;
 };
