@@ -26,7 +26,7 @@ class Browser {
   void open(const std::filesystem::path& page);
   /// What the expression is; a promise's value. Throws where it throws.
   Json value_of(const std::string& expression);
-  /// Throws when it is not true after 20 s.
+  /// Throws when it is not true after a minute.
   void wait_for(const std::string& expression);
   void drag(double x0, double y0, double x1, double y1);
   void double_click(double x, double y);

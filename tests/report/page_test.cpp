@@ -207,6 +207,27 @@ TEST_CASE("Page of a study: every figure, the paper's beside it, what broke") {
   require_quiet(*chromium);
 }
 
+TEST_CASE("Page of a run and a study, with a filter that never started and a measurement without samples") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  auto results = run_results("ins", 300);
+  results.study = study_results().study;
+  results::FilterResults idle;
+  idle.name = "idle";
+  idle.estimates = {{"position", "lat", "rad", "deg", true, {}, {}}, {"position", "lon", "rad", "deg", true, {}, {}}};
+  idle.errors = {{"position.north", "m", "m", {}, {}, {}}};
+  idle.updates.push_back({"fix", {{"position", "m"}}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}});
+  results.run->filters.push_back(idle);
+  results.run->summary["filters"]["idle"] = {{"steps", 0}, {"filter_s", 0.0}, {"reference", Json::object()}, {"measurements", Json::object()}};
+  chromium->open(folder.write("page.html", report::page(results)));
+  chromium->wait_for("(() => { scrollBy(0, 700); return scrollY + innerHeight >= document.documentElement.scrollHeight - 2; })()");
+  REQUIRE(chromium->value_of("document.body.textContent.includes('never started')") == Json(true));
+  require_figures(*chromium, results.run->summary, "/run");
+  require_figures(*chromium, results.study->figures, "/study");
+  require_quiet(*chromium);
+}
+
 TEST_CASE("Page of a million samples: usable") {
   const auto chromium = browser();
   if (!chromium) return;

@@ -171,9 +171,9 @@ function measurementBlock(filter, measurement) {
 function nisPlot(filter, measurement) {
   const nis = measurement.nis;
   return timePlot(filter, {
-    title: 'NIS', unit: nis.dof ? `of ${nis.dof} rows` : 'rows vary', name: `${measurement.name}.nis`, t: nis.t, v: nis.v, o: nis.o, n: nis.n, colour: '--c0', isSquare: true, least: 0,
+    title: 'NIS', unit: nis.dof ? `of ${nis.dof} rows` : `of ${brief(nis.mean ? nis.mean.dof : null)} rows on average`, name: `${measurement.name}.nis`, t: nis.t, v: nis.v, o: nis.o, n: nis.n, colour: '--c0', isSquare: true, least: 0,
     low: nis.low, high: nis.high, lows: nis.lows, highs: nis.highs, moving: nis.moving, lines: nis.dof ? [{ value: nis.low }, { value: nis.high }] : [],
-    stat: nis.mean ? `mean ${brief(nis.mean.value)}, expected ${brief(nis.mean.dof)}; ${percent(nis.inside, nis.accepted)} within the dashed 95 %` : '',
+    stat: nis.mean ? `mean ${brief(nis.mean.value)}; ${percent(nis.inside, nis.accepted)} within 95 % bounds` : '',
   });
 }
 
@@ -207,6 +207,8 @@ function trackSection(filter) {
 }
 
 function filterSections(filter, summary, path) {
+  // Never started, or with one sample only: nothing is drawn over time.
+  if (!filter.span || !(filter.span[1] > filter.span[0])) return [summarySection(filter, summary, path)];
   return [summarySection(filter, summary, path), trackSection(filter), statesSection(filter), consistencySection(filter), measurementsSection(filter), adaptedSection(filter)].filter(Boolean);
 }
 
@@ -333,7 +335,7 @@ function start() {
   }
   main.append(el('footer', {}, 'Made by binnacle report. This page is complete in itself: it fetches nothing.'));
   document.getElementById('contents').append(el('div', { class: 'brand' }, el('a', { href: '#main' }, 'Binnacle'), themeSwitch()), contents(list));
-  const timed = payload.run ? payload.run.filters.filter((filter) => filter.span) : [];
+  const timed = payload.run ? payload.run.filters.filter((filter) => filter.span && filter.span[1] > filter.span[0]) : [];
   if (timed.length) new TimeBar(document.getElementById('timebar'), timed);
   addEventListener('beforeprint', () => print(true));
   addEventListener('afterprint', () => print(false));
