@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// The source: one angle of a ship by its shaping filter, read by a gyro that drifts.
+// The source: one angle of a ship, by its shaping filter or as recorded, read by a gyro that drifts.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "binnacle/source.hpp"
+#include "record.hpp"
 
 namespace binnacle::ship_motion {
 
-/// State: angle, rate, accumulated drift, drift; exact from sample to sample.
+/// State: the motion's (none where it is recorded), accumulated drift, drift; exact from sample to sample.
 class Simulator final : public Source {
  public:
   static ComponentSpec spec();
   explicit Simulator(const Binding& binding);
 
   const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
+  void open(Reporter& reporter) override;
   std::size_t memory_bytes() const noexcept override;
   void start(std::uint64_t seed, std::byte* memory) const override;
   SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
@@ -24,12 +27,23 @@ class Simulator final : public Source {
   enum Channel { truth, gyro };
 
  private:
+  static constexpr int max_states = 6;
   struct Memory;
+  using States = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_states, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_states, max_states>;
 
-  Time interval_, duration_;
-  Eigen::Vector4d first_sigma_;
-  Eigen::Matrix4d Phi_, root_Q_;  // per interval
-  double noise_;                  // rad
+  void declare_channels();
+  void discretize(double interval);
+  bool is_recorded() const { return place_.has_value(); }
+  bool is_over(const Memory& memory) const;
+
+  std::optional<RecordPlace> place_;
+  Record record_;
+  Time interval_ = 0, duration_ = 0;  // of a motion that is not recorded
+  int order_ = 0;                     // of the motion
+  Square F_, density_, root_P_;       // continuous form, root of the first covariance
+  Square Phi_, root_Q_;               // per interval
+  double noise_;                      // rad
   std::vector<ChannelDeclaration> channels_;
 };
 

@@ -28,7 +28,10 @@ ComponentSpec DcmMatch::spec() {
       parameter::vector("sigma", "rad", 3)
           .above(0)
           .required()
-          .about("standard deviation of the master's attitude, about north, east, down, at each sample")};
+          .about("standard deviation of the master's attitude, about north, east, down, at each sample"),
+      parameter::choice("jacobian", {"tangent", "chord"})
+          .defaults("\"tangent\"")
+          .about("at the estimate, or right to second order over the whole residual: for large errors at the start")};
   spec.ports = {reads("attitude", "attitude", "of the slave (SINS)"),
                 reads("mounting", "mounting", "of the slave in the master's axes")};
   spec.fields = {angle("roll", "of the master (MINS)"), angle("pitch", "of the master"),
@@ -43,7 +46,9 @@ ComponentSpec DcmMatch::spec() {
   return spec;
 }
 
-DcmMatch::DcmMatch(const Binding& binding) : variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
+DcmMatch::DcmMatch(const Binding& binding)
+    : is_chord_(binding.parameters().text("jacobian") == "chord"),
+      variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
   declaration_.max_rows = 3;
   declaration_.reads = {attitude, mounting};
   declaration_.groups = {{"attitude", 0, 3, "rad", attitude}};
@@ -62,8 +67,11 @@ Result DcmMatch::linearize(const SampleView& sample, const SampleView* /*auxilia
   out.rows = 3;
   vector_at<3>(out.residual) << 0.5 * (A(2, 1) - A(1, 2)), 0.5 * (A(0, 2) - A(2, 0)), 0.5 * (A(1, 0) - A(0, 1));
   const Matrix3d scaled = 0.5 * trace * Matrix3d::Identity();
-  out.H[attitude].as<3, 3>() = scaled - 0.5 * A.transpose();
-  out.H[mounting].as<3, 3>() = (0.5 * A - scaled) * C_M;
+  Matrix3d of_attitude = scaled - 0.5 * A.transpose(), of_mounting = scaled - 0.5 * A;
+  if (is_chord_)
+    for (Matrix3d* H : {&of_attitude, &of_mounting}) *H = 0.5 * (*H + Matrix3d::Identity());
+  out.H[attitude].as<3, 3>() = of_attitude;
+  out.H[mounting].as<3, 3>() = -of_mounting * C_M;
   out.R.as<3, 3>().diagonal() = variance_;
   return Result::ok();
 }

@@ -15,6 +15,12 @@ namespace binnacle::transfer_match {
 /// residuals that are not small, exactly:
 ///   H_ψ = ½ (tr A I − Aᵀ)      H_μ = −½ (tr A I − A) C_M
 /// by [a×]A + Aᵀ[a×] = [((tr A) I − A) a ×]; both are the paper's where A = I.
+///
+/// That is the tangent at the estimate. Where attitude and mounting are each wrong by much, their common part c (which
+/// turns r, and does nothing else) would seem visible through [r×] c, or through nothing in the paper's. With
+/// r = log(exp(−m) exp(ψ)) = ψ − m + ½ r × ½(ψ + m) to second order, m = C_M δμ, what is right over the whole of r is
+///   H_ψ = I + ¼ [r×]           H_μ = −(I − ¼ [r×]) C_M
+/// the mean of both: the chord. P⁺ is then tight where the residual was, after the blocks' reset Jacobians too.
 class DcmMatch final : public MeasurementModel {
  public:
   static ComponentSpec spec();
@@ -26,6 +32,7 @@ class DcmMatch final : public MeasurementModel {
 
  private:
   MeasurementDeclaration declaration_;
+  bool is_chord_;
   Eigen::Vector3d variance_;  // rad²
 };
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages, made by `cpack -G DEB` in the build folder: binnacle (component runtime) and binnacle-dev (dev).
+# Debian packages, made by `cpack -G DEB` in the build folder: binnacle (component runtime), binnacle-dev (dev) and, where
+# there is an MPI, binnacle-mpi (mpi).
 include_guard(GLOBAL)
 
 set(CPACK_GENERATOR DEB)
@@ -25,5 +26,13 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "binnacle (= ${PROJECT_VERSION}), libeigen3-dev")
 # Only an embedding program needs these.
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "nlohmann-json3-dev, libboost-dev, libboost-filesystem-dev")
+
+if(TARGET binnacle_mpi)
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+  set(CPACK_DEBIAN_MPI_DESCRIPTION "What `binnacle study` needs under mpirun.")
+  set(CPACK_DEBIAN_MPI_PACKAGE_NAME binnacle-mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "binnacle (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS "openmpi-bin")
+endif()
 
 include(CPack)

@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -35,29 +36,44 @@ int open_unnamed([[maybe_unused]] const std::filesystem::path& folder) {
   return -1;
 }
 
+/// What killed processes left behind.
+void remove_abandoned(const std::filesystem::path& folder, const std::string& prefix) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (!entry.path().filename().string().starts_with(prefix)) continue;
+    const int file = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) continue;
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(file);
+  }
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
+AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : target_(std::move(target)) {
   std::error_code ignored;
   const auto status = std::filesystem::status(target_, ignored);
   if (std::filesystem::is_directory(status))
     throw UsageError(fmt::format("cannot write '{}': it is a folder", target_.string()));
   is_direct_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  if (is_direct_ && temporary == Temporary::named)
+    throw UsageError(fmt::format("cannot write '{}': it is no regular file", target_.string()));
   if (is_direct_)
     file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
   else
-    open_temporary();
+    open_temporary(temporary);
   if (file_ < 0) throw UsageError(fmt::format("cannot write '{}': {}", target_.string(), std::strerror(errno)));
   buffer_.reserve(buffer_size);
 }
 
-void AtomicFile::open_temporary() {
+void AtomicFile::open_temporary(Temporary temporary) {
   std::error_code ignored;
   if (std::filesystem::is_symlink(target_, ignored)) target_ = std::filesystem::weakly_canonical(target_, ignored);
   const auto folder = folder_of(target_);
   temporary_ = folder / fmt::format(".{}.tmp-{}", target_.filename().string(), ::getpid());
-  file_ = open_unnamed(folder);
+  file_ = temporary == Temporary::unnamed ? open_unnamed(folder) : -1;
   if (file_ >= 0) return;
+  if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
   file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
   has_name_ = file_ >= 0;
 }
@@ -67,15 +83,19 @@ AtomicFile::~AtomicFile() {
   if (has_name_) ::unlink(temporary_.c_str());
 }
 
-void AtomicFile::fail() const {
-  throw OutputError(fmt::format("'{}' could not be written: {}", target_.string(), std::strerror(errno)));
+void AtomicFile::fail(const std::string& why) const {
+  std::string mend;
+  for (const int full : {ENOSPC, EDQUOT})
+    if (why == std::strerror(full)) mend = "; make room there, or write elsewhere";
+  if (why == std::strerror(EFBIG)) mend = "; raise the limit (ulimit -f), or write elsewhere";
+  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, mend));
 }
 
 void AtomicFile::flush() {
   for (std::size_t at = 0; at < buffer_.size();) {
     const auto written = ::write(file_, buffer_.data() + at, buffer_.size() - at);
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail();
+    if (written <= 0) fail(std::strerror(errno));
     at += static_cast<std::size_t>(written);
   }
   buffer_.clear();
@@ -89,13 +109,13 @@ void AtomicFile::write(std::string_view text) {
 void AtomicFile::commit() {
   flush();
   if (is_direct_) return;
-  if (::fsync(file_) != 0 && errno != EINVAL) fail();
+  if (::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
   if (!has_name_) {
     ::unlink(temporary_.c_str());
-    if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail();
+    if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail(std::strerror(errno));
     has_name_ = true;
   }
-  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(std::strerror(errno));
   has_name_ = false;
   ::close(std::exchange(file_, -1));
 }

@@ -14,23 +14,30 @@ namespace binnacle::command {
 /// file.
 class AtomicFile {
  public:
+  /// `named`: for a library that opens the file itself, by path(). A killed process leaves the hidden name behind; the
+  /// next to write the same target removes it, once nobody holds a lock on it any more, as HDF5 does while it writes.
+  enum class Temporary { unnamed, named };
+
   /// Throws UsageError when the file cannot be made there.
-  explicit AtomicFile(std::filesystem::path target);
+  explicit AtomicFile(std::filesystem::path target, Temporary temporary = Temporary::unnamed);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   /// Throws OutputError, as commit() does.
   void write(std::string_view text);
+  /// Of a named one, until commit().
+  const std::filesystem::path& path() const { return temporary_; }
+  /// OutputError: that it could not be written, why, and what to do.
+  [[noreturn]] void fail(const std::string& why) const;
   /// Replaces what is at the target. Nothing may be written after it.
   void commit();
 
   const std::filesystem::path& target() const { return target_; }
 
  private:
-  void open_temporary();
+  void open_temporary(Temporary temporary);
   void flush();
-  [[noreturn]] void fail() const;
 
   std::filesystem::path target_;
   std::filesystem::path temporary_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "binnacle/composition.hpp"
+#include "binnacle/unit.hpp"
 #include "output.hpp"
 #include "table.hpp"
 #include "verbs.hpp"
@@ -160,6 +161,14 @@ std::string measurements_text(const Json& filter) {
   return section("Measurements", table);
 }
 
+std::string readings_text(const Json& filter) {
+  if (!filter.contains("readings")) return {};
+  Table table("lll");
+  for (const auto& reading : filter.at("readings"))
+    table.row({reading.at("name"), "of " + value_text(reading.at("block")), "by " + value_text(reading.at("measurement"))});
+  return section("Readings", table);
+}
+
 std::string start_text(const Json& filter) {
   std::vector<std::string> channels;
   for (const auto& initial : filter.at("starts_when")) {
@@ -175,7 +184,26 @@ std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
   return fmt::format("\nFILTER {}: {} in the covariance\n", name, counted(filter.at("dof"), "row")) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
-         measurements_text(filter) + start_text(filter);
+         measurements_text(filter) + readings_text(filter) + start_text(filter);
+}
+
+/// Figures that components found out while they were bound; angles in degrees, as everywhere in print.
+std::string found_text(const Json& found) {
+  Table table("llrl");
+  for (const auto& component : found) {
+    std::string at = component.at("at");
+    for (const auto& told : component.at("figures")) {
+      double value = told.at("value");
+      std::string unit = told.at("unit");
+      if (unit == "rad") {
+        value = to_unit(value, *parse_unit("deg"));
+        unit = "deg";
+      }
+      table.row({at, told.at("name"), figure(value), unit == "1" ? "" : unit});
+      at.clear();
+    }
+  }
+  return section("Found", table);
 }
 
 std::string explanation_text(const Json& told, const Json& config) {
@@ -185,6 +213,7 @@ std::string explanation_text(const Json& told, const Json& config) {
       sources_text(told.at("sources")) + transforms_text(told.at("transforms")) + channels_text(told.at("channels"));
   for (const auto& filter : told.at("filters"))
     text += filter_text(filter, config.at("filters").at(filter.at("name").get<std::string>()));
+  text += found_text(told.at("found"));
   text += fmt::format("\nUnused channels: {}\n",
                       told.at("unused_channels").empty() ? "none" : joined(texts(told.at("unused_channels"))));
   text += fmt::format("A snapshot takes {} bytes\n", told.at("arena_bytes").dump());

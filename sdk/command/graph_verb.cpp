@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// graph: the composition as DOT, or through Graphviz as SVG.
+// graph: the composition as DOT, or through Graphviz as SVG; the sparsity of Φ, Qd and H as SVG.
 #include <cstdio>
 #include <cstdlib>
 
@@ -11,6 +11,7 @@
 #include "binnacle/composition.hpp"
 #include "dot.hpp"
 #include "output.hpp"
+#include "sparsity_svg.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -70,14 +71,23 @@ struct Options {
   std::string config_path;
   ConfigOptions config;
   std::string svg;
+  std::string sparsity;
   bool json = false;
 };
 
 int graph(const Options& options) {
   const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
-  const std::string dot = dot_text(composition->explain());
+  const Json explained = composition->explain();
+  const std::string dot = dot_text(explained);
+  if (!options.sparsity.empty()) {
+    AtomicFile file(options.sparsity);
+    file.write(sparsity_svg(explained));
+    file.commit();
+  }
   if (!options.svg.empty())
     write_svg(dot, options.svg);
+  else if (!options.sparsity.empty())
+    return ok;
   else if (options.json)
     print_json({{"dot", dot}});
   else
@@ -89,11 +99,14 @@ int graph(const Options& options) {
 
 Verb graph_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app = command.add_subcommand("graph", "The composition as a graph, in DOT or SVG");
+  CLI::App* app = command.add_subcommand("graph", "The composition as a graph, in DOT or SVG; its matrices' sparsity");
   app->add_option("CONFIG", options->config_path, "The config")->required();
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
   app->add_option("--svg", options->svg, "Draw it with Graphviz instead of printing DOT")->type_name("FILE.svg");
+  app->add_option("--sparsity", options->sparsity,
+                  "Draw the state layout and which blocks of the transition, noise and measurement matrices there are")
+      ->type_name("FILE.svg");
   app->add_flag("--json", options->json, "The DOT text as a JSON object");
   return {app, [options] { return graph(*options); }};
 }

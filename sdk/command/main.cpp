@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The binnacle command: verbs, and their exit status.
 #include <algorithm>
+#include <csignal>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ constexpr const char* exit_statuses =
 std::vector<Verb> add_verbs(CLI::App& command) {
   std::vector<Verb> verbs;
   for (const auto add : {run_verb, study_verb, covariance_verb, check_verb, explain_verb, list_verb, describe_verb, create_verb,
-                         schema_verb, graph_verb, new_verb, conform_verb, version_verb})
+                         schema_verb, graph_verb, report_verb, new_verb, conform_verb, version_verb})
     verbs.push_back(add(command));
   // What is left over is looked at in refuse_leftovers(), which knows what was likely meant.
   command.allow_extras();
@@ -108,6 +109,7 @@ int carry_out(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace binnacle::command;
+  std::signal(SIGXFSZ, SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is told like a full disk
   try {
     return carry_out(argc, argv);
   } catch (const binnacle::Error& error) {

@@ -38,6 +38,23 @@ LoadOptions ConfigOptions::load_options(const std::string& config) const {
   return options;
 }
 
+std::string ConfigOptions::as_typed() const {
+  std::string text;
+  if (!variant_.empty()) text += " --variant " + shell_quoted(variant_);
+  for (const auto& var : vars_) text += " --var " + shell_quoted(var);
+  for (const auto& set : sets_) text += " --set " + shell_quoted(set);
+  return text;
+}
+
+std::string shell_quoted(const std::string& text) {
+  if (!text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=") ==
+                           std::string::npos)
+    return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
 Catalog load_catalog(int& status) {
   Catalog catalog;
   Diagnostics diagnostics;

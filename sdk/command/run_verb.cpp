@@ -3,14 +3,16 @@
 #include "binnacle/run.hpp"
 
 #include <chrono>
-#include <optional>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
-#include "csv_recorder.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
+#include "provenance.hpp"
+#include "report_file.hpp"
+#include "run_recorder.hpp"
 #include "summary_text.hpp"
 #include "verbs.hpp"
 
@@ -60,7 +62,7 @@ class ProgressLine {
 
 class Watch : public RunObserver {
  public:
-  Watch(CsvRecorder* recorder, bool shows_progress) : recorder_(recorder), line_(shows_progress) {}
+  Watch(RunRecorder* recorder, bool shows_progress) : recorder_(recorder), line_(shows_progress) {}
 
   bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) override {
@@ -69,21 +71,36 @@ class Watch : public RunObserver {
   void record(int filter, Time t, std::span<const double> values) override {
     if (recorder_) recorder_->record(filter, t, values);
   }
+  StepTape* tape(int filter) override { return recorder_ ? recorder_->tape(filter) : nullptr; }
+  void scored(int filter, const ErrorSeries& errors) override {
+    if (recorder_) recorder_->scored(filter, errors);
+  }
   bool progress(Time t) override {
     line_.show(t);
     return interrupted_by() == 0;
   }
 
  private:
-  CsvRecorder* recorder_;
+  RunRecorder* recorder_;
   ProgressLine line_;
 };
 
+Json provenance_of(const Options& options, const Composition& composition) {
+  Json all = provenance(composition.catalog(),
+                        fmt::format("binnacle run {}{} --seed {} --run {}", shell_quoted(options.config_path),
+                                    options.config.as_typed(), options.run.seed, options.run.run));
+  all["seed"] = options.run.seed;
+  all["run"] = options.run.run;
+  all["created"] = now_in_words();
+  return all;
+}
+
 /// What a run leaves behind. Both are opened before the run, so that a bad name is told at once.
 struct Outputs {
-  explicit Outputs(const Options& options) {
+  Outputs(const Options& options, const Composition& composition) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
-    if (!options.out.empty()) recorder = std::make_unique<CsvRecorder>(options.out);
+    if (!options.out.empty())
+      recorder = std::make_unique<RunRecorder>(options.out, composition, provenance_of(options, composition));
   }
   void commit(const Json& figures, const Json& config) {
     if (recorder) recorder->commit(figures, config);
@@ -92,11 +109,11 @@ struct Outputs {
     summary->commit();
   }
   std::unique_ptr<AtomicFile> summary;
-  std::unique_ptr<CsvRecorder> recorder;
+  std::unique_ptr<RunRecorder> recorder;
 };
 
 RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
-                      CsvRecorder* recorder) {
+                      RunRecorder* recorder) {
   Watch watch(recorder, stderr_is_terminal() && !options.quiet);
   RunOptions run_options = options.run;
   run_options.observer = &watch;
@@ -112,7 +129,7 @@ void tell_warnings(const Composition& composition, const RunResult& result) {
 int run_config(const Options& options) {
   const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
   watch_signals();
-  std::optional<Outputs> outputs(std::in_place, options);
+  auto outputs = std::make_unique<Outputs>(options, *composition);
   const RunResult result = watched_run(composition, options, outputs->recorder.get());
   if (interrupted_by() != 0) {
     outputs.reset();
@@ -120,6 +137,7 @@ int run_config(const Options& options) {
     die_of_signal();
   }
   outputs->commit(result.summary, composition->config());
+  if (!options.out.empty()) write_report(options.out, report_in(options.out));
   if (!options.quiet) tell_warnings(*composition, result);
   if (options.json)
     print_json(result.summary);
@@ -138,7 +156,7 @@ Verb run_verb(CLI::App& command) {
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
   app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
-  app->add_option("--out", options->out, "Record every output and its 1-sigma: FILTER.csv, summary.json, config.json")
+  app->add_option("--out", options->out, "Record it all: run.nc, FILTER.csv, summary.json, config.json")
       ->type_name("DIR");
   app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();
   app->add_option("--run", options->run.run, "Which run of the seed")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // study: variants of a config, many runs of each, and the tables made of them.
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -8,9 +9,15 @@
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
+#include "binnacle/config.hpp"
 #include "folders.hpp"
 #include "interrupt.hpp"
+#include "launcher.hpp"
 #include "output.hpp"
+#include "provenance.hpp"
+#include "report_file.hpp"
+#include "results/study_writer.hpp"
+#include "study/crew.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
 #include "study/summary.hpp"
@@ -30,7 +37,7 @@ struct Options {
   ConfigOptions config;
   std::optional<int> runs;
   std::optional<std::uint64_t> seed;
-  int jobs = 0;
+  int jobs = 0;  // 0: all processors
   std::string summary;
   std::string out;
   bool json = false;
@@ -77,6 +84,28 @@ class ProgressLine {
   Clock::time_point begin_ = Clock::now(), drawn_;
 };
 
+/// What study.nc holds. Nothing of it depends on when, where to, or by how many workers it was made.
+results::StudyResults study_results(const study::Study& study, const study::Results& results, const Json& figures,
+                                    const Json& config, const std::string& command) {
+  results::StudyResults all;
+  all.figures = figures;
+  all.config = config;
+  all.provenance = provenance(study.variants().front().composition->catalog(), command);
+  all.provenance["seed"] = study.seed();
+  all.runs = results.runs();
+  for (const auto& metric : study.metrics()) all.metrics.push_back({metric.name, metric.unit, metric.si_unit});
+  for (std::size_t v = 0; v < study.variants().size(); ++v) {
+    all.variants.push_back(study.variants()[v].name);
+    for (std::size_t m = 0; m < study.metrics().size(); ++m)
+      for (std::size_t run = 0; run < results.runs(); ++run) {
+        const auto& of_run = results.at(v, run);
+        const bool is_there = of_run.state == study::Figures::State::finished;
+        all.values.push_back(is_there ? of_run.values[m].value : std::nan(""));
+      }
+  }
+  return all;
+}
+
 /// What a study leaves behind. Places are looked at before the first run, so that a bad name is told at once.
 struct Outputs {
   Outputs(const Options& options, const study::Study& study, study::Results& results) {
@@ -85,6 +114,9 @@ struct Outputs {
     folder = options.out;
     make_folders(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
+    config = Config::load(options.config_path, options.config.load_options()).root();
+    command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
+                          study.seed(), options.config.as_typed());
   }
   void write(const char* name, const std::string& text) const {
     AtomicFile file(folder / name);
@@ -95,27 +127,34 @@ struct Outputs {
   void commit(const study::Study& study, const study::Results& results, const Json& figures, const Json& timed) const {
     if (journal) {
       journal->sync();
+      std::error_code ignored;
+      std::filesystem::remove(folder / "study.json", ignored);  // with it there, all of them are, and of one study
+      std::filesystem::remove(report_in(folder), ignored);
       write("study.csv", study::runs_csv(study, results));
       write("table.csv", study::tables_csv(figures));
+      write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
+      write_report(folder, report_in(folder));
     }
     if (!summary) return;
     summary->write(timed.dump(2) + "\n");
     summary->commit();
   }
+  void write_netcdf(const study::Study& study, const study::Results& results, const Json& figures) const {
+    AtomicFile file(folder / "study.nc", AtomicFile::Temporary::named);
+    try {
+      results::write_study(file.path(), study_results(study, results, figures, config, command));
+    } catch (const results::WriteError& error) {
+      file.fail(error.what());
+    }
+    file.commit();
+  }
   std::unique_ptr<AtomicFile> summary;
   std::filesystem::path folder;
   std::unique_ptr<study::Journal> journal;
+  Json config;
+  std::string command;
 };
-
-std::string shell_quoted(const std::string& text) {
-  if (!text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=") ==
-                           std::string::npos)
-    return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
 
 /// The command that repeats one run alone.
 std::string repeated_by(const Options& options, const study::Study& study, const study::Variant& variant,
@@ -123,10 +162,7 @@ std::string repeated_by(const Options& options, const study::Study& study, const
   std::string line = "binnacle run " + shell_quoted(options.config_path);
   if (!variant.patches.empty()) line += " --variant " + shell_quoted(variant.name);
   line += fmt::format(" --seed {} --run {}", study.seed(), run);
-  const LoadOptions load = options.config.load_options();
-  for (const auto& [name, value] : load.vars) line += " --var " + shell_quoted(name + "=" + value);
-  for (const auto& set : load.sets) line += " --set " + shell_quoted(set);
-  return line;
+  return line + options.config.as_typed();
 }
 
 /// Runs that broke: the first few by name and number, then how many there are.
@@ -152,8 +188,11 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
   return failures;
 }
 
+bool goes_on() { return interrupted_by() == 0; }
+
 /// False when it was interrupted.
-bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options) {
+bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options,
+               study::Leader* leader, int jobs) {
   const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
   const std::size_t all = study.variants().size() * results.runs();
   if (restored > 0 && !options.quiet)
@@ -163,31 +202,68 @@ bool carry_out(const study::Study& study, study::Results& results, Outputs& outp
     if (outputs.journal) outputs.journal->add(variant, run, figures);
     progress.add(figures.state == study::Figures::State::failed);
   };
-  study::carry_out_all(
-      study, results, options.jobs, [] { return interrupted_by() == 0; }, on_run);
+  if (leader)
+    leader->carry_out_all(study, results, jobs, goes_on, on_run);
+  else
+    study::carry_out_all(study, results, jobs, goes_on, on_run);
   return progress.done() == all;
+}
+
+study::Study load(const Options& options) {
+  return study::Study::load(options.config_path, {options.config.load_options(), options.runs, options.seed});
+}
+
+/// mpirun ends all of its processes when one of them dies, so this may be how the others hear of it.
+std::string interruption(const Options& options, bool is_led) {
+  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") +
+         (options.out.empty() ? "; nothing was written (with --out DIR a study goes on where it was)"
+                              : "; the same command goes on from here");
+}
+
+/// Said at the beginning, since of a rank that mpirun stops the last words may be lost.
+void tell_crew(const Options& options, const study::Team& team, const study::Leader& leader, int jobs) {
+  if (!options.quiet)
+    fmt::print(stderr, "{}, {}{}\n", counted(static_cast<std::size_t>(team.size()), "rank"),
+               counted(static_cast<std::size_t>(jobs + leader.threads()), "thread"),
+               options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there");
+}
+
+/// A rank other than 0: does runs and says nothing.
+int serve(study::Team& team, const Options& options, int jobs) {
+  watch_signals();
+  if (!study::serve(
+          team, [&options] { return load(options); }, jobs, goes_on))
+    die_of_signal();
+  return ok;
 }
 
 int run_study(const Options& options) {
   const auto begin = Clock::now();
-  study::StudyOptions study_options{options.config.load_options(), options.runs, options.seed};
-  const auto study = study::Study::load(options.config_path, study_options);
+  const auto team = join_team();
+  const int jobs = options.jobs > 0 ? options.jobs : study::processors(team ? team->size_here() : 1);
+  if (team && team->rank() > 0) return serve(*team, options, jobs);
+  std::optional<study::Leader> leader;
+  if (team) leader.emplace(*team);
+  const auto study = load(options);
   study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
   watch_signals();
   std::optional<Outputs> outputs;
   bool is_complete = false;
   try {
-    outputs.emplace(options, study, results);
-    is_complete = carry_out(study, results, *outputs, options);
+    if (!leader || leader->muster(study, goes_on)) {
+      outputs.emplace(options, study, results);
+      if (leader) tell_crew(options, *team, *leader, jobs);
+      is_complete = carry_out(study, results, *outputs, options, leader ? &*leader : nullptr, jobs);
+    }
   } catch (const std::system_error& error) {
     throw OutputError(error.what());
   }
   if (!is_complete) {
     outputs.reset();
-    print_error(options.out.empty() ? "interrupted; nothing was written (with --out DIR a study goes on where it was)"
-                                    : "interrupted; the same command goes on from here");
+    print_error(interruption(options, leader.has_value()));
     die_of_signal();
   }
+  leader.reset();
   const Json figures = study::summarize(study, results);
   Json timed = figures;
   timed["wall_s"] = seconds_since(begin);
@@ -206,7 +282,6 @@ int run_study(const Options& options) {
 
 Verb study_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  options->jobs = study::processors();
   CLI::App* app = command.add_subcommand("study", "Run the variants of a config many times; tables of their errors");
   app->add_option("CONFIG", options->config_path, "The config, with its \"study\"")->required();
   options->config.add_to(*app);
@@ -214,12 +289,12 @@ Verb study_verb(CLI::App& command) {
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   app->add_option("--seed", options->seed, "Seed of everything random, instead of the config's")->type_name("N");
-  app->add_option("--jobs", options->jobs, "Runs at work at one time; the figures do not depend on it")
+  app->add_option("--jobs", options->jobs, "Runs at work at one time in each process, instead of one for each "
+                  "processor; the figures do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 1024));
   app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
-  app->add_option("--out", options->out, "study.csv, table.csv, study.json; started again, it goes on where it was")
+  app->add_option("--out", options->out, "study.nc, study.csv, table.csv, study.json; started again, it goes on where it was")
       ->type_name("DIR");
   app->add_flag("--json", options->json, "The figures as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or tables");

@@ -25,6 +25,7 @@ Verb covariance_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);
+Verb report_verb(CLI::App& command);
 Verb list_verb(CLI::App& command);
 Verb describe_verb(CLI::App& command);
 Verb create_verb(CLI::App& command);
@@ -42,11 +43,16 @@ class ConfigOptions {
   LoadOptions load_options() const;
   /// With the patches of --variant.
   LoadOptions load_options(const std::string& config) const;
+  /// As they are typed in a shell: " --var data=elsewhere --set /title=Another".
+  std::string as_typed() const;
 
  private:
   std::vector<std::string> vars_, sets_;
   std::string variant_;
 };
+
+/// A word of a command line, quoted where a shell wants it.
+std::string shell_quoted(const std::string& text);
 
 /// The plugins found without a config. What could not be loaded is told on stderr; `status` is then 4.
 Catalog load_catalog(int& status);

@@ -62,19 +62,26 @@ void JointCovariance::name_process_noise(const MatrixXd& Q) {
   }
 }
 
-void JointCovariance::step(const MatrixXd& Phi_true, const MatrixXd& Q_true, const MatrixXd& Phi_model) {
-  MatrixXd A = MatrixXd::Zero(true_size_ + model_size_, true_size_ + model_size_);
-  A.topLeftCorner(true_size_, true_size_) = Phi_true;
-  A.bottomRightCorner(model_size_, model_size_) = Phi_model;
-  if (source_of_row_.empty()) name_process_noise(Q_true);
-  for (auto& J : J_) J = (A * J * A.transpose()).eval();
+void JointCovariance::step_truth(const MatrixXd& Phi, const MatrixXd& Q) {
+  if (source_of_row_.empty()) name_process_noise(Q);
+  for (auto& J : J_) {
+    J.topRows(true_size_) = (Phi * J.topRows(true_size_)).eval();
+    J.leftCols(true_size_) = (J.leftCols(true_size_) * Phi.transpose()).eval();
+  }
   for (Eigen::Index i = 0; i < true_size_; ++i)
     for (Eigen::Index j = 0; j < true_size_; ++j) {
-      if (Q_true(i, j) == 0) continue;
+      if (Q(i, j) == 0) continue;
       int index = source_of_row_[static_cast<std::size_t>(std::min(i, j))];
       if (index < 0) index = source("process noise");
-      J_[static_cast<std::size_t>(index)](i, j) += Q_true(i, j);
+      J_[static_cast<std::size_t>(index)](i, j) += Q(i, j);
     }
+}
+
+void JointCovariance::step_model(const MatrixXd& Phi) {
+  for (auto& J : J_) {
+    J.bottomRows(model_size_) = (Phi * J.bottomRows(model_size_)).eval();
+    J.rightCols(model_size_) = (J.rightCols(model_size_) * Phi.transpose()).eval();
+  }
 }
 
 void JointCovariance::update(const std::string& name, const MatrixXd& H_true, const MatrixXd& R_true,

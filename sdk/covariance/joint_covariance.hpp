@@ -19,7 +19,9 @@ class JointCovariance {
   JointCovariance(const FilterInfo& truth, const FilterInfo& model);
 
   void start(const Eigen::MatrixXd& P_true);
-  void step(const Eigen::MatrixXd& Phi_true, const Eigen::MatrixXd& Q_true, const Eigen::MatrixXd& Phi_model);
+  /// Truth and filter each step as they do: what is between two updates is theirs alone.
+  void step_truth(const Eigen::MatrixXd& Phi, const Eigen::MatrixXd& Q);
+  void step_model(const Eigen::MatrixXd& Phi);
   /// Estimate += K (H_true x + v − H_model estimate), E[v vᵀ] = R_true; `name` is the measurement's.
   void update(const std::string& name, const Eigen::MatrixXd& H_true, const Eigen::MatrixXd& R_true,
               const Eigen::MatrixXd& H_model, const Eigen::MatrixXd& K);

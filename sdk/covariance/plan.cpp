@@ -56,11 +56,7 @@ std::vector<Feed> read_feeds(const Section& section, const Composition& composit
   std::vector<Feed> feeds;
   const std::string pointer = under("channels");
   const Json* channels = section.object(pointer);
-  if (!channels) {
-    if (!section.at(pointer))
-      section.error("B010", place, "missing key 'channels': which measurements there are, and how often");
-    return feeds;
-  }
+  if (!channels) return feeds;
   std::vector<std::string> names;
   for (const auto& channel : composition.channels()) names.push_back(channel.name);
   for (const auto& [name, settings] : channels->items()) {
@@ -93,32 +89,81 @@ std::vector<Feed> read_feeds(const Section& section, const Composition& composit
   return feeds;
 }
 
-std::vector<ReadingOutput> read_outputs(const Section& section, const FilterInfo& filter) {
-  std::vector<ReadingOutput> outputs;
-  const Json* list = section.object(under("outputs"));
-  if (!list) return outputs;
-  std::vector<std::string> blocks;
-  for (const auto& block : filter.blocks) blocks.push_back(block.name);
-  const auto one_of = [&](const std::string& at, const std::vector<std::string>& names) {
-    const auto name = section.text(at);
-    if (!name)
-      section.error("B010", at, "missing key " + in_quotes(at.substr(at.rfind('/') + 1)) + " of an output");
-    else if (std::find(names.begin(), names.end(), *name) == names.end())
-      section.error("B015", at,
-                    "the filter has no " + in_quotes(*name) + meant(*name, names) + " (there are: " + listed(names) +
-                        ")");
-    return name.value_or("");
+/// The filter's "readings", which the composition has checked, and what else they are to be called.
+std::vector<NamedReading> readings_of(const Json& config, const std::string& filter) {
+  std::vector<NamedReading> readings;
+  const auto object = [&config](const std::string& pointer) -> const Json* {
+    const Json::json_pointer at(pointer);
+    return config.contains(at) && config.at(at).is_object() ? &config.at(at) : nullptr;
   };
-  std::vector<std::string> measurements;
-  for (const auto& measurement : filter.measurements) measurements.push_back(measurement.name);
-  for (const auto& [name, settings] : list->items()) {
+  if (const Json* list = object(join_pointer(join_pointer("/filters", filter), "readings")))
+    for (const auto& [name, settings] : list->items())
+      readings.push_back(
+          {name, settings.at("measurement").get<std::string>(), settings.at("block").get<std::string>()});
+  if (const Json* list = object(under("outputs")))
+    for (const auto& [name, reading] : list->items())
+      for (std::size_t i = 0; i < readings.size(); ++i)
+        if (reading.is_string() && readings[i].name == reading.get<std::string>()) {
+          readings.push_back({name, readings[i].measurement, readings[i].block});
+          break;
+        }
+  return readings;
+}
+
+void check_outputs(const Section& section, const std::vector<NamedReading>& readings) {
+  const Json* list = section.object(under("outputs"));
+  if (!list) return;
+  std::vector<std::string> names;
+  for (const auto& reading : readings)
+    if (!list->contains(reading.name)) names.push_back(reading.name);
+  for (const auto& [name, reading] : list->items()) {
     const std::string at = join_pointer(under("outputs"), name);
-    if (!section.object(at)) continue;
-    section.check_keys(at, {"measurement", "block"}, "an output");
-    outputs.push_back({name, one_of(join_pointer(at, "measurement"), measurements),
-                       one_of(join_pointer(at, "block"), blocks)});
+    const auto wanted = section.text(at);
+    if (wanted && std::find(names.begin(), names.end(), *wanted) == names.end())
+      section.error("B015", at,
+                    "the filter has no reading " + in_quotes(*wanted) + meant(*wanted, names) +
+                        " (readings: " + listed(names) + ")");
   }
-  return outputs;
+}
+
+std::vector<InitialTie> read_initial(const Section& section, const FilterInfo& truth) {
+  std::vector<InitialTie> ties;
+  const Json* list = section.object(under("initial"));
+  if (!list) return ties;
+  std::vector<std::string> names;
+  for (const auto& block : truth.blocks) names.push_back(block.name);
+  const auto dof_of = [&](const std::string& at, const std::string& name) -> Eigen::Index {
+    for (const auto& block : truth.blocks)
+      if (block.name == name) return block.declaration->dof();
+    section.error("B015", at,
+                  "there is no block " + in_quotes(name) + meant(name, names) + " (blocks: " + listed(names) + ")");
+    return 0;
+  };
+  for (const auto& [name, settings] : list->items()) {
+    const std::string at = join_pointer(under("initial"), name);
+    if (!section.object(at)) continue;
+    section.check_keys(at, {"of", "by"}, "what an initial error is made of");
+    InitialTie tie{name, section.text(join_pointer(at, "of")).value_or(""), {}};
+    if (tie.of.empty()) section.error("B010", at, "missing key 'of': a block");
+    const Eigen::Index rows = dof_of(at, name), columns = tie.of.empty() ? 0 : dof_of(join_pointer(at, "of"), tie.of);
+    if (rows == 0 || columns == 0) continue;
+    tie.by.resize(rows, columns);
+    const Json* by = section.list(join_pointer(at, "by"));
+    bool is_matrix = by && static_cast<Eigen::Index>(by->size()) == rows;
+    for (Eigen::Index i = 0; is_matrix && i < rows; ++i) {
+      const Json& row = by->at(static_cast<std::size_t>(i));
+      is_matrix = row.is_array() && static_cast<Eigen::Index>(row.size()) == columns &&
+                  std::all_of(row.begin(), row.end(), [](const Json& value) { return value.is_number(); });
+      for (Eigen::Index j = 0; is_matrix && j < columns; ++j)
+        tie.by(i, j) = row.at(static_cast<std::size_t>(j)).get<double>();
+    }
+    if (!is_matrix)
+      section.error("B013", join_pointer(at, "by"),
+                    "'by' is a matrix of numbers, " + std::to_string(rows) + " rows of " + std::to_string(columns));
+    else
+      ties.push_back(std::move(tie));
+  }
+  return ties;
 }
 
 /// What a filter makes of its residuals cannot be known without data. `pointer`: of the filter, or of what is merged over it.
@@ -169,7 +214,58 @@ Parsed<Request> read_request(const std::string& text) {
   return request;
 }
 
+std::vector<std::string> component_names(const StateBlockDeclaration& block) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const auto& error : block.error) add(error.name);
+  for (const auto& norm : block.norms) add(norm.name);
+  for (const auto& output : block.outputs) add(output.name);
+  return names;
+}
+
+/// The config with nothing but what moves the filter, the truth beside it, the sources without their errors.
+Json error_free_root(const Section& section, const Json& resolved, const std::string& filter,
+                     const std::string& truth) {
+  Json root = resolved;
+  for (const char* key : {"reference", "evaluate", "sinks"}) root.erase(key);
+  if (const Json* patch = section.at(under("error_free"))) root["sources"].merge_patch(*patch);
+  if (const Json* patch = section.at(under("truth"))) {
+    root["filters"][truth] = root["filters"][filter];
+    root["filters"][truth].merge_patch(*patch);
+  }
+  return root;
+}
+
 }  // namespace
+
+SubjectName subject_named(const std::string& name, const std::vector<NamedReading>& readings) {
+  SubjectName subject;
+  const auto dot = name.find('.');
+  subject.block = name.substr(0, dot);
+  if (dot != std::string::npos) subject.component = name.substr(dot + 1);
+  for (const auto& reading : readings)
+    if (reading.name == subject.block) subject.reading = reading;
+  if (subject.reading) subject.block = subject.reading->block;
+  return subject;
+}
+
+std::optional<Component> component_named(const StateBlockDeclaration& block, const std::string& name) {
+  if (name.empty()) return Component{{0}, -1};
+  for (std::size_t i = 0; i < block.error.size(); ++i)
+    if (block.error[i].name == name) return Component{{static_cast<int>(i)}, -1};
+  for (const auto& norm : block.norms)
+    if (norm.name == name) return Component{norm.components, -1};
+  for (std::size_t i = 0; i < block.outputs.size(); ++i)
+    if (block.outputs[i].name == name) return Component{{}, static_cast<int>(i)};
+  return std::nullopt;
+}
+
+int runs_of(const Config& config) {
+  Diagnostics ignored;
+  return static_cast<int>(Section(config, ignored).whole_number(under("runs"), 1).value_or(1));
+}
 
 Parsed<Metric> read_metric(const Composition& composition, std::string_view text) {
   const Words words = words_of(std::string(text));
@@ -183,33 +279,36 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
   metric.name = text;
   metric.filter = static_cast<int>(filter - filters.begin());
   metric.quantity = MetricQuantity::sigma;
-  std::string block_name = words.name.substr(0, words.name.find('.'));
-  const Json::json_pointer output(join_pointer(under("outputs"), words.name) + "/block");
-  if (composition.config().contains(output) && composition.config().at(output).is_string())
-    block_name = composition.config().at(output).get<std::string>();
+  const auto known = readings_of(composition.config(), words.filter);
+  const SubjectName subject = subject_named(words.name, known);
   std::vector<std::string> names;
   for (const auto& block : filter->blocks) names.push_back(block.name);
-  const auto found = std::find(names.begin(), names.end(), block_name);
-  if (found == names.end())
-    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or output " +
-                                   in_quotes(words.name) + meant(block_name, names) + " (blocks: " + listed(names) +
-                                   ")");
-  const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
-  std::size_t component = 0;
-  if (words.name != block_name && words.name.find('.') != std::string::npos) {
-    const std::string wanted = words.name.substr(words.name.find('.') + 1);
-    std::vector<std::string> components;
-    for (const auto& error : block.error) components.push_back(error.name);
-    component = static_cast<std::size_t>(std::find(components.begin(), components.end(), wanted) - components.begin());
-    if (component == components.size())
-      return Parsed<Metric>::failure("block " + in_quotes(block_name) + " has no error component " + in_quotes(wanted) +
-                                     meant(wanted, components) + " (components: " + listed(components) + ")");
-  } else if (words.name == block_name && block.error.size() > 1) {
-    return Parsed<Metric>::failure("block " + in_quotes(block_name) + " has several error components: " + shape);
+  const auto found = std::find(names.begin(), names.end(), subject.block);
+  if (found == names.end()) {
+    for (const auto& reading : known) names.push_back(reading.name);
+    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or reading " +
+                                   in_quotes(subject.block) + meant(subject.block, names) +
+                                   " (there are: " + listed(names) + ")");
   }
-  metric.si_unit = request->statistic == Statistic::settled ? "s" : block.error[component].unit;
-  metric.unit = request->statistic != Statistic::settled && !block.error_display_unit.empty() ? block.error_display_unit
-                                                                                              : metric.si_unit;
+  const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
+  if (subject.component.empty() && block.error.size() > 1)
+    return Parsed<Metric>::failure("block " + in_quotes(subject.block) + " has several error components: " + shape);
+  const auto component = component_named(block, subject.component);
+  if (!component || (subject.reading && component->output >= 0)) {
+    const auto components = component_names(block);
+    return Parsed<Metric>::failure(in_quotes(words.name) + " is no component of block " + in_quotes(subject.block) +
+                                   meant(subject.component, components) + " (it has: " + listed(components) + ")");
+  }
+  std::string display = block.error_display_unit;
+  if (component->output >= 0) {
+    const auto& output = block.outputs[static_cast<std::size_t>(component->output)];
+    metric.si_unit = output.unit;
+    display = output.display_unit;
+  } else {
+    metric.si_unit = block.error[static_cast<std::size_t>(component->errors.front())].unit;
+  }
+  if (request->statistic == Statistic::settled) metric.si_unit = "s";
+  metric.unit = request->statistic != Statistic::settled && !display.empty() ? display : metric.si_unit;
   return metric;
 }
 
@@ -219,12 +318,14 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
                const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics) {
   const Section section(config, diagnostics);
   Plan plan;
-  plan.model = plan.truth = composition;
+  plan.composition = composition;
   if (!section.object(place)) {
     section.error("B010", place, "missing key 'covariance': what is analysed, and for how long");
     return plan;
   }
-  section.check_keys(place, {"filter", "duration", "channels", "outputs", "truth", "metrics", "table", "tables"},
+  section.check_keys(place,
+                     {"filter", "duration", "channels", "error_free", "runs", "outputs", "truth", "initial", "metrics",
+                      "table", "tables"},
                      "'covariance'");
   std::vector<std::string> names;
   for (const auto& filter : composition->filters()) names.push_back(filter.name);
@@ -234,23 +335,45 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
     section.error("B027", under("filter"), "there is no filter " + in_quotes(name) + meant(name, names));
     return plan;
   }
-  plan.filter = static_cast<int>(found - names.begin());
-  plan.duration = read_time(section, under("duration"));
-  plan.feeds = read_feeds(section, *composition);
-  plan.outputs = read_outputs(section, composition->filters()[static_cast<std::size_t>(plan.filter)]);
+  plan.filter = plan.truth = static_cast<int>(found - names.begin());
+  const bool is_fed = section.at(under("channels")) != nullptr;
+  if (is_fed || section.at(under("duration"))) plan.duration = read_time(section, under("duration"));
+  if (is_fed) plan.feeds = read_feeds(section, *composition);
+  if (is_fed && plan.feeds.empty() && !diagnostics.has_errors())
+    section.error("B010", under("channels"), "no channel speaks; without 'channels' the config's sources are run");
+  plan.runs = static_cast<int>(section.whole_number(under("runs"), 1).value_or(1));
+  for (const char* key : {"error_free", "runs"})
+    if (is_fed && section.at(under(key)))
+      section.key_error("B012", under(key),
+                        in_quotes(key) +
+                            " is said of sources, and with 'channels' none is run: leave out the one or "
+                            "the other");
+  plan.readings = readings_of(config.root(), name);
+  check_outputs(section, plan.readings);
   refuse_adaptive_noise(section, join_pointer("/filters", name));
   refuse_adaptive_noise(section, under("truth"));
-  const Json* patch = section.object(under("truth"));
-  if (!patch || diagnostics.has_errors()) return plan;
-  Json root = config.root();
-  root["filters"][name].merge_patch(*patch);
+  section.object(under("error_free"));
+  const bool has_truth = section.object(under("truth")) != nullptr;
+  if (diagnostics.has_errors()) return plan;
+  const std::string truth = name + " (truth)";
   try {
-    plan.truth = Composition::parse(root.dump(), path);
+    plan.composition = Composition::parse(error_free_root(section, config.root(), name, truth).dump(), path);
   } catch (const Error& error) {
-    for (const auto& item : error.diagnostics().items())
-      section.error(item.code, under("truth"),
-                    "with the truth merged over filter " + in_quotes(name) + ": " + item.message);
+    for (const auto& item : error.diagnostics().items()) {
+      const bool is_of_source = item.pointer.starts_with("/sources");
+      section.error(item.code, is_of_source || !has_truth ? under("error_free") : under("truth"),
+                    (is_of_source ? "with the sources free of errors: "
+                                  : "with the truth merged over filter " + in_quotes(name) + ": ") +
+                        item.message);
+    }
+    return plan;
   }
+  const auto& filters = plan.composition->filters();
+  for (std::size_t f = 0; f < filters.size(); ++f) {
+    if (filters[f].name == name) plan.filter = plan.truth = static_cast<int>(f);
+    if (has_truth && filters[f].name == truth) plan.truth = static_cast<int>(f);
+  }
+  plan.initial = read_initial(section, filters[static_cast<std::size_t>(plan.truth)]);
   return plan;
 }
 

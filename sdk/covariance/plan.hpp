@@ -4,8 +4,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
@@ -21,25 +24,53 @@ struct Feed {
   std::vector<double> values;  // one per field of the channel [SI]
 };
 
-/// A reading less what the filter says of everything in it but one block: z − h(x̂ without that block).
-struct ReadingOutput {
+/// A reading of the filter, or another name that the section gives it.
+struct NamedReading {
   std::string name;
   std::string measurement;
-  std::string block;  // what is wanted
+  std::string block;
 };
 
+/// The error of a block at the start is, besides its own, that of another one through a matrix (both in error components).
+struct InitialTie {
+  std::string block, of;
+  Eigen::MatrixXd by;
+};
+
+/// What is run on covariances: one composition, in which the truth is a filter beside the filter.
 struct Plan {
-  Time duration = 0;
+  Time duration = 0;        // 0: until the sources end
+  int runs = 1;             // of the sources, with the random numbers of a study's first runs
+  std::vector<Feed> feeds;  // empty: the composition's sources are run
+  std::vector<NamedReading> readings;
+  std::vector<InitialTie> initial;  // of the truth
+  std::shared_ptr<const Composition> composition;
   int filter = 0;
-  std::vector<Feed> feeds;
-  std::vector<ReadingOutput> outputs;
-  std::shared_ptr<const Composition> model;
-  std::shared_ptr<const Composition> truth;  // the same as `model` where the config states no other
+  int truth = 0;  // the same as `filter` where the config states no other
 };
 
 /// Tells what is wrong in `diagnostics`.
 Plan read_plan(const Config& config, const std::filesystem::path& path,
                const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics);
+
+/// "runs" of the section, 1 where it says nothing of use.
+int runs_of(const Config& config);
+
+/// What the middle of a metric names.
+struct SubjectName {
+  std::string block;
+  std::string component;  // "": the only one
+  std::optional<NamedReading> reading;
+};
+SubjectName subject_named(const std::string& name, const std::vector<NamedReading>& readings);
+
+/// What the name after BLOCK. means: error components (several: a norm), or a readable output.
+struct Component {
+  std::vector<int> errors;
+  int output = -1;
+};
+/// "": the first error component.
+std::optional<Component> component_named(const StateBlockDeclaration& block, const std::string& name);
 
 enum class Statistic { sigma, own_sigma, settled };
 

@@ -2,7 +2,6 @@
 #include "study/journal.hpp"
 
 #include <cerrno>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
@@ -15,6 +14,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
+
+#include "figures_json.hpp"
 
 namespace binnacle::study {
 
@@ -39,7 +40,7 @@ std::string checksum(std::string_view text) {
 }
 
 std::string signed_line(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = line_of(json);
   return text + "\t" + checksum(text) + "\n";
 }
 
@@ -53,35 +54,6 @@ std::optional<Json> read_line(std::string_view line) {
 
 Json head_of(const Study& study) {
   return {{"binnacle study", 1}, {"hash", hexadecimal(study.hash())}, {"seed", study.seed()}};
-}
-
-Json entry_of(std::size_t variant, std::size_t run, const Figures& figures) {
-  Json entry = Json::array({variant, run});
-  if (figures.state == Figures::State::failed) {
-    entry.push_back(figures.failure);
-    return entry;
-  }
-  Json values = Json::array();
-  for (const auto& value : figures.values) values.push_back({value.value, value.dof, value.n});  // NaN becomes null
-  entry.push_back(std::move(values));
-  return entry;
-}
-
-std::optional<Figures> figures_of(const Json& json, std::size_t metrics) {
-  Figures figures;
-  if (json.is_string()) {
-    figures.state = Figures::State::failed;
-    figures.failure = json.get<std::string>();
-    return figures;
-  }
-  if (!json.is_array() || json.size() != metrics) return std::nullopt;
-  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); };
-  for (const auto& value : json) {
-    if (!value.is_array() || value.size() != 3) return std::nullopt;
-    figures.values.push_back({number(value[0]), number(value[1]), number(value[2])});
-  }
-  figures.state = Figures::State::finished;
-  return figures;
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, int line, const std::string& message) {
@@ -134,17 +106,15 @@ void Journal::restore(const Study& study, Results& results) {
       good = end + 1;
       continue;
     }
-    if (!line || !line->is_array() || line->size() != 3 || !(*line)[0].is_number_unsigned() ||
-        !(*line)[1].is_number_unsigned())
-      continue;
-    const auto variant = (*line)[0].get<std::size_t>(), run = (*line)[1].get<std::size_t>();
-    auto figures = figures_of((*line)[2], study.metrics().size());
-    if (!figures || variant >= study.variants().size()) continue;
+    if (!line) continue;
+    auto entry = read_entry(*line, study.metrics().size());
+    if (!entry || entry->first.variant >= study.variants().size()) continue;
+    const auto [variant, run] = entry->first;
     good = end + 1;
     if (run >= results.runs()) continue;  // of a study with more runs
     auto& place = results.at(variant, run);
     if (place.state == Figures::State::open) ++restored_;
-    place = std::move(*figures);
+    place = std::move(entry->second);
   }
   if (::ftruncate(file_, static_cast<off_t>(good)) != 0 || ::lseek(file_, 0, SEEK_END) < 0) fail(path_);
   if (good == 0) write(head);
@@ -160,7 +130,7 @@ void Journal::write(const std::string& line) {
 }
 
 void Journal::add(std::size_t variant, std::size_t run, const Figures& figures) {
-  write(signed_line(entry_of(variant, run, figures)));
+  write(signed_line(entry_of({variant, run}, figures)));
   const auto now = std::chrono::steady_clock::now();
   if (now - synced_ < std::chrono::seconds(5)) return;
   sync();

@@ -96,6 +96,7 @@ double standard_error(const std::vector<double>& x, OverRuns statistic) {
 
 // a/b has the influence ψ_a/b − a ψ_b/b².
 Ratio ratio_of(const std::vector<double>& x, const std::vector<double>& baseline, OverRuns statistic) {
+  if (x == baseline && x.size() > 1) return {1, 0};  // not what rounding makes of it
   const double a = over_runs(x, statistic), b = over_runs(baseline, statistic);
   if (x.size() < 2 || x.size() != baseline.size()) return {a / b, not_a_number};
   auto psi = influence(x, statistic);

@@ -222,17 +222,30 @@ Study Study::load(const std::filesystem::path& path, const StudyOptions& options
   for (const auto& table : tables) study.tables_.push_back(read_table(section, table, names, study.metrics_));
   if (diagnostics.has_errors()) throw ConfigError(diagnostics);
 
-  Hash hash;
-  hash.add(study.seed_);
-  for (const auto& variant : study.variants_) {
-    hash.add(variant.name);
-    hash.add(variant.composition->hash());
-  }
-  for (const auto& metric : study.metrics_) hash.add(metric.name);
-  hash.add_file("/proc/self/exe");
-  for (const auto& plugin : study.variants_.front().composition->catalog().plugins()) hash.add_file(plugin.file);
-  study.hash_ = hash.value;
+  study.note_makings();
   return study;
+}
+
+void Study::note_makings() {
+  const auto note = [this](const std::string& what, const auto& add) {
+    Hash hash;
+    add(hash);
+    makings_.push_back({what, hash.value});
+  };
+  note("program", [](Hash& hash) { hash.add_file("/proc/self/exe"); });
+  for (const auto& plugin : variants_.front().composition->catalog().plugins())
+    note("plugin " + in_quotes(plugin.name), [&plugin](Hash& hash) { hash.add_file(plugin.file); });
+  note("seed", [this](Hash& hash) { hash.add(seed_); });
+  note("config", [this](Hash& hash) {
+    for (const auto& variant : variants_) {
+      hash.add(variant.name);
+      hash.add(variant.composition->hash());
+    }
+    for (const auto& metric : metrics_) hash.add(metric.name);
+  });
+  Hash all;
+  for (const auto& making : makings_) all.add(making.hash);
+  hash_ = all.value;
 }
 
 Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>& goes_on) const {

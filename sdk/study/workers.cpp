@@ -2,54 +2,48 @@
 #include "study/workers.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
 #include <thread>
 #include <utility>
-#include <vector>
+
+#include <unistd.h>
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "books.hpp"
+
 namespace binnacle::study {
 
-int processors() { return std::max(1u, std::thread::hardware_concurrency()); }
+int processors(int processes_here) {
+  const int ours = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  // that we may run on
+  const bool is_bound = ours < sysconf(_SC_NPROCESSORS_ONLN);
+  return is_bound ? ours : std::max(1, ours / processes_here);
+}
 
-void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
-                   const OnRun& on_run) {
-  struct Item {
-    std::size_t variant, run;
-  };
-  std::vector<Item> open;
-  for (std::size_t run = 0; run < results.runs(); ++run)
-    for (std::size_t variant = 0; variant < study.variants().size(); ++variant)
-      if (results.at(variant, run).state == Figures::State::open) open.push_back({variant, run});
-
-  std::atomic<std::size_t> next{0};
-  std::atomic<bool> has_failed{false};
-  std::mutex one_at_a_time;
-  const std::function<bool()> may_go_on = [&] { return !has_failed && goes_on(); };
+void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
+                    const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on) {
   const auto work = [&](int) {
-    while (may_go_on()) {
-      const std::size_t taken = next++;
-      if (taken >= open.size()) return;
-      const auto [variant, run] = open[taken];
-      Figures figures = study.carry_out(variant, static_cast<int>(run), may_go_on);
+    while (goes_on()) {
+      const auto key = next();
+      if (!key) return;
+      Figures figures = study.carry_out(key->variant, static_cast<int>(key->run), goes_on);
       if (figures.state == Figures::State::open) return;
-      const std::lock_guard lock(one_at_a_time);
-      try {
-        on_run(variant, run, figures);
-      } catch (...) {
-        has_failed = true;
-        throw;
-      }
-      results.at(variant, run) = std::move(figures);
+      done(*key, std::move(figures));
     }
   };
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
   tbb::task_arena arena(jobs);
   arena.execute([&] { tbb::parallel_for(0, jobs, work, tbb::simple_partitioner()); });
+}
+
+void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
+                   const OnRun& on_run) {
+  Books books(study, results, on_run);
+  carry_out_runs(
+      study, jobs, [&] { return books.take(); },
+      [&](RunKey key, Figures&& figures) { books.enter(key, std::move(figures)); },
+      [&] { return !books.have_failed() && goes_on(); });
 }
 
 }  // namespace binnacle::study

@@ -259,16 +259,17 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
 
 namespace {
 
-/// Checks H P Hᵀ + R of a measurement through a derived block against a Jacobian by differences.
-class KeepS : public StepTape {
+/// The newest measurement.
+class KeepRecord : public StepTape {
  public:
   bool wants_matrices() const override { return true; }
   void offered(const UpdateRecord& record) override {
     S = dense(record.S);
-    P = dense(record.P0);
+    H = dense(record.H);
+    if (record.P0) P = dense(record.P0);
     r = Eigen::Map<const VectorXd>(record.residual, record.rows);
   }
-  MatrixXd S, P;
+  MatrixXd S, H, P;
   VectorXd r;
 };
 
@@ -283,7 +284,7 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
                   "once": {"type": "square", "blocks": {"x": "x"}}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "twice"}, "sigma": [1]}}}}})");
-  KeepS tape;
+  KeepRecord tape;
   filter.attach(0, &tape);
   push(filter, "z", 0, {0, 0});
   const auto h = [](double a, double b) { return Eigen::Vector2d(a * a * a * a, a * a * a * b); };
@@ -295,6 +296,51 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
       H * Eigen::Vector2d(0.01, 0.04).asDiagonal() * H.transpose() + Eigen::Matrix2d::Identity();
   REQUIRE((tape.S - expected).norm() < 1e-8);
   REQUIRE((tape.r + h(1.3, -0.4)).norm() < 1e-12);
+}
+
+TEST_CASE("the tape's H has a column per row of P: chained through derived blocks, zero where nothing is seen") {
+  // Rows of P: idle 0; x 1, 2; offset 3, 4. With "estimate" of one component of x, that column alone.
+  const auto recorded = [](const std::string& more_of_x, const std::string& withheld) {
+    Filter filter = compose(R"({"binnacle": 1,
+      "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
+      "filters": {"f": {
+        "blocks": {"idle": {"type": "vector", "size": 1, "unit": "m", "sigma": 3},
+                   "x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2])" + more_of_x + R"(},
+                   "offset": {"type": "vector", "size": 2, "unit": "m^2", "sigma": [0.5, 0.6]}},
+        "derived": {"squared": {"type": "square", "blocks": {"x": "x"}}},
+        "process": {"of_idle": {"type": "random_constant", "blocks": {"x": "idle"}},
+                    "of_x": {"type": "random_constant", "blocks": {"x": "x"}},
+                    "of_offset": {"type": "random_constant", "blocks": {"x": "offset"}}},
+        "measurements": {"see": {"type": "linear_measurement", "channel": "z", "H": [[1, 0], [2, 1]], "sigma": [0.7],
+                                 "blocks": {"x": "squared", "bias": "offset"})" + withheld + R"(}}}}})");
+    KeepRecord tape;
+    filter.attach(0, &tape);
+    push(filter, "z", 0, {0.3, 0.2});
+    return tape;
+  };
+  const auto h = [](double a, double b) {
+    const Eigen::Vector2d squared(a * a, a * b);  // as the plugin `probe` has it
+    return Eigen::Vector2d(squared[0], 2 * squared[0] + squared[1]);
+  };
+  const double e = 1e-6;
+  MatrixXd expected = MatrixXd::Zero(2, 5);
+  expected.col(1) = (h(1.3 + e, -0.4) - h(1.3 - e, -0.4)) / (2 * e);
+  expected.col(2) = (h(1.3, -0.4 + e) - h(1.3, -0.4 - e)) / (2 * e);
+  expected.rightCols(2).setIdentity();
+
+  const KeepRecord all = recorded("", "");
+  REQUIRE(all.H.rows() == 2);
+  REQUIRE(all.H.cols() == 5);
+  REQUIRE((all.H - expected).norm() < 1e-8);
+  REQUIRE((all.S - all.H * all.P * all.H.transpose() - 0.49 * Eigen::Matrix2d::Identity()).norm() < 1e-12);
+
+  const KeepRecord some = recorded(R"(, "estimate": ["x1"])", "");
+  REQUIRE(some.H.cols() == 4);
+  REQUIRE((some.H.col(0)).norm() == 0);
+  REQUIRE((some.H.rightCols(3) - expected.rightCols(3)).norm() < 1e-8);
+
+  // What is withheld has been linearized as well.
+  REQUIRE((recorded("", R"(, "withhold": {"every": 1})").H - expected).norm() < 1e-8);
 }
 
 TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an estimate") {

@@ -40,14 +40,24 @@ field() { dpkg-deb -f "$scratch/$1_${version}_$architecture.deb" "$2"; }
 [ "$(field binnacle-dev Depends)" = "binnacle (= $version), libeigen3-dev" ] || fail "binnacle-dev depends on $(field binnacle-dev Depends)"
 field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on $(field binnacle Depends)"
 
+packages=(binnacle binnacle-dev)
+if [ -e "$build/lib/binnacle/mpi/binnacle_mpi.so" ]; then
+  packages+=(binnacle-mpi)
+  holds binnacle-mpi lib/binnacle/mpi/binnacle_mpi.so
+  [[ $(field binnacle-mpi Depends) == *libopenmpi*"binnacle (= $version)"* || $(field binnacle-mpi Depends) == "binnacle (= $version)"*libopenmpi* ]] ||
+    fail "binnacle-mpi depends on $(field binnacle-mpi Depends)"
+fi
+[[ $(field binnacle Depends) != *libopenmpi* ]] || fail "binnacle alone depends on an MPI"
+
 # The packages hold the same as an installation does.
 count() { dpkg-deb -c "$scratch/$1_${version}_$architecture.deb" | grep -c '^-'; }
 "$(dirname -- "$cpack")/cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
-[ $(($(count binnacle) + $(count binnacle-dev))) -eq "$(find "$scratch/installed" -type f | wc -l)" ] ||
-  fail "something is installed that neither package holds"
+held=0
+for package in "${packages[@]}"; do held=$((held + $(count "$package"))); done
+[ "$held" -eq "$(find "$scratch/installed" -type f | wc -l)" ] || fail "something is installed that no package holds"
 
 # Unpacked elsewhere, they work: run, write a plugin, hold one against the contract.
-for package in binnacle binnacle-dev; do
+for package in "${packages[@]}"; do
   dpkg-deb -x "$scratch/${package}_${version}_$architecture.deb" "$scratch/unpacked"
 done
 unpacked=$scratch/unpacked/usr/bin/binnacle

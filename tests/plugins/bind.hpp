@@ -57,7 +57,15 @@ inline ParameterValue value(const ParameterSpec& spec, const Json& json, const S
   ParameterValue v;
   const int size = spec.size_of_port.empty() ? spec.size : dof_of(setup, spec.size_of_port);
   switch (spec.type) {
-    case ParameterType::number: v.type = Type::number, v.number = quantity(json); break;
+    case ParameterType::number:
+      v.type = Type::number;
+      if (spec.unit == "*" && json.is_string()) {
+        const Unit unit = *parse_unit(json.get<std::string>());
+        v.number = unit.scale, v.text = si_unit(unit.dimension);
+      } else {
+        v.number = quantity(json);
+      }
+      break;
     case ParameterType::integer: v.type = Type::integer, v.integer = json.get<std::int64_t>(); break;
     case ParameterType::time: v.type = Type::integer, v.integer = nanoseconds(quantity(json)); break;
     case ParameterType::boolean: v.type = Type::boolean, v.boolean = json.get<bool>(); break;

@@ -101,7 +101,9 @@ struct DcmBench {
   AttitudeKind attitude;
   std::unique_ptr<MountingBlock> mounting = mounting_block();
   std::unique_ptr<DcmMatch> model =
-      bind<DcmMatch>({{{"sigma", 0.2 * arcmin}}, {{"attitude", &attitude}, {"mounting", mounting.get()}}, {}});
+      bind<DcmMatch>({{{"sigma", 0.2 * arcmin}, {"jacobian", "tangent"}},
+                      {{"attitude", &attitude}, {"mounting", mounting.get()}},
+                      {}});
 
   PortStates ports(const Attitudes& at) const {
     std::vector<double> q_SM(4);
@@ -233,6 +235,38 @@ TEST_CASE("dcm_match: refusals", "[transfer_match]") {
   const std::vector<double> bad{0, std::nan(""), 0};
   REQUIRE(linearize(*bench.model, sample_of(bad), bench.ports(attitudes[0]), {}, out).result.verdict ==
           Verdict::invalid);
+}
+
+TEST_CASE("dcm_match: the chord is right to second order in errors of attitude and mounting", "[transfer_match]") {
+  const AttitudeKind attitude;
+  const auto mounting = mounting_block();
+  const Vector3d master(0.003, -0.001, 0.7), psi(0.02, -0.013, 0.025), mu(-0.015, 0.022, 0.018);
+  const Vector4d q_nM = quaternion_from_euler(master);
+  std::vector<double> q_SM(4);
+  const Vector3d zero = Vector3d::Zero();
+  mounting->write(zero.data(), q_SM.data());
+  // The estimate is the nominal one; the master shows what is true.
+  const Vector4d q_nS = quaternion_product(q_nM, Vector4d(vector_at<4>(q_SM.data())));
+  const Vector4d true_nS = attitude_plus(q_nS, psi), true_SM = attitude_plus(Vector4d(vector_at<4>(q_SM.data())), mu);
+  const Matrix3d true_C_M = dcm_from_quaternion(true_nS) * dcm_from_quaternion(true_SM).transpose();
+  const Vector3d shown = strapdown::euler_from_quaternion(strapdown::quaternion_from_dcm(true_C_M));
+  const auto miss = [&](const char* jacobian) {
+    const auto model = bind<DcmMatch>(
+        {{{"sigma", 0.2 * arcmin}, {"jacobian", jacobian}}, {{"attitude", &attitude}, {"mounting", mounting.get()}}, {}});
+    double r[3], H_psi[9] = {}, H_mu[9] = {}, R[9] = {};
+    std::int64_t keys[3] = {};
+    const MatrixView H[] = {{H_psi, 3, 3, 3}, {H_mu, 3, 3, 3}};
+    Linearization out;
+    out.residual = r;
+    out.H = H;
+    out.R = {R, 3, 3, 3};
+    out.row_keys = keys;
+    const double* x[] = {q_nS.data(), q_SM.data()};
+    REQUIRE(model->linearize(sample_of(values(shown)), nullptr, x, {}, nullptr, out));
+    return (vector_at<3>(r) - H[0].as<3, 3>() * psi - H[1].as<3, 3>() * mu).norm();
+  };
+  CHECK(miss("tangent") > 1e-4);
+  CHECK(miss("chord") < 2e-5);
 }
 
 TEST_CASE("velocity_match: two rows or three, with and without a lever arm", "[transfer_match]") {

@@ -92,7 +92,7 @@ TEST_CASE("the summary is printed as tables, or as JSON, or not") {
 TEST_CASE("--out records every output with its sigma, units in the header, exact numbers") {
   const Workbench bench;
   REQUIRE(run(bench, {"--out", "new/out"}).status == 0);
-  CHECK(names_in(bench.path("new/out")) == std::vector<std::string>{"config.json", "summary.json", "walk.csv"});
+  CHECK(names_in(bench.path("new/out")) == std::vector<std::string>{"config.json", "report.html", "run.nc", "summary.json", "walk.csv"});
 
   std::istringstream lines(read_file(bench.path("new/out/walk.csv")));
   std::string line;
@@ -161,7 +161,7 @@ TEST_CASE("a device is written to, not replaced, and a full one is exit status 5
   const auto outcome = run(bench, {"--quiet", "--summary", "/dev/stdout"});
   CHECK(outcome.status == 0);
   const auto full = run(bench, {"--quiet", "--summary", "/dev/full"});
-  CHECK(full.err == "error: '/dev/full' could not be written: No space left on device\n");
+  CHECK(full.err == "error: '/dev/full' could not be written: No space left on device; make room there, or write elsewhere\n");
   CHECK(full.status == 5);
   CHECK(fs::is_character_file("/dev/full"));
 }
@@ -214,10 +214,11 @@ void wait_for_folder(Command& command, const std::string& folder) {
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
 }
 
-bool can_have_nameless_files(const std::string& folder) {
-  const int file = open(folder.c_str(), O_TMPFILE | O_WRONLY, 0600);
-  if (file >= 0) close(file);
-  return file >= 0;
+/// Without hidden ones.
+std::vector<std::string> seen_in(const fs::path& folder) {
+  auto names = names_in(folder);
+  std::erase_if(names, [](const std::string& name) { return name.starts_with("."); });
+  return names;
 }
 
 }  // namespace
@@ -246,5 +247,9 @@ TEST_CASE("killed, a run leaves what an earlier one wrote, and nothing half-writ
   command.signal(SIGKILL);
   CHECK(command.wait().signal == SIGKILL);
   CHECK(read_file(bench.path("out/walk.csv")) == record);
-  if (can_have_nameless_files(bench.folder())) CHECK(names_in(bench.path("out")) == names);
+  CHECK(seen_in(bench.path("out")) == names);
+  // What HDF5 had open could not be nameless; the next run sweeps it away.
+  bench.write("fix.csv", "t,place\n0,0.1\n");
+  REQUIRE(run(bench, {"--out", "out"}).status == 0);
+  CHECK(names_in(bench.path("out")) == names);
 }

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "drive_study.hpp"
 #include "study/statistics.hpp"
 
 using namespace binnacle::test;
@@ -37,46 +38,8 @@ const char* const two_variants = R"~({
     }
   })~";
 
-/// Half a minute of the quickstart's drive, with its random errors; a filter that trusts its fixes too much or too little.
-void write_drive(const Workbench& bench) {
-  bench.write("drive.json", R"~({
-  "extends": ")~" + std::string(BINNACLE_TEST_PROJECT) +
-                                R"~(/configs/quickstart.json",
-  "sources": { "drive": { "segments": [
-    { "do": "still", "duration": "2 s" },
-    { "do": "accelerate", "to": "8 m/s", "acceleration": "2 m/s^2" },
-    { "do": "turn", "angle": "60 deg", "rate": "12 deg/s" },
-    { "do": "straight", "duration": "4 s" } ] } },
-  "evaluate": { "after": "start+2 s", "metrics": ["ins/position.horizontal/rms"] },
-  "study": {
-    "runs": 6, "seed": 7,
-    "metrics": ["ins/position.horizontal/rms", { "metric": "ins/attitude.yaw/final", "unit": "mil" }, "ins/position/nees"],
-    "dimensions": {
-      "gyro": { "good": { "filters": { "ins": { "process": { "strapdown": { "gyro_noise": "0.3 deg/sqrt(h)" } } } } },
-                "bad": { "filters": { "ins": { "process": { "strapdown": { "gyro_noise": "30 deg/sqrt(h)" } } } } } },
-      "bias": { "on": {},
-                "off": { "filters": { "ins": { "blocks": { "accel_bias": null },
-                                               "process": { "accel_drift": null, "strapdown": { "blocks": { "accel_bias": null } } } } } } } },
-    "table": { "title": "Yaw", "rows": ["good", "bad"], "columns": ["on", "off"], "metric": "ins/attitude.yaw/final",
-               "unit": "arcmin" }
-  }
-})~");
-}
-
 Outcome command(const Workbench& bench, std::vector<std::string> arguments) {
   return binnacle::test::binnacle(bench, arguments);
-}
-
-void check_same_files(const Workbench& bench, const std::string& a, const std::string& b) {
-  for (const char* name : {"study.csv", "table.csv", "study.json"})
-    CHECK(read_file(bench.path(a + "/" + name)) == read_file(bench.path(b + "/" + name)));
-}
-
-std::size_t lines_in(const std::string& path) {
-  if (!fs::exists(path)) return 0;
-  std::size_t lines = 0;
-  for (const char c : read_file(path)) lines += c == '\n';
-  return lines;
 }
 
 bool near(double a, double b, double tolerance) { return std::abs(a - b) < tolerance; }
@@ -98,6 +61,9 @@ TEST_CASE("statistics over runs and their standard errors are those of a hand ca
   CHECK(std::isnan(over_runs({}, study::OverRuns::mean)));
   CHECK(std::isnan(over_runs({1}, study::OverRuns::std)));
 
+  const auto same = ratio_of({0.1, -0.7, 0.3}, {0.1, -0.7, 0.3}, study::OverRuns::rms);
+  CHECK(same.value == 1);
+  CHECK(same.se == 0);
   const auto half = ratio_of({1, -2, 3, 4}, {2, -4, 6, 8}, study::OverRuns::rms);
   CHECK(near(half.value, 0.5, 1e-15));
   CHECK(near(half.se, 0, 1e-15));  // paired: every run says one half

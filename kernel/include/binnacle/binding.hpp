@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "binnacle/parameters.hpp"
@@ -15,6 +16,17 @@ namespace binnacle {
 struct NamedUnit {
   std::string name;
   std::string unit;
+};
+
+/// What a component found out while it was bound: figures for `binnacle explain`, and what is suspicious but no error.
+struct Findings {
+  struct Figure {
+    std::string name;
+    double value = 0;  // SI
+    std::string unit;
+  };
+  std::vector<Figure> figures;
+  std::vector<std::string> remarks;  // each a warning (B032) at the component
 };
 
 /// A port of this component, in the order of its spec.
@@ -40,6 +52,12 @@ class Binding {
         covariances_(std::move(covariances)),
         samples_per_step_(samples_per_step) {}
 
+  /// The kernel's: where tell() and remark() go; nowhere unless this is called.
+  Binding&& telling(Findings& findings) && {
+    findings_ = &findings;
+    return std::move(*this);
+  }
+
   /// The JSON key under which the component stands.
   const std::string& name() const noexcept { return name_; }
   const Parameters& parameters() const noexcept { return parameters_; }
@@ -62,6 +80,15 @@ class Binding {
   /// those of its process model that asks for most.
   int samples_per_step() const noexcept { return samples_per_step_; }
 
+  /// A figure that the component found out itself, in SI, for people: what a fit came to. `binnacle explain` shows it.
+  void tell(std::string name, double value, std::string unit) const {
+    if (findings_) findings_->figures.push_back({std::move(name), value, std::move(unit)});
+  }
+  /// Something suspicious that is no error, one line: a poor fit. It becomes a warning at the component.
+  void remark(std::string message) const {
+    if (findings_) findings_->remarks.push_back(std::move(message));
+  }
+
  private:
   std::string name_;
   Parameters parameters_;
@@ -69,6 +96,7 @@ class Binding {
   std::vector<bool> fields_bound_;
   std::vector<std::vector<NamedUnit>> covariances_;
   int samples_per_step_;
+  Findings* findings_ = nullptr;
 };
 
 }  // namespace binnacle

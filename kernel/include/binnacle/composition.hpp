@@ -74,13 +74,13 @@ class Composition {
   const std::vector<FilterInfo>& filters() const;
   const std::vector<ChannelInfo>& channels() const;
   const Catalog& catalog() const;
-  /// What is suspicious but no error: channels that nothing listens to (B031).
+  /// What is suspicious but no error: channels that nothing listens to (B031), remarks of components (B032).
   const Diagnostics& warnings() const;
   /// Identifies the composition: config as resolved, plugins and their versions, this kernel's version.
   std::uint64_t hash() const;
   /// The config as resolved: extends merged, variables and --set applied.
   const nlohmann::ordered_json& config() const;
-  /// A dry run for people: state layout, who couples to whom, channels, what is unused.
+  /// A dry run for people: state layout, who couples to whom, channels, what components found out, what is unused.
   nlohmann::ordered_json explain() const;
   /// `"record": {"every": …}`; 0: at every step.
   Time record_every() const;

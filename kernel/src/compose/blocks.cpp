@@ -30,7 +30,7 @@ void Composer::begin_filters() {
   for (const auto& [name, value] : filters->items()) {
     const std::string pointer = join_pointer("/filters", name);
     if (!object_at(document(), pointer, "a filter", diagnostics_)) continue;
-    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements"}, "filter '" + name + "'",
+    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements", "readings"}, "filter '" + name + "'",
                diagnostics_);
     FilterBuild build;
     build.pointer = pointer;
@@ -62,7 +62,9 @@ void Composer::add_block(FilterBuild& build, const std::string& name, const std:
         check_parameters(type->spec.parameters, type->spec.type, document(), pointer,
                          {"type", "init", "sigma", "estimate", "consider", "hold"}, {}, diagnostics_);
     if (error_count() == errors)
-      guarded(pointer, [&] { block.block = type->create_state_block(Binding(name, Parameters(parameters), {}, {})); });
+      guarded(pointer, [&](Findings& findings) {
+        block.block = type->create_state_block(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+      });
   }
   if (!block.block) {
     build.failed_values.insert(name);

@@ -55,8 +55,8 @@ void Composer::add_sources() {
       const auto parameters = check_parameters(source.type->spec.parameters, source.type->spec.type, document(),
                                                pointer, {"type"}, {}, diagnostics_);
       if (error_count() == errors)
-        guarded(pointer, [&] {
-          source.source = source.type->create_source(Binding(name, Parameters(parameters), {}, {}));
+        guarded(pointer, [&](Findings& findings) {
+          source.source = source.type->create_source(Binding(name, Parameters(parameters), {}, {}).telling(findings));
           add_channels(name, pointer, source.source->channels(), source.channels);
         });
     }
@@ -269,9 +269,9 @@ void Composer::add_transforms() {
               for (const auto& item : *items)
                 fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
           }
-          guarded(pointer, [&] {
-            transform.transform =
-                transform.type->create_transform(Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances));
+          guarded(pointer, [&](Findings& findings) {
+            transform.transform = transform.type->create_transform(
+                Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances).telling(findings));
             add_channels(name, pointer, transform.transform->channels(), transform.channels);
           });
         }
@@ -306,7 +306,9 @@ void Composer::add_sinks() {
                                              {"type", "input", "inputs", "fields"}, {}, diagnostics_);
     const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
     if (error_count() != errors || !is_bound) continue;
-    guarded(pointer, [&] { sink.sink = sink.type->create_sink(Binding(name, Parameters(parameters), {}, {})); });
+    guarded(pointer, [&](Findings& findings) {
+      sink.sink = sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+    });
     if (sink.sink) plan_->sinks.push_back(std::move(sink));
   }
 }

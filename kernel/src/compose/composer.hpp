@@ -103,6 +103,7 @@ class Composer {
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_withholding(MeasurementPlan& measurement, const std::string& pointer);
   void collect_touched(FilterBuild& build, MeasurementPlan& measurement);
+  void add_readings(FilterBuild& build);
   std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
 
   // transition.cpp
@@ -117,17 +118,21 @@ class Composer {
   /// The object's type, found in the catalog; null with an error.
   const ComponentType* type_of(Role role, const std::string& pointer);
   PortUnits port_units(const std::vector<PortBinding>& bindings) const;
-  /// Runs `create`, turning a ComponentError into a diagnostic. False when it was refused.
+  /// Runs `create`, turning a ComponentError into a diagnostic, and keeps what the component found. False when it was
+  /// refused.
   template <class Create>
   bool guarded(const std::string& pointer, Create&& create) {
+    Findings findings;
     try {
-      create();
-      return true;
+      create(findings);
     } catch (const ComponentError& error) {
       refuse(error, pointer);
       return false;
     }
+    keep(std::move(findings), pointer);
+    return true;
   }
+  void keep(Findings findings, const std::string& pointer);
   void refuse(const ComponentError& error, const std::string& pointer);
   void error(const std::string& code, const std::string& pointer, const std::string& message);
   void key_error(const std::string& code, const std::string& pointer, const std::string& message);

@@ -44,7 +44,11 @@ void Composer::key_error(const std::string& code, const std::string& pointer, co
   diagnostics_.error(code, document().key_origin(pointer), pointer, message);
 }
 
-std::size_t Composer::error_count() const { return diagnostics_.items().size(); }
+std::size_t Composer::error_count() const {
+  const auto& items = diagnostics_.items();
+  return static_cast<std::size_t>(std::count_if(
+      items.begin(), items.end(), [](const Diagnostic& item) { return item.severity == Severity::error; }));
+}
 
 void Composer::refuse(const ComponentError& refusal, const std::string& pointer) {
   if (refusal.is_data_error()) {
@@ -53,6 +57,12 @@ void Composer::refuse(const ComponentError& refusal, const std::string& pointer)
   }
   const std::string at_pointer = pointer + refusal.pointer();
   error("B030", at_pointer, refusal.what());
+}
+
+void Composer::keep(Findings findings, const std::string& pointer) {
+  for (const auto& remark : findings.remarks)
+    diagnostics_.warning("B032", document().key_origin(pointer), pointer, remark);
+  if (!findings.figures.empty()) plan_->found.push_back({pointer, std::move(findings.figures)});
 }
 
 const ComponentType* Composer::type_of(Role role, const std::string& pointer) {

@@ -71,6 +71,7 @@ struct Node {
 struct ReferencePlan {
   int filter = 0;
   int block = -1;               // −1: withheld samples of `measurement`
+  int reading = -1;             // ≥ 0: this reading of the block, not the block
   int channel = -1;
   std::vector<int> fields;      // per output of the block: per-epoch field of the channel, −1: not told
   std::optional<double> invalid;  // a sample whose fields all have this value tells nothing
@@ -97,6 +98,12 @@ struct SourceOpening {
   Diagnostics warnings;
 };
 
+/// What a component found out while it was bound.
+struct FoundPlan {
+  std::string pointer;
+  std::vector<Findings::Figure> figures;
+};
+
 struct CompositionPlan {
   Document document;
   Catalog catalog;
@@ -107,6 +114,7 @@ struct CompositionPlan {
   std::vector<FilterPlan> filters;
   std::vector<SinkPlan> sinks;
   std::vector<Node> nodes;
+  std::vector<FoundPlan> found;
   EvaluationPlan evaluation;
   Time record_every = 0;
   Layout layout;

@@ -170,14 +170,20 @@ void Composer::add_reference(const std::string& pointer) {
     reference.label = *channel_name;
     std::vector<std::string> names;
     bool is_found = false;
-    for (std::size_t f = 0; f < plan_->filters.size(); ++f)
-      for (std::size_t b = 0; b < plan_->filters[f].blocks.size(); ++b) {
-        names.push_back(plan_->filters[f].name + "/" + plan_->filters[f].blocks[b].name);
-        if (names.back() != key) continue;
-        is_found = true;
-        reference.filter = static_cast<int>(f);
-        reference.block = static_cast<int>(b);
-      }
+    const auto look_at = [&](std::size_t filter, const std::string& name, int block, int reading) {
+      names.push_back(plan_->filters[filter].name + "/" + name);
+      if (names.back() != key) return;
+      is_found = true;
+      reference.filter = static_cast<int>(filter);
+      reference.block = block;
+      reference.reading = reading;
+    };
+    for (std::size_t f = 0; f < plan_->filters.size(); ++f) {
+      const auto& filter = plan_->filters[f];
+      for (std::size_t b = 0; b < filter.blocks.size(); ++b) look_at(f, filter.blocks[b].name, static_cast<int>(b), -1);
+      for (std::size_t r = 0; r < filter.readings.size(); ++r)
+        look_at(f, filter.readings[r].value.name, filter.readings[r].block, static_cast<int>(r));
+    }
     if (!is_found) {
       const auto slash = key.find('/');
       const bool has_failed = std::any_of(builds_.begin(), builds_.end(), [&](const FilterBuild& build) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a composition is, told for people: `binnacle explain` and `binnacle graph` print this.
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "binnacle/composition.hpp"
@@ -66,6 +67,84 @@ Json explain_transition(const FilterPlan& filter) {
   return couplings;
 }
 
+/// The block and its component that a row of P is of.
+struct Place {
+  std::size_t block = 0;
+  int component = 0;
+};
+
+Place place_of(const FilterPlan& filter, int row) {
+  for (std::size_t b = 0; b < filter.blocks.size(); ++b) {
+    const auto& block = filter.blocks[b];
+    if (row >= block.first && row < block.first + static_cast<int>(block.active.size())) return {b, row - block.first};
+  }
+  return {};
+}
+
+/// What the blocks of a matrix are declared to be, by (row, column); what is not in it is zero.
+class BlockPattern {
+ public:
+  void add(Place row, Place column) {
+    auto& is_diagonal = blocks_.try_emplace({row.block, column.block}, true).first->second;
+    is_diagonal = is_diagonal && row.component == column.component;
+  }
+  bool has_row(std::size_t block) const {
+    return std::any_of(blocks_.begin(), blocks_.end(), [&](const auto& entry) { return entry.first.first == block; });
+  }
+  Json told(const FilterPlan& filter, const char* row, const char* column) const {
+    Json list = Json::array();
+    for (const auto& [key, is_diagonal] : blocks_)
+      list.push_back({{row, filter.blocks[key.first].name},
+                      {column, filter.blocks[key.second].name},
+                      {"structure", is_diagonal ? "diagonal" : "dense"}});
+    return list;
+  }
+
+ private:
+  std::map<std::pair<std::size_t, std::size_t>, bool> blocks_;
+};
+
+/// Φ; blocks that nothing moves are an identity.
+Json explain_pattern(const FilterPlan& filter) {
+  BlockPattern pattern;
+  for (const auto& group : filter.transition.groups)
+    for (int r = 0; r < group.rows; ++r)
+      for (const auto& column : group.columns)
+        pattern.add(place_of(filter, group.first_row + r), place_of(filter, column.column));
+  for (const auto& diagonal : filter.transition.diagonals)
+    pattern.add(place_of(filter, diagonal.row), place_of(filter, diagonal.row));
+  Json list = pattern.told(filter, "to", "from");
+  for (std::size_t b = 0; b < filter.blocks.size(); ++b)
+    if (!filter.blocks[b].active.empty() && !pattern.has_row(b))
+      list.push_back({{"to", filter.blocks[b].name}, {"from", filter.blocks[b].name}, {"structure", "identity"}});
+  return list;
+}
+
+/// Qd, of which models declare one half.
+Json explain_noise(const FilterPlan& filter) {
+  BlockPattern pattern;
+  for (const auto& noise : filter.transition.noise)
+    for (int r = 0; r < noise.rows; ++r)
+      for (int c = 0; c < noise.columns; ++c) {
+        if (noise.stride == 0 && r != c) continue;
+        const Place row = place_of(filter, noise.row + r), column = place_of(filter, noise.column + c);
+        pattern.add(row, column);
+        pattern.add(column, row);
+      }
+  return pattern.told(filter, "row", "column");
+}
+
+/// Blocks that a part's H has columns of, those behind derived values too.
+Json explain_columns(const FilterPlan& filter, const PartPlan& part) {
+  std::set<int> seen;
+  for (const auto& read : part.reads)
+    for (const auto& target : read.targets)
+      if (!filter.blocks[as_size(target.block)].active.empty()) seen.insert(target.block);
+  Json names = Json::array();
+  for (const int block : seen) names.push_back(filter.blocks[as_size(block)].name);
+  return names;
+}
+
 Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
   Json explanation{{"name", filter.name}, {"dof", filter.n}, {"blocks", explain_blocks(filter)}};
   const auto ports = [&](const std::vector<int>& values) {
@@ -102,11 +181,14 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
   }
   explanation["process"] = std::move(processes);
   explanation["couplings"] = explain_transition(filter);
+  explanation["transition"] = explain_pattern(filter);
+  explanation["noise"] = explain_noise(filter);
   Json measurements = Json::array();
   for (const auto& measurement : filter.measurements) {
     Json parts = Json::array();
     for (const auto& part : measurement.parts)
-      parts.push_back({{"name", part.name}, {"type", part.type}, {"reads", ports(part.ports)}});
+      parts.push_back({{"name", part.name}, {"type", part.type}, {"reads", ports(part.ports)},
+                       {"columns", explain_columns(filter, part)}});
     Json entry{{"name", measurement.name},
                {"channel", plan.channels[as_size(measurement.channel)].name},
                {"max_rows", measurement.max_rows},
@@ -121,6 +203,12 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     measurements.push_back(std::move(entry));
   }
   explanation["measurements"] = std::move(measurements);
+  Json readings = Json::array();
+  for (const auto& reading : filter.readings)
+    readings.push_back({{"name", reading.value.name},
+                        {"measurement", filter.measurements[as_size(reading.measurement)].name},
+                        {"block", filter.blocks[as_size(reading.block)].name}});
+  if (!readings.empty()) explanation["readings"] = std::move(readings);
   Json initial = Json::array();
   for (const auto& latest : filter.initial) {
     Json entry{{"channel", plan.channels[as_size(latest.channel)].name}};
@@ -201,8 +289,16 @@ Json Composition::explain() const {
   }
   Json filters = Json::array();
   for (const auto& filter : plan_->filters) filters.push_back(explain_filter(*plan_, filter));
+  Json found = Json::array();
+  for (const auto& component : plan_->found) {
+    Json figures = Json::array();
+    for (const auto& figure : component.figures)
+      figures.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
+    found.push_back({{"at", component.pointer}, {"figures", std::move(figures)}});
+  }
   return {{"title", plan_->title},    {"sources", std::move(sources)}, {"transforms", std::move(transforms)},
           {"channels", channels},     {"filters", std::move(filters)}, {"unused_channels", std::move(unused)},
+          {"found", std::move(found)},
           {"arena_bytes", plan_->layout.size()}};
 }
 

@@ -26,6 +26,7 @@ void Composer::finish_filters() {
     add_derived(build);
     add_processes(build);
     add_measurements(build);
+    add_readings(build);
     if (error_count() != errors) build.is_complete = false;
     if (build.is_complete) plan_transition(build);
   }
@@ -206,8 +207,9 @@ void Composer::add_derived(FilterBuild& build) {
                                                  {"type", "blocks"}, port_units(bindings), diagnostics_);
         const bool has_drive = find_drive(build, *type, pointer, plan.drive);
         if (is_bound && has_drive && error_count() == errors)
-          guarded(pointer, [&] {
-            plan.derived = type->create_derived_block(Binding(name, Parameters(parameters), bindings, {}));
+          guarded(pointer, [&](Findings& findings) {
+            plan.derived =
+                type->create_derived_block(Binding(name, Parameters(parameters), bindings, {}).telling(findings));
           });
       }
       if (!plan.derived) {
@@ -329,9 +331,9 @@ void Composer::add_processes(FilterBuild& build) {
         is_whole = false;
         continue;
       }
-      guarded(pointer, [&] {
+      guarded(pointer, [&](Findings& findings) {
         plan.model = type->create_process_model(
-            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step));
+            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).telling(findings));
       });
       if (!plan.model) {
         is_whole = false;
@@ -493,10 +495,11 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
     }
   }
   if (!is_whole || measurement.channel < 0 || error_count() != errors) return false;
-  if (!guarded(pointer, [&] {
+  if (!guarded(pointer, [&](Findings& findings) {
         part.model = type->create_measurement_model(
             Binding(name, Parameters(parameters), bindings, fields_bound, 1,
-                    {plan_->channels[as_size(measurement.channel)].declaration.covariance}));
+                    {plan_->channels[as_size(measurement.channel)].declaration.covariance})
+                .telling(findings));
       }))
     return false;
   const auto& declaration = part.model->declaration();
@@ -612,9 +615,9 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
     first += part.model->declaration().max_rows;
   }
   measurement.noise_type = type->full_name();
-  guarded(noise_pointer, [&] {
+  guarded(noise_pointer, [&](Findings& findings) {
     measurement.noise =
-        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}), binding);
+        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}).telling(findings), binding);
   });
 }
 
@@ -680,6 +683,53 @@ void Composer::add_withholding(MeasurementPlan& measurement, const std::string& 
     if (const auto window = read_window(document(), join_pointer(windows_pointer, i), diagnostics_))
       measurement.withheld.push_back(
           TimeSpan{window->from.time, window->to.time, window->from.from_start, window->to.from_start});
+}
+
+void Composer::add_readings(FilterBuild& build) {
+  const std::string section = join_pointer(build.pointer, "readings");
+  const auto* readings = object_at(document(), section, "'readings'", diagnostics_);
+  if (!readings) return;
+  const auto index_of = [&](const std::string& reading, const char* key, const std::string& pointer,
+                            const std::vector<std::string>& names) {
+    if (!require_key(document(), pointer, key, reading, std::string("a ") + key + " of the filter", diagnostics_)) return -1;
+    const std::string at_pointer = join_pointer(pointer, key);
+    const auto name = read_string(document(), at_pointer, diagnostics_);
+    if (!name) return -1;
+    const auto found = std::find(names.begin(), names.end(), *name);
+    if (found != names.end()) return static_cast<int>(found - names.begin());
+    const std::string other = join_pointer(join_pointer(build.pointer, std::string(key) + "s"), *name);
+    if (!at(other))  // else it was refused and that has been told
+      error(std::string(key) == "block" ? "B015" : "B027", at_pointer,
+            "the filter has no " + std::string(key) + " '" + *name + "'" + suggestion(*name, names) + " (" + key + "s: " +
+                listed(names) + ")");
+    return -1;
+  };
+  std::vector<std::string> blocks, measurements;
+  for (const auto& block : build.plan.blocks) blocks.push_back(block.name);
+  for (const auto& measurement : build.plan.measurements) measurements.push_back(measurement.name);
+  for (const auto& [name, value] : readings->items()) {
+    const std::string pointer = join_pointer(section, name);
+    if (!object_at(document(), pointer, "a reading", diagnostics_)) continue;
+    check_keys(document(), pointer, {"measurement", "block"}, "a reading", diagnostics_);
+    if (build.value(name) >= 0) key_error("B002", pointer, "a block is called '" + name + "' already");
+    ReadingPlan reading;
+    reading.measurement = index_of(name, "measurement", pointer, measurements);
+    reading.block = index_of(name, "block", pointer, blocks);
+    if (reading.measurement < 0 || reading.block < 0) continue;
+    const auto& measurement = build.plan.measurements[as_size(reading.measurement)];
+    reading.value = build.plan.blocks[as_size(reading.block)];
+    const int rows = static_cast<int>(reading.value.active.size());
+    const auto& columns = measurement.columns.columns;
+    if (std::find(columns.begin(), columns.end(), reading.value.first) == columns.end() || rows == 0 ||
+        rows > measurement.max_rows) {
+      error("B015", pointer, "measurement '" + measurement.name + "' does not tell block '" + reading.value.name +
+                                 "': it must see all " + std::to_string(rows) + " of its components");
+      continue;
+    }
+    reading.value.name = name;
+    reading.value.first = 0;
+    build.plan.readings.push_back(std::move(reading));
+  }
 }
 
 }  // namespace binnacle

@@ -221,6 +221,13 @@ struct MeasurementPlan {
   std::size_t memory_bytes = 0;         // of its parts together, for the rollback copy
 };
 
+/// A reading: a block as one measurement tells it, all else that is in the measurement taken from the filter.
+struct ReadingPlan {
+  BlockPlan value;                      // the block's, under the reading's name and with rows counted from 0
+  int measurement = 0;
+  int block = 0;
+};
+
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
 struct LatestPlan {
   int channel = 0;
@@ -272,6 +279,7 @@ struct FilterPlan {
   std::vector<DerivedPlan> derived;
   std::vector<ProcessPlan> processes;
   std::vector<MeasurementPlan> measurements;
+  std::vector<ReadingPlan> readings;
   std::vector<LatestPlan> initial;      // channels that initial values come from
   std::vector<LatestPlan> auxiliary;
   std::vector<std::string> channel_names;

@@ -11,6 +11,7 @@
 #include "binnacle/unit.hpp"
 #include "filter/residual_rows.hpp"
 #include "run/outputs.hpp"
+#include "run/reading.hpp"
 
 namespace binnacle {
 
@@ -133,6 +134,7 @@ class Evaluator::FilterScore : public StepTape {
     truth_.resize(stored);
     outputs_.resize(outputs);
     covariance_.resize(dof * (dof + 1));
+    for (const auto& reading : plan_.readings) readings_.emplace_back(reading, plan_.blocks[as_size(reading.block)]);
     for (const auto& reference : references) {
       if (reference.filter != filter) continue;
       if (reference.block >= 0)
@@ -175,6 +177,11 @@ class Evaluator::FilterScore : public StepTape {
         is_told = is_told || !plan.invalid || pending.values[k] != *plan.invalid;
       }
       if (!is_told || !is_finite) continue;
+      if (plan.reading >= 0) {
+        pending_of_readings_.push_back(pending);
+        score_reading(plan.reading);
+        continue;
+      }
       // The filter may have passed this instant already: then only an estimate at that very time will do.
       if (sample.t == engine_.status().t && plan_.input_channel < 0) {
         score(pending, engine_.state());
@@ -185,7 +192,7 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   bool wants_covariance() const override { return !pending_.empty() || (next_ && next_->wants_covariance()); }
-  bool wants_matrices() const override { return next_ && next_->wants_matrices(); }
+  bool wants_matrices() const override { return !readings_.empty() || (next_ && next_->wants_matrices()); }
 
   void started(Time t, const double* x, MatrixView P) override {
     if (next_) next_->started(t, x, P);
@@ -214,6 +221,8 @@ class Evaluator::FilterScore : public StepTape {
 
   void offered(const UpdateRecord& record) override {
     if (next_) next_->offered(record);
+    for (std::size_t r = 0; r < readings_.size(); ++r)
+      if (readings_[r].take(record, record.P0 ? record.P0 : engine_.covariance())) score_reading(static_cast<int>(r));
     if (record.outcome != Outcome::withheld) {
       keep_noise(record);
       return;
@@ -236,6 +245,7 @@ class Evaluator::FilterScore : public StepTape {
     for (const auto& pending : pending_)
       if (pending.t == engine_.status().t) score(pending, engine_.state());
     pending_.clear();
+    pending_of_readings_.clear();
   }
 
   nlohmann::ordered_json summary(const EvaluationPlan& evaluation, int filter) const {
@@ -264,7 +274,7 @@ class Evaluator::FilterScore : public StepTape {
         }
       if (n > 0)
         consistency[reference.name] = {{"nees_mean", sum / static_cast<double>(n)},
-                                       {"dof", plan_.blocks[as_size(reference.plan->block)].active.size()},
+                                       {"dof", reference.block->active.size()},
                                        {"n", n}};
     }
     if (!consistency.empty()) summary["consistency"] = consistency;
@@ -308,6 +318,31 @@ class Evaluator::FilterScore : public StepTape {
     return all;
   }
 
+  std::vector<RecordColumn> reading_columns() const {
+    std::vector<RecordColumn> columns;
+    for (const auto& reading : readings_) {
+      const auto& value = reading.plan().value;
+      for (const char* suffix : {"", ".sigma"})
+        for (const auto& output : value.declaration().outputs)
+          columns.push_back({value.name + "." + output.name + suffix, output.unit});
+    }
+    return columns;
+  }
+  void latest_readings(Time t, double* values) {
+    for (auto& reading : readings_) {
+      const auto& value = reading.plan().value;
+      const auto count = value.declaration().outputs.size();
+      if (reading.t() == t) {
+        std::vector<double> scratch(output_sigma_scratch(value));
+        value.block->read(reading.value(), values);
+        output_sigmas(value, reading.value(), reading.covariance(), scratch.data(), values + count);
+      } else {
+        std::fill_n(values, 2 * count, not_a_number);
+      }
+      values += 2 * count;
+    }
+  }
+
   std::vector<RecordColumn> noise_columns() const {
     std::vector<RecordColumn> columns;
     for (const auto& group : noise_) columns.push_back({group.series.name, group.series.unit});
@@ -347,12 +382,12 @@ class Evaluator::FilterScore : public StepTape {
     }
     if (metric.of_block) {
       const auto& reference = references_[as_size(metric.subject)];
-      const auto dof = plan_.blocks[as_size(reference.plan->block)].active.size();
+      const auto dof = reference.block->active.size();
       return {over_time(reference.nees.t, reference.nees.values, metric, span, start()), static_cast<double>(dof), 1};
     }
     const auto& subject = subjects_[as_size(metric.subject)];
     if (metric.statistic == MetricStatistic::drift && subject.reference >= 0 && is_component(subject) &&
-        plan_.blocks[as_size(references_[as_size(subject.reference)].plan->block)].declaration().kind == "attitude")
+        references_[as_size(subject.reference)].block->declaration().kind == "attitude")
       return {over_time(subject.series->t, with_whole_turns(subject), metric, span, start()), 0, 0};
     if (metric.quantity == MetricQuantity::error)
       return {over_time(subject.series->t, subject.series->values, metric, span, start()), 0, 0};
@@ -369,7 +404,8 @@ class Evaluator::FilterScore : public StepTape {
  private:
   struct Reference {
     const ReferencePlan* plan = nullptr;
-    std::string name;              // of the block
+    const BlockPlan* block = nullptr;  // or the reading's
+    std::string name;              // of it
     bool is_whole = false;         // all outputs are told: errors by ⊟
     std::vector<Series> series;
     std::vector<int> output_series;  // per output: index in series, −1
@@ -403,7 +439,7 @@ class Evaluator::FilterScore : public StepTape {
   void keep_sigmas(Reference& reference) {
     reference.sigmas.resize(reference.series.size());
     std::size_t scratch = sigma_scratch_.size(), widest = sigmas_.size();
-    const auto& block = plan_.blocks[as_size(reference.plan->block)];
+    const auto& block = *reference.block;
     scratch = std::max(scratch, output_sigma_scratch(block));
     widest = std::max(widest, block.declaration().outputs.size());
     sigma_scratch_.resize(scratch);
@@ -413,7 +449,7 @@ class Evaluator::FilterScore : public StepTape {
   bool is_component(const Subject& subject) const {
     const auto& reference = references_[as_size(subject.reference)];
     return reference.is_whole &&
-           subject.index < plan_.blocks[as_size(reference.plan->block)].declaration().dof();
+           subject.index < reference.block->declaration().dof();
   }
 
   /// The component of an attitude's error with whole turns about its axis added, so that it never jumps by one.
@@ -462,10 +498,11 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   void add_channel_reference(const ReferencePlan& plan) {
-    const auto& block = plan_.blocks[as_size(plan.block)];
+    const auto& block = plan.reading < 0 ? plan_.blocks[as_size(plan.block)] : plan_.readings[as_size(plan.reading)].value;
     const auto& declaration = block.declaration();
     Reference reference;
     reference.plan = &plan;
+    reference.block = &block;
     reference.name = block.name;
     reference.is_whole = std::all_of(plan.fields.begin(), plan.fields.end(), [](int field) { return field >= 0; });
     if (reference.is_whole) reference.series = make_series(ErrorNames(declaration, block.name));
@@ -556,14 +593,24 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   void score(const Pending& pending, const double* state) {
-    const auto& block = plan_.blocks[as_size(references_[as_size(pending.reference)].plan->block)];
+    const auto& block = *references_[as_size(pending.reference)].block;
     score_block(pending, state + block.stored_offset, engine_.covariance());
+  }
+
+  /// A reading is of its instant: only a reference of that very time tells whether it is right.
+  void score_reading(int index) {
+    auto& reading = readings_[as_size(index)];
+    std::erase_if(pending_of_readings_, [&](const Pending& pending) {
+      if (references_[as_size(pending.reference)].plan->reading != index) return false;
+      if (pending.t == reading.t()) score_block(pending, reading.value(), reading.covariance());
+      return pending.t <= reading.t();
+    });
   }
 
   /// P: a posteriori at the last update before the reference, or at its very time.
   void score_block(const Pending& pending, const double* estimate, MatrixView P) {
     auto& reference = references_[as_size(pending.reference)];
-    const auto& block = plan_.blocks[as_size(reference.plan->block)];
+    const auto& block = *reference.block;
     const auto& declaration = block.declaration();
     if (reference.is_whole) {
       if (!block.block->write(pending.values.data(), truth_.data())) return;
@@ -628,7 +675,8 @@ class Evaluator::FilterScore : public StepTape {
   std::vector<WithheldGroup> withheld_;
   std::vector<NoiseGroup> noise_;
   std::set<int> scored_measurements_;
-  std::vector<Pending> pending_;
+  std::vector<Pending> pending_, pending_of_readings_;
+  std::vector<Reading> readings_;
   std::vector<Subject> subjects_;
   std::vector<double> delta_, between_, truth_, outputs_, covariance_, sigma_scratch_, sigmas_;
 };
@@ -658,6 +706,14 @@ nlohmann::ordered_json Evaluator::filter_summary(int filter) const {
 
 std::vector<RecordColumn> Evaluator::noise_columns(int filter) const {
   return scores_[as_size(filter)]->noise_columns();
+}
+
+std::vector<RecordColumn> Evaluator::reading_columns(int filter) const {
+  return scores_[as_size(filter)]->reading_columns();
+}
+
+void Evaluator::latest_readings(int filter, Time t, double* values) const {
+  scores_[as_size(filter)]->latest_readings(t, values);
 }
 
 void Evaluator::latest_noise(int filter, double* values) const { scores_[as_size(filter)]->latest_noise(values); }

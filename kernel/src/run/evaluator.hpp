@@ -53,6 +53,9 @@ class Evaluator : public SampleListener {
   /// RunObserver::scored() for everything there is.
   void tell_errors(RunObserver& observer) const;
   MetricValue value(const Metric& metric) const;
+  /// Readings and their 1-σ; NaN where there is none of this very time.
+  std::vector<RecordColumn> reading_columns(int filter) const;
+  void latest_readings(int filter, Time t, double* values) const;
   /// What noise estimators make of R, as 1-σ by group of rows; the newest values, NaN before the first.
   std::vector<RecordColumn> noise_columns(int filter) const;
   void latest_noise(int filter, double* values) const;

@@ -64,6 +64,9 @@ class Recorder {
         scratch = std::max(scratch, output_sigma_scratch(block));
       }
       columns.insert(columns.end(), sigmas.begin(), sigmas.end());
+      const auto readings = evaluator.reading_columns(static_cast<int>(f));
+      columns.insert(columns.end(), readings.begin(), readings.end());
+      reading_columns_.push_back(readings.size());
       const auto noise = evaluator.noise_columns(static_cast<int>(f));
       columns.insert(columns.end(), noise.begin(), noise.end());
       noise_columns_.push_back(noise.size());
@@ -91,6 +94,8 @@ class Recorder {
         output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(), values_.data() + at);
         at += block.declaration().outputs.size();
       }
+      evaluator_.latest_readings(static_cast<int>(f), t, values_.data() + at);
+      at += reading_columns_[f];
       evaluator_.latest_noise(static_cast<int>(f), values_.data() + at);
       at += noise_columns_[f];
       observer_.record(static_cast<int>(f), t, {values_.data(), at});
@@ -102,7 +107,7 @@ class Recorder {
   const Evaluator& evaluator_;
   RunObserver& observer_;
   Time every_;
-  std::vector<std::size_t> noise_columns_;
+  std::vector<std::size_t> reading_columns_, noise_columns_;
   std::vector<Time> next_, last_;
   std::vector<double> scratch_, values_;
 };

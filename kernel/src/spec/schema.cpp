@@ -335,7 +335,12 @@ void add_kernel_definitions(Json& definitions) {
                                       named(ref("derived_block")))},
                      {"process", told("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
                      {"measurements", told("what is seen of them; at one instant in this order",
-                                           named(ref("measurement")))}},
+                                           named(ref("measurement")))},
+                     {"readings",
+                      told("a block as one measurement tells it, all else in it taken from the filter; scored and recorded",
+                           named(or_patch(closed_object({{"measurement", told("whose samples", name)},
+                                                         {"block", told("what they tell", name)}},
+                                                        {"measurement", "block"}))))}},
                     {"blocks"}));
   definitions["reference"] = {{"anyOf",
                                {closed_object({{"withheld", told("a measurement with withheld samples", name)},

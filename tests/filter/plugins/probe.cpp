@@ -78,7 +78,10 @@ class Breaking : public ProcessModel {
   explicit Breaking(const Binding& binding)
       : after_(binding.parameters().time("after")),
         politely_(binding.parameters().boolean("politely")),
-        dof_(binding.port("x").dof) {}
+        dof_(binding.port("x").dof) {
+    binding.tell("breaks after", seconds(after_), "s");
+    if (!politely_) binding.remark("it breaks without a word");
+  }
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
   Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
     const bool breaks = step.t1 > after_;

@@ -2,9 +2,11 @@
 // Results: what --out left in a folder, as the report and other tools read it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,16 @@
 namespace binnacle::results {
 
 using Json = nlohmann::ordered_json;
+
+/// A file could not be written; one line that says why, without its name.
+class WriteError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// As summary.json has them.
+inline constexpr std::array<const char*, outcome_count> outcome_names = {
+    "accepted", "gated", "late", "unsupported", "invalid", "withheld", "rejected"};
 
 /// A readable output of a block over time, and its 1-σ. SI.
 struct Estimate {

@@ -101,6 +101,12 @@ struct StudyOptions {
   MetricReading read_metric = binnacle::read_metric;
 };
 
+/// Something that the figures of a run depend on.
+struct Making {
+  std::string what;
+  std::uint64_t hash = 0;
+};
+
 /// Immutable; share it between threads.
 class Study {
  public:
@@ -118,12 +124,16 @@ class Study {
   const Diagnostics& warnings() const { return warnings_; }
   /// Of everything that the figures of a run depend on: compositions, metrics, seed, this program and the plugins.
   std::uint64_t hash() const { return hash_; }
+  /// The same by what it is of: "program", "plugin 'csv'", "seed", "config".
+  const std::vector<Making>& makings() const { return makings_; }
 
   /// Runs one variant once. `goes_on` is asked now and then; once it says false, the figures stay open. What breaks is
   /// told in the figures, never thrown.
   Figures carry_out(std::size_t variant, int run, const std::function<bool()>& goes_on) const;
 
  private:
+  void note_makings();
+
   std::string title_;
   int runs_ = 1;
   std::uint64_t seed_ = 1;
@@ -131,6 +141,7 @@ class Study {
   std::vector<StudyMetric> metrics_;
   std::vector<TablePlan> tables_;
   Diagnostics warnings_;
+  std::vector<Making> makings_;
   std::uint64_t hash_ = 0;
 };
 

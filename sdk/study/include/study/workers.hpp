@@ -4,10 +4,17 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 
 #include "study/study.hpp"
 
 namespace binnacle::study {
+
+/// One run of one variant.
+struct RunKey {
+  std::size_t variant = 0;
+  std::size_t run = 0;
+};
 
 /// Called for every run that ended, by one thread at a time, in the order in which they end.
 using OnRun = std::function<void(std::size_t variant, std::size_t run, const Figures& figures)>;
@@ -18,7 +25,13 @@ using OnRun = std::function<void(std::size_t variant, std::size_t run, const Fig
 void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
                    const OnRun& on_run);
 
-/// How many runs are at work at one time unless told otherwise.
-int processors();
+/// The heart of it: `jobs` threads ask for the next run, which may take its time, and hand over what came of it. They end
+/// when there is none, or `goes_on` says false. What `done` throws is thrown on; it has to make `goes_on` say false.
+void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
+                    const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on);
+
+/// How many runs are at work at one time unless told otherwise, where so many processes share the machine: those bound
+/// to processors of their own use these.
+int processors(int processes_here = 1);
 
 }  // namespace binnacle::study

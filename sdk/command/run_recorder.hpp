@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CsvRecorder: what a run estimates, as one CSV file per filter in a folder.
+// RunRecorder: what a run leaves in a folder: run.nc, and what it estimates as one CSV file per filter.
 #pragma once
 
 #include <filesystem>
@@ -11,29 +11,36 @@
 #include "atomic_file.hpp"
 #include "binnacle/run.hpp"
 #include "output.hpp"
+#include "results/run_writer.hpp"
 
 namespace binnacle::command {
 
-/// FOLDER/FILTER.csv: one header row, "t[s],position.lat[rad],…,position.lat.sigma[rad],…"; SI numbers that read back
+/// FOLDER/run.nc: as results/run_writer.hpp has it. FOLDER/FILTER.csv: one header row, "t[s],position.lat[rad],…,position.lat.sigma[rad],…"; SI numbers that read back
 /// exactly; times in seconds to the nanosecond. Nothing is seen of the files before commit().
-class CsvRecorder {
+class RunRecorder {
  public:
-  /// Makes the folder. Throws UsageError when nothing can be written there.
-  explicit CsvRecorder(std::filesystem::path folder);
+  /// Makes the folder. Throws UsageError when nothing can be written there; everything else throws OutputError.
+  RunRecorder(std::filesystem::path folder, const Composition& composition, const Json& provenance);
   /// Leaves nothing behind that was not committed, the folder included if it was made here.
-  ~CsvRecorder();
-  CsvRecorder(const CsvRecorder&) = delete;
-  CsvRecorder& operator=(const CsvRecorder&) = delete;
+  ~RunRecorder();
+  RunRecorder(const RunRecorder&) = delete;
+  RunRecorder& operator=(const RunRecorder&) = delete;
 
   void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns);
   void record(int filter, Time t, std::span<const double> values);
+  StepTape* tape(int filter) { return netcdf_->tape(filter); }
+  void scored(int filter, const ErrorSeries& errors);
   /// Puts the records, config.json and at last summary.json in place: with summary.json there, all of it is.
   void commit(const Json& summary, const Json& config);
 
  private:
+  template <class Action>
+  void write_netcdf(Action&& action);
+
   std::filesystem::path folder_;
   std::filesystem::path made_;  // topmost folder that was made; empty: none
-  std::unique_ptr<AtomicFile> config_, summary_;
+  std::unique_ptr<AtomicFile> config_, summary_, netcdf_file_;
+  std::unique_ptr<results::RunWriter> netcdf_;
   std::vector<std::unique_ptr<AtomicFile>> filters_;
   std::string line_;
 };

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a filter did, as matrices, in the order in which it happens.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/tape.hpp"
+
+namespace binnacle::covariance {
+
+struct Event {
+  enum Kind { started, stepped, offered } kind = started;
+  Time t = 0;
+  std::vector<double> x;        // stored state afterwards
+  Eigen::MatrixXd P0, P1, Phi;  // of a step; P1 of the start
+  Eigen::MatrixXd S, R, H;      // of a measurement that was linearized
+  std::string measurement, reason;
+  Outcome outcome = Outcome::rejected;
+};
+
+/// Copies every record of a tape and hands it on.
+class Recorder final : public StepTape {
+ public:
+  using Take = std::function<void(Event)>;
+
+  Recorder(const FilterInfo& info, Take take) : info_(info), take_(std::move(take)) {}
+
+  bool wants_matrices() const override { return true; }
+  void started(Time t, const double* x, MatrixView P) override {
+    Event event = event_of(Event::started, t, x);
+    event.P1 = P.as();
+    take_(std::move(event));
+  }
+  void stepped(const StepRecord& record) override {
+    Event event = event_of(Event::stepped, record.t1, record.x1);
+    event.P0 = record.P0.as();
+    event.P1 = record.P1.as();
+    event.Phi = record.Phi.as();
+    take_(std::move(event));
+  }
+  void offered(const UpdateRecord& record) override {
+    Event event = event_of(Event::offered, record.t, record.x1 ? record.x1 : record.x0);
+    event.measurement = info_.measurements[static_cast<std::size_t>(record.measurement)].name;
+    event.outcome = record.outcome;
+    event.reason = record.reason;
+    if (record.H) {
+      event.S = record.S.as();
+      event.R = record.R.as();
+      event.H = record.H.as();
+    }
+    take_(std::move(event));
+  }
+
+ private:
+  Event event_of(Event::Kind kind, Time t, const double* x) const {
+    Event event;
+    event.kind = kind;
+    event.t = t;
+    event.x.assign(x, x + info_.stored_size);
+    return event;
+  }
+
+  const FilterInfo& info_;
+  Take take_;
+};
+
+}  // namespace binnacle::covariance

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DOUT=assets.cpp "-DASSETS=name=file+file;name=file" -P embed.cmake: files as C++ strings, several as one.
+set(pieces "")
+foreach(asset IN LISTS ASSETS)
+  string(REGEX MATCH "^([^=]+)=(.+)$" matched "${asset}")
+  set(name ${CMAKE_MATCH_1})
+  string(REPLACE "+" ";" files "${CMAKE_MATCH_2}")
+  string(APPEND pieces "const std::string_view ${name} =")
+  foreach(file IN LISTS files)
+    file(READ "${file}" text)
+    string(APPEND pieces " R\"-asset-(${text})-asset-\"")
+  endforeach()
+  string(APPEND pieces ";\n")
+endforeach()
+file(WRITE "${OUT}" "#include \"assets.hpp\"\n\nnamespace binnacle::report::assets {\n\n${pieces}\n}  // namespace binnacle::report::assets\n")

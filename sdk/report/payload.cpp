@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "payload.hpp"
+
+#include <utility>
+
+namespace binnacle::report {
+
+namespace {
+
+std::string text_in(const Json& config, const char* key) {
+  const auto found = config.find(key);
+  return found != config.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+}  // namespace
+
+Json payload(const results::Results& results, const Limits& limits) {
+  const Json none = Json::object();
+  const Json& config = results.run ? results.run->config : results.study ? results.study->config : none;
+  Json page{{"title", text_in(config, "title")}, {"description", text_in(config, "description")}};
+  Columns columns;
+  if (results.run) page["run"] = run_payload(*results.run, limits, columns);
+  if (results.study) page["study"] = study_payload(*results.study, columns);
+  page["columns"] = std::move(columns).json();
+  return page;
+}
+
+}  // namespace binnacle::report

@@ -1,0 +1,505 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "binnacle/unit.hpp"
+#include "consistency.hpp"
+#include "decimation.hpp"
+#include "display.hpp"
+#include "payload.hpp"
+#include "track.hpp"
+
+namespace binnacle::report {
+
+namespace {
+
+using results::Error;
+using results::Estimate;
+using results::FilterResults;
+using results::Updates;
+
+using Numbers = std::vector<double>;
+
+/// Beyond so many rows of one kind (satellites), one plot holds them all.
+constexpr std::size_t most_row_plots = 6;
+constexpr std::size_t most_track_points = 4000;
+
+// ---- small helpers
+
+Numbers picked(const Numbers& values, const std::vector<std::size_t>& indices, double scale = 1) {
+  Numbers picked;
+  picked.reserve(indices.size());
+  for (const auto i : indices) picked.push_back(values[i] / scale);
+  return picked;
+}
+
+std::pair<std::string, std::string> split_name(const std::string& name) {
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos ? std::pair{std::string(), name} : std::pair{name.substr(0, dot), name.substr(dot + 1)};
+}
+
+bool has_block(const FilterResults& filter, const std::string& name) {
+  return std::any_of(filter.estimates.begin(), filter.estimates.end(),
+                     [&](const Estimate& estimate) { return estimate.block == name; });
+}
+
+const Json& at_or_null(const Json& object, const std::string& key) {
+  static const Json null;
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  return object.is_object() && found != object.end() ? *found : null;
+}
+
+// ---- how much of it
+
+/// Values, their σ and their times, of everything that is plotted.
+std::size_t series_of(const FilterResults& filter) {
+  std::size_t series = 3 * (filter.estimates.size() + filter.errors.size());
+  for (const auto& updates : filter.updates) series += 4 * (1 + updates.groups.size() * most_row_plots);
+  return series;
+}
+
+std::size_t longest(const FilterResults& filter) {
+  std::size_t longest = filter.t.size();
+  for (const auto& error : filter.errors) longest = std::max(longest, error.t.size());
+  for (const auto& updates : filter.updates) longest = std::max(longest, updates.t.size());
+  return longest;
+}
+
+std::size_t points_per_series(const std::vector<FilterResults>& filters, const Limits& limits) {
+  std::size_t series = 0, most = 0;
+  for (const auto& filter : filters) {
+    series += series_of(filter);
+    most = std::max(most, longest(filter));
+  }
+  const std::size_t share = limits.numbers / std::max<std::size_t>(1, series);
+  return std::min(most, std::clamp(share, limits.least_points, limits.most_points));
+}
+
+// ---- a filter's payload
+
+class FilterPayload {
+ public:
+  FilterPayload(const FilterResults& filter, const results::RunResults& run, std::size_t points, Columns& columns)
+      : filter_(filter),
+        summary_(at_or_null(at_or_null(run.summary, "filters"), filter.name)),
+        config_(run.config),
+        points_(points),
+        columns_(columns) {}
+
+  Json json() {
+    Json json{{"name", filter_.name}, {"samples", filter_.t.size()}};
+    json["span"] = span();
+    json["windows"] = windows();
+    json["blocks"] = blocks();
+    json["nees"] = nees();
+    json["measurements"] = measurements();
+    json["noise"] = adapted_noise();
+    if (const auto track = track_of(filter_)) json["track"] = track_json(*track);
+    return json;
+  }
+
+ private:
+  // -- time
+
+  Json span() const {
+    double from = std::numeric_limits<double>::infinity(), to = -from;
+    const auto add = [&](const Numbers& t) {
+      if (t.empty()) return;
+      from = std::min(from, t.front());
+      to = std::max(to, t.back());
+    };
+    add(filter_.t);
+    for (const auto& error : filter_.errors) add(error.t);
+    for (const auto& updates : filter_.updates) add(updates.t);
+    return from <= to ? Json{from, to} : Json(nullptr);
+  }
+
+  /// "228 s", "start+60 s", or a number of seconds.
+  std::optional<double> time_of(const Json& time) const {
+    if (time.is_number()) return time.get<double>();
+    if (!time.is_string()) return std::nullopt;
+    std::string text = time.get<std::string>();
+    double start = 0;
+    if (text.starts_with("start+")) {
+      const Json& told = at_or_null(summary_, "start_s");
+      if (!told.is_number()) return std::nullopt;
+      start = told.get<double>();
+      text.erase(0, 6);
+    }
+    const auto parsed = parse_time(text);
+    return parsed ? std::optional(start + to_seconds(*parsed)) : std::nullopt;
+  }
+
+  void add_window(Json& list, const std::string& name, const char* kind, const Json& from_to) const {
+    if (!from_to.is_array() || from_to.size() != 2) return;
+    const auto from = time_of(from_to[0]), to = time_of(from_to[1]);
+    if (from && to) list.push_back({{"name", name}, {"kind", kind}, {"from", *from}, {"to", *to}});
+  }
+
+  /// What `evaluate` scores by itself, and where a measurement was withheld.
+  Json windows() const {
+    Json list = Json::array();
+    const Json& scored = at_or_null(at_or_null(config_, "evaluate"), "windows");
+    if (scored.is_object())
+      for (const auto& [name, window] : scored.items()) {
+        if (window.is_array()) add_window(list, name, "window", window);
+        if (at_or_null(window, "filter") == Json(filter_.name)) add_window(list, name, "window", at_or_null(window, "span"));
+      }
+    const Json& measurements = at_or_null(at_or_null(at_or_null(config_, "filters"), filter_.name), "measurements");
+    if (measurements.is_object())
+      for (const auto& [name, measurement] : measurements.items())
+        for (const auto& stretch : at_or_null(measurement, "withhold"))
+          add_window(list, name, "withheld", stretch);
+    return list;
+  }
+
+  // -- states
+
+  Json blocks() {
+    std::vector<std::string> names;
+    for (const auto& estimate : filter_.estimates)
+      if (std::find(names.begin(), names.end(), estimate.block) == names.end()) names.push_back(estimate.block);
+    Json list = Json::array();
+    for (const auto& name : names) {
+      Json block{{"name", name}, {"errors", Json::array()}, {"estimates", Json::array()}};
+      for (const auto& error : filter_.errors)
+        if (const auto [of, what] = split_name(error.name); of == name && what != "nees")
+          block["errors"].push_back(error_json(error, what));
+      for (const auto& estimate : filter_.estimates)
+        if (estimate.block == name) block["estimates"].push_back(estimate_json(estimate));
+      list.push_back(std::move(block));
+    }
+    return list;
+  }
+
+  Json error_json(const Error& error, const std::string& name) {
+    const Display display = display_of(error.unit, error.display_unit, error.values);
+    std::vector<Series> series{error.values};
+    if (!error.sigma.empty()) series.emplace_back(error.sigma);
+    const auto kept = extremes(series, points_);
+    Json json{{"name", name}, {"unit", display.unit}, {"n", error.t.size()}};
+    json["t"] = columns_.exact(picked(error.t, kept));
+    json["v"] = columns_.plotted(picked(error.values, kept, display.scale));
+    if (error.sigma.empty()) return json;
+    json["s"] = columns_.plotted(picked(error.sigma, kept, display.scale));
+    const Within within = within_sigma(error.values, error.sigma);
+    if (within.of > 0) json["within"] = {{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
+    return json;
+  }
+
+  Json estimate_json(const Estimate& estimate) {
+    const Display display = display_of(estimate.unit, estimate.display_unit, estimate.values);
+    std::vector<Series> series{estimate.values};
+    if (!estimate.sigma.empty()) series.emplace_back(estimate.sigma);
+    const auto kept = extremes(series, points_);
+    Json json{{"name", estimate.output}, {"unit", display.unit}, {"n", filter_.t.size()}};
+    json["t"] = columns_.exact(picked(filter_.t, kept));
+    json["v"] = columns_.plotted(picked(estimate.values, kept, display.scale));
+    if (!estimate.sigma.empty()) json["s"] = columns_.plotted(picked(estimate.sigma, kept, display.scale));
+    if (estimate.is_angle) json["turn"] = 2 * M_PI / display.scale;
+    return json;
+  }
+
+  Json nees() {
+    Json list = Json::array();
+    for (const auto& error : filter_.errors) {
+      const auto [block, what] = split_name(error.name);
+      if (what != "nees" || !has_block(filter_, block)) continue;
+      const Json& told = at_or_null(at_or_null(summary_, "consistency"), block);
+      const double dof = at_or_null(told, "dof").is_number() ? told["dof"].get<double>() : 0;
+      const auto kept = extremes({error.values}, points_);
+      const auto [low, high] = chi_squared_95(dof);
+      Json json{{"name", block}, {"n", error.t.size()}, {"dof", dof}, {"low", low}, {"high", high}};
+      json["t"] = columns_.exact(picked(error.t, kept));
+      json["v"] = columns_.plotted(picked(error.values, kept));
+      std::size_t inside = 0;
+      for (const double value : error.values) inside += value >= low && value <= high;
+      json["inside"] = inside;
+      list.push_back(std::move(json));
+    }
+    return list;
+  }
+
+  // -- measurements
+
+  Json measurements() {
+    Json list = Json::array();
+    for (const auto& updates : filter_.updates) list.push_back(updates_json(updates));
+    return list;
+  }
+
+  struct Rows {
+    Numbers t, residual, sigma, noise;
+    std::vector<std::uint8_t> outcome;
+    std::int32_t group = 0;
+    std::int64_t key = 0;
+  };
+
+  static std::vector<Rows> rows_of(const Updates& updates) {
+    std::map<std::pair<std::int32_t, std::int64_t>, Rows> rows;
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < updates.t.size(); ++i)
+      for (std::int32_t r = 0; r < updates.rows[i]; ++r, ++row) {
+        auto& of = rows[{updates.group[row], updates.key[row]}];
+        of.group = updates.group[row];
+        of.key = updates.key[row];
+        of.t.push_back(updates.t[i]);
+        of.residual.push_back(updates.residual[row]);
+        of.sigma.push_back(updates.sigma[row]);
+        of.noise.push_back(updates.noise[row]);
+        of.outcome.push_back(static_cast<std::uint8_t>(updates.outcome[i]));
+      }
+    std::vector<Rows> list;
+    for (auto& [name, of] : rows) list.push_back(std::move(of));
+    return list;
+  }
+
+  Json updates_json(const Updates& updates) {
+    Json json{{"name", updates.measurement}, {"n", updates.t.size()}};
+    json["outcomes"] = outcomes_json(updates);
+    json["reasons"] = reasons_json(updates);
+    json["nis"] = nis_json(updates);
+    json["residuals"] = Json::array();
+    json["noise"] = Json::array();
+    const auto rows = rows_of(updates);
+    for (std::size_t g = 0; g < updates.groups.size(); ++g) {
+      std::vector<const Rows*> of_group;
+      for (const auto& of : rows)
+        if (of.group == static_cast<std::int32_t>(g)) of_group.push_back(&of);
+      if (of_group.size() > most_row_plots)
+        add_crowd(updates.groups[g], of_group, json);
+      else
+        for (const auto* of : of_group) add_rows(updates.groups[g], *of, of_group.size(), json);
+    }
+    return json;
+  }
+
+  Json outcomes_json(const Updates& updates) {
+    const auto codes = codes_of(updates.outcome);
+    std::vector<std::size_t> counts(outcome_count);
+    for (const auto code : codes) ++counts[code];
+    const auto kept = extremes_of_kinds({}, codes, points_);
+    std::vector<std::uint8_t> shown;
+    for (const auto i : kept) shown.push_back(codes[i]);
+    return {{"t", columns_.exact(picked(updates.t, kept))}, {"o", columns_.bytes(shown)}, {"counts", counts}};
+  }
+
+  static std::vector<std::uint8_t> codes_of(const std::vector<Outcome>& outcomes) {
+    std::vector<std::uint8_t> codes;
+    codes.reserve(outcomes.size());
+    for (const auto outcome : outcomes) codes.push_back(static_cast<std::uint8_t>(outcome));
+    return codes;
+  }
+
+  /// [ { "outcome", "reason", "count" } ], the most frequent first.
+  static Json reasons_json(const Updates& updates) {
+    std::map<std::pair<int, std::string>, std::size_t> counts;
+    for (std::size_t i = 0; i < updates.reason.size(); ++i)
+      if (!updates.reason[i].empty()) ++counts[{static_cast<int>(updates.outcome[i]), updates.reason[i]}];
+    std::vector<std::pair<std::size_t, std::pair<int, std::string>>> sorted;
+    for (const auto& [what, count] : counts) sorted.emplace_back(count, what);
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    Json list = Json::array();
+    for (const auto& [count, what] : sorted)
+      list.push_back({{"outcome", what.first}, {"reason", what.second}, {"count", count}});
+    return list;
+  }
+
+  Json nis_json(const Updates& updates) {
+    Numbers t, nis, dof, accepted_t, accepted;
+    std::vector<std::uint8_t> outcome;
+    std::size_t accepted_rows = 0, inside = 0;
+    std::map<std::int32_t, std::pair<double, double>> bounds;
+    for (std::size_t i = 0; i < updates.t.size(); ++i) {
+      if (!std::isfinite(updates.nis[i]) || updates.rows[i] <= 0) continue;
+      t.push_back(updates.t[i]);
+      nis.push_back(updates.nis[i]);
+      dof.push_back(updates.rows[i]);
+      outcome.push_back(static_cast<std::uint8_t>(updates.outcome[i]));
+      if (!bounds.contains(updates.rows[i])) bounds[updates.rows[i]] = chi_squared_95(updates.rows[i]);
+      if (updates.outcome[i] != Outcome::accepted) continue;
+      const auto [low, high] = bounds[updates.rows[i]];
+      accepted_t.push_back(updates.t[i]);
+      accepted.push_back(updates.nis[i]);
+      accepted_rows += static_cast<std::size_t>(updates.rows[i]);
+      inside += updates.nis[i] >= low && updates.nis[i] <= high;
+    }
+    if (t.empty()) return nullptr;
+    const auto kept = extremes_of_kinds({nis}, outcome, points_);
+    Json json{{"n", t.size()}, {"accepted", accepted.size()}, {"inside", inside}};
+    json["t"] = columns_.exact(picked(t, kept));
+    json["v"] = columns_.plotted(picked(nis, kept));
+    std::vector<std::uint8_t> shown;
+    Numbers low, high;
+    for (const auto i : kept) {
+      shown.push_back(outcome[i]);
+      const auto [l, h] = bounds[static_cast<std::int32_t>(dof[i])];
+      low.push_back(l);
+      high.push_back(h);
+    }
+    json["o"] = columns_.bytes(shown);
+    if (bounds.size() == 1) {
+      json["dof"] = dof.front();
+      json["low"] = low.front();
+      json["high"] = high.front();
+    } else {
+      json["lows"] = columns_.plotted(low);
+      json["highs"] = columns_.plotted(high);
+    }
+    if (accepted.empty()) return json;
+    const double n = static_cast<double>(accepted.size()), mean_dof = static_cast<double>(accepted_rows) / n;
+    const auto [band_low, band_high] = mean_chi_squared_99(mean_dof, n);
+    double sum = 0;
+    for (const double value : accepted) sum += value;
+    json["mean"] = {{"value", sum / n}, {"dof", mean_dof}, {"low", band_low}, {"high", band_high}};
+    const MovingMean moving = moving_mean(accepted_t, accepted, mean_dof);
+    if (!moving.t.empty())
+      json["moving"] = {{"t", columns_.exact(moving.t)}, {"v", columns_.plotted(moving.mean)}, {"low", moving.low}, {"high", moving.high}};
+    return json;
+  }
+
+  static std::string row_name(const Updates::Group& group, std::int64_t key, std::size_t rows) {
+    return rows < 2 ? group.name : group.name + " " + std::to_string(key);
+  }
+
+  /// A row by itself: its residual within ±3 √S, and its √R where that changes.
+  void add_rows(const Updates::Group& group, const Rows& rows, std::size_t rows_of_group, Json& json) {
+    const Display display = display_of(group.unit, "", rows.residual);
+    const std::string name = row_name(group, rows.key, rows_of_group);
+    const auto kept = extremes_of_kinds({rows.residual, rows.sigma}, rows.outcome, points_);
+    Json residual{{"name", name}, {"unit", display.unit}, {"n", rows.t.size()}};
+    residual["t"] = columns_.exact(picked(rows.t, kept));
+    residual["v"] = columns_.plotted(picked(rows.residual, kept, display.scale));
+    residual["s"] = columns_.plotted(picked(rows.sigma, kept, display.scale));
+    residual["o"] = columns_.bytes(kinds_at(rows, kept));
+    residual["within"] = within_of({&rows});
+    json["residuals"].push_back(std::move(residual));
+    add_noise(group, name, rows, json);
+  }
+
+  void add_noise(const Updates::Group& group, const std::string& name, const Rows& rows, Json& json) {
+    const auto [least, greatest] = std::minmax_element(rows.noise.begin(), rows.noise.end());
+    const Display display = display_of(group.unit, "", rows.noise);
+    Json noise{{"name", name}, {"unit", display.unit}, {"n", rows.t.size()}};
+    if (*greatest - *least <= 1e-9 * *greatest)
+      noise["constant"] = *greatest / display.scale;
+    else {
+      const auto kept = extremes({rows.noise}, points_);
+      noise["t"] = columns_.exact(picked(rows.t, kept));
+      noise["v"] = columns_.plotted(picked(rows.noise, kept, display.scale));
+    }
+    json["noise"].push_back(std::move(noise));
+  }
+
+  static std::vector<std::uint8_t> kinds_at(const Rows& rows, const std::vector<std::size_t>& indices) {
+    std::vector<std::uint8_t> kinds;
+    for (const auto i : indices) kinds.push_back(rows.outcome[i]);
+    return kinds;
+  }
+
+  /// Of what was accepted; a gate is there to keep the others out.
+  static Json within_of(const std::vector<const Rows*>& all) {
+    Numbers residual, sigma;
+    for (const auto* rows : all)
+      for (std::size_t i = 0; i < rows->t.size(); ++i)
+        if (rows->outcome[i] == static_cast<std::uint8_t>(Outcome::accepted)) {
+          residual.push_back(rows->residual[i]);
+          sigma.push_back(rows->sigma[i]);
+        }
+    const Within within = within_sigma(residual, sigma);
+    return within.of == 0 ? Json(nullptr) : Json{{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
+  }
+
+  /// Many rows of one kind: residuals in units of their own √S.
+  void add_crowd(const Updates::Group& group, const std::vector<const Rows*>& all, Json& json) {
+    struct Point {
+      double t, ratio;
+      std::uint8_t outcome;
+    };
+    std::vector<Point> points;
+    for (const auto* rows : all)
+      for (std::size_t i = 0; i < rows->t.size(); ++i)
+        points.push_back({rows->t[i], rows->residual[i] / rows->sigma[i], rows->outcome[i]});
+    std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.t < b.t; });
+    Rows crowd;
+    for (const auto& point : points) {
+      crowd.t.push_back(point.t);
+      crowd.residual.push_back(point.ratio);
+      crowd.outcome.push_back(point.outcome);
+    }
+    const auto kept = extremes_of_kinds({crowd.residual}, crowd.outcome, points_);
+    Json residual{{"name", group.name}, {"unit", "σ"}, {"n", crowd.t.size()}, {"of", all.size()}};
+    residual["t"] = columns_.exact(picked(crowd.t, kept));
+    residual["v"] = columns_.plotted(picked(crowd.residual, kept));
+    residual["o"] = columns_.bytes(kinds_at(crowd, kept));
+    residual["bound"] = 3;
+    residual["within"] = within_of(all);
+    json["residuals"].push_back(std::move(residual));
+  }
+
+  /// Errors named "match.velocity.noise" are no errors but the √R that an estimator came to.
+  Json adapted_noise() {
+    Json list = Json::array();
+    for (const auto& error : filter_.errors) {
+      const auto [of, what] = split_name(error.name);
+      if (what != "noise" || has_block(filter_, of)) continue;
+      list.push_back(error_json(error, of));
+    }
+    return list;
+  }
+
+  // -- map
+
+  Json path_json(const Path& path, const std::vector<double>& shade, double step) {
+    auto kept = spaced(path.east, path.north, step);
+    // A track that jumps to and fro has more points than its extent tells.
+    for (double wider = 2 * step; kept.size() > most_track_points; wider *= 2) kept = spaced(path.east, path.north, wider);
+    return {{"points", kept.size()},
+            {"t", columns_.exact(picked(path.t, kept))},
+            {"e", columns_.plotted(picked(path.east, kept))},
+            {"n", columns_.plotted(picked(path.north, kept))},
+            {"shade", shade.empty() ? Json(nullptr) : Json(columns_.plotted(picked(shade, kept)))}};
+  }
+
+  Json track_json(const Track& track) {
+    double extent = 0;
+    for (const auto* values : {&track.estimate.east, &track.estimate.north}) {
+      const auto [low, high] = std::minmax_element(values->begin(), values->end());
+      if (low != values->end()) extent = std::max(extent, *high - *low);
+    }
+    const double step = std::max(1e-3, extent / static_cast<double>(most_track_points) * 2);
+    Json json{{"block", track.block}, {"estimate", path_json(track.estimate, track.sigma, step)}};
+    if (std::isfinite(track.lat)) json["origin"] = {{"lat", track.lat * 180 / M_PI}, {"lon", track.lon * 180 / M_PI}};
+    if (!track.reference.t.empty()) json["reference"] = path_json(track.reference, track.error, step);
+    return json;
+  }
+
+  const FilterResults& filter_;
+  const Json& summary_;
+  const Json& config_;
+  std::size_t points_;
+  Columns& columns_;
+};
+
+/// Counters beyond 2^53 do not survive a script's numbers.
+Json as_text(const Json& provenance) {
+  Json told = provenance;
+  for (const char* key : {"seed", "run"})
+    if (told.is_object() && told.contains(key) && told[key].is_number()) told[key] = told[key].dump();
+  return told;
+}
+
+}  // namespace
+
+Json run_payload(const results::RunResults& run, const Limits& limits, Columns& columns) {
+  const std::size_t points = points_per_series(run.filters, limits);
+  Json json{{"summary", run.summary}, {"config", run.config}, {"provenance", as_text(run.provenance)}, {"points", points}};
+  json["filters"] = Json::array();
+  for (const auto& filter : run.filters) json["filters"].push_back(FilterPayload(filter, run, points, columns).json());
+  return json;
+}
+
+}  // namespace binnacle::report

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// ErrorWriter: a filter's errors against references and withheld samples, as a group of a file.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/run.hpp"
+#include "names.hpp"
+#include "netcdf.hpp"
+
+namespace binnacle::results {
+
+class ErrorWriter {
+ public:
+  ErrorWriter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {}
+  void add(const ErrorSeries& errors);
+
+ private:
+  struct TimeBase {
+    int dimension = 0;
+    std::vector<Time> t;
+    std::string name;
+  };
+  /// The error components of a block, as one variable.
+  struct BlockErrors {
+    int values = -1, sigmas = -1;
+    std::size_t base = 0;
+  };
+
+  std::size_t time_base(const ErrorSeries& errors);
+  std::pair<const BlockInfo*, int> component_of(const ErrorSeries& errors) const;
+  int add_variable(const std::string& name, const std::vector<int>& dimensions, const ErrorSeries& errors,
+                   const std::string& long_name);
+  void write_scalar(const ErrorSeries& errors, std::size_t base);
+  void write_component(const ErrorSeries& errors, const BlockInfo& block, int component, std::size_t base);
+  BlockErrors add_block_errors(const ErrorSeries& errors, const BlockInfo& block, std::size_t base);
+  void write_values(int variable, int column, std::span<const double> values);
+
+  nc::Group group_;
+  const FilterInfo& info_;
+  Names names_;
+  std::vector<TimeBase> bases_;
+  std::map<const BlockInfo*, BlockErrors> block_errors_;
+};
+
+}  // namespace binnacle::results

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// RunWriter: a run as a NetCDF-4 file, written while it happens.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/run.hpp"
+#include "results/results.hpp"
+
+namespace binnacle::results {
+
+/// Takes what a RunObserver is told. Holds no more than a chunk of each variable in memory. Throws WriteError from any
+/// of its calls but those of the tape, whose failure the next call tells.
+class RunWriter {
+ public:
+  /// Replaces what is at `path`. `provenance`: as RunResults::provenance.
+  RunWriter(const std::filesystem::path& path, const Composition& composition, const Json& provenance);
+  ~RunWriter();
+  RunWriter(const RunWriter&) = delete;
+  RunWriter& operator=(const RunWriter&) = delete;
+
+  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns);
+  void record(int filter, Time t, std::span<const double> values);
+  StepTape* tape(int filter);
+  void scored(int filter, const ErrorSeries& errors);
+  /// The file is whole only after this.
+  void close();
+
+ private:
+  class Filter;
+  struct Contents;
+  std::unique_ptr<Contents> contents_;
+};
+
+}  // namespace binnacle::results

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// The NetCDF library as objects: every return code is looked at, a file that goes out of scope is closed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <netcdf.h>
+
+namespace binnacle::results::nc {
+
+/// What NetCDF, or the system under it, says is wrong; one line without the file's name.
+class Failure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Throws Failure unless the code says that all went well. The system's own reason, where it left one, tells more than
+/// "HDF error".
+void check(int code);
+
+/// In groups and variables of a file; as long as it is open.
+class Group {
+ public:
+  explicit Group(int id) : id_(id) {}
+
+  // Writing
+  Group add_group(const std::string& name) const;
+  int add_dimension(const std::string& name, std::size_t size) const;
+  int add_growing_dimension(const std::string& name) const;
+  /// Compressed in chunks of this shape; no chunks: contiguous.
+  int add_variable(const std::string& name, nc_type type, const std::vector<int>& dimensions,
+                   const std::vector<std::size_t>& chunks = {}) const;
+  void put_text(int variable, const std::string& name, const std::string& text) const;
+  void put_bytes(int variable, const std::string& name, const std::vector<signed char>& values) const;
+  void put_number(int variable, const std::string& name, double value) const;
+  void put_integer(int variable, const std::string& name, std::int64_t value) const;
+  void put_natural(int variable, const std::string& name, std::uint64_t value) const;
+  void fill_with_nan(int variable) const;
+  /// A variable of texts, whole: characters with a last dimension of their own, "text_LENGTH". Strings of variable length
+  /// would read nicer in a dump, but older MATLAB does not know them, and HDF5 trusts a damaged file's blindly.
+  int add_texts(const std::string& name, const std::vector<int>& dimensions, const std::vector<std::string>& texts) const;
+  void write(int variable, const std::size_t* start, const std::size_t* count, const double* values) const;
+  void write(int variable, const std::size_t* start, const std::size_t* count, const signed char* values) const;
+  void write(int variable, const std::size_t* start, const std::size_t* count, const std::int32_t* values) const;
+  void write(int variable, const std::size_t* start, const std::size_t* count, const std::int64_t* values) const;
+
+  // Reading
+  std::vector<Group> groups() const;
+  std::optional<Group> group(const std::string& name) const;
+  std::string name() const;
+  int variables() const;
+  std::optional<int> variable(const std::string& name) const;
+  std::string variable_name(int variable) const;
+  std::vector<std::size_t> shape(int variable) const;
+  std::vector<int> dimensions(int variable) const;
+  std::string dimension_name(int dimension) const;
+  bool has(int variable, const std::string& attribute) const;
+  /// "" where there is none.
+  std::string text(int variable, const std::string& attribute) const;
+  std::vector<signed char> bytes(int variable, const std::string& attribute) const;
+  std::uint64_t natural(int variable, const std::string& attribute) const;
+  /// As add_texts() had them.
+  std::vector<std::string> read_texts(int variable) const;
+  template <class T>
+  std::vector<T> read(int variable) const;
+  /// One column of a variable (rows, columns).
+  template <class T>
+  std::vector<T> read_column(int variable, std::size_t column) const;
+
+  int id() const { return id_; }
+
+ private:
+  int id_;
+};
+
+class File {
+ public:
+  static File create(const std::filesystem::path& path);
+  static File open(const std::filesystem::path& path);
+  ~File();
+  File(File&& other) noexcept : id_(std::exchange(other.id_, -1)) {}
+  File& operator=(File&&) = delete;
+
+  Group root() const { return Group(id_); }
+  /// What was written may only now turn out not to fit.
+  void close();
+
+ private:
+  explicit File(int id) : id_(id) {}
+  int id_ = -1;
+};
+
+}  // namespace binnacle::results::nc

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+#include <iterator>
+#include <new>
+
+#include "read_files.hpp"
+#include "results/results.hpp"
+
+namespace binnacle::results {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, const char* verb) {
+  throw std::runtime_error("'" + path.string() + "' cannot be read: " + what + "; make it again with 'binnacle " + verb +
+                           " CONFIG --out " + path.parent_path().string() + "'");
+}
+
+/// The JSON that is put in place last: without it the folder is not whole.
+Json read_json(const fs::path& path, const char* verb) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail(path, "it is not there, so that the others may not be whole", verb);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) fail(path, "it is no JSON object", verb);
+  return json;
+}
+
+template <class Read>
+auto read_netcdf(const fs::path& path, const char* verb, const Read& read) {
+  try {
+    return read(nc::File::open(path));
+  } catch (const nc::Failure& failure) {
+    const std::string said = failure.what();
+    fail(path, said.starts_with("NetCDF: ") ? "it is damaged, or no NetCDF file (" + said + ")" : said, verb);
+  } catch (const nlohmann::json::exception&) {
+    fail(path, "its provenance is damaged", verb);
+  } catch (const std::bad_alloc&) {
+    fail(path, "it tells of more values than fit into memory", verb);
+  } catch (const std::length_error&) {
+    fail(path, "it tells of more values than fit into memory", verb);
+  }
+}
+
+}  // namespace
+
+Results read(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) throw std::runtime_error("'" + folder.string() + "' is no folder");
+  const fs::path run = folder / "run.nc", study = folder / "study.nc";
+  Results results;
+  if (fs::exists(run, ignored)) {
+    results.run = read_netcdf(run, "run", read_run);
+    results.run->summary = read_json(folder / "summary.json", "run");
+  }
+  if (fs::exists(study, ignored)) {
+    results.study = read_netcdf(study, "study", read_study);
+    results.study->figures = read_json(folder / "study.json", "study");
+  }
+  if (!results.run && !results.study)
+    throw std::runtime_error("'" + folder.string() + "' holds neither run.nc nor study.nc; make one with 'binnacle run "
+                             "CONFIG --out " + folder.string() + "' or 'binnacle study CONFIG --out " + folder.string() +
+                             "'");
+  return results;
+}
+
+}  // namespace binnacle::results

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "results/run_writer.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "attributes.hpp"
+#include "columns.hpp"
+#include "error_writer.hpp"
+#include "frames.hpp"
+#include "measurement_writer.hpp"
+#include "names.hpp"
+#include "netcdf.hpp"
+#include "provenance.hpp"
+
+namespace binnacle::results {
+
+namespace {
+
+/// Outputs that may be columns of one variable.
+bool are_alike(const std::vector<Output>& outputs) {
+  return outputs.size() > 1 && std::all_of(outputs.begin(), outputs.end(), [&](const Output& output) {
+           return output.unit == outputs[0].unit && output.display_unit == outputs[0].display_unit;
+         });
+}
+
+template <class Action>
+void guarded(Action&& action) {
+  try {
+    action();
+  } catch (const nc::Failure& failure) {
+    throw WriteError(failure.what());
+  }
+}
+
+}  // namespace
+
+class RunWriter::Filter : public StepTape {
+ public:
+  Filter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {
+    group.put_text(NC_GLOBAL, "filter", info.name);
+    names_.take("errors");
+    names_.take("measurements");
+    if (info.measurements.empty()) return;
+    const nc::Group all = group.add_group("measurements");
+    Names names;
+    for (const auto& measurement : info.measurements)
+      measurements_.push_back(std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement));
+  }
+
+  /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, adapted noise.
+  void begin(const std::vector<RecordColumn>& columns) {
+    time_dimension_ = group_.add_growing_dimension(names_.take("time"));
+    time_.emplace(group_, add_time(group_, "time", time_dimension_, "time of the estimates"));
+    std::vector<Column<double>> sigmas;
+    for (const auto& block : info_.blocks) add_block(block, sigmas);
+    columns_.insert(columns_.end(), sigmas.begin(), sigmas.end());
+    for (std::size_t i = columns_.size(); i < columns.size(); ++i) {
+      const int id = group_.add_variable(names_.take(columns[i].name), NC_DOUBLE, {time_dimension_}, growing_chunks(1));
+      group_.put_text(id, "long_name", columns[i].name + ": measurement noise as the noise estimator has it, 1-sigma");
+      put_units(group_, id, {columns[i].unit, ""});
+      columns_.emplace_back(group_, id);
+    }
+  }
+
+  void record(Time t, std::span<const double> values) {
+    tell_failure();
+    time_->add(nearest_seconds(t));
+    for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].add(i < values.size() ? values[i] : not_a_number);
+    if (time_->size() == chunk_size) write();
+  }
+
+  void offered(const UpdateRecord& record) override {
+    if (failure_) return;
+    try {
+      measurements_[as_size(record.measurement)]->add(record);
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+  }
+
+  void scored(const ErrorSeries& errors) {
+    if (!errors_) errors_.emplace(group_.add_group("errors"), info_);
+    errors_->add(errors);
+  }
+
+  void close() {
+    tell_failure();
+    if (time_) write();
+    for (auto& measurement : measurements_) measurement->close();
+  }
+
+ private:
+  void tell_failure() {
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  void write() {
+    const std::size_t records = time_->size();
+    time_->write(first_);
+    for (auto& column : columns_) column.write(first_);
+    first_ += records;
+  }
+
+  void describe(int variable, const BlockInfo& block, const std::vector<Output>& outputs, bool is_sigma) {
+    std::string what = block.name, comment;
+    if (outputs.size() == 1) what += "." + outputs[0].name;
+    for (const auto& output : outputs)
+      if (!output.text.empty())
+        comment += (comment.empty() ? "" : "; ") + (outputs.size() > 1 ? output.name + ": " : "") + output.text;
+    group_.put_text(variable, "long_name", is_sigma ? what + ": 1-sigma of the estimate" : what);
+    put_units(group_, variable, {outputs[0].unit, outputs[0].display_unit});
+    group_.put_text(variable, "block", block.name);
+    if (outputs.size() == 1) group_.put_text(variable, "output", outputs[0].name);
+    put_if_any(group_, variable, "kind", block.declaration->kind);
+    put_if_any(group_, variable, "frame", frame_of(block.declaration->kind));
+    if (outputs.size() == 1) {
+      const std::string standard = standard_name_of(block.declaration->kind, outputs[0].name);
+      put_if_any(group_, variable, "standard_name",
+                 standard.empty() || !is_sigma ? standard : standard + " standard_error");
+    }
+    if (is_sigma) return;
+    put_if_any(group_, variable, "comment", comment);
+    std::vector<signed char> angles;
+    for (const auto& output : outputs) angles.push_back(output.is_angle);
+    if (std::count(angles.begin(), angles.end(), 1) > 0) group_.put_bytes(variable, "is_angle", angles);
+  }
+
+  void add_variables(const BlockInfo& block, const std::string& name, const std::vector<Output>& outputs,
+                     const std::vector<int>& dimensions, std::vector<Column<double>>& sigmas) {
+    const auto chunks = growing_chunks(dimensions.size());
+    const std::string value_name = names_.take(name), sigma_name = names_.take(name + "_sigma");
+    const int value = group_.add_variable(value_name, NC_DOUBLE, dimensions, chunks);
+    const int sigma = group_.add_variable(sigma_name, NC_DOUBLE, dimensions, chunks);
+    describe(value, block, outputs, false);
+    describe(sigma, block, outputs, true);
+    group_.put_text(value, "ancillary_variables", sigma_name);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const int column = dimensions.size() > 1 ? static_cast<int>(i) : -1;
+      columns_.emplace_back(group_, value, column);
+      sigmas.emplace_back(group_, sigma, column);
+    }
+  }
+
+  void add_block(const BlockInfo& block, std::vector<Column<double>>& sigmas) {
+    const auto& outputs = block.declaration->outputs;
+    if (!are_alike(outputs)) {
+      for (const auto& output : outputs)
+        add_variables(block, block.name + "_" + output.name, {output}, {time_dimension_}, sigmas);
+      return;
+    }
+    std::vector<std::string> components;
+    for (const auto& output : outputs) components.push_back(output.name);
+    const int dimension = add_components(group_, names_.take(block.name + "_component"), components);
+    add_variables(block, block.name, outputs, {time_dimension_, dimension}, sigmas);
+  }
+
+  nc::Group group_;
+  const FilterInfo& info_;
+  Names names_;
+  int time_dimension_ = 0;
+  std::optional<Column<double>> time_;
+  std::vector<Column<double>> columns_;
+  std::size_t first_ = 0;  // record of the open chunk
+  std::vector<std::unique_ptr<MeasurementWriter>> measurements_;
+  std::optional<ErrorWriter> errors_;
+  std::exception_ptr failure_;
+};
+
+struct RunWriter::Contents {
+  Contents(const std::filesystem::path& path, const Composition& composition, const Json& provenance)
+      : file(nc::File::create(path)) {
+    write_provenance(file.root(), "run", composition.config(), provenance);
+    Names names;
+    for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path"}) names.take(taken);
+    for (const auto& filter : composition.filters())
+      filters.push_back(std::make_unique<Filter>(file.root().add_group(names.take(filter.name)), filter));
+  }
+  nc::File file;
+  std::vector<std::unique_ptr<Filter>> filters;
+};
+
+RunWriter::RunWriter(const std::filesystem::path& path, const Composition& composition, const Json& provenance) {
+  guarded([&] { contents_ = std::make_unique<Contents>(path, composition, provenance); });
+}
+
+RunWriter::~RunWriter() = default;
+
+void RunWriter::begin(int filter, const std::string&, const std::vector<RecordColumn>& columns) {
+  guarded([&] { contents_->filters[as_size(filter)]->begin(columns); });
+}
+
+void RunWriter::record(int filter, Time t, std::span<const double> values) {
+  guarded([&] { contents_->filters[as_size(filter)]->record(t, values); });
+}
+
+StepTape* RunWriter::tape(int filter) { return contents_->filters[as_size(filter)].get(); }
+
+void RunWriter::scored(int filter, const ErrorSeries& errors) {
+  guarded([&] { contents_->filters[as_size(filter)]->scored(errors); });
+}
+
+void RunWriter::close() {
+  guarded([&] {
+    for (auto& filter : contents_->filters) filter->close();
+    contents_->filters.clear();
+    contents_->file.close();
+  });
+}
+
+}  // namespace binnacle::results

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What components find out while they are bound: figures in the explanation, remarks among the warnings.
+#include <cstdlib>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "binnacle/composition.hpp"
+#include "catch.hpp"
+
+using namespace binnacle;
+
+namespace {
+
+std::shared_ptr<const Composition> composed(const std::string& parameters) {
+  LoadOptions options;
+  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
+  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
+  return Composition::parse(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+      "process": {"p": {"type": "breaking", "blocks": {"x": "x"})" + parameters + R"(}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})",
+                            "test.json", options);
+}
+
+}  // namespace
+
+TEST_CASE("a component's remark is a warning at its place, its figures are explained") {
+  const auto composition = composed(R"(, "after": "3 s")");
+  REQUIRE(composition->warnings().items().size() == 1);
+  const Diagnostic& warning = composition->warnings().items().front();
+  CHECK(warning.severity == Severity::warning);
+  CHECK(warning.code == "B032");
+  CHECK(warning.pointer == "/filters/f/process/p");
+  CHECK(warning.message == "it breaks without a word");
+  CHECK(warning.origin.line == 5);
+  const auto found = composition->explain().at("found");
+  CHECK(found == nlohmann::ordered_json::parse(R"([{"at": "/filters/f/process/p", "figures": [
+    {"name": "breaks after", "value": 3.0, "unit": "s"}]}])"));
+}
+
+TEST_CASE("a component that has nothing to remark is none of the warnings") {
+  CHECK(composed(R"(, "politely": true)")->warnings().empty());
+}

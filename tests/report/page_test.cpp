@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page in headless Chromium: it renders, tells every figure as the JSON has it, and zooms.
+#include "../catch.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "browser.hpp"
+#include "report/page.hpp"
+#include "specimen.hpp"
+
+using namespace binnacle;
+using namespace binnacle::test;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("binnacle-report-" + std::to_string(::getpid()))) { fs::create_directories(path_); }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return path_ / name;
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Null, with a word about it, where there is none; in CI there is one.
+std::unique_ptr<Browser> browser() {
+  auto browser = Browser::start();
+  const char* const ci = std::getenv("CI");
+  if (!browser && ci && std::string(ci) == "true") FAIL("there is no chromium: apt-get install chromium");
+  if (!browser) WARN("SKIPPED: no chromium");
+  if (browser) browser->size(1400, 1000);
+  return browser;
+}
+
+void require_quiet(const Browser& browser) {
+  for (const auto& line : browser.console()) FAIL_CHECK(line);
+  REQUIRE(browser.console().empty());
+}
+
+void require_alone(const Browser& browser) {
+  for (const auto& address : browser.requests())
+    REQUIRE((address.starts_with("file://") || address.starts_with("data:")));
+}
+
+void add_numbers(const Json& value, const std::string& pointer, std::map<std::string, double>& numbers) {
+  if (value.is_number()) numbers[pointer] = value.get<double>();
+  if (value.is_structured())
+    for (const auto& [key, child] : value.items()) {
+      std::string token;
+      for (const char c : key) token += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+      add_numbers(child, pointer + "/" + token, numbers);
+    }
+}
+
+/// Every number of the JSON is on the page under its pointer, in full and, rounded, to be read.
+void require_figures(Browser& browser, const Json& json, const std::string& root) {
+  std::map<std::string, double> numbers;
+  add_numbers(json, root, numbers);
+  REQUIRE(!numbers.empty());
+  const Json shown = browser.value_of(
+      "[...document.querySelectorAll('[data-path]')].map((e) => [e.dataset.path, Number(e.dataset.value),"
+      " e.textContent.replaceAll('\\u202f', '').replace('\\u2212', '-')])");
+  std::map<std::string, int> seen;
+  for (const auto& entry : shown) {
+    const std::string path = entry[0];
+    if (!path.starts_with(root + "/")) continue;
+    INFO(path << " reads " << entry[2]);
+    const auto number = numbers.find(path);
+    if (number == numbers.end()) continue;  // null, true or false
+    ++seen[path];
+    REQUIRE(entry[1].get<double>() == number->second);
+    const std::string text = entry[2];
+    char* end = nullptr;
+    const double read = std::strtod(text.c_str(), &end);
+    if (*end != '\0') continue;  // with a unit of its own: "1.70 s"
+    const double resolution = text.find('.') == std::string::npos ? 0.5 : 0.5 * std::pow(10.0, -static_cast<double>(text.size() - text.find('.') - 1));
+    const bool is_close = std::abs(read - number->second) <= 5.001e-4 * std::abs(number->second) || std::abs(read - number->second) <= 1.001 * resolution;
+    REQUIRE(is_close);
+  }
+  for (const auto& [path, value] : numbers) {
+    INFO(path);
+    REQUIRE(seen[path] > 0);
+  }
+}
+
+/// Where a plot is, [left, top, width, height], scrolled into view.
+Json place_of(Browser& browser, const std::string& plot) {
+  browser.wait_for("(() => { const e = document.querySelector(`" + plot + "`); e.scrollIntoView({ block: 'center' }); return !!e.dataset.from; })()");
+  return browser.value_of("(() => { const r = document.querySelector(`" + plot + " .plot`).getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; })()");
+}
+
+const std::string north = "[data-name=\"ins position.north error\"]", bias = "[data-name=\"ins gyro_bias.x\"]", nis = "[data-name=\"ins fix.nis\"]",
+                  lanes = "[data-name=\"ins outcomes\"]";
+
+/// [from, to] of a plot, once it has been drawn with the page's window.
+Json window_of(Browser& browser, const std::string& plot) {
+  const std::string element = "document.querySelector(`" + plot + "`)";
+  const std::string bar = "document.getElementById('timebar')";
+  browser.wait_for("(() => { const e = " + element + "; e.scrollIntoView({ block: 'center' }); return !!e.dataset.from && e.dataset.from === " + bar + ".dataset.from && e.dataset.to === " + bar + ".dataset.to; })()");
+  return browser.value_of("[Number(" + element + ".dataset.from), Number(" + element + ".dataset.to)]");
+}
+
+}  // namespace
+
+TEST_CASE("Page of a run: every figure of the summary, no word on the console, nothing fetched") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  const std::string name = "</script><img src=x onerror=alert(1)> \"'&`${1}";
+  const auto results = run_results(name, 5000);
+  chromium->open(folder.write("page.html", report::page(results)));
+  require_figures(*chromium, results.run->summary, "/run");
+  REQUIRE(chromium->value_of("document.querySelectorAll('img').length") == Json(0));
+  REQUIRE(chromium->value_of("document.body.textContent.includes('<b>min_speed</b>')") == Json(true));
+  REQUIRE(chromium->value_of("document.body.textContent.includes('seed 18446744073709551615')") == Json(true));
+  for (const int width : {1400, 390}) {
+    chromium->size(width, 900);
+    chromium->wait_for("(() => { scrollBy(0, 700); return scrollY + innerHeight >= document.documentElement.scrollHeight - 2; })()");
+    const Json too_wide = chromium->value_of("[...document.querySelectorAll('main *')].filter((e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.scroll')).map((e) => e.tagName + ' ' + (e.className.baseVal ?? e.className)).slice(0, 5)");
+    INFO(width << ": " << too_wide);
+    REQUIRE(chromium->value_of("document.documentElement.scrollWidth <= innerWidth") == Json(true));
+    chromium->value_of("scrollTo(0, 0)");
+  }
+  REQUIRE(chromium->value_of("document.querySelectorAll('.plot canvas').length").get<int>() > 10);
+  require_quiet(*chromium);
+  require_alone(*chromium);
+}
+
+TEST_CASE("Page of a run: zoom by the mouse is that of all plots, and back") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  chromium->open(folder.write("page.html", report::page(run_results("ins", 5000))));
+  const Json all = window_of(*chromium, north);
+  const Json place = place_of(*chromium, north);
+  const double x = place[0], y = place[1], width = place[2], height = place[3];
+  chromium->drag(x + 0.4 * width, y + height / 2, x + 0.6 * width, y + height / 2);
+  chromium->wait_for("document.getElementById('timebar').dataset.from > " + all[0].dump());
+  const Json zoomed = window_of(*chromium, north);
+  REQUIRE(zoomed[0].get<double>() > all[0].get<double>() + 100);
+  REQUIRE(zoomed[1].get<double>() < all[1].get<double>() - 100);
+  for (const auto& plot : {bias, nis, lanes}) REQUIRE(window_of(*chromium, plot) == zoomed);
+  REQUIRE(chromium->value_of("!!document.querySelector('.map .part')") == Json(true));
+  const Json again = place_of(*chromium, north);
+  chromium->double_click(again[0].get<double>() + 0.5 * width, again[1].get<double>() + height / 2);
+  chromium->wait_for("Number(document.getElementById('timebar').dataset.from) === " + all[0].dump());
+  for (const auto& plot : {bias, nis, lanes}) REQUIRE(window_of(*chromium, plot) == all);
+  require_quiet(*chromium);
+}
+
+TEST_CASE("Page of a run: dark and light, by wish and by switch, and on paper") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  chromium->open(folder.write("page.html", report::page(run_results("ins", 2000))));
+  const std::string ground = "getComputedStyle(document.body).backgroundColor";
+  chromium->prefer_dark(false);
+  const Json light = chromium->value_of(ground);
+  chromium->prefer_dark(true);
+  const Json dark = chromium->value_of(ground);
+  REQUIRE(light != dark);
+  chromium->value_of("document.querySelector('.theme').click()");
+  REQUIRE(chromium->value_of(ground) == light);
+  chromium->value_of("document.querySelector('.theme').click()");
+  chromium->prefer_dark(false);
+  REQUIRE(chromium->value_of(ground) == dark);
+  REQUIRE(chromium->printed().size() > 50'000);
+  require_quiet(*chromium);
+}
+
+TEST_CASE("Page of a study: every figure, the paper's beside it, what broke") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  const auto results = study_results();
+  chromium->open(folder.write("page.html", report::page(results)));
+  require_figures(*chromium, results.study->figures, "/study");
+  REQUIRE(chromium->value_of("document.querySelectorAll('svg.distribution circle').length") == Json(59));
+  REQUIRE(chromium->value_of("document.querySelector('td.paper').textContent") == Json("3.91"));
+  REQUIRE(chromium->value_of("document.body.textContent.includes('the filter broke')") == Json(true));
+  chromium->value_of("document.querySelectorAll('.controls input')[1].click()");
+  REQUIRE(chromium->value_of("document.querySelectorAll('svg.distribution path').length") == Json(2));
+  require_quiet(*chromium);
+}
+
+TEST_CASE("Page of a million samples: usable") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  const Folder folder;
+  const auto page = folder.write("page.html", report::page(run_results("ins", 1'000'000)));
+  const auto begin = std::chrono::steady_clock::now();
+  chromium->open(page);
+  const Json all = window_of(*chromium, north);
+  const double load = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double zoom = chromium->value_of(
+      "(async () => { const begin = performance.now(); const input = document.querySelector('#timebar input');"
+      " input.value = 50000; input.dispatchEvent(new Event('change'));"
+      " await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); return performance.now() - begin; })()");
+  REQUIRE(window_of(*chromium, north)[0] == Json(50000.0));
+  WARN("a million samples: page of " << fs::file_size(page) / 1e6 << " MB, loaded in " << load << " s, zoomed in " << zoom << " ms");
+  REQUIRE(load < 10);
+  REQUIRE(zoom < 2000);
+  require_quiet(*chromium);
+}
+
+TEST_CASE("binnacle report: what the guide shows, and the quickstart's results as a page") {
+  const Folder folder;
+  const fs::path command = BINNACLE_TEST_COMMAND, project = BINNACLE_TEST_PROJECT;
+  fs::create_directory_symlink(project / "configs", folder.path() / "configs");
+  std::ifstream guide(project / "sdk/docs/report.md");
+  std::string line, script = "cd '" + folder.path().string() + "' && PATH='" + command.parent_path().string() + "':\"$PATH\"", expected;
+  while (std::getline(guide, line) && line != "```text") continue;
+  while (std::getline(guide, line) && line != "```")
+    if (line.starts_with("$ "))
+      script += " && " + line.substr(2);
+    else
+      expected += line + "\n";
+  INFO(script);
+  REQUIRE(std::system(("{ " + script + "; } > '" + (folder.path() / "printed").string() + "'").c_str()) == 0);
+  REQUIRE(contents(folder.path() / "printed") == expected);
+  const std::string page = contents(folder.path() / "out/report.html");
+  REQUIRE(std::system((command.string() + " report '" + (folder.path() / "out").string() + "' --json --output '" + (folder.path() / "again.html").string() + "' > '" +
+                       (folder.path() / "told").string() + "'").c_str()) == 0);
+  REQUIRE(contents(folder.path() / "again.html") == page);
+  REQUIRE(Json::parse(contents(folder.path() / "told")) == Json({{"page", (folder.path() / "again.html").string()}, {"bytes", page.size()}}));
+  const auto chromium = browser();
+  if (!chromium) return;
+  chromium->open(folder.path() / "out/report.html");
+  require_figures(*chromium, Json::parse(contents(folder.path() / "out/summary.json")), "/run");
+  require_quiet(*chromium);
+}
+
+TEST_CASE("binnacle report: a folder without results is told, with what to do") {
+  const Folder folder;
+  const std::string command = BINNACLE_TEST_COMMAND, told = (folder.path() / "told").string();
+  const int status = std::system((command + " report '" + folder.path().string() + "' 2> '" + told + "'").c_str());
+  REQUIRE(WEXITSTATUS(status) == 5);
+  REQUIRE(contents(told).find("make one with 'binnacle run") != std::string::npos);
+  REQUIRE(!fs::exists(folder.path() / "report.html"));
+}
