@@ -72,12 +72,23 @@ std::string list_of(const std::vector<std::string>& names) {
   return text;
 }
 
+/// A header of one cell that has another separator in it: the delimiter is not what the config says.
+std::string other_delimiter(const FirstRow& header) {
+  if (header.cells.size() != 1) return {};
+  for (const char* delimiter : {";", "\t", "|", ",", " "})
+    if (header.cells.front().find(*delimiter) != std::string::npos)
+      return std::string("; the header is a single cell: is the delimiter \"") + (*delimiter == '\t' ? "\\t" : delimiter) + "\"?";
+  return {};
+}
+
 std::size_t index_in_header(const std::string& name, const FirstRow& header, const std::string& pointer) {
   const auto& cells = header.cells;
   const auto found = std::find(cells.begin(), cells.end(), name);
   if (found == cells.end()) {
     std::string message = "no column '" + name + "'";
-    if (header.is_numeric) {
+    if (const std::string other = other_delimiter(header); !other.empty()) {
+      message += other;
+    } else if (header.is_numeric) {
       message += ": the first line holds numbers only; for a file without header line set \"header\": false";
     } else {
       const std::string near = closest(name, cells);

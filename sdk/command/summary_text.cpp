@@ -165,6 +165,12 @@ std::string across_table(const Json& across) {
 
 // ---- measurements, consistency
 
+/// Of enough samples to say so.
+bool is_mostly_gated(const Json& entry) {
+  const double offered = number_at(entry, "offered");
+  return offered >= 10 && 2 * number_at(entry, "gated") > offered;
+}
+
 std::string measurement_table(const Json& measurements) {
   if (measurements.empty()) return {};
   constexpr const char* counts[] = {"offered", "accepted", "gated",    "late",        "unsupported",
@@ -188,6 +194,9 @@ std::string measurement_table(const Json& measurements) {
       reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name, entry["left_out"]["rows"].dump(),
                              entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
+    if (is_mostly_gated(entry))
+      reasons += fmt::format("  {}: most of it was gated: the filter is lost, or clocks, axes, units or signs are not what "
+                             "the config says\n", name);
     if (entry.contains("last_reason"))
       reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
   }

@@ -466,6 +466,9 @@ TEST_CASE("csv: faults of the header point at the config and suggest a column") 
   REQUIRE(fault_of(rate_and_level(numbers.path())) ==
           "/columns/w/column: no column 'w': the first line holds numbers only; for a file without header line set "
           "\"header\": false");
+  const TemporaryFile semicolons("t;w;a\n1;2;3\n");
+  REQUIRE(fault_of(rate_and_level(semicolons.path())) ==
+          "/columns/w/column: no column 'w'; the header is a single cell: is the delimiter \";\"?");
 }
 
 TEST_CASE("csv: parameters that do not go together") {

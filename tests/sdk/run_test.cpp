@@ -195,8 +195,8 @@ TEST_CASE("a filter that never starts is exit status 1") {
   CHECK(outcome.status == 1);
   CHECK(outcome.out.find("walk: never started, 0 steps\n") != std::string::npos);
   CHECK(outcome.err ==
-        "bad.json:9:5: error[B081] /filters/walk: filter 'walk' never started: its initial values were never there "
-        "together (channels: truth)\n"
+        "bad.json:9:5: error[B081] /filters/walk: filter 'walk' never started: no sample ever came on truth "
+        "(it needs truth)\n"
         "1 error\n");
 }
 

@@ -147,9 +147,12 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
         continue;
       }
       if (!takes_any_unit(field) && !(have == need)) {
+        const bool is_converted = item.conversion != FieldMap::Conversion::none;
         error("B021", at_pointer,
               "field '" + name + "' of channel '" + channel.name + "' is " + dimension_name(carried->dimension) +
-                  "; '" + type + "' needs " + dimension_name(need));
+                  (is_converted ? std::string(" and said to be ") + (found->kind == FieldKind::rate ? "a rate" : "an increment") : std::string()) +
+                  "; '" + type + "' needs " + dimension_name(need) +
+                  (is_converted ? std::string(" as ") + (field.kind == FieldKind::rate ? "a rate" : "an increment") : std::string()));
         continue;
       }
       if (found->per_row != field.per_row) {

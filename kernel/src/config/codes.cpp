@@ -121,7 +121,8 @@ constexpr CodeEntry entries[] = {
      "Look at the step and block that the message names; noise of zero and wild initial values are usual "
      "causes."},
     {"B081", "filter never started", "Some block never got its initial value.",
-     "Look at the channel that the message names, its `max_age` and the window of the data."},
+     "Look at the channel that the message names, its `max_age` and the window of the data. An alignment speaks once it has "
+     "had its rest, and its course."},
     {"B082", "snapshot of something else", "The bytes are no snapshot, or one of another composition, plugin or version.",
      "Restore it with the config, plugins and program it was taken with."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",

@@ -37,6 +37,8 @@ class Engine {
   const FilterHead& status() const { return *plan_.head.in(arena_); }
   bool started() const { return status().started != 0; }
   bool broken() const { return status().broken != 0; }
+  /// Whether a channel that initial values come from ever had a sample.
+  bool has_heard(const LatestPlan& initial) const { return latest(initial).available; }
   /// "velocity.north is not finite at 12.3 s"; empty while the filter is well.
   const char* diagnosis() const { return status().diagnosis; }
   /// Stops the filter because the plugin call under way threw.

@@ -173,13 +173,17 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
       failures.error("B080", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' broke: " + engine.diagnosis());
     } else if (!engine.started()) {
-      std::string missing;
-      for (const auto& initial : filter.initial)
-        missing += (missing.empty() ? "" : ", ") + plan.channels[as_size(initial.channel)].name;
+      std::string wanted, silent;
+      for (const auto& initial : filter.initial) {
+        const std::string& name = plan.channels[as_size(initial.channel)].name;
+        wanted += (wanted.empty() ? "" : ", ") + name;
+        if (!engine.has_heard(initial)) silent += (silent.empty() ? "" : ", ") + name;
+      }
       failures.error("B081", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' never started: " +
-                         (missing.empty() ? std::string("no sample came")
-                                          : "its initial values were never there together (channels: " + missing + ")"));
+                         (wanted.empty()    ? std::string("no sample came")
+                          : silent.empty() ? "its initial values were never there together (channels: " + wanted + ")"
+                                           : "no sample ever came on " + silent + " (it needs " + wanted + ")"));
     }
   }
 }

@@ -176,7 +176,12 @@ class Checker {
   std::optional<Quantity> parsed_quantity(const ParameterSpec& spec, const Node& node, const WantedUnit& unit,
                                           const std::string& written) {
     if (spec.unit == "*") {
-      if (const std::optional<Unit> alone = parse_unit(written)) return Quantity{alone->scale, alone->dimension};
+      const Parsed<Unit> alone = read_unit(written);
+      if (alone) return Quantity{alone->scale, alone->dimension};
+      if (written.find_first_of("0123456789") == std::string::npos) {
+        error(node, "B008", in_quotes(node.label) + ": " + alone.error());
+        return std::nullopt;
+      }
     }
     const Parsed<Quantity> parsed = parse_quantity(written);
     if (!parsed) {

@@ -156,6 +156,7 @@ class Skeleton {
     add_parameters(type.spec.parameters, place, json);
     const Json example = Json::parse(type.spec.example, nullptr, false, true);
     if (example.is_object()) json.update(example);
+    if (json.contains("input")) json.erase("inputs");
     return json;
   }
 
