@@ -161,7 +161,7 @@ Verb run_verb(CLI::App& command) {
   app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();
   app->add_option("--run", options->run.run, "Which run of the seed")
       ->type_name("K")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   app->add_flag("--json", options->json, "The summary as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or summary");
