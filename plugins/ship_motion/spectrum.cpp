@@ -61,6 +61,7 @@ Response tabulated_response(const Eigen::VectorXd& omega, const Eigen::VectorXd&
   return [omega, gain](double at, double /*encounter*/) {
     const double* const end = omega.data() + omega.size();
     const auto above = std::upper_bound(omega.data(), end, at) - omega.data();
+    if (above == omega.size() && at == end[-1]) return gain[above - 1];
     if (above == 0 || above == omega.size()) return 0.0;
     const double part = (at - omega[above - 1]) / (omega[above] - omega[above - 1]);
     return (1 - part) * gain[above - 1] + part * gain[above];

@@ -70,7 +70,7 @@ void run_sources(const Plan& plan, Follower& follower, std::uint64_t seed, int r
   options.feeds_sinks = false;
   const RunResult result = binnacle::run(plan.composition, options);
   for (const auto& item : result.failures.items())
-    if (item.code == "B080") throw Broken(item.message);
+    if (item.code == "B080" || item.code == "B081") throw Broken(item.message);
 }
 
 double figure_of(const Request& request, const std::vector<Point>& points) {

@@ -29,15 +29,19 @@ MatrixXd columns_of(const MatrixXd& H, const BlockInfo* block) {
 }
 
 /// B with B H_b = I of the rows that see the block, zero for the others; empty where they do not determine it.
-MatrixXd inverse_of(const MatrixXd& H_b) {
+MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
   std::vector<Index> seeing;
   for (Index i = 0; i < H_b.rows(); ++i)
     if (!H_b.row(i).isZero(0)) seeing.push_back(i);
-  if (static_cast<Index>(seeing.size()) != H_b.cols()) return {};
-  const Eigen::FullPivLU<MatrixXd> lu(H_b(seeing, Eigen::all));
-  if (!lu.isInvertible()) return {};
+  if (static_cast<Index>(seeing.size()) < H_b.cols()) return {};
+  const MatrixXd H = H_b(seeing, Eigen::all);
+  // Of more rows than the block has components, the weighted mean.
+  const MatrixXd W = H.rows() == H.cols() ? MatrixXd(H.inverse())
+                                          : MatrixXd(H.transpose() * R(seeing, seeing).inverse());
+  const Eigen::FullPivLU<MatrixXd> lu(W * H);
+  if (!W.allFinite() || !lu.isInvertible()) return {};
   MatrixXd B = MatrixXd::Zero(H_b.cols(), H_b.rows());
-  B(Eigen::all, seeing) = lu.inverse();
+  B(Eigen::all, seeing) = lu.solve(W);
   return B;
 }
 
@@ -276,7 +280,7 @@ void Follower::note_blocks() {
 void Follower::note_readings(const Event& event, const Event& truth) {
   for (auto& subject : subjects_) {
     if (subject.measurement != event.measurement) continue;
-    const MatrixXd B = inverse_of(columns_of(event.H, subject.block));
+    const MatrixXd B = inverse_of(columns_of(event.H, subject.block), event.R);
     if (B.size() == 0)
       throw Broken("measurement '" + event.measurement + "' does not tell block '" + subject.block->name + "'");
     const auto& active = subject.block->active;

@@ -181,6 +181,7 @@ class FilterPayload {
     if (!error.sigma.empty()) series.emplace_back(error.sigma);
     const auto kept = extremes(series, points_);
     Json json{{"name", name}, {"unit", display.unit}, {"n", error.t.size()}};
+    if (error.is_length) json["length"] = true;
     json["t"] = columns_.exact(picked(error.t, kept));
     json["v"] = columns_.plotted(picked(error.values, kept, display.scale));
     if (error.sigma.empty()) return json;

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "binnacle/unit.hpp"
-#include "display.hpp"
 #include "payload.hpp"
 
 namespace binnacle::report {
@@ -36,10 +35,12 @@ Json study_payload(const results::StudyResults& study, Columns& columns) {
   json["metrics"] = Json::array();
   for (std::size_t m = 0; m < study.metrics.size(); ++m) {
     const auto& metric = study.metrics[m];
-    const Display display = display_of(metric.si_unit, metric.unit, {});
-    Json entry{{"name", metric.name}, {"unit", display.unit}, {"values", Json::array()}};
+    // In the metric's own unit, whatever it is: the figures beside it are in that.
+    const auto shown = parse_unit(metric.unit), si = parse_unit(metric.si_unit);
+    const double scale = shown && si ? shown->scale / si->scale : 1;
+    Json entry{{"name", metric.name}, {"unit", metric.unit == "1" ? "" : metric.unit}, {"values", Json::array()}};
     for (std::size_t v = 0; v < study.variants.size(); ++v)
-      entry["values"].push_back(columns.plotted(distribution(study, v, m, display.scale)));
+      entry["values"].push_back(columns.plotted(distribution(study, v, m, scale)));
     json["metrics"].push_back(std::move(entry));
   }
   return json;

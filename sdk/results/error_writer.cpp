@@ -75,6 +75,13 @@ std::pair<const BlockInfo*, int> ErrorWriter::component_of(const ErrorSeries& er
   return {nullptr, -1};
 }
 
+bool ErrorWriter::is_norm(const std::string& series) const {
+  for (const auto& block : info_.blocks)
+    for (const auto& norm : block.declaration->norms)
+      if (series == block.name + "." + norm.name) return true;
+  return false;
+}
+
 int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions, const ErrorSeries& errors,
                        const std::string& long_name) {
   const int id = group_.add_variable(name, NC_DOUBLE, dimensions, chunks_of(errors.t.size(), dimensions.size()));
@@ -89,6 +96,7 @@ void ErrorWriter::write_scalar(const ErrorSeries& errors, std::size_t base) {
   const int id = add_variable(name, {bases_[base].dimension}, errors, describe_error(errors.name));
   group_.put_text(id, "series", errors.name);
   write_values(id, -1, errors.values);
+  if (is_norm(errors.name)) group_.put_text(id, "norm", "length of the error, never negative");
   if (errors.sigma.empty()) return;
   const std::string sigma_name = names_.take(errors.name + "_sigma");
   const int sigma = add_variable(sigma_name, {bases_[base].dimension}, errors,

@@ -35,6 +35,7 @@ class ErrorWriter {
 
   std::size_t time_base(const ErrorSeries& errors);
   std::pair<const BlockInfo*, int> component_of(const ErrorSeries& errors) const;
+  bool is_norm(const std::string& series) const;
   int add_variable(const std::string& name, const std::vector<int>& dimensions, const ErrorSeries& errors,
                    const std::string& long_name);
   void write_scalar(const ErrorSeries& errors, std::size_t base);

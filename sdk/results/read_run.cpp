@@ -59,7 +59,8 @@ void read_errors(nc::Group group, FilterResults& filter) {
       filter.errors.push_back({is_single ? series : series + "." + names[i], group.text(variable, "units"),
                                display_unit_of(group, variable), read_time(group, group.dimension_name(dimensions[0])),
                                values_of(group, variable, column),
-                               sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column)});
+                               sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column),
+                               group.has(variable, "norm")});
     }
   }
 }

@@ -38,6 +38,12 @@ void guarded(Action&& action) {
 }  // namespace
 
 class RunWriter::Filter : public StepTape {
+  static const char* described(const std::string& column) {
+    if (column.ends_with(".noise")) return ": measurement noise as the noise estimator has it, 1-sigma";
+    return column.ends_with(".sigma") ? ": what the filter thinks of the reading, 1-sigma"
+                                      : ": reading, a block as one measurement tells it";
+  }
+
  public:
   Filter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {
     group.put_text(NC_GLOBAL, "filter", info.name);
@@ -50,7 +56,7 @@ class RunWriter::Filter : public StepTape {
       measurements_.push_back(std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement));
   }
 
-  /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, adapted noise.
+  /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, readings, adapted noise.
   void begin(const std::vector<RecordColumn>& columns) {
     time_dimension_ = group_.add_growing_dimension(names_.take("time"));
     time_.emplace(group_, add_time(group_, "time", time_dimension_, "time of the estimates"));
@@ -59,7 +65,7 @@ class RunWriter::Filter : public StepTape {
     columns_.insert(columns_.end(), sigmas.begin(), sigmas.end());
     for (std::size_t i = columns_.size(); i < columns.size(); ++i) {
       const int id = group_.add_variable(names_.take(columns[i].name), NC_DOUBLE, {time_dimension_}, growing_chunks(1));
-      group_.put_text(id, "long_name", columns[i].name + ": measurement noise as the noise estimator has it, 1-sigma");
+      group_.put_text(id, "long_name", columns[i].name + described(columns[i].name));
       put_units(group_, id, {columns[i].unit, ""});
       columns_.emplace_back(group_, id);
     }

@@ -82,6 +82,7 @@ class Thread {
             work();
           } catch (...) {
             thrown_ = std::current_exception();
+            has_thrown_ = true;
           }
         }) {}
   ~Thread() {
@@ -91,9 +92,12 @@ class Thread {
     thread_.join();
     if (thrown_) std::rethrow_exception(thrown_);
   }
+  /// The work is over, and not well: join() tells why.
+  bool has_thrown() const { return has_thrown_; }
 
  private:
   std::exception_ptr thrown_;
+  std::atomic<bool> has_thrown_{false};
   std::thread thread_;
 };
 
@@ -292,7 +296,7 @@ void Leader::carry_out_all(const Study& study, Results& results, int jobs, const
       hand_out(rank);
     }
     Pause pause;
-    while (!books.are_complete() && may_go_on()) {
+    while (!books.are_complete() && !own.has_thrown() && may_go_on()) {
       if (const auto message = team_.receive()) {
         pause.reset();
         take_in(*message);
@@ -347,7 +351,7 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
   auto told = Clock::now();
   bool is_dismissed = false;
   Pause pause;
-  while (!is_dismissed && goes_on()) {
+  while (!is_dismissed && !(work && work->has_thrown()) && goes_on()) {
     while (const auto message = team.receive()) {
       pause.reset();
       const Json json = read_message(message->text);

@@ -272,6 +272,8 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
     return broke(items.empty() ? error.what() : items.front().message);
   } catch (const std::exception& error) {
     return broke(error.what());
+  } catch (...) {
+    return broke("a plugin threw what is no exception of the standard library");
   }
   if (!watch.is_going()) return {};
   if (!result.failures.empty()) return broke(result.failures.items().front().message);

@@ -47,6 +47,7 @@ struct Error {
   std::vector<double> t;            // s
   std::vector<double> values;
   std::vector<double> sigma;        // what the filter thought of it; empty where that is not known
+  bool is_length = false;           // a norm, never negative
 };
 
 /// The fate of every sample offered to one measurement, and of its rows.
