@@ -92,7 +92,7 @@ TEST_CASE("Columns: base64 as RFC 4648 has it") {
   REQUIRE(base64(std::string("\0\xff\xfe", 3)) == "AP/+");
 }
 
-TEST_CASE("Columns: equal ones once; only what varies little about a large number has an offset") {
+TEST_CASE("Columns: equal ones once, only what varies little about a large number has an offset") {
   Columns columns;
   const std::vector<double> times{0, 1, 2}, latitude{43.1234567, 43.1234568, 43.1234569}, start{1e6, 1, 1e-3};
   REQUIRE(columns.exact(times) == columns.exact(times));
@@ -154,7 +154,7 @@ TEST_CASE("Consistency: means of so many values one after the other") {
   REQUIRE(moving_mean({}, {}, 2).t.empty());
 }
 
-TEST_CASE("Track: metres east and north of the start; the reference is the estimate plus its error") {
+TEST_CASE("Track: metres east and north of the start, the reference is the estimate plus its error") {
   const auto results = test::run_results("ins", 1000);
   const auto track = track_of(results.run->filters.front());
   REQUIRE(track);

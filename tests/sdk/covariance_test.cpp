@@ -131,7 +131,7 @@ namespace {
 json simulated(const Workbench& bench, const json& covariance, const json& more = json::object()) {
   json config = json::parse(R"~({
     "binnacle": 1,
-    "sources": { "sea": { "type": "simulator", "omega": 1.98, "zeta": 0.2235, "sigma": "0.825 deg", "noise": "0.5 deg",
+    "sources": { "sea": { "type": "simulator", "omega": [1.98], "zeta": [0.2235], "sigma": "0.825 deg", "noise": "0.5 deg",
                           "drift": "60 deg/h", "interval": "1 s", "duration": "60 s" } },
     "filters": { "ship": {
       "blocks": {
@@ -176,7 +176,7 @@ TEST_CASE("covariance: along a run of the config's own sources it tells the same
     CHECK(agrees(ran.at("budget").at("ship/pitch").at(source).get<double>(), share.get<double>()));
 }
 
-TEST_CASE("covariance: a duration ends a run of sources; a linear filter is told the same along any run, or several") {
+TEST_CASE("covariance: a duration ends a run of sources, a linear filter is told the same along any run, or several") {
   const Workbench bench;
   const auto whole = simulated(bench, error_free);
   json shorter = error_free;
