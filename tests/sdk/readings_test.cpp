@@ -81,6 +81,30 @@ TEST_CASE("a reading is scored against a reference, with its own sigma") {
         summary.at("filters").at("walk").at("reference").at("place.x"));
 }
 
+TEST_CASE("of more rows than a block has components a reading is their weighted mean") {
+  const Workbench bench;
+  bench.write("twice.json", R"({
+    "extends": "good.json",
+    "filters": { "walk": {
+      "measurements": { "seen": { "fields": { "z0": "z0", "z1": "z0" }, "H": [[1], [2]], "sigma": [0.1, 0.4], "gate": null } },
+      "readings": { "direct": { "measurement": "seen", "block": "place" } } } },
+    "reference": [ { "channel": "truth", "blocks": { "walk/direct": ["x"] } } ],
+    "evaluate": { "metrics": ["walk/direct.x/at 2 s", "walk/direct.x/sigma at 2 s"] },
+    "covariance": { "duration": "4 s", "channels": { "fix": { "interval": "1 s" } }, "metrics": ["walk/direct/own sigma at 2 s"] }
+  })");
+  // z0 = x + v0, z1 = 2 x + v1: weights 1 / 0.1^2 and 2^2 / 0.4^2 of the values z and z / 2.
+  const double weight = 1 / 0.01 + 4 / 0.16, value = fixes[2] * (1 / 0.01 + 0.5 * 4 / 0.16) / weight;
+  const auto summary = ran(bench, "twice.json");
+  const auto figure = [&](const char* metric) { return summary.at("metrics").at(metric).at("value").get<double>(); };
+  CHECK(std::abs(figure("walk/direct.x/at 2 s") - (0.2 - value)) < 1e-12);
+  CHECK(std::abs(figure("walk/direct.x/sigma at 2 s") - 1 / std::sqrt(weight)) < 1e-12);
+  const auto outcome = binnacle::test::binnacle(bench, {"covariance", "twice.json", "--json"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const auto own = json::parse(outcome.out).at("variants").at("base").at("metrics").at("walk/direct/own sigma at 2 s");
+  CHECK(std::abs(own.at("mean").get<double>() - 1 / std::sqrt(weight)) < 1e-12);
+}
+
 TEST_CASE("a reading is recorded where there is one") {
   const Workbench bench;
   bench.write("reading.json", with_reading);
