@@ -186,6 +186,8 @@ class FilterPayload {
     json["v"] = columns_.plotted(picked(error.values, kept, display.scale));
     if (error.sigma.empty()) return json;
     json["s"] = columns_.plotted(picked(error.sigma, kept, display.scale));
+    // Of a length no share is told: its σ is the root of the sum of the components' squares, so 99.7 % is not to be expected.
+    if (error.is_length) return json;
     const Within within = within_sigma(error.values, error.sigma);
     if (within.of > 0) json["within"] = {{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
     return json;

@@ -20,7 +20,7 @@ std::vector<std::size_t> chunks_of(std::size_t size, std::size_t rank) {
 std::string describe_error(const std::string& name) {
   const auto ends_with = [&](std::string_view end) { return name.ends_with(end); };
   if (ends_with(".nees")) return name + ": normalized estimation error squared";
-  if (ends_with(".noise")) return name + ": measurement noise as the noise estimator has it, 1-sigma";
+  if (ends_with(".noise")) return describe_noise(name);
   return name + ": truth - estimate";
 }
 

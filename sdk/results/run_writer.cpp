@@ -26,6 +26,13 @@ bool are_alike(const std::vector<Output>& outputs) {
          });
 }
 
+/// What a recorded column beyond the blocks' own is: of a reading, or of a noise estimator.
+std::string describe_column(const std::string& name) {
+  if (name.ends_with(".noise")) return describe_noise(name);
+  return name + (name.ends_with(".sigma") ? ": what the filter thinks of the reading, 1-sigma"
+                                          : ": reading, a block as one measurement tells it");
+}
+
 template <class Action>
 void guarded(Action&& action) {
   try {
@@ -38,12 +45,6 @@ void guarded(Action&& action) {
 }  // namespace
 
 class RunWriter::Filter : public StepTape {
-  static const char* described(const std::string& column) {
-    if (column.ends_with(".noise")) return ": measurement noise as the noise estimator has it, 1-sigma";
-    return column.ends_with(".sigma") ? ": what the filter thinks of the reading, 1-sigma"
-                                      : ": reading, a block as one measurement tells it";
-  }
-
  public:
   Filter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {
     group.put_text(NC_GLOBAL, "filter", info.name);
@@ -65,7 +66,7 @@ class RunWriter::Filter : public StepTape {
     columns_.insert(columns_.end(), sigmas.begin(), sigmas.end());
     for (std::size_t i = columns_.size(); i < columns.size(); ++i) {
       const int id = group_.add_variable(names_.take(columns[i].name), NC_DOUBLE, {time_dimension_}, growing_chunks(1));
-      group_.put_text(id, "long_name", columns[i].name + described(columns[i].name));
+      group_.put_text(id, "long_name", describe_column(columns[i].name));
       put_units(group_, id, {columns[i].unit, ""});
       columns_.emplace_back(group_, id);
     }

@@ -38,9 +38,8 @@ function neesBadge(ratio) {
   return badge('good', 'consistent', 'True errors are about as large as the filter says.');
 }
 
-// Of a length no share is told: its \u03c3 is the root of the sum of the components' squares, so 99.7 % is not to be expected.
-function withinText(within, isLength) {
-  if (!within || !within.of || isLength) return '';
+function withinText(within) {
+  if (!within || !within.of) return '';
   return `${percent(within.three, within.of)} within \u00b13\u03c3`;
 }
 
@@ -113,7 +112,7 @@ function errorPlot(filter, block, entry) {
   const isLength = !!entry.length;
   return timePlot(filter, {
     title: entry.name, unit: entry.unit, name: `${block.name}.${entry.name} error`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, isLength, within: entry.within,
-    colour: colourOf(entry.name, block.errors.indexOf(entry)), stat: withinText(entry.within, isLength) || 'error', centre: 'zero',
+    colour: colourOf(entry.name, block.errors.indexOf(entry)), stat: withinText(entry.within) || 'error', centre: 'zero',
   });
 }
 
