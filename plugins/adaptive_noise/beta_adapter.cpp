@@ -122,7 +122,9 @@ void BetaAdapter::estimate(const Innovation& innovation, std::byte* memory, Matr
   const auto r1 = [&](int row) {
     return r1_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(r1_factor_ * r1_factor_ * R(row, row));
   };
-  const auto r2 = [&](int row) { return r2_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(R(row, row)); };
+  const auto r2 = [&](int row) {
+    return r2_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(R(row, row));
+  };
 
   for (int row = 0; row < innovation.rows; ++row) {
     const int slot = rows_.slot(memory, row);

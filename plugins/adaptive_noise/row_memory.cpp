@@ -62,7 +62,9 @@ void RowMemory::enter(const Innovation& innovation, std::byte* memory) const noe
     if (table[i].group >= 0 && now.sample - table[i].last > lifetime_) table[i].group = -1;
   const auto group_of = [&](int row) {
     return innovation.row_groups.empty()
-               ? static_cast<int>(std::upper_bound(first_row_.begin() + 1, first_row_.end(), row) - first_row_.begin()) - 1
+               ? static_cast<int>(std::upper_bound(first_row_.begin() + 1, first_row_.end(), row) -
+                                  first_row_.begin()) -
+                     1
                : innovation.row_groups[as_size(row)];
   };
   const auto key_of = [&](int row) { return innovation.row_keys.empty() ? row : innovation.row_keys[as_size(row)]; };

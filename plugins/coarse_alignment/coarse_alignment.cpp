@@ -154,7 +154,8 @@ ComponentSpec CoarseAlignment::spec() {
       number("min_speed", "m/s").above(0).defaults("3").about("least horizontal speed for a course"));
   spec.parameters.push_back(
       number("max_turn_rate", "rad/s").above(0).defaults("\"10 deg/s\"").about("largest turn rate for a course"));
-  spec.parameters.push_back(number("slip_arm", "m")
+  spec.parameters.push_back(number("slip_lever_arm", "m")
+                                .formerly("slip_arm")
                                 .at_least(0)
                                 .defaults("1.5")
                                 .about("1-sigma distance from the antenna to the point that does not slip sideways; "
@@ -211,7 +212,7 @@ CoarseAlignment::CoarseAlignment(const Binding& binding) {
   s.max_speed = p.number("max_speed");
   s.min_speed = p.number("min_speed");
   s.max_turn_rate = p.number("max_turn_rate");
-  s.slip_arm = p.number("slip_arm");
+  s.slip_lever_arm = p.number("slip_lever_arm");
   if (p.has("velocity_sd")) s.velocity_sd = p.number("velocity_sd");
   s.max_coast = p.time("max_coast");
   if (p.has("every")) s.every = p.time("every");
@@ -378,7 +379,7 @@ double CoarseAlignment::course_variance(const SampleView& sample, double turn_ra
   double across = squared(settings_.velocity_sd.value_or(unreported));
   if (!settings_.velocity_sd && std::isfinite(sd_n) && std::isfinite(sd_e))
     across = (squared(ve * sd_n) + squared(vn * sd_e)) / speed_squared;
-  return squared(settings_.sigma_heading) + (across + squared(settings_.slip_arm * turn_rate)) / speed_squared;
+  return squared(settings_.sigma_heading) + (across + squared(settings_.slip_lever_arm * turn_rate)) / speed_squared;
 }
 
 std::optional<double> CoarseAlignment::latitude(const State& state) const {

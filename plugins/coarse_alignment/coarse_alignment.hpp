@@ -21,7 +21,7 @@ struct Settings {
   double max_speed = 0;               // m/s, of a GNSS velocity at rest
   double min_speed = 0;               // m/s, for a course
   double max_turn_rate = 0;           // rad/s, for a course
-  double slip_arm = 0;                // m
+  double slip_lever_arm = 0;          // m
   std::optional<double> velocity_sd;  // m/s
   Time max_coast = 0;
   std::optional<Time> every;

@@ -22,7 +22,9 @@ std::vector<ParameterSpec> constellation_parameters() {
                       "between neighbours in adjacent planes, in units of a turn / satellites"),
                   number("inclination", "rad").defaults("\"55 deg\"").about("of every plane"),
                   number("radius", "m").above(1e7).below(1e8).defaults("\"26560 km\"").about("of the circular orbits"),
-                  number("node", "rad").defaults("0").about("longitude of the first plane's ascending node at the begin of the week")})
+                  number("node", "rad")
+                      .defaults("0")
+                      .about("longitude of the first plane's ascending node at the begin of the week")})
               .defaults("{}")
               .about("a regular constellation"),
           path("almanac").about("YUMA almanac file, instead of the regular constellation")};

@@ -35,8 +35,8 @@ FieldSpec level(const char* name, const char* unit, const char* text, bool optio
 /// Plain memory in the arena. Every satellite's deviates are drawn at every epoch, seen or not, so masks and cuts change no
 /// other figure.
 struct ConstellationSimulator::Memory {
-  Time last;  // epoch; no_time: none yet
-  double clock_bias, clock_drift;                 // m, m/s
+  Time last;                                       // epoch; no_time: none yet
+  double clock_bias, clock_drift;                  // m, m/s
   std::array<double, most_satellites> range_bias;  // m
   random::Philox clock_stream, bias_stream, noise_stream, rate_stream;
 };
@@ -52,46 +52,67 @@ ComponentSpec ConstellationSimulator::spec() {
   ComponentSpec spec;
   spec.type = "constellation_simulator";
   spec.summary = "Pseudoranges and range rates of a receiver on a simulated vehicle, and the satellites' ephemerides.";
-  spec.source = "paper 003, section 5.1, equations (5) and (7); IS-GPS-200 20.3.3.4.3; Brown and Hwang, 3rd ed., section 11.2";
+  spec.source =
+      "paper 003, section 5.1, equations (5) and (7); IS-GPS-200 20.3.3.4.3; Brown and Hwang, 3rd ed., section 11.2";
   spec.parameters = constellation_parameters();
   const std::vector<ParameterSpec> own = {
       time("every").above(0).defaults("\"1 s\"").about("between epochs; the first is the first sample of the input"),
-      number("elevation_mask", "rad").at_least(-1.5).at_most(1.5).defaults("\"10 deg\"").about("lower satellites are not seen"),
-      number("antenna_mask", "rad").at_least(-1.5).at_most(1.5).about(
-          "satellites lower than this over the plane of the body's x and y are not seen: what a bank shades. Needs roll, pitch, yaw"),
+      number("elevation_mask", "rad")
+          .at_least(-1.5)
+          .at_most(1.5)
+          .defaults("\"10 deg\"")
+          .about("lower satellites are not seen"),
+      number("antenna_mask", "rad")
+          .at_least(-1.5)
+          .at_most(1.5)
+          .about("satellites lower than this over the plane of the body's x and y are not seen: what a bank shades. "
+                 "Needs roll, pitch, yaw"),
       boolean("earth_rotation").defaults("true").about("whether the earth turns while the signal travels"),
-      object("pseudorange",
-             {number("bias", "m").at_least(0).defaults("6").about("1-sigma of each satellite's slow error: Gauss-Markov"),
-              number("tau", "s").above(0).defaults("1800").about("its correlation time"),
-              number("noise", "m").at_least(0).defaults("2").about("1-sigma, white")})
+      object(
+          "pseudorange",
+          {number("bias", "m").at_least(0).defaults("6").about("1-sigma of each satellite's slow error: Gauss-Markov"),
+           number("tau", "s").above(0).defaults("1800").about("its correlation time"),
+           number("noise", "m").at_least(0).defaults("2").about("1-sigma, white")})
           .defaults("{}")
           .about("errors of pseudoranges"),
       object("range_rate", {number("noise", "m/s").at_least(0).defaults("0.05").about("1-sigma, white")})
           .defaults("{}")
           .about("errors of range rates"),
-      object("clock",
-             {number("S_f", "m^2/s").at_least(0).defaults("0.009").about("density of the white noise of frequency, times c^2"),
-              number("S_g", "m^2/s^3").at_least(0).defaults("0.0355").about("density of the random walk of frequency, times c^2"),
-              number("bias", "m").at_least(0).defaults("100").about("1-sigma of the bias at the start"),
-              number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the drift at the start")})
+      object("clock", {number("S_f", "m^2/s")
+                           .at_least(0)
+                           .defaults("0.009")
+                           .about("density of the white noise of frequency, times c^2"),
+                       number("S_g", "m^2/s^3")
+                           .at_least(0)
+                           .defaults("0.0355")
+                           .about("density of the random walk of frequency, times c^2"),
+                       number("bias", "m").at_least(0).defaults("100").about("1-sigma of the bias at the start"),
+                       number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the drift at the start")})
           .defaults("{}")
           .about("the receiver's clock"),
-      list("cuts", object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
-                                  integer("satellites").at_least(0).at_most(most_satellites).required().about("of those in view; 0: an outage"),
-                                  choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
+      list("cuts",
+           object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
+                          integer("satellites")
+                              .at_least(0)
+                              .at_most(most_satellites)
+                              .required()
+                              .about("of those in view; 0: an outage"),
+                          choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
           .about("stretches in which fewer satellites are seen"),
-      list("faults", object("fault", {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
-                                      time("to").required().about("last instant"),
-                                      number("pseudorange", "m").defaults("0").about("added"),
-                                      number("range_rate", "m/s").defaults("0").about("added")}))
+      list("faults",
+           object("fault",
+                  {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
+                   time("to").required().about("last instant"), number("pseudorange", "m").defaults("0").about("added"),
+                   number("range_rate", "m/s").defaults("0").about("added")}))
           .about("what a satellite tells wrongly"),
       list("clock_jumps", object("jump", {time("at").required().about("instant"),
                                           number("jump", "s").required().about("added to the receiver's clock")}))
           .about("resets of the receiver's clock")};
   spec.parameters.insert(spec.parameters.end(), own.begin(), own.end());
   spec.inputs = {{"truth",
-                  {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"), level("height", "m", "of the antenna"),
-                   level("vn", "m/s", "of the antenna"), level("ve", "m/s", "of the antenna"), level("vd", "m/s", "of the antenna"),
+                  {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"),
+                   level("height", "m", "of the antenna"), level("vn", "m/s", "of the antenna"),
+                   level("ve", "m/s", "of the antenna"), level("vd", "m/s", "of the antenna"),
                    level("roll", "rad", "of the body", true), level("pitch", "rad", "of the body", true),
                    level("yaw", "rad", "of the body", true)},
                   false,
@@ -108,7 +129,8 @@ ConstellationSimulator::ConstellationSimulator(const Binding& binding) : constel
   has_antenna_mask_ = parameters.has("antenna_mask");
   min_sin_antenna_ = has_antenna_mask_ ? std::sin(parameters.number("antenna_mask")) : -1.0;
   if (has_antenna_mask_ && !(binding.has_field(roll) && binding.has_field(roll + 1) && binding.has_field(roll + 2)))
-    throw ComponentError("an antenna mask needs roll, pitch and yaw, which the channel does not carry", "/antenna_mask");
+    throw ComponentError("an antenna mask needs roll, pitch and yaw, which the channel does not carry",
+                         "/antenna_mask");
   has_rotation_ = parameters.boolean("earth_rotation");
   bias_ = parameters.object("pseudorange").number("bias");
   tau_ = parameters.object("pseudorange").number("tau");
@@ -129,8 +151,8 @@ ConstellationSimulator::ConstellationSimulator(const Binding& binding) : constel
   sent.fields = gnss::ephemeris_fields();
   sent.max_rows = rows;
   clocks.name = "truth";
-  clocks.fields = {level("bias", "m", "of the receiver's clock, times c"), level("drift", "m/s", "of the receiver's clock, times c"),
-                   level("satellites", "1", "in view")};
+  clocks.fields = {level("bias", "m", "of the receiver's clock, times c"),
+                   level("drift", "m/s", "of the receiver's clock, times c"), level("satellites", "1", "in view")};
   channels_ = {std::move(seen), std::move(sent), std::move(clocks)};
 }
 
@@ -151,11 +173,14 @@ void ConstellationSimulator::read_events(const Parameters& parameters) {
       const Parameters fault(element);
       const std::string pointer = "/faults/" + std::to_string(faults_.size());
       const auto satellite = gnss::parse_satellite(fault.text("satellite"));
-      if (!satellite) throw ComponentError("'" + fault.text("satellite") + "' is no satellite: \"G01\" … \"G32\"", pointer + "/satellite");
+      if (!satellite)
+        throw ComponentError("'" + fault.text("satellite") + "' is no satellite: \"G01\" … \"G32\"",
+                             pointer + "/satellite");
       if (std::none_of(constellation_.begin(), constellation_.end(),
                        [&](const gnss::Ephemeris& one) { return one.satellite == *satellite; }))
-        throw ComponentError("'" + fault.text("satellite") + "' is none of the " + std::to_string(constellation_.size()) +
-                                 " satellites that are simulated", pointer + "/satellite");
+        throw ComponentError("'" + fault.text("satellite") + "' is none of the " +
+                                 std::to_string(constellation_.size()) + " satellites that are simulated",
+                             pointer + "/satellite");
       faults_.push_back({span(fault, pointer), *satellite, fault.number("pseudorange"), fault.number("range_rate")});
     }
   if (parameters.has("clock_jumps"))
@@ -233,8 +258,9 @@ void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::by
   antenna.r_e = strapdown::ecef_from_lla(lla);
   antenna.v_e = antenna.C_en * vector_at<3>(sample.fields + vn);
   if (has_antenna_mask_ && vector_at<3>(sample.fields + roll).allFinite())
-    antenna.up_e = -(antenna.C_en * strapdown::dcm_from_quaternion(
-                                        strapdown::quaternion_from_euler(vector_at<3>(sample.fields + roll))).col(2));
+    antenna.up_e =
+        -(antenna.C_en *
+          strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(vector_at<3>(sample.fields + roll))).col(2));
 
   struct Row {
     gnss::SatelliteKey satellite;
@@ -244,8 +270,10 @@ void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::by
   int count = 0;
   for (std::size_t i = 0; i < constellation_.size(); ++i) {
     const gnss::Ephemeris& satellite = constellation_[i];
-    const double noise = noise_ * random::normal(memory.noise_stream), rate_noise = rate_noise_ * random::normal(memory.rate_stream);
-    double range = 0.08 * gnss::speed_of_light;  // the label less this over c is when it was sent; converges by 1e-5 each time
+    const double noise = noise_ * random::normal(memory.noise_stream),
+                 rate_noise = rate_noise_ * random::normal(memory.rate_stream);
+    double range =
+        0.08 * gnss::speed_of_light;  // the label less this over c is when it was sent; converges by 1e-5 each time
     gnss::SatelliteState state;
     gnss::SignalPath path;
     for (int k = 0; k < 4; ++k) {

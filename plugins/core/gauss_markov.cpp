@@ -21,7 +21,8 @@ ComponentSpec GaussMarkov::spec() {
   };
   spec.ports = {advances("x", "vector:*:*", "the correlated vector")};
   spec.example = R"json({"blocks": {"x": "gyro_bias"}, "tau": "1 h", "sigma": "0.1 deg/h"})json";
-  spec.surroundings = R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 5e-7}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 5e-7}}})json";
   return spec;
 }
 

@@ -18,7 +18,8 @@ ComponentSpec Integrated::spec() {
   spec.ports = {advances("x", "vector:*:*", "the integral"),
                 reads("rate", "vector:*:*", "its rate of change: as long as x, in the unit of x per second")};
   spec.example = R"json({"blocks": {"x": "heading", "rate": "heading_drift"}, "q": "0.1 deg/sqrt(h)"})json";
-  spec.surroundings = R"json({"blocks": {"heading": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.1}, "heading_drift": {"type": "vector", "size": 1, "unit": "rad/s", "sigma": 1e-3}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"heading": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.1}, "heading_drift": {"type": "vector", "size": 1, "unit": "rad/s", "sigma": 1e-3}}})json";
   return spec;
 }
 

@@ -49,7 +49,8 @@ ComponentSpec Linear::spec() {
   spec.ports = {advances("x", "vector:*:*", "the state vector")};
   spec.example = R"json({"blocks": {"x": "roll_motion"}, "F": [[0, 1], [-3.92, -0.885]], "G": [[0], [1]],
     "q": [0.038]})json";
-  spec.surroundings = R"json({"blocks": {"roll_motion": {"type": "vector", "size": 2, "unit": "rad", "sigma": 0.1}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"roll_motion": {"type": "vector", "size": 2, "unit": "rad", "sigma": 0.1}}})json";
   return spec;
 }
 

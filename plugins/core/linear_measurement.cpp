@@ -66,7 +66,8 @@ ComponentSpec LinearMeasurement::spec() {
   }
   spec.example = R"json({"channel": "vertical_gyro", "blocks": {"x": "roll_motion"}, "fields": {"z0": "roll"},
     "H": [[1, 0]], "sigma": [0.0087]})json";
-  spec.surroundings = R"json({"blocks": {"roll_motion": {"type": "vector", "size": 2, "unit": "rad", "sigma": 0.1}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"roll_motion": {"type": "vector", "size": 2, "unit": "rad", "sigma": 0.1}}})json";
   return spec;
 }
 

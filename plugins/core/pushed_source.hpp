@@ -6,7 +6,7 @@
 
 namespace binnacle::core {
 
-/// Declares a channel and never emits on it: samples come through Filter::push(). A run sees an ended source.
+/// Declares a channel and never emits on it: samples come through Session::push(). A run sees an ended source.
 class PushedSource : public Source {
  public:
   static ComponentSpec spec();

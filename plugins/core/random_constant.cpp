@@ -13,7 +13,8 @@ ComponentSpec RandomConstant::spec() {
   spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8";
   spec.ports = {advances("x", "*", "the constant block")};
   spec.example = R"json({"blocks": {"x": "mounting"}})json";
-  spec.surroundings = R"json({"blocks": {"mounting": {"type": "vector", "size": 3, "unit": "rad", "sigma": 0.01}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"mounting": {"type": "vector", "size": 3, "unit": "rad", "sigma": 0.01}}})json";
   return spec;
 }
 

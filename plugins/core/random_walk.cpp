@@ -18,7 +18,8 @@ ComponentSpec RandomWalk::spec() {
                          .about("root of the power spectral density of the rate: sigma after a time t is q sqrt(t)")};
   spec.ports = {advances("x", "vector:*:*", "the vector that wanders")};
   spec.example = R"json({"blocks": {"x": "gyro_bias"}, "q": "2 deg/h/sqrt(h)"})json";
-  spec.surroundings = R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 1e-5}}})json";
+  spec.surroundings =
+      R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 1e-5}}})json";
   return spec;
 }
 

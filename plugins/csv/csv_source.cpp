@@ -77,7 +77,8 @@ std::string other_delimiter(const FirstRow& header) {
   if (header.cells.size() != 1) return {};
   for (const char* delimiter : {";", "\t", "|", ",", " "})
     if (header.cells.front().find(*delimiter) != std::string::npos)
-      return std::string("; the header is a single cell: is the delimiter \"") + (*delimiter == '\t' ? "\\t" : delimiter) + "\"?";
+      return std::string("; the header is a single cell: is the delimiter \"") +
+             (*delimiter == '\t' ? "\\t" : delimiter) + "\"?";
   return {};
 }
 
@@ -246,7 +247,8 @@ ComponentSpec CsvSource::spec() {
   },
   "max_gap": "0.1 s"
 })";
-  spec.surroundings = R"({ "files": { "imu.csv": "t_s,gx,ax\n0.00,0.1,1.0\n0.01,0.2,1.1\n0.02,0.1,1.0\n0.03,0.0,0.9\n" } })";
+  spec.surroundings =
+      R"({ "files": { "imu.csv": "t_s,gx,ax\n0.00,0.1,1.0\n0.01,0.2,1.1\n0.02,0.1,1.0\n0.03,0.0,0.9\n" } })";
   return spec;
 }
 

@@ -38,8 +38,9 @@ std::vector<FieldSpec> writable_fields() {
 
 ParameterSpec column_spec() {
   return parameter::object(
-      "field", {parameter::text("column").about("its name in the header; default: the field's name"),
-                parameter::number("unit", "*").required().about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\"")});
+      "field",
+      {parameter::text("column").about("its name in the header; default: the field's name"),
+       parameter::number("unit", "*").required().about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\"")});
 }
 
 /// Nanoseconds as seconds, exactly: "12.5", "-0.01".
@@ -88,7 +89,8 @@ CsvWriter::CsvWriter(const Binding& binding) : path_(binding.parameters().text("
   offset_ = binding.parameters().time("offset");
   for (const auto& [name, value] : binding.parameters().members("columns")) {
     const std::string pointer = "/columns/" + name;
-    const auto found = std::find_if(fields.begin(), fields.end(), [&, &key = name](const auto& f) { return f.name == key; });
+    const auto found =
+        std::find_if(fields.begin(), fields.end(), [&, &key = name](const auto& f) { return f.name == key; });
     if (found == fields.end())
       throw ComponentError("there is no field '" + name + "' to write; there are " + joined(fields) +
                                " (a field of another name is told by \"fields\": {\"speed\": \"" + name + "\"})",
@@ -98,7 +100,8 @@ CsvWriter::CsvWriter(const Binding& binding) : path_(binding.parameters().text("
       if (key == "column" && member.type != ParameterValue::Type::absent) column.name = member.text;
       if (key != "unit") continue;
       if (member.text != found->unit)
-        throw ComponentError("'" + name + "' is in " + found->unit + ", and this is a unit of " + member.text, pointer + "/unit");
+        throw ComponentError("'" + name + "' is in " + found->unit + ", and this is a unit of " + member.text,
+                             pointer + "/unit");
       column.unit = member.number;
     }
     header_ += "," + column.name;
@@ -146,7 +149,8 @@ void CsvWriter::write() {
   if (file && !error) return;
   std::error_code ignored;
   fs::remove(temporary, ignored);
-  throw ComponentError("'" + path_ + "' cannot be written: " + (error ? error.message() : std::strerror(reason)), "/path");
+  throw ComponentError("'" + path_ + "' cannot be written: " + (error ? error.message() : std::strerror(reason)),
+                       "/path");
 }
 
 }  // namespace binnacle::csv

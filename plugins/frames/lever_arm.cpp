@@ -2,8 +2,8 @@
 // The position of another point of the body.
 #include "lever_arm.hpp"
 
-#include "arm.hpp"
 #include "binnacle/view.hpp"
+#include "lever_arm_input.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
@@ -23,14 +23,16 @@ ComponentSpec LeverArm::spec() {
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "section 2.5.5";
   spec.kind = "position";
-  spec.parameters = {arm_parameter()};
-  spec.ports = {reads("position", "position", "of the IMU"), reads("attitude", "attitude", "of the body"), arm_port()};
+  spec.parameters = {lever_arm_parameter()};
+  spec.ports = {reads("position", "position", "of the IMU"), reads("attitude", "attitude", "of the body"),
+                lever_arm_port()};
   spec.example = R"json({"blocks": {"position": "position", "attitude": "attitude"},
-    "arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";
+    "lever_arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";
   return spec;
 }
 
-LeverArm::LeverArm(const Binding& binding) : arm_(fixed_arm(binding)), has_arm_port_(binding.is_bound("arm")) {
+LeverArm::LeverArm(const Binding& binding)
+    : lever_arm_(fixed_lever_arm(binding)), has_arm_port_(binding.is_bound("lever_arm")) {
   const PortBinding& position = binding.port("position");
   declaration_.kind = position.kind;
   declaration_.stored_size = position.stored_size;
@@ -42,13 +44,13 @@ LeverArm::LeverArm(const Binding& binding) : arm_(fixed_arm(binding)), has_arm_p
 Result LeverArm::evaluate(const double* const* x, const Context& /*context*/, double* value,
                           const MatrixView* J) const {
   const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
-  Eigen::Vector3d arm = arm_;
-  if (has_arm_port_) arm += vector_at<3>(x[arm_block_port]);
-  const Eigen::Vector3d arm_n = C_nb * arm;
-  vector_at<3>(value) = strapdown::position_plus(vector_at<3>(x[position_port]), arm_n);
+  Eigen::Vector3d lever_arm = lever_arm_;
+  if (has_arm_port_) lever_arm += vector_at<3>(x[arm_block_port]);
+  const Eigen::Vector3d lever_arm_n = C_nb * lever_arm;
+  vector_at<3>(value) = strapdown::position_plus(vector_at<3>(x[position_port]), lever_arm_n);
   if (J) {
     J[0].as<3, 3>().setIdentity();
-    J[1].as<3, 3>() = -strapdown::skew(arm_n);
+    J[1].as<3, 3>() = -strapdown::skew(lever_arm_n);
     if (has_arm_port_) J[2].as<3, 3>() = C_nb;
   }
   return Result::ok();

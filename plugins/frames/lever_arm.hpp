@@ -9,9 +9,9 @@
 
 namespace binnacle::frames {
 
-/// p' = p ⊞ C_nb l, with l the parameter `arm` plus the block on port `arm` [m, body axes].
-/// J: I for the position, −[(C_nb l)×] for the attitude (C_true = exp([phi×]) C), C_nb for the arm.
-/// The metres are taken by the radii of curvature at p: J is good to |l| tan(lat)/R, 1e-6 for an arm of 5 m.
+/// p' = p ⊞ C_nb l, with l the parameter `lever_arm` plus the block on port `lever_arm` [m, body axes].
+/// J: I for the position, −[(C_nb l)×] for the attitude (C_true = exp([phi×]) C), C_nb for the lever arm.
+/// The metres are taken by the radii of curvature at p: J is good to |l| tan(lat)/R, 1e-6 for a lever arm of 5 m.
 class LeverArm final : public DerivedBlock {
  public:
   static ComponentSpec spec();
@@ -22,7 +22,7 @@ class LeverArm final : public DerivedBlock {
 
  private:
   DerivedDeclaration declaration_;
-  Eigen::Vector3d arm_;  // m
+  Eigen::Vector3d lever_arm_;  // m
   bool has_arm_port_;
 };
 

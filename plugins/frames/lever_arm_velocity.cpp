@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "arm.hpp"
 #include "binnacle/view.hpp"
+#include "lever_arm_input.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
@@ -48,20 +48,20 @@ ComponentSpec LeverArmVelocity::spec() {
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "section 2.5.5";
   spec.kind = "velocity.ned";
-  spec.parameters = {arm_parameter()};
+  spec.parameters = {lever_arm_parameter()};
   spec.ports = {reads("velocity", "velocity.ned", "of the IMU"),
                 reads("attitude", "attitude", "of the body"),
                 may_read("position", "position", "of the IMU; with it the earth's rate is taken off"),
                 may_read("gyro_bias", "vector:3:rad/s", "taken off the measured rate"),
                 may_read("gyro_scale", "vector:3:1", "scale factor error of the measured rate"),
-                arm_port()};
-  spec.drive = {rate("wx"), rate("wy"), rate("wz")};
+                lever_arm_port()};
+  spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"blocks": {"velocity": "velocity", "attitude": "attitude", "position": "position",
-    "gyro_bias": "gyro_bias"}, "arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";
+    "gyro_bias": "gyro_bias"}, "lever_arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";
   return spec;
 }
 
-LeverArmVelocity::LeverArmVelocity(const Binding& binding) : arm_(fixed_arm(binding)) {
+LeverArmVelocity::LeverArmVelocity(const Binding& binding) : lever_arm_(fixed_lever_arm(binding)) {
   const PortBinding& velocity = binding.port("velocity");
   declaration_.kind = velocity.kind;
   declaration_.stored_size = velocity.stored_size;
@@ -72,25 +72,26 @@ LeverArmVelocity::LeverArmVelocity(const Binding& binding) : arm_(fixed_arm(bind
 
 Result LeverArmVelocity::evaluate(const double* const* x, const Context& context, double* value,
                                   const MatrixView* J) const {
-  if (!context.drive) return Result::unsupported("the angular rate is not known before the first input sample");
+  if (!context.driving_rates) return Result::unsupported("the angular rate is not known before the first input sample");
   const Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
   const Vector3d per_scale = (1.0 + read_or_zero(x[gyro_scale_port]).array()).inverse();
-  const Vector3d omega_ib = (vector_at<3>(context.drive) - read_or_zero(x[gyro_bias_port])).cwiseProduct(per_scale);
-  const Vector3d arm = arm_ + read_or_zero(x[arm_block_port]);
+  const Vector3d omega_ib =
+      (vector_at<3>(context.driving_rates) - read_or_zero(x[gyro_bias_port])).cwiseProduct(per_scale);
+  const Vector3d lever_arm = lever_arm_ + read_or_zero(x[arm_block_port]);
   const EarthRate earth = earth_rate(x[position_port]);
-  const Vector3d arm_n = C_nb * arm;
-  const Vector3d turning_n = C_nb * omega_ib.cross(arm);
-  vector_at<3>(value) = vector_at<3>(x[velocity_port]) + turning_n - earth.omega_ie_n.cross(arm_n);
+  const Vector3d lever_arm_n = C_nb * lever_arm;
+  const Vector3d turning_n = C_nb * omega_ib.cross(lever_arm);
+  vector_at<3>(value) = vector_at<3>(x[velocity_port]) + turning_n - earth.omega_ie_n.cross(lever_arm_n);
   if (!J) return Result::ok();
 
   for (std::size_t i = 0; i < declaration_.reads.size(); ++i) {
     auto block = J[i].as<3, 3>();
     switch (declaration_.reads[i]) {
       case velocity_port: block.setIdentity(); break;
-      case attitude_port: block = skew(earth.omega_ie_n) * skew(arm_n) - skew(turning_n); break;
-      case position_port: block.col(0) = -earth.by_north.cross(arm_n); break;
-      case gyro_bias_port: block = C_nb * skew(arm) * per_scale.asDiagonal(); break;
-      case gyro_scale_port: block = C_nb * skew(arm) * per_scale.cwiseProduct(omega_ib).asDiagonal(); break;
+      case attitude_port: block = skew(earth.omega_ie_n) * skew(lever_arm_n) - skew(turning_n); break;
+      case position_port: block.col(0) = -earth.by_north.cross(lever_arm_n); break;
+      case gyro_bias_port: block = C_nb * skew(lever_arm) * per_scale.asDiagonal(); break;
+      case gyro_scale_port: block = C_nb * skew(lever_arm) * per_scale.cwiseProduct(omega_ib).asDiagonal(); break;
       default: block = C_nb * skew(omega_ib) - skew(earth.omega_ie_n) * C_nb; break;
     }
   }

@@ -10,7 +10,7 @@
 namespace binnacle::frames {
 
 /// v' = v + C_nb (ω_ib × l) − ω_ie × (C_nb l), that is C_nb (ω_eb × l) in the navigation axes of the IMU.
-/// ω_ib = (drive − gyro_bias)/(1 + gyro_scale); l = `arm` + the block on port `arm`. The transport rate turns the
+/// ω_ib = (drive − gyro_bias)/(1 + gyro_scale); l = `lever_arm` + the block on port `lever_arm`. The transport rate turns the
 /// axes, not the body against the earth, so it does not enter. Without a position the earth rate is left out
 /// (7.3e-5 |l| m/s).
 /// With u = C_nb (ω_ib × l), a = C_nb l, D = diag(1/(1 + gyro_scale)):
@@ -27,7 +27,7 @@ class LeverArmVelocity final : public DerivedBlock {
 
  private:
   DerivedDeclaration declaration_;
-  Eigen::Vector3d arm_;  // m
+  Eigen::Vector3d lever_arm_;  // m
 };
 
 }  // namespace binnacle::frames

@@ -37,7 +37,8 @@ ComponentSpec RotateAxes::spec() {
   spec.summary = "Inertial samples turned into other axes, as from a sensor's to its vehicle's.";
   spec.parameters = mounting_parameters();
   spec.inputs = {{"imu", imu_fields("sensor axes"), false, "the inertial sensor"},
-                 {"truth", truth_fields("sensor axes"), true, "of a simulation, to be told of the turned axes as well"}};
+                 {"truth", truth_fields("sensor axes"), true,
+                  "of a simulation, to be told of the turned axes as well"}};
   spec.example = R"json({"input": "raw_imu", "roll": "170.79 deg", "pitch": "60.5 deg", "yaw": "167.45 deg",
     "flip": "flu_to_frd"})json";
   return spec;
@@ -69,7 +70,8 @@ void RotateAxes::on_truth(const SampleView& sample, Emitter& emitter) const {
   slot.t = sample.t;
   vector_at<3>(slot.fields) = euler_from_quaternion(quaternion_product(q_nb, quaternion_conjugate(q_turn)));
   const Eigen::Vector3d zeta = vector_at<3>(sample.fields + 3);
-  if (zeta.allFinite()) vector_at<3>(slot.fields + 3) = -quaternion_log(quaternion_product(q_turn, quaternion_exp(-zeta)));
+  if (zeta.allFinite())
+    vector_at<3>(slot.fields + 3) = -quaternion_log(quaternion_product(q_turn, quaternion_exp(-zeta)));
   emitter.emit(1);
 }
 

@@ -27,16 +27,20 @@ ComponentSpec PvFix::spec() {
   spec.type = "pv_fix";
   spec.summary = "Position and velocity in ECEF axes from a GNSS filter, with the whole covariance of the six.";
   spec.source = "paper 003, section 4.2 and equation (11)";
-  spec.parameters = {
-      parameter::list("covariance", parameter::text("component"))
-          .defaults(R"(["position.x", "position.y", "position.z", "velocity.x", "velocity.y", "velocity.z"])")
-          .about("the channel's error components of x y z vx vy vz: BLOCK.COMPONENT of the filter"),
-      parameter::number("inflate", "1").at_least(1).defaults("1").about(
-          "factor on the covariance: a filter's errors are correlated in time, which its covariance does not tell")};
+  spec.parameters = {parameter::list("covariance", parameter::text("component"))
+                         .defaults(
+                             R"(["position.x", "position.y", "position.z", "velocity.x", "velocity.y", "velocity.z"])")
+                         .about("the channel's error components of x y z vx vy vz: BLOCK.COMPONENT of the filter"),
+                     parameter::number("inflate", "1")
+                         .at_least(1)
+                         .defaults("1")
+                         .about("factor on the covariance: a filter's errors are correlated in time, which its "
+                                "covariance does not tell")};
   spec.ports = {reads("position", "position", "of the antenna: a position block, or a lever_arm"),
                 reads("velocity", "velocity.ned", "of the antenna: a velocity block, or a lever_arm_velocity")};
-  spec.fields = {level("x", "m", "ECEF position"),   level("y", "m", "ECEF position"),   level("z", "m", "ECEF position"),
-                 level("vx", "m/s", "ECEF velocity"), level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
+  spec.fields = {level("x", "m", "ECEF position"),    level("y", "m", "ECEF position"),
+                 level("z", "m", "ECEF position"),    level("vx", "m/s", "ECEF velocity"),
+                 level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
   spec.example = R"json({"channel": "gps", "blocks": {"position": "position", "velocity": "velocity"},
     "fields": {"x": "position.x", "y": "position.y", "z": "position.z", "vx": "velocity.vx", "vy": "velocity.vy", "vz": "velocity.vz"}})json";
   spec.surroundings = R"json({"sources": {"gps": {"type": "core/pushed",
@@ -66,7 +70,8 @@ PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("infla
     }
     if (components_[i] < 0)
       throw ComponentError("the channel's covariance has no component '" + wanted[i].text + "' for " + names[i] +
-                               "; it has " + all, "/covariance/" + std::to_string(i));
+                               "; it has " + all,
+                           "/covariance/" + std::to_string(i));
   }
 }
 
@@ -75,7 +80,8 @@ Result PvFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*
   const auto z = vector_at<6>(sample.fields);
   if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
   if (!sample.covariance) return Result::unsupported("the sample comes without a covariance");
-  if (!(z.head<3>().norm() > 6.3e6 && z.head<3>().norm() < 1e8)) return Result::invalid("a position that is not near the earth");
+  if (!(z.head<3>().norm() > 6.3e6 && z.head<3>().norm() < 1e8))
+    return Result::invalid("a position that is not near the earth");
   const Eigen::Vector3d lla = strapdown::lla_from_ecef(z.head<3>());
   const Matrix3d C_ne = strapdown::C_en(lla[0], lla[1]).transpose();
   out.rows = 6;

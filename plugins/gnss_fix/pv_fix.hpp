@@ -26,7 +26,7 @@ class PvFix final : public MeasurementModel {
   MeasurementDeclaration declaration_;
   std::array<int, 6> components_;  // where x y z vx vy vz stand in the channel's covariance
   int covariance_size_;
-  double scale_;                   // of R
+  double scale_;  // of R
 };
 
 }  // namespace binnacle::gnss_fix

@@ -37,7 +37,7 @@ ComponentSpec Nhc::spec() {
       parameter::number("max_turn_rate", "rad/s").above(0).about("turning faster than this it is unsupported"),
       Spacing::parameter()};
   spec.ports = VehicleVelocity::ports();
-  spec.drive = {rate("wx"), rate("wy"), rate("wz")};
+  spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"channel": "motion.moving", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment"}, "sigma": "0.2 m/s"})json";
   spec.surroundings = R"json({"blocks": {
@@ -72,9 +72,9 @@ Result Nhc::linearize(const SampleView& sample, const SampleView* /*auxiliary*/,
   if (!(speed >= min_speed_)) return Result::unsupported("slower than 'min_speed'");
   double turn_rate = 0;
   if (slip_ > 0 || max_turn_rate_) {
-    if (!context.drive || !vector_at<3>(context.drive).allFinite())
+    if (!context.driving_rates || !vector_at<3>(context.driving_rates).allFinite())
       return Result::unsupported("the angular rate is not known");
-    turn_rate = vector_at<3>(context.drive).norm();
+    turn_rate = vector_at<3>(context.driving_rates).norm();
     if (max_turn_rate_ && turn_rate > *max_turn_rate_)
       return Result::unsupported("turning faster than 'max_turn_rate'");
   }

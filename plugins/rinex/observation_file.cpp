@@ -348,7 +348,8 @@ void find_clock_jumps(std::vector<Epoch>& epochs, Faults& faults) {
     if (std::abs(*middle) < least_jump) continue;
     // A clock moves all satellites' codes alike; phases that begin anew after a loss of lock do not.
     const double median = *middle;
-    const auto agreeing = std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - median) < 100.0; });
+    const auto agreeing =
+        std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - median) < 100.0; });
     if (2 * agreeing <= static_cast<std::ptrdiff_t>(steps.size())) continue;
     epochs[i].clock_jump = median;
     if (count++ == 0) first = &epochs[i];

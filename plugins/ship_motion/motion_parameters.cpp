@@ -28,11 +28,18 @@ ParameterSpec sea_spec(const std::string& unit) {
       "sea",
       {number("significant_height", "m").above(0).required().about("4 √m₀ of the waves"),
        number("peak_period", "s").above(0).required().about("of the waves, as a fixed point sees them"),
-       number("gamma", "1").at_least(1).at_most(10).defaults("1").about("peak enhancement: 1 Bretschneider, 3.3 JONSWAP"),
+       number("gamma", "1")
+           .at_least(1)
+           .at_most(10)
+           .defaults("1")
+           .about("peak enhancement: 1 Bretschneider, 3.3 JONSWAP"),
        number("speed", "m/s").at_least(0).defaults("0").about("of the ship"),
-       number("heading", "rad").defaults("\"180 deg\"").about("between the ship's way and the waves': 180 deg meets them"),
-       object("rao", {vector("omega", "rad/s").required().about("frequencies of the wave, rising"),
-                      vector("gain", unit + "/m").required().about("amplitude of the motion for a wave of amplitude 1 m")})
+       number("heading", "rad")
+           .defaults("\"180 deg\"")
+           .about("between the ship's way and the waves': 180 deg meets them"),
+       object("rao",
+              {vector("omega", "rad/s").required().about("frequencies of the wave, rising"),
+               vector("gain", unit + "/m").required().about("amplitude of the motion for a wave of amplitude 1 m")})
            .about("response amplitude operator as a table, for this speed and heading; zero outside"),
        response_spec(unit).about("or as a resonance, by frequency of encounter")});
 }
@@ -40,14 +47,12 @@ ParameterSpec sea_spec(const std::string& unit) {
 ParameterSpec fit_spec(const std::string& unit) {
   auto record = RecordPlace::parameters();
   record.push_back(parameter::time("segment").above(0).about("of Welch's method; default: a tenth of the record"));
-  return object(
-      "fit",
-      {integer("order").at_least(2).at_most(4).defaults("2").about("2 or 4"),
-       object("spectrum", {vector("omega", "rad/s").required().about("frequencies, rising"),
-                           vector("density", unit + "^2*s").required().about("one-sided, over rad/s")})
-           .about("a table of the motion's spectrum"),
-       sea_spec(unit).about("a Bretschneider or JONSWAP sea and the ship's response to it"),
-       object("record", std::move(record)).about("a recorded motion; its mean is left out")});
+  return object("fit", {integer("order").at_least(2).at_most(4).defaults("2").about("2 or 4"),
+                        object("spectrum", {vector("omega", "rad/s").required().about("frequencies, rising"),
+                                            vector("density", unit + "^2*s").required().about("one-sided, over rad/s")})
+                            .about("a table of the motion's spectrum"),
+                        sea_spec(unit).about("a Bretschneider or JONSWAP sea and the ship's response to it"),
+                        object("record", std::move(record)).about("a recorded motion; its mean is left out")});
 }
 
 void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, const std::string& pointer) {
@@ -99,7 +104,8 @@ ShapingFit fit_record(int order, const Parameters& fit_parameters, const std::st
   const double wanted = parameters.has("segment") ? seconds(parameters.time("segment")) : 0.1 * whole;
   const Eigen::Index length = 2 * static_cast<Eigen::Index>(std::llround(0.5 * wanted / record.interval));
   if (length < 16 || length > record.values.size())
-    throw ComponentError("a segment of " + std::to_string(length) + " samples; it takes 16 or more, and the record has " +
+    throw ComponentError("a segment of " + std::to_string(length) +
+                             " samples; it takes 16 or more, and the record has " +
                              std::to_string(record.values.size()),
                          "/fit/record");
   if (!(record.values.squaredNorm() > 0)) throw ComponentError("nothing moves in the record", "/fit/record");
@@ -112,7 +118,8 @@ ShapingFit read_fit(const Parameters& parameters, const std::string& si_unit) {
   if (parameters.has("spectrum") + parameters.has("sea") + parameters.has("record") != 1)
     throw ComponentError("fitted to one of 'spectrum', 'sea', 'record'", "/fit");
   if (parameters.has("record")) return fit_record(order, parameters, si_unit);
-  return fit(order, parameters.has("sea") ? read_sea(parameters.object("sea")) : read_table(parameters.object("spectrum")));
+  return fit(order,
+             parameters.has("sea") ? read_sea(parameters.object("sea")) : read_table(parameters.object("spectrum")));
 }
 
 void tell(const Binding& binding, const ShapingFit& fit, const std::string& si_unit) {
@@ -131,17 +138,19 @@ void tell(const Binding& binding, const ShapingFit& fit, const std::string& si_u
   binding.tell("misfit", fit.misfit, "1");
   if (fit.is_good()) return;
   char text[200];
-  std::snprintf(text, sizeof text,
-                "the fit is poor: significant amplitude %.0f %% of the given, peak at %.3g rad/s instead of %.3g, %.0f %% of "
-                "the area misplaced",
-                100 * fit.model_significant / fit.given_significant, fit.model_peak, fit.given_peak, 100 * fit.misfit);
-  binding.remark(text);
+  std::snprintf(
+      text, sizeof text,
+      "the fit is poor: significant amplitude %.0f %% of the given, peak at %.3g rad/s instead of %.3g, %.0f %% of "
+      "the area misplaced",
+      100 * fit.model_significant / fit.given_significant, fit.model_peak, fit.given_peak, 100 * fit.misfit);
+  binding.note(text);
 }
 
 ShapingFilter read_filter(const Parameters& parameters) {
   for (const char* name : {"omega", "zeta", "sigma"})
     if (!parameters.has(name))
-      throw ComponentError(std::string("'") + name + "' is missing; a motion is 'omega', 'zeta' and 'sigma', or a 'fit'");
+      throw ComponentError(std::string("'") + name +
+                           "' is missing; a motion is 'omega', 'zeta' and 'sigma', or a 'fit'");
   const ShapingFilter filter{parameters.vector("omega"), parameters.vector("zeta"), parameters.number("sigma")};
   if (filter.omega.size() != 1 && filter.omega.size() != 2)
     throw ComponentError("one frequency makes order 2, two make order 4; found " + std::to_string(filter.omega.size()),

@@ -138,8 +138,7 @@ Record RecordPlace::read() const {
   record.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   record.mean = record.values.mean();
   record.values.array() -= record.mean;
-  record.interval =
-      seconds(record.times.back() - record.times.front()) / static_cast<double>(record.times.size() - 1);
+  record.interval = seconds(record.times.back() - record.times.front()) / static_cast<double>(record.times.size() - 1);
   for (std::size_t i = 1; i < record.times.size(); ++i)
     if (const double step = seconds(record.times[i] - record.times[i - 1]);
         std::abs(step - record.interval) > 0.3 * record.interval)

@@ -56,9 +56,7 @@ Eigen::MatrixXd ShapingFilter::steady_covariance() const {
   return P * (sigma * sigma / P(0, 0));
 }
 
-double ShapingFilter::noise_density() const {
-  return sigma * sigma / covariance_of_unit_noise(dynamics())(0, 0);
-}
+double ShapingFilter::noise_density() const { return sigma * sigma / covariance_of_unit_noise(dynamics())(0, 0); }
 
 Eigen::VectorXd ShapingFilter::autocovariance(double interval, Eigen::Index count) const {
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;

@@ -121,9 +121,8 @@ bool ShapingFit::is_good() const {
 }
 
 ShapingFit fit(int order, const Spectrum& given) {
-  return fit_seen(order, given, given.moment(0), [&](const ShapingFilter& filter) {
-    return filter.spectrum(given.omega);
-  });
+  return fit_seen(order, given, given.moment(0),
+                  [&](const ShapingFilter& filter) { return filter.spectrum(given.omega); });
 }
 
 ShapingFit fit(int order, const Eigen::VectorXd& series, const Welch& welch) {

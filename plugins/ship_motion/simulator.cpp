@@ -56,7 +56,9 @@ ComponentSpec Simulator::spec() {
            number("noise", "rad").at_least(0).required().about("standard deviation of the reading's white noise"),
            number("drift", "rad/s").at_least(0).defaults("0").about("standard deviation of the gyro's drift"),
            number("drift_tau", "s").above(0).defaults("3600").about("correlation time of the drift"),
-           parameter::time("interval").above(0).about("between samples, the first at time zero; default 1 s. Not of a record"),
+           parameter::time("interval")
+               .above(0)
+               .about("between samples, the first at time zero; default 1 s. Not of a record"),
            parameter::time("duration").at_least(0).about("last sample; default 60 s. Not of a record"),
        })
     spec.parameters.push_back(std::move(parameter));

@@ -14,9 +14,7 @@ constexpr double gravity = 9.80665;
 
 }  // namespace
 
-double Spectrum::moment(int n) const {
-  return (omega.array().pow(n) * density.array() * width.array()).sum();
-}
+double Spectrum::moment(int n) const { return (omega.array().pow(n) * density.array() * width.array()).sum(); }
 
 double Spectrum::peak() const {
   Eigen::Index at = 0;
@@ -90,7 +88,8 @@ void deposit(double energy, double low, double high, Spectrum& bins) {
 }
 
 /// Over 0 … `upper` rad/s of encounter.
-Spectrum met_below(double upper, const Sea& sea, const Encounter& encounter, const Response& response, double last_wave) {
+Spectrum met_below(double upper, const Sea& sea, const Encounter& encounter, const Response& response,
+                   double last_wave) {
   constexpr int bins = 400, waves = 20000;
   Spectrum spectrum;
   spectrum.width = Eigen::VectorXd::Constant(bins, upper / bins);

@@ -75,7 +75,10 @@ std::vector<ParameterSpec> mounting_members() {
           .defaults("[\"1 deg\", \"1 deg\", \"1 deg\"]")
           .about("standard deviation of the misalignment that is drawn once a run, about MINS axes"),
       vector("misalignment", "rad", 3).about("the misalignment itself, the same in every run; then nothing is drawn"),
-      vector("arm", "m", 3).defaults("[0, 0, 0]").about("lever arm from the MINS to the SINS, MINS axes"),
+      vector("lever_arm", "m", 3)
+          .formerly("arm")
+          .defaults("[0, 0, 0]")
+          .about("lever arm from the MINS to the SINS, MINS axes"),
   };
 }
 
@@ -217,7 +220,7 @@ ComponentSpec declare_component() {
     "roll": { "spectrum": { "omega": "0.5 rad/s", "zeta": 0.1, "sigma": "2 deg" } },
     "heave": { "tones": [{ "amplitude": "0.3 m", "frequency": "0.12 Hz" }] }
   },
-  "mounting": { "misalignment_sigma": "1 deg", "arm": ["3 m", 0, "-2 m"] },
+  "mounting": { "misalignment_sigma": "1 deg", "lever_arm": ["3 m", 0, "-2 m"] },
   "mins": { "noise_scale": 1 }
 })json";
   return spec;

@@ -62,9 +62,9 @@ Vector4d q_en(double lat, double lon) {
                                        {std::cos(half_lat), 0.0, std::sin(half_lat), 0.0});
 }
 
-Vector3d position_at_arm(const State& state, const Vector3d& arm_n) {
+Vector3d position_at_lever_arm(const State& state, const Vector3d& lever_arm_n) {
   return strapdown::lla_from_ecef(strapdown::ecef_from_lla(state.lla) +
-                                  strapdown::C_en(state.lla[0], state.lla[1]) * arm_n);
+                                  strapdown::C_en(state.lla[0], state.lla[1]) * lever_arm_n);
 }
 
 // v_N = L̇ (R_m + h), v_E = l̇ (R_t + h) cos L, v_D = −ḣ and their derivatives.
@@ -168,42 +168,43 @@ Motion motion(const State& state) {
   return m;
 }
 
-// v_s = v_m + ω_em × arm, both turned from the navigation axes at the MINS into those at the point.
-Point at_arm(const State& state, const Vector3d& arm) {
+// v_s = v_m + ω_em × lever_arm, both turned from the navigation axes at the MINS into those at the point.
+Point at_lever_arm(const State& state, const Vector3d& lever_arm) {
   const Motion m = motion(state);
   const Vector4d q_nm = strapdown::quaternion_from_euler(m.roll_pitch_yaw);
-  if (arm.isZero(0.0)) return {m.lla, m.v_n, q_nm};
+  if (lever_arm.isZero(0.0)) return {m.lla, m.v_n, q_nm};
   const Matrix3d C = strapdown::dcm_from_quaternion(q_nm);
   const Vector3d omega_in = frame_rate(state).omega - strapdown::omega_ie_n(state.lla[0]);
   const Vector3d omega_em = body_rate(state).omega + C.transpose() * omega_in;
-  const Vector3d lla = position_at_arm(state, C * arm);
+  const Vector3d lla = position_at_lever_arm(state, C * lever_arm);
   const Vector4d q_sn = strapdown::quaternion_product(strapdown::quaternion_conjugate(q_en(lla[0], lla[1])),
                                                       q_en(state.lla[0], state.lla[1]));
-  const Vector3d v = m.v_n + C * omega_em.cross(arm);
+  const Vector3d v = m.v_n + C * omega_em.cross(lever_arm);
   return {lla, strapdown::dcm_from_quaternion(q_sn) * v, strapdown::quaternion_product(q_sn, q_nm)};
 }
 
-// Of a rigid body a_s = a_m + ω̇ × arm + ω × (ω × arm) in inertial space; f = a − G, where the attraction G is gravity
-// less the centrifugal acceleration: G(s) − G(m) = g(s) − g(m) + Ω × (Ω × arm).
-Inertial inertial_at_arm(const State& state, const Vector3d& arm) {
+// Of a rigid body a_s = a_m + ω̇ × lever_arm + ω × (ω × lever_arm) in inertial space; f = a − G, where the attraction G is gravity
+// less the centrifugal acceleration: G(s) − G(m) = g(s) − g(m) + Ω × (Ω × lever_arm).
+Inertial inertial_at_lever_arm(const State& state, const Vector3d& lever_arm) {
   const Angle lat(state.lla[0]);
   const strapdown::Radii radii = strapdown::radii(lat.sin, lat.cos);
   Inertial felt = simulation::inertial(motion(state, lat, radii), lat, radii);
-  if (arm.isZero(0.0)) return felt;
+  if (lever_arm.isZero(0.0)) return felt;
   const Matrix3d C = C_nm(state);
   const FrameRate frame = frame_rate(state), body = body_rate(state);
   const Vector3d omega_in_m = C.transpose() * frame.omega;
   const Vector3d omega_dot = body.derivative + C.transpose() * frame.derivative - body.omega.cross(omega_in_m);
   const Vector3d& omega = felt.omega_ib_b;
 
-  const Vector3d lla = position_at_arm(state, C * arm);
+  const Vector3d lla = position_at_lever_arm(state, C * lever_arm);
   const Vector3d down_at_arm =
       -strapdown::C_en(state.lla[0], state.lla[1]).transpose() *
       Vector3d(std::cos(lla[0]) * std::cos(lla[1]), std::cos(lla[0]) * std::sin(lla[1]), std::sin(lla[0]));
   const Vector3d omega_ie = strapdown::omega_ie_n(state.lla[0]);
-  Vector3d attraction = strapdown::gravity(lla[0], lla[2]).down * down_at_arm + omega_ie.cross(omega_ie.cross(C * arm));
+  Vector3d attraction =
+      strapdown::gravity(lla[0], lla[2]).down * down_at_arm + omega_ie.cross(omega_ie.cross(C * lever_arm));
   attraction[2] -= strapdown::gravity(state.lla[0], state.lla[2]).down;
-  felt.f_b += omega_dot.cross(arm) + omega.cross(omega.cross(arm)) - C.transpose() * attraction;
+  felt.f_b += omega_dot.cross(lever_arm) + omega.cross(omega.cross(lever_arm)) - C.transpose() * attraction;
   return felt;
 }
 

@@ -64,11 +64,11 @@ class ShipMotion {
 
 simulation::Motion motion(const State& state);
 
-/// Position, velocity and attitude at the end of `arm` (m, ship axes) from the MINS. Rigid, exactly.
-Point at_arm(const State& state, const Eigen::Vector3d& arm);
+/// Position, velocity and attitude at the end of `lever_arm` (m, ship axes) from the MINS. Rigid, exactly.
+Point at_lever_arm(const State& state, const Eigen::Vector3d& lever_arm);
 
 /// Angular rate and specific force there, in ship axes.
-simulation::Inertial inertial_at_arm(const State& state, const Eigen::Vector3d& arm);
+simulation::Inertial inertial_at_lever_arm(const State& state, const Eigen::Vector3d& lever_arm);
 
 /// q_im: ship axes to axes that do not rotate and are those of the earth at t = 0.
 Eigen::Vector4d inertial_attitude(const State& state, double t);

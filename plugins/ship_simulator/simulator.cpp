@@ -83,7 +83,7 @@ MountingModel read_mounting(const Parameters& p) {
     throw ComponentError("the nominal mounting is not a rotation", "/mounting/nominal");
   const bool is_given = p.has("misalignment");
   return {strapdown::quaternion_from_dcm(nominal), is_given ? Vector3d(p.vector("misalignment")) : Vector3d::Zero(),
-          is_given ? Vector3d::Zero() : Vector3d(p.vector("misalignment_sigma")), p.vector("arm")};
+          is_given ? Vector3d::Zero() : Vector3d(p.vector("misalignment_sigma")), p.vector("lever_arm")};
 }
 
 Eigen::Matrix<double, 9, 1> read_triple(const Parameters& p) {
@@ -212,7 +212,7 @@ Inertial ShipSimulator::increments(double t0, double t1, const double* phases) c
   for (int i = 0; i < pieces; ++i) {
     const double middle = t0 + (2 * i + 1) * half;
     for (const State& state : motion_.around(middle, half * simulation::Gauss2::node[1], phases)) {
-      const Inertial now = inertial_at_arm(state, mounting_.arm);
+      const Inertial now = inertial_at_lever_arm(state, mounting_.lever_arm);
       sum.omega_ib_b += half * now.omega_ib_b;
       sum.f_b += half * now.f_b;
     }
@@ -261,7 +261,7 @@ void ShipSimulator::emit_mins(Memory& memory, const double* phases, SampleSlot& 
 
 void ShipSimulator::emit_truth(Memory& memory, const double* phases, SampleSlot& slot) const {
   const Time t = truth_clock_.at(memory.next_truth++);
-  const Point point = at_arm(motion_.at(seconds(t), phases), mounting_.arm);
+  const Point point = at_lever_arm(motion_.at(seconds(t), phases), mounting_.lever_arm);
   const Vector4d q_ns = strapdown::quaternion_product(point.q_nm, ConstQuaternion(memory.q_ms));
   const Vector4d level = strapdown::quaternion_product(q_ns, strapdown::quaternion_conjugate(mounting_.nominal));
   slot.t = start_time_ + t;
@@ -279,7 +279,7 @@ void ShipSimulator::emit_mounting(Memory& memory, SampleSlot& slot) const {
 void ShipSimulator::emit_initial(Memory& memory, const double* phases, SampleSlot& slot) const {
   memory.has_initial = 0;
   const State state = motion_.at(0.0, phases);
-  const Point point = at_arm(state, mounting_.arm);
+  const Point point = at_lever_arm(state, mounting_.lever_arm);
   const Vector3d w_position = first_normal_vector(memory.seed, "initial.position");
   const Vector3d w_velocity = first_normal_vector(memory.seed, "initial.velocity");
   const Vector3d w_attitude = first_normal_vector(memory.seed, "initial.attitude");

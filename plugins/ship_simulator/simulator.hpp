@@ -24,7 +24,7 @@ struct MountingModel {
   Eigen::Vector4d nominal;       // q of C_S^M
   Eigen::Vector3d misalignment;  // rad, MINS axes
   Eigen::Vector3d sigma;         // rad; added to it
-  Eigen::Vector3d arm;           // m, MINS axes
+  Eigen::Vector3d lever_arm;     // m, MINS axes
 };
 
 struct InitialModel {

@@ -142,7 +142,8 @@ void StationaryDetector::on_imu(const SampleView& sample, Memory& memory, Emitte
   if (memory.window.add(settings_.window, dt, rate, force) && memory.window.is_full())
     decide(sample.t, memory, emitter);
   const double period = memory.state == State::standing ? settings_.standing_period : settings_.moving_period;
-  if (memory.state != State::unknown && memory.averaged > 0 && memory.averaged >= period - 0.5 * dt) speak(sample.t, memory, emitter);
+  if (memory.state != State::unknown && memory.averaged > 0 && memory.averaged >= period - 0.5 * dt)
+    speak(sample.t, memory, emitter);
 }
 
 /// (11) and (12).

@@ -28,12 +28,12 @@ Body::Body(const BodyModel& model, const std::vector<Segment>& segments)
     : model_(model),
       ride_(model.ride, segments),
       shaking_(model.shaking_frequency),
-      has_arm_(!model.arm.isZero(0.0)),
+      has_lever_arm_(!model.lever_arm.isZero(0.0)),
       is_mounted_(!model.nominal.isIdentity(0.0) || !model.misalignment.isZero(0.0) ||
                   !model.misalignment_sigma.isZero(0.0)),
       shakes_(model.standing.accel > 0 || model.standing.rate > 0 || model.driving.accel > 0 ||
               model.driving.rate > 0) {
-  is_plain_ = ride_.is_still() && !has_arm_ && !is_mounted_ && !shakes_;
+  is_plain_ = ride_.is_still() && !has_lever_arm_ && !is_mounted_ && !shakes_;
 }
 
 BodyMemory Body::start(std::uint64_t seed) const {
@@ -62,11 +62,11 @@ Motion Body::ridden(const Trajectory& trajectory, double t, BodyMemory& memory) 
 ImuMotion Body::motion(const Trajectory& trajectory, double t, BodyMemory& memory) const {
   const Motion vehicle = ridden(trajectory, t, memory);
   ImuMotion imu{vehicle.lla, vehicle.v_n, vehicle.roll_pitch_yaw, inertial(vehicle).omega_ib_b};
-  if (has_arm_) {
+  if (has_lever_arm_) {
     const Matrix3d C_nv = attitude_matrix(vehicle.roll_pitch_yaw);
     const Vector3d omega_ev = imu.omega_ib_b - C_nv.transpose() * strapdown::omega_ie_n(vehicle.lla[0]);
-    imu.lla = strapdown::position_plus(vehicle.lla, C_nv * model_.arm);
-    imu.v_n += C_nv * omega_ev.cross(model_.arm);
+    imu.lla = strapdown::position_plus(vehicle.lla, C_nv * model_.lever_arm);
+    imu.v_n += C_nv * omega_ev.cross(model_.lever_arm);
   }
   if (is_mounted_) {
     const Matrix3d C = C_bv(memory);
@@ -83,19 +83,19 @@ Inertial Body::increments(const Trajectory& trajectory, double t0, double t1, Bo
   trajectory.for_each_instant(t0, t1, [&](double t, double weight, Motion at, const Course& course) {
     if (!ride_.is_still()) ride_.apply(t, course, at, memory.ride);
     Inertial now = inertial(at);
-    if (has_arm_) {
+    if (has_lever_arm_) {
       const Matrix3d C_nv = attitude_matrix(at.roll_pitch_yaw);
-      const double higher = -(C_nv * model_.arm)[2];  // m
+      const double higher = -(C_nv * model_.lever_arm)[2];  // m
       const double more_gravity = strapdown::gravity(at.lla[0], at.lla[2]).d_height * higher;
-      now.f_b += now.omega_ib_b.cross(now.omega_ib_b.cross(model_.arm)) - more_gravity * C_nv.row(2).transpose();
+      now.f_b += now.omega_ib_b.cross(now.omega_ib_b.cross(model_.lever_arm)) - more_gravity * C_nv.row(2).transpose();
     }
     sum.omega_ib_b += weight * now.omega_ib_b;
     sum.f_b += weight * now.f_b;
   });
-  if (has_arm_) {
+  if (has_lever_arm_) {
     const auto omega = [&](double t) { return inertial(ridden(trajectory, t, memory)).omega_ib_b; };
     const Vector3d at_begin = omega(t0), at_end = omega(t1);
-    sum.f_b += (at_end - at_begin).cross(model_.arm);
+    sum.f_b += (at_end - at_begin).cross(model_.lever_arm);
   }
   if (is_mounted_) {
     const Matrix3d C = C_bv(memory);

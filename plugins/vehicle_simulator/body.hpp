@@ -21,7 +21,7 @@ struct BodyModel {
   RideModel ride;
   Shaking standing, driving;
   double shaking_frequency = 25;                                 // Hz
-  Eigen::Vector3d arm = Eigen::Vector3d::Zero();                 // m, vehicle axes, from the path's point to the IMU
+  Eigen::Vector3d lever_arm = Eigen::Vector3d::Zero();           // m, vehicle axes, from the path's point to the IMU
   Eigen::Matrix3d nominal = Eigen::Matrix3d::Identity();         // M: IMU to vehicle axes, as it is thought to be
   Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();        // rad, ζ: C_v^b = Mᵀ exp(−[ζ×])
   Eigen::Vector3d misalignment_sigma = Eigen::Vector3d::Zero();  // rad, drawn once a run and added to it
@@ -48,7 +48,7 @@ class Body {
 
   BodyMemory start(std::uint64_t seed) const;
   ImuMotion motion(const Trajectory& trajectory, double t, BodyMemory& memory) const;
-  /// ∫ ω_ib_b dt and ∫ f_b dt over [t0, t1]. What the arm adds to f is ω̇ × l + ω × (ω × l) in vehicle axes, and the
+  /// ∫ ω_ib_b dt and ∫ f_b dt over [t0, t1]. What the lever arm adds to f is ω̇ × l + ω × (ω × l) in vehicle axes, and the
   /// difference of gravity by height. The shaking is a small motion about the sensor that is felt and not told:
   /// 0.3 m/s² at 25 Hz are 12 µm.
   Inertial increments(const Trajectory& trajectory, double t0, double t1, BodyMemory& memory) const;
@@ -61,7 +61,7 @@ class Body {
   BodyModel model_;
   Ride ride_;
   SplineNoise shaking_;
-  bool is_plain_, has_arm_, is_mounted_, shakes_;
+  bool is_plain_, has_lever_arm_, is_mounted_, shakes_;
 };
 
 }  // namespace binnacle::vehicle_simulator

@@ -84,7 +84,8 @@ std::vector<ParameterSpec> body_parameters() {
       object("ride", ride_members()).defaults("{}").about("how the body moves against the path; nothing unless given"),
       object("boarding", boarding_members()).defaults("{}").about("people who get in and out at stops"),
       object("shaking", shaking_members()).defaults("{}").about("vibration that the sensor feels; none unless given"),
-      vector("arm", "m", 3)
+      vector("lever_arm", "m", 3)
+          .formerly("arm")
           .defaults("[0, 0, 0]")
           .about("from the point that follows the path, such as the rear axle, to the IMU: vehicle axes"),
       object("mounting", mounting_members()).defaults("{}").about("how the IMU's axes lie in the vehicle")};
@@ -113,7 +114,7 @@ BodyModel read_body(const Parameters& parameters) {
   model.standing = read_shaking(shaking.object("standing"));
   model.driving = read_shaking(shaking.object("driving"));
   model.shaking_frequency = shaking.number("frequency");
-  model.arm = parameters.vector("arm");
+  model.lever_arm = parameters.vector("lever_arm");
   const Eigen::Vector3d angles(mounting.number("roll"), mounting.number("pitch"), mounting.number("yaw"));
   if (!angles.isZero(0.0)) model.nominal = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles));
   model.misalignment = mounting.vector("misalignment");

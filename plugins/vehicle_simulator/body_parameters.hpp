@@ -10,7 +10,7 @@
 
 namespace binnacle::vehicle_simulator {
 
-/// ride, boarding, shaking, arm, mounting: all off unless given.
+/// ride, boarding, shaking, lever_arm, mounting: all off unless given.
 std::vector<ParameterSpec> body_parameters();
 /// Throws ComponentError at what contradicts itself.
 BodyModel read_body(const Parameters& parameters);

@@ -26,7 +26,9 @@ Fields deviation_fields(const std::string& quantity, const std::string& unit) {
 }
 
 Fields truth_fields() {
-  return joined({position_fields(), velocity_fields(), attitude_fields(),
+  return joined({position_fields(),
+                 velocity_fields(),
+                 attitude_fields(),
                  triad("bg", "rad/s", "bias of the gyroscopes, constant and wandering part together"),
                  triad("ba", "m/s^2", "bias of the accelerometers, constant and wandering part together"),
                  triad("sg", "1", "scale factor error of the gyroscopes"),
@@ -64,7 +66,10 @@ std::vector<ParameterSpec> gnss_members() {
       vector("reported_velocity_sigma", "m/s", 3)
           .at_least(0)
           .about("what the receiver states as velocity_sd_*; velocity_sigma unless given"),
-      vector("arm", "m", 3).defaults("[0, 0, 0]").about("lever arm from the IMU to the antenna, body axes"),
+      vector("lever_arm", "m", 3)
+          .formerly("arm")
+          .defaults("[0, 0, 0]")
+          .about("lever arm from the IMU to the antenna, body axes"),
   };
 }
 

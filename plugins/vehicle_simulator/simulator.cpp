@@ -29,10 +29,11 @@ namespace {
 
 constexpr double nearest_to_pole = 89.5 * std::numbers::pi / 180.0;
 
-Eigen::Vector3d antenna_velocity(const ImuMotion& motion, const Eigen::Matrix3d& C_nb, const Eigen::Vector3d& arm_b) {
+Eigen::Vector3d antenna_velocity(const ImuMotion& motion, const Eigen::Matrix3d& C_nb,
+                                 const Eigen::Vector3d& lever_arm_b) {
   const Eigen::Vector3d omega_ie_b = C_nb.transpose() * strapdown::omega_ie_n(motion.lla[0]);
   const Eigen::Vector3d omega_eb_b = motion.omega_ib_b - omega_ie_b;
-  return motion.v_n + C_nb * omega_eb_b.cross(arm_b);
+  return motion.v_n + C_nb * omega_eb_b.cross(lever_arm_b);
 }
 
 GnssModel read_gnss(const Parameters& parameters, bool is_perfect) {
@@ -43,7 +44,7 @@ GnssModel read_gnss(const Parameters& parameters, bool is_perfect) {
   };
   const double error = is_perfect ? 0.0 : 1.0;
   return {error * position, error * velocity, reported("reported_position_sigma", position),
-          reported("reported_velocity_sigma", velocity), parameters.vector("arm")};
+          reported("reported_velocity_sigma", velocity), parameters.vector("lever_arm")};
 }
 
 InitialModel read_initial(const Parameters& parameters, bool is_perfect) {
@@ -143,8 +144,8 @@ SourceStatus VehicleSimulator::next(std::byte* bytes, SampleSlot* slots, int& ch
 void VehicleSimulator::emit_imu(Memory& memory, SampleSlot& slot) const {
   const std::int64_t tick = memory.next_imu++;
   const double dt = imu_clock_.interval_before(tick);
-  const Inertial exact = body_.increments(*trajectory_, seconds(imu_clock_.at(tick - 1)),
-                                          seconds(imu_clock_.at(tick)), memory.body);
+  const Inertial exact =
+      body_.increments(*trajectory_, seconds(imu_clock_.at(tick - 1)), seconds(imu_clock_.at(tick)), memory.body);
   const double unit = emits_rates_ ? 1.0 / dt : 1.0;
   slot.t0 = start_time_ + imu_clock_.at(tick - 1);
   slot.t = start_time_ + imu_clock_.at(tick);
@@ -162,8 +163,8 @@ void VehicleSimulator::emit_gnss(Memory& memory, SampleSlot& slot) const {
   const Eigen::Vector3d position_error = gnss_.position_error.cwiseProduct(normal_vector(memory.position_stream));
   const Eigen::Vector3d velocity_error = gnss_.velocity_error.cwiseProduct(normal_vector(memory.velocity_stream));
   slot.t = start_time_ + t;
-  FieldWriter(slot) << strapdown::position_plus(motion.lla, C_nb * gnss_.arm_b + position_error)
-                    << antenna_velocity(motion, C_nb, gnss_.arm_b) + velocity_error << gnss_.position_reported
+  FieldWriter(slot) << strapdown::position_plus(motion.lla, C_nb * gnss_.lever_arm_b + position_error)
+                    << antenna_velocity(motion, C_nb, gnss_.lever_arm_b) + velocity_error << gnss_.position_reported
                     << gnss_.velocity_reported;
 }
 
@@ -176,8 +177,8 @@ void VehicleSimulator::emit_truth(Memory& memory, SampleSlot& slot) const {
   slot.t = start_time_ + t;
   FieldWriter(slot) << motion.lla << motion.v_n << motion.roll_pitch_yaw << bias_at(memory.gyro, fraction)
                     << bias_at(memory.accel, fraction) << Eigen::Vector3d(memory.gyro.scale)
-                    << Eigen::Vector3d(memory.accel.scale) << Eigen::Vector3d(memory.body.misalignment)
-                    << speed << (speed == 0.0 ? 1.0 : 0.0);
+                    << Eigen::Vector3d(memory.accel.scale) << Eigen::Vector3d(memory.body.misalignment) << speed
+                    << (speed == 0.0 ? 1.0 : 0.0);
 }
 
 // The estimate is drawn so that truth = estimate ⊞ δ with δ ~ N(0, P₀), P₀ = diag(sigma²).

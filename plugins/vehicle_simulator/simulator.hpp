@@ -20,7 +20,7 @@ struct GnssModel {
   Eigen::Vector3d velocity_error;     // m/s
   Eigen::Vector3d position_reported;  // m, as the receiver states them
   Eigen::Vector3d velocity_reported;  // m/s
-  Eigen::Vector3d arm_b;              // m, from the IMU to the antenna, body axes
+  Eigen::Vector3d lever_arm_b;        // m, from the IMU to the antenna, body axes
 };
 
 struct InitialModel {

@@ -112,7 +112,8 @@ void AtomicFile::commit() {
   if (::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
   if (!has_name_) {
     ::unlink(temporary_.c_str());
-    if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail(std::strerror(errno));
+    if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)
+      fail(std::strerror(errno));
     has_name_ = true;
   }
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(std::strerror(errno));

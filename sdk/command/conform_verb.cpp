@@ -31,7 +31,8 @@ int hand_over(const CLI::App& app) {
 }  // namespace
 
 Verb conform_verb(CLI::App& command) {
-  CLI::App* app = command.add_subcommand("conform", "Hold a plugin library against the contract (conform --help tells more)");
+  CLI::App* app =
+      command.add_subcommand("conform", "Hold a plugin library against the contract (conform --help tells more)");
   app->prefix_command();  // everything that follows is the suite's
   app->set_help_flag();
   return {app, [app] { return hand_over(*app); }};

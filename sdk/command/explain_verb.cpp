@@ -161,12 +161,13 @@ std::string measurements_text(const Json& filter) {
   return section("Measurements", table);
 }
 
-std::string readings_text(const Json& filter) {
-  if (!filter.contains("readings")) return {};
+std::string implied_states_text(const Json& filter) {
+  if (!filter.contains("implied_states")) return {};
   Table table("lll");
-  for (const auto& reading : filter.at("readings"))
-    table.row({reading.at("name"), "of " + value_text(reading.at("block")), "by " + value_text(reading.at("measurement"))});
-  return section("Readings", table);
+  for (const auto& implied_state : filter.at("implied_states"))
+    table.row({implied_state.at("name"), "of " + value_text(implied_state.at("block")),
+               "by " + value_text(implied_state.at("measurement"))});
+  return section("Implied states", table);
 }
 
 std::string start_text(const Json& filter) {
@@ -184,7 +185,7 @@ std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
   return fmt::format("\nFILTER {}: {} in the covariance\n", name, counted(filter.at("dof"), "row")) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
-         measurements_text(filter) + readings_text(filter) + start_text(filter);
+         measurements_text(filter) + implied_states_text(filter) + start_text(filter);
 }
 
 /// Figures that components found out while they were bound; angles in degrees, as everywhere in print.

@@ -59,7 +59,8 @@ std::string own_keys(const Catalog& catalog) {
   Json block = Json::object();
   for (const char* key : {"init", "sigma", "estimate", "consider", "hold"})
     block["properties"][key] = {{"$ref", std::string("#/definitions/") + key}};
-  std::string text = "## The config\n\nA JSON object; `//` and `/* */` comments are allowed.\n\n" + key_table(root, whole);
+  std::string text =
+      "## The config\n\nA JSON object; `//` and `/* */` comments are allowed.\n\n" + key_table(root, whole);
   text += "## A filter\n\n" + key_table(root, definition("filter"));
   text += "## Every state block\n\nBeside the parameters of its type:\n\n" + key_table(root, block);
   text += "## Every measurement\n\nBeside the parameters of its type, or with a `stack` of several:\n\n" +
@@ -92,9 +93,10 @@ std::string reference_page(const Catalog& catalog) {
     contents += "\n";
     components += fmt::format("## {}\n\n{}", plural(role), entries);
   }
-  std::string page = "# Config reference\n\nMade by `binnacle describe --all` from the specs that the plugins declare; "
-                     "do not edit it. Units: a number is SI, a string has its unit (`\"0.2 deg/h\"`).\n\n" +
-                     contents + "\n" + own_keys(catalog) + components;
+  std::string page =
+      "# Config reference\n\nMade by `binnacle describe --all` from the specs that the plugins declare; "
+      "do not edit it. Units: a number is SI, a string has its unit (`\"0.2 deg/h\"`).\n\n" +
+      contents + "\n" + own_keys(catalog) + components;
   page.erase(page.find_last_not_of('\n') + 2);
   return page;
 }

@@ -66,9 +66,8 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
     config_ = std::make_unique<AtomicFile>(folder_ / "config.json");
     summary_ = std::make_unique<AtomicFile>(folder_ / "summary.json");
     netcdf_file_ = std::make_unique<AtomicFile>(folder_ / "run.nc", AtomicFile::Temporary::named);
-    write_netcdf([&] {
-      netcdf_ = std::make_unique<results::RunWriter>(netcdf_file_->path(), composition, provenance);
-    });
+    write_netcdf(
+        [&] { netcdf_ = std::make_unique<results::RunWriter>(netcdf_file_->path(), composition, provenance); });
   } catch (const std::runtime_error&) {
     netcdf_file_.reset();
     config_.reset();

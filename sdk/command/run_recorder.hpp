@@ -28,7 +28,7 @@ class RunRecorder {
 
   void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns);
   void record(int filter, Time t, std::span<const double> values);
-  StepTape* tape(int filter) { return netcdf_->tape(filter); }
+  StepObserver* step_observer(int filter) { return netcdf_->step_observer(filter); }
   void scored(int filter, const ErrorSeries& errors);
   /// Puts the records, config.json and at last summary.json in place: with summary.json there, all of it is.
   void commit(const Json& summary, const Json& config);

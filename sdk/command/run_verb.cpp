@@ -71,7 +71,7 @@ class Watch : public RunObserver {
   void record(int filter, Time t, std::span<const double> values) override {
     if (recorder_) recorder_->record(filter, t, values);
   }
-  StepTape* tape(int filter) override { return recorder_ ? recorder_->tape(filter) : nullptr; }
+  StepObserver* step_observer(int filter) override { return recorder_ ? recorder_->step_observer(filter) : nullptr; }
   void scored(int filter, const ErrorSeries& errors) override {
     if (recorder_) recorder_->scored(filter, errors);
   }

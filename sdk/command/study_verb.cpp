@@ -17,7 +17,7 @@
 #include "provenance.hpp"
 #include "report_file.hpp"
 #include "results/study_writer.hpp"
-#include "study/crew.hpp"
+#include "study/coordinator.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
 #include "study/summary.hpp"
@@ -192,7 +192,7 @@ bool goes_on() { return interrupted_by() == 0; }
 
 /// False when it was interrupted.
 bool carry_out(const study::Study& study, study::Results& results, Outputs& outputs, const Options& options,
-               study::Leader* leader, int jobs) {
+               study::Coordinator* coordinator, int jobs) {
   const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
   const std::size_t all = study.variants().size() * results.runs();
   if (restored > 0 && !options.quiet)
@@ -202,8 +202,8 @@ bool carry_out(const study::Study& study, study::Results& results, Outputs& outp
     if (outputs.journal) outputs.journal->add(variant, run, figures);
     progress.add(figures.state == study::Figures::State::failed);
   };
-  if (leader)
-    leader->carry_out_all(study, results, jobs, goes_on, on_run);
+  if (coordinator)
+    coordinator->carry_out_all(study, results, jobs, goes_on, on_run);
   else
     study::carry_out_all(study, results, jobs, goes_on, on_run);
   return progress.done() == all;
@@ -221,10 +221,11 @@ std::string interruption(const Options& options, bool is_led) {
 }
 
 /// Said at the beginning, since of a rank that mpirun stops the last words may be lost.
-void tell_crew(const Options& options, const study::Team& team, const study::Leader& leader, int jobs) {
+void announce_workers(const Options& options, const study::Team& team, const study::Coordinator& coordinator,
+                      int jobs) {
   if (!options.quiet)
     fmt::print(stderr, "{}, {}{}\n", counted(static_cast<std::size_t>(team.size()), "rank"),
-               counted(static_cast<std::size_t>(jobs + leader.threads()), "thread"),
+               counted(static_cast<std::size_t>(jobs + coordinator.threads()), "thread"),
                options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there");
 }
 
@@ -242,28 +243,28 @@ int run_study(const Options& options) {
   const auto team = join_team();
   const int jobs = options.jobs > 0 ? options.jobs : study::processors(team ? team->size_here() : 1);
   if (team && team->rank() > 0) return serve(*team, options, jobs);
-  std::optional<study::Leader> leader;
-  if (team) leader.emplace(*team);
+  std::optional<study::Coordinator> coordinator;
+  if (team) coordinator.emplace(*team);
   const auto study = load(options);
   study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
   watch_signals();
   std::optional<Outputs> outputs;
   bool is_complete = false;
   try {
-    if (!leader || leader->muster(study, goes_on)) {
+    if (!coordinator || coordinator->assemble(study, goes_on)) {
       outputs.emplace(options, study, results);
-      if (leader) tell_crew(options, *team, *leader, jobs);
-      is_complete = carry_out(study, results, *outputs, options, leader ? &*leader : nullptr, jobs);
+      if (coordinator) announce_workers(options, *team, *coordinator, jobs);
+      is_complete = carry_out(study, results, *outputs, options, coordinator ? &*coordinator : nullptr, jobs);
     }
   } catch (const std::system_error& error) {
     throw OutputError(error.what());
   }
   if (!is_complete) {
     outputs.reset();
-    print_error(interruption(options, leader.has_value()));
+    print_error(interruption(options, coordinator.has_value()));
     die_of_signal();
   }
-  leader.reset();
+  coordinator.reset();
   const Json figures = study::summarize(study, results);
   Json timed = figures;
   timed["wall_s"] = seconds_since(begin);
@@ -289,12 +290,14 @@ Verb study_verb(CLI::App& command) {
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   app->add_option("--seed", options->seed, "Seed of everything random, instead of the config's")->type_name("N");
-  app->add_option("--jobs", options->jobs, "Runs at work at one time in each process, instead of one for each "
+  app->add_option("--jobs", options->jobs,
+                  "Runs at work at one time in each process, instead of one for each "
                   "processor; the figures do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   app->add_option("--summary", options->summary, "Write the figures as JSON")->type_name("FILE.json");
-  app->add_option("--out", options->out, "study.nc, study.csv, table.csv, study.json; started again, it goes on where it was")
+  app->add_option("--out", options->out,
+                  "study.nc, study.csv, table.csv, study.json; started again, it goes on where it was")
       ->type_name("DIR");
   app->add_flag("--json", options->json, "The figures as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or tables");

@@ -190,13 +190,16 @@ std::string measurement_table(const Json& measurements) {
       reasons += fmt::format("  {}: reopened {}\n", name, counted(entry["recoveries"], "time"));
     if (entry.contains("left_out") && entry["left_out"]["rows"] != 0) {
       Names keys;
-      for (const auto& [key, count] : entry["left_out"]["by_key"].items()) keys.push_back(fmt::format("{} ({})", key, count.dump()));
-      reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name, entry["left_out"]["rows"].dump(),
-                             entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
+      for (const auto& [key, count] : entry["left_out"]["by_key"].items())
+        keys.push_back(fmt::format("{} ({})", key, count.dump()));
+      reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name,
+                             entry["left_out"]["rows"].dump(), entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
     if (is_mostly_gated(entry))
-      reasons += fmt::format("  {}: most of it was gated: the filter is lost, or clocks, axes, units or signs are not what "
-                             "the config says\n", name);
+      reasons += fmt::format(
+          "  {}: most of it was gated: the filter is lost, or clocks, axes, units or signs are not what "
+          "the config says\n",
+          name);
     if (entry.contains("last_reason"))
       reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
   }

@@ -2,14 +2,15 @@
 // numbers.block: the laws of a manifold.
 #include <cmath>
 
-#include "specimen.hpp"
+#include "fixture.hpp"
 
 namespace binnacle::conform {
 
 namespace {
 
 struct Subject {
-  explicit Subject(Trial& trial) : composition(compose_example(trial)), value(parts::block(*composition, filter_name, component_name)) {}
+  explicit Subject(Trial& trial)
+      : composition(compose_example(trial)), value(parts::block(*composition, filter_name, component_name)) {}
   PortState at(Trial& trial, std::uint64_t stream, double spread) const {
     auto random = trial.random(stream);
     return port_states({value}, random, spread).front();
@@ -29,10 +30,11 @@ struct Subject {
 };
 
 /// Whether `found` is `wanted`, in units of what is plausible for each component.
-bool near(Trial& trial, const char* law, const Eigen::VectorXd& found, const Eigen::VectorXd& wanted, const Eigen::VectorXd& scale) {
+bool near(Trial& trial, const char* law, const Eigen::VectorXd& found, const Eigen::VectorXd& wanted,
+          const Eigen::VectorXd& scale) {
   const Eigen::VectorXd allowed = 1e-9 * scale + 1e-8 * wanted.cwiseAbs();
-  return trial.expect(((found - wanted).cwiseAbs().array() <= allowed.array()).all(), law, " does not hold: found [", found.transpose(),
-                      "], wanted [", wanted.transpose(), "]");
+  return trial.expect(((found - wanted).cwiseAbs().array() <= allowed.array()).all(), law, " does not hold: found [",
+                      found.transpose(), "], wanted [", wanted.transpose(), "]");
 }
 
 void laws(Trial& trial) {
@@ -46,7 +48,9 @@ void laws(Trial& trial) {
       const Eigen::VectorXd delta = size * at.scale.cwiseProduct(normals(random, at.dof()));
       const auto y = subject.plus(at.x, delta);
       if (!near(trial, "(x [+] d) [-] x = d", subject.minus(y, at.x), delta, at.scale)) return;
-      if (!near(trial, "x [+] (y [-] x) = y", subject.minus(subject.plus(at.x, subject.minus(y, at.x)), y), zero, at.scale)) return;
+      if (!near(trial, "x [+] (y [-] x) = y", subject.minus(subject.plus(at.x, subject.minus(y, at.x)), y), zero,
+                at.scale))
+        return;
       std::vector<double> in_place = at.x;
       subject.value.block->plus(in_place.data(), delta.data(), in_place.data());
       if (!trial.expect(in_place == y, "plus() gives another result when x and result are the same memory")) return;
@@ -57,7 +61,9 @@ void laws(Trial& trial) {
     if (!turns) continue;
     Eigen::VectorXd delta = normals(random, 3);
     delta *= (EIGEN_PI - 1e-3) / delta.norm();
-    if (!near(trial, "(x [+] d) [-] x = d near half a turn", subject.minus(subject.plus(at.x, delta), at.x), delta, 10 * at.scale)) return;
+    if (!near(trial, "(x [+] d) [-] x = d near half a turn", subject.minus(subject.plus(at.x, delta), at.x), delta,
+              10 * at.scale))
+      return;
   }
 }
 
@@ -70,7 +76,8 @@ void readable(Trial& trial) {
     subject.value.block->read(at.x.data(), outputs.data());
     const Result result = subject.value.block->write(outputs.data(), written.data());
     if (!trial.expect(static_cast<bool>(result), "write() refuses what read() gave: ", result.reason)) return;
-    if (!near(trial, "write(read(x)) = x", subject.minus(written, at.x), Eigen::VectorXd::Zero(at.dof()), at.scale)) return;
+    if (!near(trial, "write(read(x)) = x", subject.minus(written, at.x), Eigen::VectorXd::Zero(at.dof()), at.scale))
+      return;
   }
 }
 
@@ -89,12 +96,16 @@ void reset(Trial& trial) {
     for (int j = 0; j < at.dof(); ++j) {
       const double h = 1e-3 * at.scale[j];
       const Eigen::VectorXd e = h * Eigen::VectorXd::Unit(at.dof(), j);
-      numeric.col(j) = (subject.minus(subject.plus(at.x, delta + e), injected) - subject.minus(subject.plus(at.x, delta - e), injected)) / (2 * h);
+      numeric.col(j) = (subject.minus(subject.plus(at.x, delta + e), injected) -
+                        subject.minus(subject.plus(at.x, delta - e), injected)) /
+                       (2 * h);
     }
     const double turned = (numeric - Eigen::MatrixXd::Identity(at.dof(), at.dof())).cwiseAbs().maxCoeff();
     const double worst = (numeric - G).cwiseAbs().maxCoeff();
-    if (!trial.expect(worst <= 0.2 * turned + 1e-5, "reset_jacobian() differs from differences of what remains after injecting d = [",
-                      delta.transpose(), "] by ", worst, "; G is\n", G, "\nand should be, to first order,\n", numeric)) return;
+    if (!trial.expect(worst <= 0.2 * turned + 1e-5,
+                      "reset_jacobian() differs from differences of what remains after injecting d = [",
+                      delta.transpose(), "] by ", worst, "; G is\n", G, "\nand should be, to first order,\n", numeric))
+      return;
   }
 }
 
@@ -103,7 +114,12 @@ void reset(Trial& trial) {
 std::vector<Check> block_checks() {
   const std::vector<Role> roles = {Role::state_block};
   return {
-      {"numbers.block.laws", 2, roles, {"life.repeatable"}, "[+] and [-] are each other's inverse at the identity, for small and large errors, near half a turn", laws},
+      {"numbers.block.laws",
+       2,
+       roles,
+       {"life.repeatable"},
+       "[+] and [-] are each other's inverse at the identity, for small and large errors, near half a turn",
+       laws},
       {"numbers.block.readable", 2, roles, {"numbers.block.laws"}, "write(read(x)) = x", readable},
       {"numbers.block.reset", 3, roles, {"numbers.block.laws"}, "the reset Jacobian is that of [+] and [-]", reset},
   };

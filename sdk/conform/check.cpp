@@ -18,9 +18,9 @@ const char* status_name(Status status) {
 const std::vector<Check>& all_checks() {
   static const std::vector<Check> checks = [] {
     std::vector<Check> all;
-    for (const auto& part : {load_checks(), metadata_checks(), life_checks(), block_checks(), process_checks(),
-                             measurement_checks(), derived_checks(), noise_checks(), stream_checks(),
-                             robustness_checks(), speed_checks()})
+    for (const auto& part :
+         {load_checks(), metadata_checks(), life_checks(), block_checks(), process_checks(), measurement_checks(),
+          derived_checks(), noise_checks(), stream_checks(), robustness_checks(), speed_checks()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();

@@ -37,8 +37,13 @@ class Trial {
  public:
   Trial(std::filesystem::path of_library, std::string of_type, Role of_role, int at_level, std::uint64_t with_seed,
         std::filesystem::path in_scratch, Report& report)
-      : library(std::move(of_library)), type(std::move(of_type)), role(of_role), level(at_level), seed(with_seed),
-        scratch(std::move(in_scratch)), report_(report) {}
+      : library(std::move(of_library)),
+        type(std::move(of_type)),
+        role(of_role),
+        level(at_level),
+        seed(with_seed),
+        scratch(std::move(in_scratch)),
+        report_(report) {}
 
   const std::filesystem::path library;
   const std::string type;  // "core/vector"

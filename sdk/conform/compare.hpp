@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "specimen.hpp"
+#include "fixture.hpp"
 
 namespace binnacle::conform {
 

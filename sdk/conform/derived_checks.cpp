@@ -8,7 +8,7 @@ namespace {
 
 void jacobian(Trial& trial) {
   const auto composition = compose_example(trial);
-  const DerivedSpecimen derived(trial, *composition);
+  const DerivedFixture derived(trial, *composition);
   const auto& reads = derived.part.model->declaration().reads;
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(600 + static_cast<std::uint64_t>(repeat));
@@ -31,21 +31,25 @@ void jacobian(Trial& trial) {
       const Mismatch m = compare_over_steps(ports, port, J, change, [&](Eigen::Index i, Eigen::Index j) {
         return 1e-3 * largest + 1e-6 * scale_of(errors[static_cast<std::size_t>(i)].unit) / ports[port].scale[j];
       });
-      if (!trial.expect(!m.is_there, "J of '", derived.part.type->spec.ports[port].name, "' (", m.row, ",", m.column, "): ",
-                        found == reads.end() ? "the port is not declared as read" : "declared " + std::to_string(m.declared),
-                        ", differences of the value give ", m.numeric)) return;
+      if (!trial.expect(!m.is_there, "J of '", derived.part.type->spec.ports[port].name, "' (", m.row, ",", m.column,
+                        "): ",
+                        found == reads.end() ? "the port is not declared as read"
+                                             : "declared " + std::to_string(m.declared),
+                        ", differences of the value give ", m.numeric))
+        return;
     }
   }
 }
 
 void value(Trial& trial) {
   const auto composition = compose_example(trial);
-  const DerivedSpecimen derived(trial, *composition);
+  const DerivedFixture derived(trial, *composition);
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     auto random = trial.random(700 + static_cast<std::uint64_t>(repeat));
     const PortStates ports = derived.ports(random, 0.3);
     if (!trial.expect(derived.call(ports, unwritten()).value == derived.call(ports, unwritten(), false).value,
-                      "the value is another one when no Jacobian is wanted")) return;
+                      "the value is another one when no Jacobian is wanted"))
+      return;
   }
 }
 
@@ -54,8 +58,18 @@ void value(Trial& trial) {
 std::vector<Check> derived_checks() {
   const std::vector<Role> roles = {Role::derived_block};
   return {
-      {"numbers.derived.value", 2, roles, {"life.repeatable"}, "the value is the same to the bit with and without Jacobians", value},
-      {"numbers.derived.jacobian", 2, roles, {"numbers.derived.value"}, "J is the derivative of the value on the manifolds, and what is not read has none", jacobian},
+      {"numbers.derived.value",
+       2,
+       roles,
+       {"life.repeatable"},
+       "the value is the same to the bit with and without Jacobians",
+       value},
+      {"numbers.derived.jacobian",
+       2,
+       roles,
+       {"numbers.derived.value"},
+       "J is the derivative of the value on the manifolds, and what is not read has none",
+       jacobian},
   };
 }
 

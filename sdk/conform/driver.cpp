@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <map>
 #include <set>
@@ -146,7 +146,8 @@ class Scratch {
  public:
   Scratch() {
     std::string pattern = (fs::temp_directory_path() / "binnacle-conform-XXXXXX").string();
-    if (!::mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder is to be had in " + fs::temp_directory_path().string());
+    if (!::mkdtemp(pattern.data()))
+      throw std::runtime_error("no temporary folder is to be had in " + fs::temp_directory_path().string());
     path_ = pattern;
   }
   ~Scratch() {
@@ -189,12 +190,15 @@ std::vector<Component> enumerate(const Options& options, std::string& why) {
   std::vector<Component> components;
   bool is_whole = false;
   for (const auto& line : lines_of(child.said())) {
-    if (line.contains("end")) is_whole = true;
-    else components.push_back({static_cast<Role>(line.at("role").get<int>()), line.at("type").get<std::string>()});
+    if (line.contains("end"))
+      is_whole = true;
+    else
+      components.push_back({static_cast<Role>(line.at("role").get<int>()), line.at("type").get<std::string>()});
   }
   if (!is_whole) {
-    why = child.timed_out() ? "loading it never ends"
-                            : WIFSIGNALED(child.status()) ? "loading it ends in " + signal_name(WTERMSIG(child.status())) : "it cannot be loaded";
+    why = child.timed_out()             ? "loading it never ends"
+          : WIFSIGNALED(child.status()) ? "loading it ends in " + signal_name(WTERMSIG(child.status()))
+                                        : "it cannot be loaded";
   }
   return components;
 }
@@ -229,7 +233,8 @@ Outcome conclude(const Child& child, Outcome outcome, double time_limit) {
                        " after the check: a sanitizer found something, or an assertion failed");
   } else if (!is_done) {
     outcome.status = Status::crash;
-    messages.push_back("the process ends with status " + std::to_string(WEXITSTATUS(child.status())) + during + " before the check is over");
+    messages.push_back("the process ends with status " + std::to_string(WEXITSTATUS(child.status())) + during +
+                       " before the check is over");
   }
   constexpr std::size_t most = 8;
   for (std::size_t i = 0; i < std::min(messages.size(), most); ++i) outcome.message += (i ? "\n" : "") + messages[i];
@@ -244,15 +249,16 @@ struct Job {
   const Check* check = nullptr;
   const Component* component = nullptr;  // null: the library
   Outcome outcome;
-  bool is_wanted = false;                // itself, not only for what needs it
+  bool is_wanted = false;  // itself, not only for what needs it
   bool is_over = false;
-  bool is_blocked = false;               // over, and what needs it is skipped
+  bool is_blocked = false;  // over, and what needs it is skipped
   std::string why_blocked;
 };
 
 class Scheduler {
  public:
-  Scheduler(const Options& options, const std::vector<Component>& components, const std::function<void(const Outcome&)>& progress)
+  Scheduler(const Options& options, const std::vector<Component>& components,
+            const std::function<void(const Outcome&)>& progress)
       : options_(options), progress_(progress) {
     const auto add = [&](const Check& check, const Component* component) {
       Job job;
@@ -266,7 +272,8 @@ class Scheduler {
       if (check.roles.empty()) add(check, nullptr);
     for (const auto& component : components)
       for (const auto& check : all_checks())
-        if (std::find(check.roles.begin(), check.roles.end(), component.role) != check.roles.end()) add(check, &component);
+        if (std::find(check.roles.begin(), check.roles.end(), component.role) != check.roles.end())
+          add(check, &component);
     drop_unwanted();
   }
 
@@ -302,7 +309,8 @@ class Scheduler {
  private:
   struct Running {
     Running(const Scheduler& scheduler, const Job& job)
-        : child([&](const Wire& wire) { return scheduler.work(job, scratch.path(), wire); }, scheduler.options_.time_limit) {}
+        : child([&](const Wire& wire) { return scheduler.work(job, scratch.path(), wire); },
+                scheduler.options_.time_limit) {}
     Scratch scratch;
     Child child;
   };
@@ -333,7 +341,9 @@ class Scheduler {
         job.is_wanted = true;
         want(job);
       }
-    std::erase_if(jobs_, [&](const Job& job) { return !wanted.contains(job.outcome.role + ":" + job.outcome.type + ":" + job.check->id); });
+    std::erase_if(jobs_, [&](const Job& job) {
+      return !wanted.contains(job.outcome.role + ":" + job.outcome.type + ":" + job.check->id);
+    });
   }
 
   /// Whether its prerequisites are over. One that failed ends it as skipped.
@@ -364,8 +374,9 @@ class Scheduler {
 
   int work(const Job& job, const fs::path& scratch, const Wire& wire) const {
     const auto report = wire_report(wire);
-    Trial trial(options_.library, job.component ? job.component->type : "", job.component ? job.component->role : Role::state_block,
-                options_.level, options_.seed, scratch, *report);
+    Trial trial(options_.library, job.component ? job.component->type : "",
+                job.component ? job.component->role : Role::state_block, options_.level, options_.seed, scratch,
+                *report);
     return run_check(*job.check, trial, wire);
   }
 
@@ -383,7 +394,8 @@ class Scheduler {
 }  // namespace
 
 int Verdict::count(Status status) const {
-  return static_cast<int>(std::count_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.status == status; }));
+  return static_cast<int>(
+      std::count_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.status == status; }));
 }
 
 bool Verdict::passes(bool warnings_fail) const {

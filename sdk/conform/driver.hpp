@@ -16,13 +16,13 @@ struct Options {
   std::filesystem::path library;
   int level = 5;
   std::uint64_t seed = 1;
-  double time_limit = 60;             // seconds, of one check
+  double time_limit = 60;  // seconds, of one check
   int jobs = 1;
-  std::vector<std::string> filters;   // globs on "TYPE:CHECK"; none: everything
+  std::vector<std::string> filters;  // globs on "TYPE:CHECK"; none: everything
 };
 
 struct Outcome {
-  std::string type;   // "core/vector"; "" for the library
+  std::string type;  // "core/vector"; "" for the library
   std::string role;
   std::string check;
   Status status = Status::pass;
@@ -37,9 +37,9 @@ struct Component {
 };
 
 struct Verdict {
-  std::string enumeration;             // why the components could not be told; "" when they could
+  std::string enumeration;  // why the components could not be told; "" when they could
   std::vector<Component> components;
-  std::vector<Outcome> outcomes;       // by component, then in the order of the checks
+  std::vector<Outcome> outcomes;  // by component, then in the order of the checks
 
   int count(Status status) const;
   /// Nothing failed, crashed or ran out of time, every component was told, and something that was asked for ran.

@@ -5,16 +5,17 @@
 #include <thread>
 
 #include "allocations.hpp"
+#include "fixture.hpp"
 #include "miniature.hpp"
-#include "specimen.hpp"
 
 namespace binnacle::conform {
 
 namespace {
 
 const std::vector<Role> every_role(std::begin(all_roles), std::end(all_roles));
-const std::vector<Role> called_roles = {Role::state_block,      Role::process_model, Role::measurement_model, Role::derived_block,
-                                        Role::noise_estimator, Role::source,        Role::transform};
+const std::vector<Role> called_roles = {Role::state_block,   Role::process_model,   Role::measurement_model,
+                                        Role::derived_block, Role::noise_estimator, Role::source,
+                                        Role::transform};
 
 void create(Trial& trial) {
   for (int i = 0; i < 3; ++i) {
@@ -27,7 +28,7 @@ void create(Trial& trial) {
 }
 
 void calls(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   auto memory = subject->fresh_memory();
   for (std::uint64_t k = 0; k < 5; ++k) {
     const Answer answer = subject->turn(k, memory.data(), unwritten());
@@ -40,8 +41,8 @@ void calls(Trial& trial) {
 }
 
 void repeatable(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
-  const auto another = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
+  const auto another = fixture_of_example(trial);
   auto first = subject->fresh_memory(), again = subject->fresh_memory(), other = another->fresh_memory();
   if (!trial.expect(first == again, "start() initialises memory differently each time")) return;
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
@@ -49,7 +50,9 @@ void repeatable(Trial& trial) {
     const Answer a = subject->turn(k, first.data(), unwritten());
     const Answer b = subject->turn(k, again.data(), unwritten());
     const Answer c = another->turn(k, other.data(), unwritten());
-    if (!trial.expect(a == b, "call ", k, " made twice with the same input and memory gives two answers: it has a state of its own")) return;
+    if (!trial.expect(a == b, "call ", k,
+                      " made twice with the same input and memory gives two answers: it has a state of its own"))
+      return;
     if (!trial.expect(a == c, "call ", k, " on a second object with the same settings gives another answer")) return;
   }
 }
@@ -57,7 +60,9 @@ void repeatable(Trial& trial) {
 /// The example with the first number that may be another one changed, so that the two instances differ.
 Json other_settings(const ComponentSpec& spec, Json settings) {
   for (const auto& parameter : spec.parameters) {
-    if (parameter.type != ParameterType::number || !std::isfinite(parameter.minimum) || std::isfinite(parameter.maximum)) continue;
+    if (parameter.type != ParameterType::number || !std::isfinite(parameter.minimum) ||
+        std::isfinite(parameter.maximum))
+      continue;
     settings[parameter.name] = std::max(parameter.minimum, 0.0) + 0.37;
     return settings;
   }
@@ -68,23 +73,24 @@ void interleaved(Trial& trial) {
   const Catalog catalog = load_catalog(trial);
   const ComponentType& type = component(trial, catalog);
   const Json example = example_of(type.spec);
-  const auto subject = specimen(trial, compose(trial, miniature(trial, type, catalog, example)));
+  const auto subject = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));
   auto alone = subject->fresh_memory();
   std::vector<Answer> expected;
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
   for (std::uint64_t k = 0; k < turns; ++k) expected.push_back(subject->turn(k, alone.data(), unwritten()));
 
-  std::unique_ptr<Specimen> other;
+  std::unique_ptr<Fixture> other;
   try {
-    other = specimen(trial, compose(trial, miniature(trial, type, catalog, other_settings(type.spec, example))));
+    other = fixture(trial, compose(trial, miniature(trial, type, catalog, other_settings(type.spec, example))));
   } catch (const Error&) {
-    other = specimen_of_example(trial);
+    other = fixture_of_example(trial);
   }
   auto memory = subject->fresh_memory(), foreign = other->fresh_memory();
   for (std::uint64_t k = 0; k < turns; ++k) {
     other->turn(k + 1000, foreign.data(), unwritten());
     const Answer answer = subject->turn(k, memory.data(), unwritten());
-    if (!trial.expect(answer == expected[k], "call ", k, " gives another answer when a second instance is called in between: they share a state"))
+    if (!trial.expect(answer == expected[k], "call ", k,
+                      " gives another answer when a second instance is called in between: they share a state"))
       return;
   }
 }
@@ -98,17 +104,18 @@ void defaults(Trial& trial) {
     if (!parameter.default_json.empty() && !spelled.contains(parameter.name))
       spelled[parameter.name] = Json::parse(parameter.default_json, nullptr, true, true);
   if (spelled == example) Trial::skip("no parameter with a default is left to the default in the example");
-  const auto implied = specimen(trial, compose(trial, miniature(trial, type, catalog, example)));
-  const auto given = specimen(trial, compose(trial, miniature(trial, type, catalog, spelled)));
+  const auto implied = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));
+  const auto given = fixture(trial, compose(trial, miniature(trial, type, catalog, spelled)));
   auto a = implied->fresh_memory(), b = given->fresh_memory();
   trial.expect(a == b, "with its defaults spelled out, memory starts differently");
   for (std::uint64_t k = 0; k < 5; ++k)
     if (!trial.expect(implied->turn(k, a.data(), unwritten()) == given->turn(k, b.data(), unwritten()),
-                      "with its defaults spelled out, it gives another answer")) return;
+                      "with its defaults spelled out, it gives another answer"))
+      return;
 }
 
 void snapshot(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   if (subject->memory_bytes() == 0) Trial::skip("it has no memory");
   auto memory = subject->fresh_memory();
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
@@ -116,14 +123,15 @@ void snapshot(Trial& trial) {
   auto restored = memory;  // elsewhere: an address kept inside would show
   std::vector<Answer> expected;
   for (std::uint64_t k = turns; k < 2 * turns; ++k) expected.push_back(subject->turn(k, memory.data(), unwritten()));
-  const auto another = specimen_of_example(trial);
+  const auto another = fixture_of_example(trial);
   for (std::uint64_t k = turns; k < 2 * turns; ++k)
     if (!trial.expect(another->turn(k, restored.data(), unwritten()) == expected[k - turns],
-                      "restored from a copy of its memory it goes on differently: not all of its state lies there")) return;
+                      "restored from a copy of its memory it goes on differently: not all of its state lies there"))
+      return;
 }
 
 void threads(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   const auto turns = static_cast<std::uint64_t>(trial.repeats(400));
   auto memory = subject->fresh_memory();
   std::vector<Answer> expected;
@@ -150,7 +158,7 @@ void leaks(Trial& trial) {
   Trial::skip("the sanitizer's own allocator tells leaks");
 #else
   const auto life = [&] {
-    auto subject = specimen_of_example(trial);
+    auto subject = fixture_of_example(trial);
     auto memory = subject->fresh_memory();
     for (std::uint64_t k = 0; k < 20; ++k) subject->turn(k, memory.data(), unwritten());
   };
@@ -167,13 +175,38 @@ void leaks(Trial& trial) {
 
 std::vector<Check> life_checks() {
   return {
-      {"life.create", 1, every_role, {"metadata.example", "metadata.declared"}, "it can be made and unmade without being used", create},
-      {"life.calls", 2, called_roles, {"life.create"}, "ordinary calls return, throw nothing and write what was declared, no more and no less", calls},
-      {"life.repeatable", 2, called_roles, {"life.calls"}, "same input, same memory: same output, bit for bit", repeatable},
+      {"life.create",
+       1,
+       every_role,
+       {"metadata.example", "metadata.declared"},
+       "it can be made and unmade without being used",
+       create},
+      {"life.calls",
+       2,
+       called_roles,
+       {"life.create"},
+       "ordinary calls return, throw nothing and write what was declared, no more and no less",
+       calls},
+      {"life.repeatable",
+       2,
+       called_roles,
+       {"life.calls"},
+       "same input, same memory: same output, bit for bit",
+       repeatable},
       {"life.interleaved", 3, called_roles, {"life.repeatable"}, "two instances do not touch each other", interleaved},
       {"life.defaults", 3, called_roles, {"life.repeatable"}, "defaults given are defaults implied", defaults},
-      {"life.snapshot", 3, called_roles, {"life.repeatable"}, "restored from a copy of its memory it goes on as if uninterrupted", snapshot},
-      {"life.threads", 4, called_roles, {"life.repeatable", "life.interleaved"}, "its const calls may run in two threads at once", threads},
+      {"life.snapshot",
+       3,
+       called_roles,
+       {"life.repeatable"},
+       "restored from a copy of its memory it goes on as if uninterrupted",
+       snapshot},
+      {"life.threads",
+       4,
+       called_roles,
+       {"life.repeatable", "life.interleaved"},
+       "its const calls may run in two threads at once",
+       threads},
       {"life.leaks", 4, called_roles, {"life.repeatable"}, "it gives back all memory it took", leaks},
   };
 }

@@ -21,8 +21,10 @@ Diagnostics loading(const Trial& trial) {
 void tell(Trial& trial, const Diagnostics& diagnostics, const std::vector<std::string>& codes) {
   for (const auto& item : diagnostics.items()) {
     if (std::find(codes.begin(), codes.end(), item.code) == codes.end()) continue;
-    if (item.severity == Severity::error) trial.fail("[", item.code, "] ", item.message);
-    else trial.warn("[", item.code, "] ", item.message);
+    if (item.severity == Severity::error)
+      trial.fail("[", item.code, "] ", item.message);
+    else
+      trial.warn("[", item.code, "] ", item.message);
   }
 }
 
@@ -56,8 +58,10 @@ void cycle(Trial& trial) {
     const Diagnostics diagnostics = loading(trial);
     trial.stage("");
     if (!trial.expect(!diagnostics.has_errors(), "the ", i + 1, "th load is refused: ", diagnostics.text())) return;
-    if (!trial.expect(!is_mapped(trial.library), "stays in memory after the last of its objects is gone: a unique symbol "
-                      "(-fno-gnu-unique), a thread-local with a destructor, or -z nodelete pins it")) return;
+    if (!trial.expect(!is_mapped(trial.library),
+                      "stays in memory after the last of its objects is gone: a unique symbol "
+                      "(-fno-gnu-unique), a thread-local with a destructor, or -z nodelete pins it"))
+      return;
   }
 }
 
@@ -74,8 +78,18 @@ std::vector<Check> load_checks() {
       {"load.file", 1, {}, {}, "the file is there, a file, and not writable by everybody", file},
       {"load.guard", 1, {}, {"load.file"}, "its guard is present and equal to this program's", guard},
       {"load.symbols", 1, {}, {"load.guard"}, "it exports the two entry symbols and nothing else", symbols},
-      {"load.register", 1, {}, {"load.guard"}, "it loads with all symbols bound, and what it registers is well declared", registration},
-      {"load.cycle", 2, {}, {"load.register"}, "it can be loaded and unloaded a hundred times, and is gone after each", cycle},
+      {"load.register",
+       1,
+       {},
+       {"load.guard"},
+       "it loads with all symbols bound, and what it registers is well declared",
+       registration},
+      {"load.cycle",
+       2,
+       {},
+       {"load.register"},
+       "it can be loaded and unloaded a hundred times, and is gone after each",
+       cycle},
       {"load.unknown", 1, {}, {"load.register"}, "a type that it does not have is not found", unknown},
   };
 }

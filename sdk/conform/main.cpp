@@ -6,8 +6,8 @@
 #include <iostream>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "driver.hpp"
@@ -79,10 +79,15 @@ int main(int argc, char** argv) {
   CommandLine line;
   line.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.add_option("LIBRARY", line.library, "The built plugin, NAME.so");
-  app.add_option("--level", line.options.level, "1 (quick) to 10 (thorough): which checks, and how often each tries")->check(CLI::Range(1, 10))->capture_default_str();
+  app.add_option("--level", line.options.level, "1 (quick) to 10 (thorough): which checks, and how often each tries")
+      ->check(CLI::Range(1, 10))
+      ->capture_default_str();
   app.add_option("--seed,--reproduce", line.options.seed, "Of everything random")->capture_default_str();
-  app.add_option("--only", line.options.filters, "TYPE:CHECK with * and ?, such as '*:numbers.*'; what it needs runs as well");
-  app.add_option("--time-limit", line.options.time_limit, "Seconds, of one check")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--only", line.options.filters,
+                 "TYPE:CHECK with * and ?, such as '*:numbers.*'; what it needs runs as well");
+  app.add_option("--time-limit", line.options.time_limit, "Seconds, of one check")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--jobs", line.options.jobs, "Checks at once")->check(CLI::Range(1, 256));
   app.add_option("--json", line.json, "Results as JSON to this file; - for stdout");
   app.add_option("--junit", line.junit, "Results as JUnit XML to this file; - for stdout");

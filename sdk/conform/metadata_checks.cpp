@@ -4,8 +4,8 @@
 #include <cctype>
 #include <set>
 
+#include "fixture.hpp"
 #include "miniature.hpp"
-#include "specimen.hpp"
 
 namespace binnacle::conform {
 
@@ -29,13 +29,14 @@ void text(Trial& trial) {
   const ComponentSpec& spec = component(trial, catalog).spec;
   trial.expect(is_one_line(spec.summary), "has no one-line summary");
   texts_of(trial, spec.parameters, "", true);
-  for (const auto& port : spec.ports) trial.expect(is_one_line(port.text), "port '", port.name, "' has no line of text");
+  for (const auto& port : spec.ports)
+    trial.expect(is_one_line(port.text), "port '", port.name, "' has no line of text");
   const auto fields = [&](const std::vector<FieldSpec>& list, const std::string& where) {
     for (const auto& field : list)
       trial.expect(is_one_line(field.text), "field '", where, field.name, "' has no line of text");
   };
   fields(spec.fields, "");
-  fields(spec.drive, "drive/");
+  fields(spec.driving_rates, "driving_rates/");
   for (const auto& input : spec.inputs) {
     trial.expect(is_one_line(input.text), "input '", input.name, "' has no line of text");
     fields(input.fields, input.name + "/");
@@ -47,7 +48,8 @@ void units_of(Trial& trial, const std::vector<ParameterSpec>& parameters, const 
     const std::string who = where + "/" + parameter.name;
     const bool has_numbers = parameter.type == ParameterType::number || parameter.type == ParameterType::vector ||
                              parameter.type == ParameterType::matrix;
-    trial.expect(!has_numbers || !parameter.unit.empty(), "parameter '", who, "' is a number without unit (\"1\" for a pure one)");
+    trial.expect(!has_numbers || !parameter.unit.empty(), "parameter '", who,
+                 "' is a number without unit (\"1\" for a pure one)");
     units_of(trial, parameter.members, who);
   }
 }
@@ -60,7 +62,7 @@ void units(Trial& trial) {
     for (const auto& field : list) trial.expect(!field.unit.empty(), "field '", where, field.name, "' has no unit");
   };
   fields(spec.fields, "");
-  fields(spec.drive, "drive/");
+  fields(spec.driving_rates, "driving_rates/");
   for (const auto& input : spec.inputs) fields(input.fields, input.name + "/");
 }
 
@@ -73,8 +75,8 @@ void version(Trial& trial) {
   const Catalog catalog = load_catalog(trial);
   const std::string& version = component(trial, catalog).plugin_version;
   const auto dots = std::count(version.begin(), version.end(), '.');
-  trial.expect(dots == 2 && std::isdigit(static_cast<unsigned char>(version.front())),
-               "the plugin's version '", version, "' is not MAJOR.MINOR.PATCH");
+  trial.expect(dots == 2 && std::isdigit(static_cast<unsigned char>(version.front())), "the plugin's version '",
+               version, "' is not MAJOR.MINOR.PATCH");
 }
 
 void example(Trial& trial) {
@@ -84,7 +86,8 @@ void example(Trial& trial) {
   const Json settings = Json::parse(type.spec.example, nullptr, false, true);
   if (!trial.expect(settings.is_object(), "its example is no JSON object: ", type.spec.example)) return;
   if (!type.spec.surroundings.empty() &&
-      !trial.expect(Json::parse(type.spec.surroundings, nullptr, false, true).is_object(), "its surroundings are no JSON object"))
+      !trial.expect(Json::parse(type.spec.surroundings, nullptr, false, true).is_object(),
+                    "its surroundings are no JSON object"))
     return;
   const Json config = miniature(trial, type, catalog, settings);
   trial.stage("constructor");
@@ -100,7 +103,8 @@ void declared_block(Trial& trial, const Composition& composition, const Componen
   const auto value = parts::block(composition, filter_name, component_name);
   const auto& declared = value.block->declaration();
   const auto prefix = spec.kind.substr(0, spec.kind.find('*'));
-  trial.expect(declared.kind.rfind(prefix, 0) == 0, "its kind is '", declared.kind, "', and its spec says '", spec.kind, "'");
+  trial.expect(declared.kind.rfind(prefix, 0) == 0, "its kind is '", declared.kind, "', and its spec says '", spec.kind,
+               "'");
   trial.expect(declared.dof() > 0, "has no error component");
   trial.expect(declared.stored_size > 0, "stores nothing");
   std::set<std::string> names;
@@ -115,15 +119,17 @@ void declared_block(Trial& trial, const Composition& composition, const Componen
   }
   for (const auto& norm : declared.norms)
     for (const int i : norm.components)
-      trial.expect(i >= 0 && i < declared.dof(), "norm '", norm.name, "' is of a component ", i, " of ", declared.dof());
+      trial.expect(i >= 0 && i < declared.dof(), "norm '", norm.name, "' is of a component ", i, " of ",
+                   declared.dof());
   // A kind that tells size and unit ("vector:3:rad/s") must be what the block is.
   if (declared.kind.rfind("vector:", 0) == 0) {
     const auto colon = declared.kind.find(':', 7);
     const std::string unit = declared.kind.substr(colon + 1);
-    trial.expect(std::stoi(declared.kind.substr(7)) == declared.dof(), "its kind '", declared.kind, "' tells another size than its ",
-                 declared.dof(), " components");
+    trial.expect(std::stoi(declared.kind.substr(7)) == declared.dof(), "its kind '", declared.kind,
+                 "' tells another size than its ", declared.dof(), " components");
     for (const auto& error : declared.error)
-      trial.expect(error.unit == unit, "its kind '", declared.kind, "' tells another unit than its component '", error.name, "', ", error.unit);
+      trial.expect(error.unit == unit, "its kind '", declared.kind, "' tells another unit than its component '",
+                   error.name, "', ", error.unit);
   }
 }
 
@@ -135,12 +141,17 @@ void declared_process(Trial& trial, const Composition& composition, const Compon
   const auto check = [&](const std::vector<Coupling>& couplings, const char* what, bool both_advance) {
     std::set<std::pair<int, int>> seen;
     for (const auto& c : couplings) {
-      if (!trial.expect(is_port(c.to) && is_port(c.from), what, " couples port ", c.to, " to ", c.from, ", and there are ", part.ports.size())) continue;
+      if (!trial.expect(is_port(c.to) && is_port(c.from), what, " couples port ", c.to, " to ", c.from,
+                        ", and there are ", part.ports.size()))
+        continue;
       trial.expect(seen.insert({c.to, c.from}).second, what, " lists (", c.to, ", ", c.from, ") twice");
-      trial.expect(spec.ports[static_cast<std::size_t>(c.to)].access == PortAccess::advances, what, " has rows of a port that is only read");
+      trial.expect(spec.ports[static_cast<std::size_t>(c.to)].access == PortAccess::advances, what,
+                   " has rows of a port that is only read");
       if (both_advance)
-        trial.expect(spec.ports[static_cast<std::size_t>(c.from)].access == PortAccess::advances, what, " has columns of a port that is only read");
-      trial.expect(!part.ports[static_cast<std::size_t>(c.to)].name.empty() && !part.ports[static_cast<std::size_t>(c.from)].name.empty(),
+        trial.expect(spec.ports[static_cast<std::size_t>(c.from)].access == PortAccess::advances, what,
+                     " has columns of a port that is only read");
+      trial.expect(!part.ports[static_cast<std::size_t>(c.to)].name.empty() &&
+                       !part.ports[static_cast<std::size_t>(c.from)].name.empty(),
                    what, " couples an open port");
     }
   };
@@ -154,13 +165,15 @@ void declared_measurement(Trial& trial, const Composition& composition) {
   trial.expect(declared.max_rows > 0, "declares no row");
   std::set<int> seen;
   for (const int port : declared.reads) {
-    if (!trial.expect(port >= 0 && port < static_cast<int>(part.ports.size()), "reads a port ", port, " that it has not")) continue;
+    if (!trial.expect(port >= 0 && port < static_cast<int>(part.ports.size()), "reads a port ", port,
+                      " that it has not"))
+      continue;
     trial.expect(!part.ports[static_cast<std::size_t>(port)].name.empty(), "reads an open port");
     trial.expect(seen.insert(port).second, "reads port ", port, " twice");
   }
   for (const auto& group : declared.groups) {
-    trial.expect(group.first_row >= 0 && group.first_row + group.rows <= declared.max_rows, "group '", group.name, "' goes beyond its ",
-                 declared.max_rows, " rows");
+    trial.expect(group.first_row >= 0 && group.first_row + group.rows <= declared.max_rows, "group '", group.name,
+                 "' goes beyond its ", declared.max_rows, " rows");
     trial.expect(group.port >= 0 || !group.unit.empty(), "group '", group.name, "' has neither port nor unit");
   }
 }
@@ -169,12 +182,13 @@ void declared_derived(Trial& trial, const Composition& composition, const Compon
   const auto part = parts::derived(composition, filter_name, component_name);
   const auto& declared = part.model->declaration();
   const auto prefix = spec.kind.substr(0, spec.kind.find('*'));
-  trial.expect(declared.kind.rfind(prefix, 0) == 0, "it yields '", declared.kind, "', and its spec says '", spec.kind, "'");
+  trial.expect(declared.kind.rfind(prefix, 0) == 0, "it yields '", declared.kind, "', and its spec says '", spec.kind,
+               "'");
   const auto yields = block_of_kind(trial, composition, declared.kind);
-  trial.expect(declared.stored_size == yields->declaration().stored_size, "it yields ", declared.stored_size, " numbers, and a block of the kind '",
-               declared.kind, "' stores ", yields->declaration().stored_size);
-  trial.expect(declared.dof() == yields->declaration().dof(), "it yields ", declared.dof(), " error components, and the kind '", declared.kind,
-               "' has ", yields->declaration().dof());
+  trial.expect(declared.stored_size == yields->declaration().stored_size, "it yields ", declared.stored_size,
+               " numbers, and a block of the kind '", declared.kind, "' stores ", yields->declaration().stored_size);
+  trial.expect(declared.dof() == yields->declaration().dof(), "it yields ", declared.dof(),
+               " error components, and the kind '", declared.kind, "' has ", yields->declaration().dof());
 }
 
 void declared_channels(Trial& trial, const std::vector<ChannelDeclaration>& channels) {
@@ -195,7 +209,8 @@ void declared(Trial& trial) {
     case Role::measurement_model: return declared_measurement(trial, composition);
     case Role::derived_block: return declared_derived(trial, composition, spec);
     case Role::source: return declared_channels(trial, parts::source(composition, component_name).model->channels());
-    case Role::transform: return declared_channels(trial, parts::transform(composition, component_name).model->channels());
+    case Role::transform:
+      return declared_channels(trial, parts::transform(composition, component_name).model->channels());
     default: Trial::skip("this role declares nothing once it is bound");
   }
 }
@@ -204,11 +219,21 @@ void declared(Trial& trial) {
 
 std::vector<Check> metadata_checks() {
   return {
-      {"metadata.text", 1, every_role, {"load.register"}, "component, parameters, ports and fields have a line of text", text},
+      {"metadata.text",
+       1,
+       every_role,
+       {"load.register"},
+       "component, parameters, ports and fields have a line of text",
+       text},
       {"metadata.units", 1, every_role, {"load.register"}, "every number has a unit: parameters and fields", units},
       {"metadata.version", 1, every_role, {"load.register"}, "the plugin's version is MAJOR.MINOR.PATCH", version},
       {"metadata.example", 1, every_role, {"load.register"}, "its example composes without an error", example},
-      {"metadata.declared", 2, every_role, {"metadata.example", "metadata.units"}, "what it declares once bound agrees with its spec and with itself", declared},
+      {"metadata.declared",
+       2,
+       every_role,
+       {"metadata.example", "metadata.units"},
+       "what it declares once bound agrees with its spec and with itself",
+       declared},
   };
 }
 

@@ -15,7 +15,9 @@ std::string word(FieldKind kind) {
 }
 
 /// A unit that can stand in a config: of what is left open, metres.
-std::string concrete(const std::string& unit) { return unit.empty() || unit.find_first_of("*@") < unit.size() ? "1" : unit; }
+std::string concrete(const std::string& unit) {
+  return unit.empty() || unit.find_first_of("*@") < unit.size() ? "1" : unit;
+}
 
 std::vector<std::string> parts_of(const std::string& kind) {
   std::vector<std::string> parts;
@@ -43,9 +45,7 @@ class Builder {
     Json subject = {{"type", type_.full_name()}};
     subject.update(settings_);
     switch (type_.role) {
-      case Role::state_block:
-        blocks()[component_name] = subject;
-        break;
+      case Role::state_block: blocks()[component_name] = subject; break;
       case Role::process_model:
         plug_ports();
         filter()["process"][component_name] = subject;
@@ -63,12 +63,8 @@ class Builder {
         drive();
         filter()["derived"][component_name] = subject;
         break;
-      case Role::noise_estimator:
-        add_adapted_measurement(subject);
-        break;
-      case Role::source:
-        config_["sources"][component_name] = subject;
-        break;
+      case Role::noise_estimator: add_adapted_measurement(subject); break;
+      case Role::source: config_["sources"][component_name] = subject; break;
       case Role::transform:
         feed_inputs();
         config_["transforms"][component_name] = subject;
@@ -78,7 +74,8 @@ class Builder {
         config_["sinks"][component_name] = subject;
         break;
     }
-    if (config_["filters"].empty()) blocks()["idle"] = {{"type", "core/vector"}, {"size", 1}, {"unit", "m"}, {"sigma", 1}};
+    if (config_["filters"].empty())
+      blocks()["idle"] = {{"type", "core/vector"}, {"size", 1}, {"unit", "m"}, {"sigma", 1}};
     hold_the_rest();
     for (const auto& section : {"sources", "transforms", "filters"})
       if (config_[section].empty()) config_.erase(section);
@@ -88,7 +85,9 @@ class Builder {
  private:
   /// A pushed source has one channel, of its own name: "ship.imu" becomes "ship_imu".
   void flatten(Json& channel) const {
-    if (!channel.is_string() || config_.at("sources").contains(channel.get<std::string>().substr(0, channel.get<std::string>().find('.')))) return;
+    if (!channel.is_string() ||
+        config_.at("sources").contains(channel.get<std::string>().substr(0, channel.get<std::string>().find('.'))))
+      return;
     std::string name = channel.get<std::string>();
     std::replace(name.begin(), name.end(), '.', '_');
     channel = name;
@@ -108,7 +107,10 @@ class Builder {
     const std::vector<std::string> parts = parts_of(kind);
     if (parts.empty() || parts[0] == "vector" || parts[0] == "*") {
       const int size = parts.size() > 1 && parts[1] != "*" ? std::stoi(parts[1]) : 2;
-      return {{"type", "core/vector"}, {"size", size}, {"unit", parts.size() > 2 ? concrete(parts[2]) : "m"}, {"sigma", 1}};
+      return {{"type", "core/vector"},
+              {"size", size},
+              {"unit", parts.size() > 2 ? concrete(parts[2]) : "m"},
+              {"sigma", 1}};
     }
     for (const bool own : {true, false})
       for (const auto* type : catalog_.types())
@@ -123,7 +125,8 @@ class Builder {
   void plug(const ComponentSpec& spec, const Json& settings) {
     if (!settings.contains("blocks")) return;
     for (const auto& [port, name] : settings.at("blocks").items()) {
-      const auto found = std::find_if(spec.ports.begin(), spec.ports.end(), [&](const auto& p) { return p.name == port; });
+      const auto found =
+          std::find_if(spec.ports.begin(), spec.ports.end(), [&](const auto& p) { return p.name == port; });
       if (found == spec.ports.end() || !name.is_string()) continue;  // the composition will say so
       const std::string block = name.get<std::string>();
       if (found->access == PortAccess::advances) advanced_.insert(block);
@@ -145,7 +148,8 @@ class Builder {
                                  ? renamed.at(field.name).get<std::string>()
                                  : field.name;
       // An optional field that the example does not name stays away: most are a noise that comes with the data.
-      if (field.optional && as == field.name && !(renamed.is_object() && renamed.contains(field.name)) && !all_optional(fields))
+      if (field.optional && as == field.name && !(renamed.is_object() && renamed.contains(field.name)) &&
+          !all_optional(fields))
         continue;
       declared[as] = entry;
     }
@@ -171,20 +175,22 @@ class Builder {
         channel = settings_.at("input").get<std::string>();
       if (channel.empty()) continue;
       const Json renamed = settings_.value("fields", Json::object());
-      add_channel(channel, input.fields, renamed.contains(input.name) && renamed.at(input.name).is_object() ? renamed.at(input.name) : renamed);
+      add_channel(channel, input.fields,
+                  renamed.contains(input.name) && renamed.at(input.name).is_object() ? renamed.at(input.name)
+                                                                                     : renamed);
     }
   }
 
   /// Rates that a component wants are those of the filter's driving input, so some process must have one.
   void drive() {
-    if (type_.spec.drive.empty()) return;
+    if (type_.spec.driving_rates.empty()) return;
     for (const auto* type : catalog_.types()) {
       if (type->role != Role::process_model || type->spec.fields.empty() || type->spec.example.empty()) continue;
       const auto carries = [&](const FieldSpec& wanted) {
         return std::any_of(type->spec.fields.begin(), type->spec.fields.end(),
                            [&](const FieldSpec& field) { return field.name == wanted.name; });
       };
-      if (!std::all_of(type_.spec.drive.begin(), type_.spec.drive.end(), carries)) continue;
+      if (!std::all_of(type_.spec.driving_rates.begin(), type_.spec.driving_rates.end(), carries)) continue;
       Json driver = {{"type", type->full_name()}};
       driver.update(example_of(type->spec));
       plug(type->spec, driver);
@@ -197,9 +203,13 @@ class Builder {
 
   void add_adapted_measurement(const Json& estimator) {
     blocks()["state"] = {{"type", "core/vector"}, {"size", 2}, {"unit", "m"}, {"sigma", 1}};
-    config_["sources"]["seen"] = {{"type", "core/pushed"}, {"fields", {{"z0", {{"unit", "m"}}}, {"z1", {{"unit", "m"}}}}}};
-    filter()["measurements"]["adapted"] = {{"type", "core/linear_measurement"}, {"channel", "seen"},
-                                           {"blocks", {{"x", "state"}}}, {"sigma", Json::array({2, 3})}, {"noise", estimator}};
+    config_["sources"]["seen"] = {{"type", "core/pushed"},
+                                  {"fields", {{"z0", {{"unit", "m"}}}, {"z1", {{"unit", "m"}}}}}};
+    filter()["measurements"]["adapted"] = {{"type", "core/linear_measurement"},
+                                           {"channel", "seen"},
+                                           {"blocks", {{"x", "state"}}},
+                                           {"sigma", Json::array({2, 3})},
+                                           {"noise", estimator}};
   }
 
   /// Blocks that nobody moves stay as they are.

@@ -5,8 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "fixture.hpp"
 #include "miniature.hpp"
-#include "specimen.hpp"
 
 namespace binnacle::conform {
 
@@ -17,7 +17,10 @@ class World {
  public:
   World(Trial& trial, double factor) : World(trial, factor, compose_example(trial)) {}
   World(Trial& trial, double factor, std::shared_ptr<const Composition> composition)
-      : composition_(std::move(composition)), part_(parts::noise(*composition_, filter_name, "adapted")), memory_(part_.estimator->memory_bytes()), trial_(trial) {
+      : composition_(std::move(composition)),
+        part_(parts::noise(*composition_, filter_name, "adapted")),
+        memory_(part_.estimator->memory_bytes()),
+        trial_(trial) {
     part_.estimator->start(memory_.data());
     nominal_ = Eigen::Vector2d(4, 9);
     true_R_ = factor * nominal_;
@@ -88,7 +91,8 @@ void recovery(Trial& trial) {
   // five of which are allowed besides the 10 % that a bound on either side may bias it by.
   const double allowed = 0.10 + 5 * std::sqrt(2.0 / count);
   for (int i = 0; i < 2; ++i)
-    trial.expect(std::abs(ratio[i] - 1) < allowed, "row ", i, ": where the true R is the nominal one it settles at ", ratio[i], " of it, allowed 1 +- ", allowed);
+    trial.expect(std::abs(ratio[i] - 1) < allowed, "row ", i, ": where the true R is the nominal one it settles at ",
+                 ratio[i], " of it, allowed 1 +- ", allowed);
 }
 
 /// By convention `floor` and `ceiling` are factors on the nominal standard deviation.
@@ -108,8 +112,12 @@ void bounds(Trial& trial) {
   World world(trial, 1.0, compose(trial, miniature(trial, type, catalog, settings)));
   for (int k = 0; k < trial.repeats(600); ++k) {
     const Eigen::Vector2d ratio = world.step(random, k < 300 ? 0.0 : 100.0).diagonal().cwiseQuotient(world.true_R());
-    if (has("floor") && !trial.expect(ratio.minCoeff() >= 0.25 * (1 - 1e-9), "with floor 0.5 R falls to ", ratio.minCoeff(), " of the nominal one, below 0.25")) return;
-    if (has("ceiling") && !trial.expect(ratio.maxCoeff() <= 4 * (1 + 1e-9), "with ceiling 2 R rises to ", ratio.maxCoeff(), " of the nominal one, above 4")) return;
+    if (has("floor") && !trial.expect(ratio.minCoeff() >= 0.25 * (1 - 1e-9), "with floor 0.5 R falls to ",
+                                      ratio.minCoeff(), " of the nominal one, below 0.25"))
+      return;
+    if (has("ceiling") && !trial.expect(ratio.maxCoeff() <= 4 * (1 + 1e-9), "with ceiling 2 R rises to ",
+                                        ratio.maxCoeff(), " of the nominal one, above 4"))
+      return;
   }
 }
 
@@ -118,9 +126,24 @@ void bounds(Trial& trial) {
 std::vector<Check> noise_checks() {
   const std::vector<Role> roles = {Role::noise_estimator};
   return {
-      {"numbers.noise.covariance", 2, roles, {"life.repeatable"}, "R is symmetric, positive semidefinite and finite through quiet and loud stretches", covariance},
-      {"numbers.noise.bounds", 3, roles, {"numbers.noise.covariance"}, "R keeps between floor and ceiling, which are factors on the nominal standard deviation", bounds},
-      {"numbers.noise.recovery", 3, roles, {"numbers.noise.covariance"}, "it recovers a known R from innovations that have it", recovery},
+      {"numbers.noise.covariance",
+       2,
+       roles,
+       {"life.repeatable"},
+       "R is symmetric, positive semidefinite and finite through quiet and loud stretches",
+       covariance},
+      {"numbers.noise.bounds",
+       3,
+       roles,
+       {"numbers.noise.covariance"},
+       "R keeps between floor and ceiling, which are factors on the nominal standard deviation",
+       bounds},
+      {"numbers.noise.recovery",
+       3,
+       roles,
+       {"numbers.noise.covariance"},
+       "it recovers a known R from innovations that have it",
+       recovery},
   };
 }
 

@@ -7,7 +7,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "compare.hpp"
 
 namespace binnacle::conform {
@@ -38,8 +38,8 @@ struct Subject {
     return sum;
   }
   /// Φ over all ports (identity where nothing is declared), Q alike.
-  Eigen::MatrixXd whole(const PortStates& ports, const std::vector<Coupling>& couplings, const std::vector<Eigen::MatrixXd>& blocks,
-                        bool is_transition) const {
+  Eigen::MatrixXd whole(const PortStates& ports, const std::vector<Coupling>& couplings,
+                        const std::vector<Eigen::MatrixXd>& blocks, bool is_transition) const {
     const int n = offset(ports, ports.size());
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
     if (is_transition) all.setIdentity();
@@ -51,8 +51,12 @@ struct Subject {
     }
     return all;
   }
-  Eigen::MatrixXd Phi(const PortStates& ports, const Propagated& p) const { return whole(ports, declared().transition, p.transition, true); }
-  Eigen::MatrixXd Q(const PortStates& ports, const Propagated& p) const { return whole(ports, declared().noise, p.noise, false); }
+  Eigen::MatrixXd Phi(const PortStates& ports, const Propagated& p) const {
+    return whole(ports, declared().transition, p.transition, true);
+  }
+  Eigen::MatrixXd Q(const PortStates& ports, const Propagated& p) const {
+    return whole(ports, declared().noise, p.noise, false);
+  }
   PortStates after(PortStates ports, const Propagated& p) const {
     for (std::size_t i = 0; i < ports.size(); ++i)
       if (is_advanced(ports, i)) ports[i].x = p.x_plus[i];
@@ -61,7 +65,7 @@ struct Subject {
   std::string name(std::size_t port) const { return process.part.type->spec.ports[port].name; }
 
   std::shared_ptr<const Composition> composition;
-  ProcessSpecimen process;
+  ProcessFixture process;
   std::vector<std::byte> memory;
 };
 
@@ -92,16 +96,18 @@ void jacobian(Trial& trial) {
       };
       for (std::size_t from = 0; from < ports.size(); ++from) {
         if (ports[from].is_open()) continue;
-        const Eigen::MatrixXd block = Phi.block(Subject::offset(ports, to), Subject::offset(ports, from), ports[to].dof(), ports[from].dof());
+        const Eigen::MatrixXd block =
+            Phi.block(Subject::offset(ports, to), Subject::offset(ports, from), ports[to].dof(), ports[from].dof());
         Eigen::MatrixXd D = block;
         if (to == from) D -= Eigen::MatrixXd::Identity(D.rows(), D.cols());
         const double largest = D.cwiseAbs().maxCoeff();
         const Mismatch m = compare_over_steps(ports, from, block, change, [&](Eigen::Index i, Eigen::Index j) {
           return truncation * largest + negligible * ports[to].scale[i] / ports[from].scale[j];
         });
-        if (!trial.expect(!m.is_there, "Phi of '", subject.name(to), "' by '", subject.name(from), "' (", m.row, ",", m.column, "): ",
-                          largest == 0 ? "nothing is declared" : "declared ", largest == 0 ? "" : std::to_string(m.declared),
-                          ", differences of x+ give ", m.numeric)) return;
+        if (!trial.expect(!m.is_there, "Phi of '", subject.name(to), "' by '", subject.name(from), "' (", m.row, ",",
+                          m.column, "): ", largest == 0 ? "nothing is declared" : "declared ",
+                          largest == 0 ? "" : std::to_string(m.declared), ", differences of x+ give ", m.numeric))
+          return;
       }
     }
   }
@@ -117,13 +123,19 @@ void noise(Trial& trial) {
       if (!p.answer.result) continue;
       const Eigen::MatrixXd Q = subject.Q(ports, p);
       const double largest = Q.cwiseAbs().maxCoeff();
-      if (!trial.expect((Q - Q.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * largest, "Qd over ", dt, " s is not symmetric")) return;
+      if (!trial.expect((Q - Q.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * largest, "Qd over ", dt,
+                        " s is not symmetric"))
+        return;
       const Eigen::VectorXd root = Q.diagonal().cwiseMax(0).cwiseSqrt();
       if (!trial.expect((Q.diagonal().array() >= 0).all(), "Qd over ", dt, " s has a negative variance")) return;
       const Eigen::VectorXd inverse = root.unaryExpr([](double v) { return v > 0 ? 1 / v : 0; });
       const Eigen::MatrixXd correlation = inverse.asDiagonal() * Q * inverse.asDiagonal();
-      const double least = correlation.size() ? Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues().minCoeff() : 0;
-      if (!trial.expect(least >= -1e-9, "Qd over ", dt, " s is not positive semidefinite: scaled to ones on its diagonal it has the eigenvalue ", least)) return;
+      const double least =
+          correlation.size() ? Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues().minCoeff() : 0;
+      if (!trial.expect(least >= -1e-9, "Qd over ", dt,
+                        " s is not positive semidefinite: scaled to ones on its diagonal it has the eigenvalue ",
+                        least))
+        return;
     }
   }
 }
@@ -140,10 +152,12 @@ void rest(Trial& trial) {
     if (!subject.is_advanced(ports, i)) continue;
     Eigen::VectorXd delta(ports[i].dof());
     ports[i].block->minus(p.x_plus[i].data(), ports[i].x.data(), delta.data());
-    trial.expect((delta.cwiseAbs().array() <= 1e-12 * ports[i].scale.array()).all(), "dt = 0 moves '", subject.name(i), "' by [", delta.transpose(), "]");
+    trial.expect((delta.cwiseAbs().array() <= 1e-12 * ports[i].scale.array()).all(), "dt = 0 moves '", subject.name(i),
+                 "' by [", delta.transpose(), "]");
   }
   const Eigen::MatrixXd Phi = subject.Phi(ports, p);
-  trial.expect((Phi - Eigen::MatrixXd::Identity(Phi.rows(), Phi.cols())).cwiseAbs().maxCoeff() == 0, "over dt = 0 Phi is not the identity");
+  trial.expect((Phi - Eigen::MatrixXd::Identity(Phi.rows(), Phi.cols())).cwiseAbs().maxCoeff() == 0,
+               "over dt = 0 Phi is not the identity");
   trial.expect(subject.Q(ports, p).cwiseAbs().maxCoeff() == 0, "over dt = 0 Qd is not zero");
 }
 
@@ -172,8 +186,10 @@ void composition(Trial& trial) {
       Eigen::VectorXd change(ports[i].dof()), gap(ports[i].dof());
       ports[i].block->minus(once.x_plus[i].data(), ports[i].x.data(), change.data());
       ports[i].block->minus(second.x_plus[i].data(), once.x_plus[i].data(), gap.data());
-      if (!trial.expect(gap.norm() <= truncation * change.norm() + (negligible * ports[i].scale).norm(), "one step and two halves move '",
-                        subject.name(i), "' differently: by [", change.transpose(), "] and [", (change + gap).transpose(), "]")) return;
+      if (!trial.expect(gap.norm() <= truncation * change.norm() + (negligible * ports[i].scale).norm(),
+                        "one step and two halves move '", subject.name(i), "' differently: by [", change.transpose(),
+                        "] and [", (change + gap).transpose(), "]"))
+        return;
     }
     const Eigen::VectorXd scale = scales(ports);
     const Eigen::MatrixXd Phi = subject.Phi(ports, once);
@@ -187,8 +203,11 @@ void composition(Trial& trial) {
         const auto d = D.block(row, column, ports[to].dof(), ports[from].dof());
         for (Eigen::Index i = row; i < row + ports[to].dof(); ++i)
           for (Eigen::Index j = column; j < column + ports[from].dof(); ++j)
-            if (!trial.expect(std::abs(split(i, j) - Phi(i, j)) <= 2 * truncation * d.cwiseAbs().maxCoeff() + negligible * scale[i] / scale[j],
-                              "Phi of '", subject.name(to), "' by '", subject.name(from), "' over a step is ", Phi(i, j), ", over its halves ", split(i, j))) return;
+            if (!trial.expect(std::abs(split(i, j) - Phi(i, j)) <=
+                                  2 * truncation * d.cwiseAbs().maxCoeff() + negligible * scale[i] / scale[j],
+                              "Phi of '", subject.name(to), "' by '", subject.name(from), "' over a step is ",
+                              Phi(i, j), ", over its halves ", split(i, j)))
+              return;
       }
     const Eigen::MatrixXd Q = subject.Q(ports, once);
     const Eigen::MatrixXd Q_split = Phi_2 * subject.Q(ports, first) * Phi_2.transpose() + subject.Q(middle, second);
@@ -196,7 +215,9 @@ void composition(Trial& trial) {
       for (Eigen::Index j = 0; j < Q.cols(); ++j) {
         const double size = std::sqrt(Q(i, i) * Q(j, j));
         if (size == 0) continue;  // a model may leave out what enters by integration only
-        if (!trial.expect(std::abs(Q(i, j) - Q_split(i, j)) <= 0.05 * size, "Qd(", i, ",", j, ") over a step is ", Q(i, j), ", over its halves ", Q_split(i, j))) return;
+        if (!trial.expect(std::abs(Q(i, j) - Q_split(i, j)) <= 0.05 * size, "Qd(", i, ",", j, ") over a step is ",
+                          Q(i, j), ", over its halves ", Q_split(i, j)))
+          return;
       }
   }
 }
@@ -212,7 +233,9 @@ void discretization(Trial& trial) {
   const auto make = [&](const std::vector<Coupling>& couplings, auto& blocks, auto& at) {
     for (const auto& c : couplings) {
       const auto rows = static_cast<std::size_t>(ports[static_cast<std::size_t>(c.to)].dof());
-      blocks.emplace_back(c.structure == Structure::diagonal ? rows : rows * static_cast<std::size_t>(ports[static_cast<std::size_t>(c.from)].dof()));
+      blocks.emplace_back(c.structure == Structure::diagonal
+                              ? rows
+                              : rows * static_cast<std::size_t>(ports[static_cast<std::size_t>(c.from)].dof()));
     }
     for (auto& block : blocks) at.push_back(block.data());
   };
@@ -222,22 +245,28 @@ void discretization(Trial& trial) {
   const auto dense = [&](const std::vector<Coupling>& couplings, const auto& blocks) {
     std::vector<Eigen::MatrixXd> all;
     for (std::size_t i = 0; i < couplings.size(); ++i) {
-      const int rows = ports[static_cast<std::size_t>(couplings[i].to)].dof(), columns = ports[static_cast<std::size_t>(couplings[i].from)].dof();
-      if (couplings[i].structure == Structure::diagonal) all.push_back(vector_at(blocks[i].data(), rows).asDiagonal());
-      else all.push_back(matrix_at(blocks[i].data(), rows, columns));
+      const int rows = ports[static_cast<std::size_t>(couplings[i].to)].dof(),
+                columns = ports[static_cast<std::size_t>(couplings[i].from)].dof();
+      if (couplings[i].structure == Structure::diagonal)
+        all.push_back(vector_at(blocks[i].data(), rows).asDiagonal());
+      else
+        all.push_back(matrix_at(blocks[i].data(), rows, columns));
     }
     return all;
   };
   const int n = Subject::offset(ports, ports.size());
-  Eigen::MatrixXd F = subject.whole(ports, subject.declared().transition, dense(subject.declared().transition, F_blocks), false);
+  Eigen::MatrixXd F =
+      subject.whole(ports, subject.declared().transition, dense(subject.declared().transition, F_blocks), false);
   // whole(…, false) mirrors, which F is not: only its declared blocks count.
   F.setZero();
   const auto parts = dense(subject.declared().transition, F_blocks);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& c = subject.declared().transition[i];
-    F.block(Subject::offset(ports, static_cast<std::size_t>(c.to)), Subject::offset(ports, static_cast<std::size_t>(c.from)), parts[i].rows(), parts[i].cols()) = parts[i];
+    F.block(Subject::offset(ports, static_cast<std::size_t>(c.to)),
+            Subject::offset(ports, static_cast<std::size_t>(c.from)), parts[i].rows(), parts[i].cols()) = parts[i];
   }
-  const Eigen::MatrixXd G = subject.whole(ports, subject.declared().noise, dense(subject.declared().noise, Q_blocks), false);
+  const Eigen::MatrixXd G =
+      subject.whole(ports, subject.declared().noise, dense(subject.declared().noise, Q_blocks), false);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);
   A.topLeftCorner(n, n) = -F * ordinary_dt;
   A.topRightCorner(n, n) = G * ordinary_dt;
@@ -246,8 +275,10 @@ void discretization(Trial& trial) {
   const Eigen::MatrixXd Phi = E.bottomRightCorner(n, n).transpose();
   const Eigen::MatrixXd Q = Phi * E.topRightCorner(n, n);
   const Eigen::MatrixXd Phi_closed = subject.Phi(ports, closed), Q_closed = subject.Q(ports, closed);
-  trial.expect((Phi - Phi_closed).cwiseAbs().maxCoeff() <= 1e-9 * Phi.cwiseAbs().maxCoeff(), "closed and continuous form give another Phi:\n", Phi_closed, "\nand\n", Phi);
-  trial.expect((Q - Q_closed).cwiseAbs().maxCoeff() <= 1e-6 * Q.cwiseAbs().maxCoeff(), "closed and continuous form give another Qd:\n", Q_closed, "\nand\n", Q);
+  trial.expect((Phi - Phi_closed).cwiseAbs().maxCoeff() <= 1e-9 * Phi.cwiseAbs().maxCoeff(),
+               "closed and continuous form give another Phi:\n", Phi_closed, "\nand\n", Phi);
+  trial.expect((Q - Q_closed).cwiseAbs().maxCoeff() <= 1e-6 * Q.cwiseAbs().maxCoeff(),
+               "closed and continuous form give another Qd:\n", Q_closed, "\nand\n", Q);
 }
 
 // ---- a filter that believes the model, on a world that is the model
@@ -256,7 +287,8 @@ double quantile(double dof, double p) { return boost::math::quantile(boost::math
 
 Eigen::VectorXd draw(const Eigen::MatrixXd& covariance, std::mt19937_64& random) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(normals(random, covariance.rows()));
+  return solver.eigenvectors() *
+         solver.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(normals(random, covariance.rows()));
 }
 
 void consistency(Trial& trial) {
@@ -271,7 +303,8 @@ void consistency(Trial& trial) {
     const auto part = parts::process(*plain, filter_name, component_name);
     const auto& value = part.ports.front();
     const auto& declared = value.block->declaration();
-    if (declared.kind.rfind("vector:", 0) != 0) Trial::skip("nothing is known that measures a block of the kind '" + declared.kind + "'");
+    if (declared.kind.rfind("vector:", 0) != 0)
+      Trial::skip("nothing is known that measures a block of the kind '" + declared.kind + "'");
     Json fields = Json::object(), H = Json::array(), sigma = Json::array();
     for (int i = 0; i < declared.dof(); ++i) {
       fields["z" + std::to_string(i)] = {{"unit", declared.error[static_cast<std::size_t>(i)].unit}};
@@ -281,19 +314,23 @@ void consistency(Trial& trial) {
       sigma.push_back(seen_sigma);
     }
     config["sources"]["seen"] = {{"type", "core/pushed"}, {"fields", fields}};
-    config["filters"][filter_name]["measurements"]["seen"] = {
-        {"type", "core/linear_measurement"}, {"channel", "seen"}, {"blocks", {{"x", value.name}}}, {"H", H}, {"sigma", sigma}};
+    config["filters"][filter_name]["measurements"]["seen"] = {{"type", "core/linear_measurement"},
+                                                              {"channel", "seen"},
+                                                              {"blocks", {{"x", value.name}}},
+                                                              {"H", H},
+                                                              {"sigma", sigma}};
   }
   const auto composition = compose(trial, config);
   const FilterInfo& info = composition->filters().front();
-  const ProcessSpecimen process(trial, *composition);
-  if (!process.part.model->declaration().has_closed_form) Trial::skip("it has a continuous form only: there is nothing to simulate with");
+  const ProcessFixture process(trial, *composition);
+  if (!process.part.model->declaration().has_closed_form)
+    Trial::skip("it has a continuous form only: there is nothing to simulate with");
 
   const int runs = trial.repeats(30), steps = 30;
   double sum = 0, dof_sum = 0;
   for (int run = 0; run < runs; ++run) {
     auto random = trial.random(10'000 + static_cast<std::uint64_t>(run));
-    Filter filter(composition);
+    Session filter(composition);
     const double dt = is_driven ? ordinary_dt : 0.2;
     Time t = 0;
     const int channel = is_driven ? info.input_channel : filter.channel("seen");
@@ -303,12 +340,20 @@ void consistency(Trial& trial) {
       t = next;
     };
     const auto values_of = [&](std::span<const double> state, const BlockInfo& block) {
-      return std::vector<double>(state.begin() + block.stored_offset, state.begin() + block.stored_offset + block.declaration->stored_size);
+      return std::vector<double>(state.begin() + block.stored_offset,
+                                 state.begin() + block.stored_offset + block.declaration->stored_size);
     };
     // The first sample starts the filter; the truth is drawn around what it then believes.
-    std::vector<double> first(is_driven ? type.spec.fields.size() : static_cast<std::size_t>(parts::process(*composition, filter_name, component_name).ports.front().block->declaration().dof()), 0.0);
-    if (is_driven) filter.push(channel, no_time, t, process.input(random, dt).fields);
-    else filter.push(channel, no_time, t, first);
+    std::vector<double> first(
+        is_driven
+            ? type.spec.fields.size()
+            : static_cast<std::size_t>(
+                  parts::process(*composition, filter_name, component_name).ports.front().block->declaration().dof()),
+        0.0);
+    if (is_driven)
+      filter.push(channel, no_time, t, process.input(random, dt).fields);
+    else
+      filter.push(channel, no_time, t, first);
     if (!filter.started(0)) Trial::skip("the miniature filter does not start");
     const MatrixView P = filter.covariance(0);
     const Eigen::VectorXd error = draw(P.as(), random);
@@ -335,8 +380,10 @@ void consistency(Trial& trial) {
       for (std::size_t i = 0; i < p.noise.size(); ++i) {
         const auto& c = process.part.model->declaration().noise[i];
         const auto to = static_cast<std::size_t>(c.to), from = static_cast<std::size_t>(c.from);
-        Q.block(Subject::offset(truth, to), Subject::offset(truth, from), truth[to].dof(), truth[from].dof()) = p.noise[i];
-        Q.block(Subject::offset(truth, from), Subject::offset(truth, to), truth[from].dof(), truth[to].dof()) = p.noise[i].transpose();
+        Q.block(Subject::offset(truth, to), Subject::offset(truth, from), truth[to].dof(), truth[from].dof()) =
+            p.noise[i];
+        Q.block(Subject::offset(truth, from), Subject::offset(truth, to), truth[from].dof(), truth[to].dof()) =
+            p.noise[i].transpose();
       }
       const Eigen::VectorXd shock = draw(Q, random);
       for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -361,7 +408,8 @@ void consistency(Trial& trial) {
         Eigen::VectorXd e(truth[i].dof());
         const auto estimate = values_of(filter.state(0), block);
         truth[i].block->minus(truth[i].x.data(), estimate.data(), e.data());
-        const Eigen::MatrixXd own = filter.covariance(0).as().block(block.first_row, block.first_row, truth[i].dof(), truth[i].dof());
+        const Eigen::MatrixXd own =
+            filter.covariance(0).as().block(block.first_row, block.first_row, truth[i].dof(), truth[i].dof());
         sum += e.dot(own.ldlt().solve(e));
         dof_sum += truth[i].dof();
       }
@@ -380,11 +428,31 @@ std::vector<Check> process_checks() {
   const std::vector<Role> roles = {Role::process_model};
   return {
       {"numbers.process.rest", 2, roles, {"life.repeatable"}, "dt = 0 gives x+ = x, Phi = I, Qd = 0", rest},
-      {"numbers.process.jacobian", 2, roles, {"life.repeatable"}, "Phi is the derivative of x+ on the manifold, and what is not declared is zero", jacobian},
+      {"numbers.process.jacobian",
+       2,
+       roles,
+       {"life.repeatable"},
+       "Phi is the derivative of x+ on the manifold, and what is not declared is zero",
+       jacobian},
       {"numbers.process.noise", 2, roles, {"life.repeatable"}, "Qd is symmetric and positive semidefinite", noise},
-      {"numbers.process.composition", 3, roles, {"numbers.process.jacobian", "numbers.process.noise", "numbers.process.rest"}, "a step equals its two halves: x+, Phi, Qd", composition},
-      {"numbers.process.discretization", 3, roles, {"numbers.process.composition"}, "closed and continuous form agree", discretization},
-      {"numbers.process.consistency", 5, roles, {"numbers.process.composition", "numbers.process.discretization"}, "NEES of a filter on a world that is the model stays in its band", consistency},
+      {"numbers.process.composition",
+       3,
+       roles,
+       {"numbers.process.jacobian", "numbers.process.noise", "numbers.process.rest"},
+       "a step equals its two halves: x+, Phi, Qd",
+       composition},
+      {"numbers.process.discretization",
+       3,
+       roles,
+       {"numbers.process.composition"},
+       "closed and continuous form agree",
+       discretization},
+      {"numbers.process.consistency",
+       5,
+       roles,
+       {"numbers.process.composition", "numbers.process.discretization"},
+       "NEES of a filter on a world that is the model stays in its band",
+       consistency},
   };
 }
 

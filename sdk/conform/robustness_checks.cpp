@@ -3,19 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fixture.hpp"
 #include "miniature.hpp"
-#include "specimen.hpp"
 
 namespace binnacle::conform {
 
 namespace {
 
-const std::vector<Role> called_roles = {Role::state_block,      Role::process_model, Role::measurement_model, Role::derived_block,
-                                        Role::noise_estimator, Role::source,        Role::transform};
+const std::vector<Role> called_roles = {Role::state_block,   Role::process_model,   Role::measurement_model,
+                                        Role::derived_block, Role::noise_estimator, Role::source,
+                                        Role::transform};
 const std::vector<Role> every_role(std::begin(all_roles), std::end(all_roles));
 
 void finite(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   const auto inputs = subject->hostile_finite();
   if (inputs.empty()) Trial::skip("it takes no numbers besides its ports'");
   for (const auto& input : inputs) {
@@ -34,7 +35,7 @@ void finite(Trial& trial) {
 }
 
 void nonfinite(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   const auto inputs = subject->hostile_nonfinite();
   if (inputs.empty()) Trial::skip("it takes no numbers besides its ports'");
   for (const auto& input : inputs) {
@@ -50,7 +51,7 @@ void nonfinite(Trial& trial) {
 }
 
 void memory(Trial& trial) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   if (subject->memory_bytes() == 0) Trial::skip("it has no memory");
   for (int repeat = 0; repeat < trial.repeats(20); ++repeat) {
     auto random = trial.random(800 + static_cast<std::uint64_t>(repeat));
@@ -80,8 +81,12 @@ double inside(const ParameterSpec& spec, std::mt19937_64& random) {
   const double low = std::isfinite(spec.minimum) ? spec.minimum : -10.0;
   const double high = std::isfinite(spec.maximum) ? spec.maximum : std::max(low, 0.0) + 10.0;
   switch (random() % 3) {
-    case 0: if (std::isfinite(spec.minimum) && !spec.minimum_excluded) return spec.minimum; break;
-    case 1: if (std::isfinite(spec.maximum) && !spec.maximum_excluded) return spec.maximum; break;
+    case 0:
+      if (std::isfinite(spec.minimum) && !spec.minimum_excluded) return spec.minimum;
+      break;
+    case 1:
+      if (std::isfinite(spec.maximum) && !spec.maximum_excluded) return spec.maximum;
+      break;
     default: break;
   }
   return low + (high - low) * (0.001 + 0.998 * uniform());
@@ -94,7 +99,8 @@ Json allowed(const ParameterSpec& spec, std::mt19937_64& random) {
     case ParameterType::integer: {
       const double low = std::ceil(std::isfinite(spec.minimum) ? spec.minimum : 0);
       const double high = std::floor(std::isfinite(spec.maximum) ? std::min(spec.maximum, low + 20) : low + 20);
-      return static_cast<std::int64_t>(low) + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(high - low + 1));
+      return static_cast<std::int64_t>(low) +
+             static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(high - low + 1));
     }
     case ParameterType::boolean: return random() % 2 == 0;
     case ParameterType::choice: return spec.choices[random() % spec.choices.size()];
@@ -128,21 +134,25 @@ void parameters(Trial& trial) {
       const auto composition = compose(trial, miniature(trial, type, catalog, settings));
       trial.stage("");
       if (trial.role == Role::sink) continue;
-      const auto subject = specimen(trial, composition);
+      const auto subject = fixture(trial, composition);
       auto memory = subject->fresh_memory();
       for (std::uint64_t k = 0; k < 3; ++k) {
         const Answer answer = subject->turn(k, memory.data(), 0.0);
         if (trial.role == Role::source || trial.role == Role::transform) continue;
-        if (!trial.expect(!answer.result || answer.is_finite(), "with ", settings.dump(), " it gives numbers that are not finite")) return;
+        if (!trial.expect(!answer.result || answer.is_finite(), "with ", settings.dump(),
+                          " it gives numbers that are not finite"))
+          return;
       }
     } catch (const Error& refusal) {
       // Parameters may exclude each other: then it is refused with a pointer at the component, and by its own words.
       const std::string pointer = component_pointer(trial.role);
       for (const auto& item : refusal.diagnostics().items()) {
-        if (!trial.expect(item.pointer.rfind(pointer, 0) == 0 || item.pointer.rfind("/filters", 0) == 0, "with ", settings.dump(),
-                          " the refusal points at '", item.pointer, "': ", item.message)) return;
-        if (!trial.expect(item.message.find(" threw: ") == std::string::npos, "with ", settings.dump(), ": ", item.message,
-                          "; throw ComponentError for what is refused")) return;
+        if (!trial.expect(item.pointer.rfind(pointer, 0) == 0 || item.pointer.rfind("/filters", 0) == 0, "with ",
+                          settings.dump(), " the refusal points at '", item.pointer, "': ", item.message))
+          return;
+        if (!trial.expect(item.message.find(" threw: ") == std::string::npos, "with ", settings.dump(), ": ",
+                          item.message, "; throw ComponentError for what is refused"))
+          return;
       }
     }
   }
@@ -174,12 +184,17 @@ void refusals(Trial& trial) {
       const std::string pointer = component_pointer(trial.role) + "/" + parameter.name;
       try {
         const auto composition = compose(trial, miniature(trial, type, catalog, settings));
-        const bool takes_anything = parameter.type == ParameterType::map || parameter.type == ParameterType::object || parameter.type == ParameterType::matrix;
+        const bool takes_anything = parameter.type == ParameterType::map || parameter.type == ParameterType::object ||
+                                    parameter.type == ParameterType::matrix;
         trial.expect(takes_anything, "accepts ", settings[parameter.name].dump(), " as '", parameter.name, "'");
       } catch (const Error& refusal) {
         const auto& items = refusal.diagnostics().items();
-        trial.expect(std::any_of(items.begin(), items.end(), [&](const auto& item) { return item.pointer.rfind(component_pointer(trial.role), 0) == 0; }),
-                     "the refusal of ", settings[parameter.name].dump(), " as '", parameter.name, "' does not point at ", pointer, ": ", refusal.what());
+        trial.expect(std::any_of(items.begin(), items.end(),
+                                 [&](const auto& item) {
+                                   return item.pointer.rfind(component_pointer(trial.role), 0) == 0;
+                                 }),
+                     "the refusal of ", settings[parameter.name].dump(), " as '", parameter.name,
+                     "' does not point at ", pointer, ": ", refusal.what());
       }
     }
 }
@@ -188,11 +203,36 @@ void refusals(Trial& trial) {
 
 std::vector<Check> robustness_checks() {
   return {
-      {"robustness.finite", 3, called_roles, {"life.repeatable"}, "zero, tiny, huge numbers, dt 0, 1e-9, 1e6, negative: refused or finite", finite},
-      {"robustness.nonfinite", 3, called_roles, {"life.repeatable"}, "NaN and infinity: no crash, no exception, nothing written elsewhere", nonfinite},
-      {"robustness.memory", 4, called_roles, {"life.repeatable", "life.snapshot"}, "random bytes as memory do not crash", memory},
-      {"robustness.parameters", 3, every_role, {"life.create", "life.repeatable"}, "random allowed parameters, bounds included, work or are refused with a pointer", parameters},
-      {"robustness.refusals", 3, every_role, {"life.create"}, "parameters that are not allowed are refused with a pointer", refusals},
+      {"robustness.finite",
+       3,
+       called_roles,
+       {"life.repeatable"},
+       "zero, tiny, huge numbers, dt 0, 1e-9, 1e6, negative: refused or finite",
+       finite},
+      {"robustness.nonfinite",
+       3,
+       called_roles,
+       {"life.repeatable"},
+       "NaN and infinity: no crash, no exception, nothing written elsewhere",
+       nonfinite},
+      {"robustness.memory",
+       4,
+       called_roles,
+       {"life.repeatable", "life.snapshot"},
+       "random bytes as memory do not crash",
+       memory},
+      {"robustness.parameters",
+       3,
+       every_role,
+       {"life.create", "life.repeatable"},
+       "random allowed parameters, bounds included, work or are refused with a pointer",
+       parameters},
+      {"robustness.refusals",
+       3,
+       every_role,
+       {"life.create"},
+       "parameters that are not allowed are refused with a pointer",
+       refusals},
   };
 }
 

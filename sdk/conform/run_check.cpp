@@ -24,7 +24,8 @@ struct Current {
 
 void send(const Wire& wire, const char* kind, const std::string& message) {
   const std::string line = nlohmann::json({{"kind", kind}, {"message", message}})
-                               .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+                               .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
+                           "\n";
   for (std::size_t sent = 0; sent < line.size();) {
     const auto count = ::write(wire.pipe, line.data() + sent, line.size() - sent);
     if (count <= 0) return;

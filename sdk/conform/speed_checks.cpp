@@ -4,18 +4,19 @@
 #include <chrono>
 
 #include "allocations.hpp"
+#include "fixture.hpp"
 #include "miniature.hpp"
-#include "specimen.hpp"
 
 namespace binnacle::conform {
 
 namespace {
 
-const std::vector<Role> called_roles = {Role::state_block,      Role::process_model, Role::measurement_model, Role::derived_block,
-                                        Role::noise_estimator, Role::source,        Role::transform};
+const std::vector<Role> called_roles = {Role::state_block,   Role::process_model,   Role::measurement_model,
+                                        Role::derived_block, Role::noise_estimator, Role::source,
+                                        Role::transform};
 
 CallMeter metered_turns(Trial& trial, int turns) {
-  const auto subject = specimen_of_example(trial);
+  const auto subject = fixture_of_example(trial);
   auto memory = subject->fresh_memory();
   CallMeter meter;
   subject->turn(0, memory.data(), 0.0);

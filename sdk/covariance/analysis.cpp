@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "binnacle/filter.hpp"
 #include "binnacle/run.hpp"
+#include "binnacle/session.hpp"
 #include "follower.hpp"
 #include "plan.hpp"
 #include "study/summary.hpp"
@@ -21,9 +21,9 @@ constexpr double settled_before = 0.9;   // of the duration; what comes to rest 
 
 /// Channels fed the same values at fixed rates, as a program would push them.
 void feed(const Plan& plan, Follower& follower) {
-  Filter filter(plan.composition);
-  filter.attach(plan.filter, follower.model_tape());
-  if (follower.true_tape()) filter.attach(plan.truth, follower.true_tape());
+  Session filter(plan.composition);
+  filter.attach(plan.filter, follower.model_log());
+  if (follower.true_log()) filter.attach(plan.truth, follower.true_log());
   std::vector<Time> next;
   for (const auto& feed : plan.feeds) next.push_back(feed.is_of_intervals ? feed.interval : 0);
   while (!follower.is_over()) {
@@ -50,9 +50,9 @@ class Watch final : public RunObserver {
  public:
   Watch(const Plan& plan, Follower& follower) : plan_(plan), follower_(follower) {}
   bool wants_records() const override { return false; }
-  StepTape* tape(int filter) override {
-    if (filter == plan_.filter) return follower_.model_tape();
-    return filter == plan_.truth ? follower_.true_tape() : nullptr;
+  StepObserver* step_observer(int filter) override {
+    if (filter == plan_.filter) return follower_.model_log();
+    return filter == plan_.truth ? follower_.true_log() : nullptr;
   }
   bool progress(Time /*t*/) override { return !follower_.is_over(); }
 

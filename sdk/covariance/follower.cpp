@@ -36,8 +36,8 @@ MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
   if (static_cast<Index>(seeing.size()) < H_b.cols()) return {};
   const MatrixXd H = H_b(seeing, Eigen::all);
   // Of more rows than the block has components, the weighted mean.
-  const MatrixXd W = H.rows() == H.cols() ? MatrixXd(H.inverse())
-                                          : MatrixXd(H.transpose() * R(seeing, seeing).inverse());
+  const MatrixXd W =
+      H.rows() == H.cols() ? MatrixXd(H.inverse()) : MatrixXd(H.transpose() * R(seeing, seeing).inverse());
   const Eigen::FullPivLU<MatrixXd> lu(W * H);
   if (!W.allFinite() || !lu.isInvertible()) return {};
   MatrixXd B = MatrixXd::Zero(H_b.cols(), H_b.rows());
@@ -53,7 +53,7 @@ VectorXd spread(const VectorXd& row, const BlockInfo* block, int dof) {
   return all;
 }
 
-/// The tape has Φ and P on both sides of a step: what is over is noise, to within rounding.
+/// The step observer has Φ and P on both sides of a step: what is over is noise, to within rounding.
 MatrixXd process_noise(const Event& event) {
   constexpr double rounding = 1e-14;
   MatrixXd Q = event.P1 - event.Phi * event.P0 * event.Phi.transpose();
@@ -94,22 +94,22 @@ Follower::Follower(const Plan& plan, const std::vector<std::string>& names, std:
       true_info_(plan.composition->filters()[static_cast<std::size_t>(plan.truth)]),
       is_own_truth_(plan.filter == plan.truth),
       joint_(true_info_, info_),
-      model_tape_(info_,
-                  [this](Event event) {
-                    if (is_own_truth_) true_events_.push_back(event);
-                    take(events_, std::move(event));
-                  }),
-      true_tape_(true_info_, [this](Event event) { take(true_events_, std::move(event)); }),
+      model_log_(info_,
+                 [this](Event event) {
+                   if (is_own_truth_) true_events_.push_back(event);
+                   take(events_, std::move(event));
+                 }),
+      true_log_(true_info_, [this](Event event) { take(true_events_, std::move(event)); }),
       times_(std::move(times)) {
   std::sort(times_.begin(), times_.end());
   for (const auto& name : names) add_subject(name);
 }
 
 void Follower::add_subject(const std::string& name) {
-  const SubjectName named = subject_named(name, plan_.readings);
+  const SubjectName named = subject_named(name, plan_.implied_states);
   Subject subject;
   subject.name = name;
-  if (named.reading) subject.measurement = named.reading->measurement;
+  if (named.implied_state) subject.measurement = named.implied_state->measurement;
   subject.block = block_named(info_, named.block);
   subject.true_block = block_named(true_info_, named.block);
   const Component component = *component_named(*subject.block->declaration, named.component);
@@ -210,7 +210,7 @@ void Follower::measure(const Event& event, const Event& truth) {
   const bool is_seen = event.outcome == Outcome::accepted || event.outcome == Outcome::withheld;
   if (!is_seen) throw Broken("measurement '" + name + "' was not accepted: " + event.reason);
   if (truth.H.rows() != event.H.rows()) throw Broken("measurement '" + name + "' has other rows in the truth");
-  note_readings(event, truth);
+  note_implied_states(event, truth);
   if (event.outcome == Outcome::withheld) return;
   const MatrixXd K = gain(event, P_, info_);
   const MatrixXd A = MatrixXd::Identity(info_.dof, info_.dof) - K * event.H;
@@ -277,7 +277,7 @@ void Follower::note_blocks() {
 
 /// x̂_b ⊞ B r with B H_b = I (sdk/docs/covariance.md). Before the update: the estimate does not know v yet. Its error is
 /// S_b x − B (H x + v) of what is true, less S_b x̂ − B H x̂ of what the filter holds.
-void Follower::note_readings(const Event& event, const Event& truth) {
+void Follower::note_implied_states(const Event& event, const Event& truth) {
   for (auto& subject : subjects_) {
     if (subject.measurement != event.measurement) continue;
     const MatrixXd B = inverse_of(columns_of(event.H, subject.block), event.R);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows truth and filter along the error-free run: their tapes in, variances over time out.
+// Follows truth and filter along the error-free run: their step observers in, variances over time out.
 #pragma once
 
 #include <deque>
@@ -26,10 +26,10 @@ struct Point {
   double t = 0, variance = 0, own_variance = 0;
 };
 
-/// What is told over time: an error component, a readable output, a norm, or a reading.
+/// What is told over time: an error component, a readable output, a norm, or an implied state.
 struct Subject {
   std::string name;
-  std::string measurement;                     // of a reading; else ""
+  std::string measurement;                     // of an implied state; else ""
   const BlockInfo* block = nullptr;            // of the filter
   const BlockInfo* true_block = nullptr;       // null: the truth has none
   std::vector<int> components;                 // of the block's error; several: their norm
@@ -48,11 +48,11 @@ class Follower {
   Follower& operator=(const Follower&) = delete;
 
   /// To be attached to the filter and to its truth; null where the filter is its own truth.
-  StepTape* model_tape() { return &model_tape_; }
-  StepTape* true_tape() { return is_own_truth_ ? nullptr : &true_tape_; }
+  StepObserver* model_log() { return &model_log_; }
+  StepObserver* true_log() { return is_own_truth_ ? nullptr : &true_log_; }
   /// Nothing that comes from now on is of use.
   bool is_over() const { return is_over_ || !why_.empty(); }
-  /// After the run. Throws Broken, also for what went wrong on the way: tapes must not throw.
+  /// After the run. Throws Broken, also for what went wrong on the way: step observers must not throw.
   void finish();
 
   const std::vector<Subject>& subjects() const { return subjects_; }
@@ -66,7 +66,7 @@ class Follower {
   void follow_truth_to(Time t);
   void measure(const Event& event, const Event& truth);
   void note_blocks();
-  void note_readings(const Event& event, const Event& truth);
+  void note_implied_states(const Event& event, const Event& truth);
   void note(Subject& subject, Time t, const Eigen::VectorXd& parts, double own_variance);
   Eigen::VectorXd output_row(const Subject& subject) const;
   Eigen::VectorXd joined(const Eigen::VectorXd& of_truth, const Eigen::VectorXd& of_model) const;
@@ -76,7 +76,7 @@ class Follower {
   const FilterInfo& true_info_;
   bool is_own_truth_;
   JointCovariance joint_;
-  Recorder model_tape_, true_tape_;
+  Recorder model_log_, true_log_;
   std::deque<Event> events_, true_events_;  // not yet followed
   std::vector<Time> times_;                 // ascending; those that have not passed
   Eigen::MatrixXd P_;                       // the filter's own

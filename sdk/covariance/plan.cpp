@@ -89,40 +89,40 @@ std::vector<Feed> read_feeds(const Section& section, const Composition& composit
   return feeds;
 }
 
-/// The filter's "readings", which the composition has checked, and what else they are to be called.
-std::vector<NamedReading> readings_of(const Json& config, const std::string& filter) {
-  std::vector<NamedReading> readings;
+/// The filter's "implied states", which the composition has checked, and what else they are to be called.
+std::vector<NamedImpliedState> implied_states_of(const Json& config, const std::string& filter) {
+  std::vector<NamedImpliedState> implied_states;
   const auto object = [&config](const std::string& pointer) -> const Json* {
     const Json::json_pointer at(pointer);
     return config.contains(at) && config.at(at).is_object() ? &config.at(at) : nullptr;
   };
-  if (const Json* list = object(join_pointer(join_pointer("/filters", filter), "readings")))
+  if (const Json* list = object(join_pointer(join_pointer("/filters", filter), "implied_states")))
     for (const auto& [name, settings] : list->items())
-      readings.push_back(
+      implied_states.push_back(
           {name, settings.at("measurement").get<std::string>(), settings.at("block").get<std::string>()});
   if (const Json* list = object(under("outputs")))
-    for (const auto& [name, reading] : list->items())
-      for (std::size_t i = 0; i < readings.size(); ++i)
-        if (reading.is_string() && readings[i].name == reading.get<std::string>()) {
-          readings.push_back({name, readings[i].measurement, readings[i].block});
+    for (const auto& [name, implied_state] : list->items())
+      for (std::size_t i = 0; i < implied_states.size(); ++i)
+        if (implied_state.is_string() && implied_states[i].name == implied_state.get<std::string>()) {
+          implied_states.push_back({name, implied_states[i].measurement, implied_states[i].block});
           break;
         }
-  return readings;
+  return implied_states;
 }
 
-void check_outputs(const Section& section, const std::vector<NamedReading>& readings) {
+void check_outputs(const Section& section, const std::vector<NamedImpliedState>& implied_states) {
   const Json* list = section.object(under("outputs"));
   if (!list) return;
   std::vector<std::string> names;
-  for (const auto& reading : readings)
-    if (!list->contains(reading.name)) names.push_back(reading.name);
-  for (const auto& [name, reading] : list->items()) {
+  for (const auto& implied_state : implied_states)
+    if (!list->contains(implied_state.name)) names.push_back(implied_state.name);
+  for (const auto& [name, implied_state] : list->items()) {
     const std::string at = join_pointer(under("outputs"), name);
     const auto wanted = section.text(at);
     if (wanted && std::find(names.begin(), names.end(), *wanted) == names.end())
       section.error("B015", at,
-                    "the filter has no reading " + in_quotes(*wanted) + meant(*wanted, names) +
-                        " (readings: " + listed(names) + ")");
+                    "the filter has no implied state " + in_quotes(*wanted) + meant(*wanted, names) +
+                        " (implied states: " + listed(names) + ")");
   }
 }
 
@@ -240,14 +240,14 @@ Json error_free_root(const Section& section, const Json& resolved, const std::st
 
 }  // namespace
 
-SubjectName subject_named(const std::string& name, const std::vector<NamedReading>& readings) {
+SubjectName subject_named(const std::string& name, const std::vector<NamedImpliedState>& implied_states) {
   SubjectName subject;
   const auto dot = name.find('.');
   subject.block = name.substr(0, dot);
   if (dot != std::string::npos) subject.component = name.substr(dot + 1);
-  for (const auto& reading : readings)
-    if (reading.name == subject.block) subject.reading = reading;
-  if (subject.reading) subject.block = subject.reading->block;
+  for (const auto& implied_state : implied_states)
+    if (implied_state.name == subject.block) subject.implied_state = implied_state;
+  if (subject.implied_state) subject.block = subject.implied_state->block;
   return subject;
 }
 
@@ -279,14 +279,14 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
   metric.name = text;
   metric.filter = static_cast<int>(filter - filters.begin());
   metric.quantity = MetricQuantity::sigma;
-  const auto known = readings_of(composition.config(), words.filter);
+  const auto known = implied_states_of(composition.config(), words.filter);
   const SubjectName subject = subject_named(words.name, known);
   std::vector<std::string> names;
   for (const auto& block : filter->blocks) names.push_back(block.name);
   const auto found = std::find(names.begin(), names.end(), subject.block);
   if (found == names.end()) {
-    for (const auto& reading : known) names.push_back(reading.name);
-    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or reading " +
+    for (const auto& implied_state : known) names.push_back(implied_state.name);
+    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or implied state " +
                                    in_quotes(subject.block) + meant(subject.block, names) +
                                    " (there are: " + listed(names) + ")");
   }
@@ -294,7 +294,7 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
   if (subject.component.empty() && block.error.size() > 1)
     return Parsed<Metric>::failure("block " + in_quotes(subject.block) + " has several error components: " + shape);
   const auto component = component_named(block, subject.component);
-  if (!component || (subject.reading && component->output >= 0)) {
+  if (!component || (subject.implied_state && component->output >= 0)) {
     const auto components = component_names(block);
     return Parsed<Metric>::failure(in_quotes(words.name) + " is no component of block " + in_quotes(subject.block) +
                                    meant(subject.component, components) + " (it has: " + listed(components) + ")");
@@ -348,8 +348,8 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
                         in_quotes(key) +
                             " is said of sources, and with 'channels' none is run: leave out the one or "
                             "the other");
-  plan.readings = readings_of(config.root(), name);
-  check_outputs(section, plan.readings);
+  plan.implied_states = implied_states_of(config.root(), name);
+  check_outputs(section, plan.implied_states);
   refuse_adaptive_noise(section, join_pointer("/filters", name));
   refuse_adaptive_noise(section, under("truth"));
   section.object(under("error_free"));

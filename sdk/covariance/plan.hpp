@@ -24,8 +24,8 @@ struct Feed {
   std::vector<double> values;  // one per field of the channel [SI]
 };
 
-/// A reading of the filter, or another name that the section gives it.
-struct NamedReading {
+/// An implied state of the filter, or another name that the section gives it.
+struct NamedImpliedState {
   std::string name;
   std::string measurement;
   std::string block;
@@ -42,7 +42,7 @@ struct Plan {
   Time duration = 0;        // 0: until the sources end
   int runs = 1;             // of the sources, with the random numbers of a study's first runs
   std::vector<Feed> feeds;  // empty: the composition's sources are run
-  std::vector<NamedReading> readings;
+  std::vector<NamedImpliedState> implied_states;
   std::vector<InitialTie> initial;  // of the truth
   std::shared_ptr<const Composition> composition;
   int filter = 0;
@@ -60,9 +60,9 @@ int runs_of(const Config& config);
 struct SubjectName {
   std::string block;
   std::string component;  // "": the only one
-  std::optional<NamedReading> reading;
+  std::optional<NamedImpliedState> implied_state;
 };
-SubjectName subject_named(const std::string& name, const std::vector<NamedReading>& readings);
+SubjectName subject_named(const std::string& name, const std::vector<NamedImpliedState>& implied_states);
 
 /// What the name after BLOCK. means: error components (several: a norm), or a readable output.
 struct Component {

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/composition.hpp"
-#include "binnacle/tape.hpp"
+#include "binnacle/step_log.hpp"
 
 namespace binnacle::covariance {
 
@@ -24,8 +24,8 @@ struct Event {
   Outcome outcome = Outcome::rejected;
 };
 
-/// Copies every record of a tape and hands it on.
-class Recorder final : public StepTape {
+/// Copies every record of a step observer and hands it on.
+class Recorder final : public StepObserver {
  public:
   using Take = std::function<void(Event)>;
 

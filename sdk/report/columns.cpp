@@ -40,8 +40,9 @@ std::string base64(std::string_view bytes) {
 
 int Columns::add(const char* type, std::string_view bytes, double offset) {
   const std::string text = base64(bytes);
-  const auto [found, is_new] = known_.try_emplace(type + std::to_string(std::bit_cast<std::uint64_t>(offset)) + ":" + text,
-                                                  static_cast<int>(list_.size()));
+  const auto [found, is_new] =
+      known_.try_emplace(type + std::to_string(std::bit_cast<std::uint64_t>(offset)) + ":" + text,
+                         static_cast<int>(list_.size()));
   if (is_new) {
     Json entry{{type, text}};
     if (offset != 0) entry["o"] = offset;

@@ -24,7 +24,8 @@ void add_extremes(Series values, std::size_t begin, std::size_t end, std::vector
   kept.push_back(greatest);
 }
 
-void add_kinds(std::span<const std::uint8_t> kinds, std::size_t begin, std::size_t end, std::vector<std::size_t>& kept) {
+void add_kinds(std::span<const std::uint8_t> kinds, std::size_t begin, std::size_t end,
+               std::vector<std::size_t>& kept) {
   std::array<bool, kind_count> is_seen{};
   for (std::size_t i = begin; i < end; ++i) {
     auto& seen = is_seen[kinds[i] % kind_count];

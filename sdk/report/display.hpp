@@ -8,8 +8,8 @@
 namespace binnacle::report {
 
 struct Display {
-  std::string unit;   // "" of a pure number
-  double scale = 1;   // shown = SI / scale
+  std::string unit;  // "" of a pure number
+  double scale = 1;  // shown = SI / scale
 };
 
 /// `wished`, where it is another unit than the SI one. Else angles in degrees and angular rates in deg/s, or deg/h where

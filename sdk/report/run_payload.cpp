@@ -38,7 +38,8 @@ Numbers picked(const Numbers& values, const std::vector<std::size_t>& indices, d
 
 std::pair<std::string, std::string> split_name(const std::string& name) {
   const auto dot = name.rfind('.');
-  return dot == std::string::npos ? std::pair{std::string(), name} : std::pair{name.substr(0, dot), name.substr(dot + 1)};
+  return dot == std::string::npos ? std::pair{std::string(), name}
+                                  : std::pair{name.substr(0, dot), name.substr(dot + 1)};
 }
 
 bool has_block(const FilterResults& filter, const std::string& name) {
@@ -146,13 +147,13 @@ class FilterPayload {
     if (scored.is_object())
       for (const auto& [name, window] : scored.items()) {
         if (window.is_array()) add_window(list, name, "window", window);
-        if (at_or_null(window, "filter") == Json(filter_.name)) add_window(list, name, "window", at_or_null(window, "span"));
+        if (at_or_null(window, "filter") == Json(filter_.name))
+          add_window(list, name, "window", at_or_null(window, "span"));
       }
     const Json& measurements = at_or_null(at_or_null(at_or_null(config_, "filters"), filter_.name), "measurements");
     if (measurements.is_object())
       for (const auto& [name, measurement] : measurements.items())
-        for (const auto& stretch : at_or_null(measurement, "withhold"))
-          add_window(list, name, "withheld", stretch);
+        for (const auto& stretch : at_or_null(measurement, "withhold")) add_window(list, name, "withheld", stretch);
     return list;
   }
 
@@ -189,7 +190,8 @@ class FilterPayload {
     // Of a length no share is told: its σ is the root of the sum of the components' squares, so 99.7 % is not to be expected.
     if (error.is_length) return json;
     const Within within = within_sigma(error.values, error.sigma);
-    if (within.of > 0) json["within"] = {{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
+    if (within.of > 0)
+      json["within"] = {{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
     return json;
   }
 
@@ -360,7 +362,10 @@ class FilterPayload {
     json["mean"] = {{"value", sum / n}, {"dof", mean_dof}, {"low", band_low}, {"high", band_high}};
     const MovingMean moving = moving_mean(accepted_t, accepted, mean_dof);
     if (!moving.t.empty())
-      json["moving"] = {{"t", columns_.exact(moving.t)}, {"v", columns_.plotted(moving.mean)}, {"low", moving.low}, {"high", moving.high}};
+      json["moving"] = {{"t", columns_.exact(moving.t)},
+                        {"v", columns_.plotted(moving.mean)},
+                        {"low", moving.low},
+                        {"high", moving.high}};
     return json;
   }
 
@@ -413,7 +418,8 @@ class FilterPayload {
           sigma.push_back(rows->sigma[i]);
         }
     const Within within = within_sigma(residual, sigma);
-    return within.of == 0 ? Json(nullptr) : Json{{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
+    return within.of == 0 ? Json(nullptr)
+                          : Json{{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
   }
 
   /// Many rows of one kind: residuals in units of their own √S.
@@ -459,7 +465,8 @@ class FilterPayload {
   Json path_json(const Path& path, const std::vector<double>& shade, double step) {
     auto kept = spaced(path.east, path.north, step);
     // A track that jumps to and fro has more points than its extent tells.
-    for (double wider = 2 * step; kept.size() > most_track_points; wider *= 2) kept = spaced(path.east, path.north, wider);
+    for (double wider = 2 * step; kept.size() > most_track_points; wider *= 2)
+      kept = spaced(path.east, path.north, wider);
     return {{"points", kept.size()},
             {"t", columns_.exact(picked(path.t, kept))},
             {"e", columns_.plotted(picked(path.east, kept))},
@@ -499,7 +506,10 @@ Json as_text(const Json& provenance) {
 
 Json run_payload(const results::RunResults& run, const Limits& limits, Columns& columns) {
   const std::size_t points = points_per_series(run.filters, limits);
-  Json json{{"summary", run.summary}, {"config", run.config}, {"provenance", as_text(run.provenance)}, {"points", points}};
+  Json json{{"summary", run.summary},
+            {"config", run.config},
+            {"provenance", as_text(run.provenance)},
+            {"points", points}};
   json["filters"] = Json::array();
   for (const auto& filter : run.filters) json["filters"].push_back(FilterPayload(filter, run, points, columns).json());
   return json;

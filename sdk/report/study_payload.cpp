@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t most_quantiles = 401;
 
 /// Sorted; of more than that, evenly many quantiles, least and greatest included.
-std::vector<double> distribution(const results::StudyResults& study, std::size_t variant, std::size_t metric, double scale) {
+std::vector<double> distribution(const results::StudyResults& study, std::size_t variant, std::size_t metric,
+                                 double scale) {
   std::vector<double> values;
   for (std::size_t run = 0; run < study.runs; ++run) {
     const double value = study.values[(variant * study.metrics.size() + metric) * study.runs + run];
@@ -30,7 +31,10 @@ std::vector<double> distribution(const results::StudyResults& study, std::size_t
 }  // namespace
 
 Json study_payload(const results::StudyResults& study, Columns& columns) {
-  Json json{{"figures", study.figures}, {"config", study.config}, {"provenance", study.provenance}, {"runs", study.runs}};
+  Json json{{"figures", study.figures},
+            {"config", study.config},
+            {"provenance", study.provenance},
+            {"runs", study.runs}};
   json["variants"] = study.variants;
   json["metrics"] = Json::array();
   for (std::size_t m = 0; m < study.metrics.size(); ++m) {

@@ -48,8 +48,7 @@ std::vector<double> horizontal_sigma(const Estimate& north, const Estimate& east
                                      double metres_east) {
   const auto n = std::min(north.sigma.size(), east.sigma.size());
   std::vector<double> sigma(n);
-  for (std::size_t i = 0; i < n; ++i)
-    sigma[i] = std::hypot(north.sigma[i] * metres_north, east.sigma[i] * metres_east);
+  for (std::size_t i = 0; i < n; ++i) sigma[i] = std::hypot(north.sigma[i] * metres_north, east.sigma[i] * metres_east);
   return sigma;
 }
 
@@ -61,7 +60,8 @@ std::optional<std::pair<double, double>> at(const Path& path, double t) {
   if (*after == t) return std::pair{path.east[i], path.north[i]};
   if (i == 0) return std::nullopt;
   const double share = (t - path.t[i - 1]) / (path.t[i] - path.t[i - 1]);
-  return std::pair{std::lerp(path.east[i - 1], path.east[i], share), std::lerp(path.north[i - 1], path.north[i], share)};
+  return std::pair{std::lerp(path.east[i - 1], path.east[i], share),
+                   std::lerp(path.north[i - 1], path.north[i], share)};
 }
 
 void add_reference(const FilterResults& filter, Track& track) {
@@ -91,8 +91,13 @@ Track geographic(const FilterResults& filter, const Estimate& lat, const Estimat
 }
 
 Track plane(const FilterResults& filter, const Estimate& north, const Estimate& east) {
-  return {north.block, not_a_number, not_a_number, {filter.t, east.values, north.values}, horizontal_sigma(north, east, 1, 1),
-          {}, {}};
+  return {north.block,
+          not_a_number,
+          not_a_number,
+          {filter.t, east.values, north.values},
+          horizontal_sigma(north, east, 1, 1),
+          {},
+          {}};
 }
 
 }  // namespace

@@ -16,11 +16,11 @@ struct Path {
 
 struct Track {
   std::string block;
-  double lat = 0, lon = 0;      // of the origin [rad]; NaN where the state is not geographic
+  double lat = 0, lon = 0;  // of the origin [rad]; NaN where the state is not geographic
   Path estimate;
-  std::vector<double> sigma;    // horizontal, 1-σ, as long as the estimate [m]
-  Path reference;               // estimate ⊞ error, where both are known
-  std::vector<double> error;    // horizontal, as long as the reference [m]
+  std::vector<double> sigma;  // horizontal, 1-σ, as long as the estimate [m]
+  Path reference;             // estimate ⊞ error, where both are known
+  std::vector<double> error;  // horizontal, as long as the reference [m]
 };
 
 /// Of the first block with outputs lat and lon, or north and east in metres.

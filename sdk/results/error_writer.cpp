@@ -42,8 +42,8 @@ std::size_t ErrorWriter::time_base(const ErrorSeries& errors) {
   TimeBase base;
   base.name = names_.take(bases_.empty() ? "time" : "time_" + errors.name);
   // A dimension of no size would be one that grows.
-  base.dimension = errors.t.empty() ? group_.add_growing_dimension(base.name)
-                                    : group_.add_dimension(base.name, errors.t.size());
+  base.dimension =
+      errors.t.empty() ? group_.add_growing_dimension(base.name) : group_.add_dimension(base.name, errors.t.size());
   base.t.assign(errors.t.begin(), errors.t.end());
   const int id = group_.add_variable(base.name, NC_DOUBLE, {base.dimension}, chunks_of(errors.t.size(), 1));
   group_.put_text(id, "units", "s");
@@ -83,7 +83,7 @@ bool ErrorWriter::is_norm(const std::string& series) const {
 }
 
 int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions, const ErrorSeries& errors,
-                       const std::string& long_name) {
+                              const std::string& long_name) {
   const int id = group_.add_variable(name, NC_DOUBLE, dimensions, chunks_of(errors.t.size(), dimensions.size()));
   group_.fill_with_nan(id);
   group_.put_text(id, "long_name", long_name);
@@ -100,7 +100,7 @@ void ErrorWriter::write_scalar(const ErrorSeries& errors, std::size_t base) {
   if (errors.sigma.empty()) return;
   const std::string sigma_name = names_.take(errors.name + "_sigma");
   const int sigma = add_variable(sigma_name, {bases_[base].dimension}, errors,
-                                       errors.name + ": what the filter thought of the error, 1-sigma");
+                                 errors.name + ": what the filter thought of the error, 1-sigma");
   group_.put_text(id, "ancillary_variables", sigma_name);
   write_values(sigma, -1, errors.sigma);
 }
@@ -117,7 +117,8 @@ void ErrorWriter::write_component(const ErrorSeries& errors, const BlockInfo& bl
   if (own.sigmas >= 0) write_values(own.sigmas, component, errors.sigma);
 }
 
-ErrorWriter::BlockErrors ErrorWriter::add_block_errors(const ErrorSeries& errors, const BlockInfo& block, std::size_t base) {
+ErrorWriter::BlockErrors ErrorWriter::add_block_errors(const ErrorSeries& errors, const BlockInfo& block,
+                                                       std::size_t base) {
   BlockErrors own;
   own.base = base;
   std::vector<std::string> components;

@@ -18,8 +18,8 @@ MeasurementWriter::MeasurementWriter(nc::Group group, const MeasurementInfo& inf
   nis_.emplace(group, group.add_variable("nis", NC_DOUBLE, {time_dimension_}, growing_chunks(1)));
   rows_.emplace(group, group.add_variable("rows", NC_INT, {time_dimension_}, growing_chunks(1)));
   describe(id_of("reason"), "why the sample was not used: index in reason_text", "");
-  describe(id_of("nis"), "normalized innovation squared, r' (H P H' + R)^-1 r; chi-squared of `rows` degrees of freedom",
-           "1");
+  describe(id_of("nis"),
+           "normalized innovation squared, r' (H P H' + R)^-1 r; chi-squared of `rows` degrees of freedom", "1");
   group.fill_with_nan(id_of("nis"));
   describe(id_of("rows"), "rows of the sample that nis is of", "");
   for (const auto& row_group : info.groups) add_row_group(row_group, info.groups.size() > 1);
@@ -45,7 +45,6 @@ void MeasurementWriter::close() {
   const int id = group_.add_texts("reason_text", {dimension}, texts);
   group_.put_text(id, "long_name", "what `reason` is an index of; empty: it was used");
 }
-
 
 void MeasurementWriter::describe(int variable, const std::string& long_name, const std::string& unit) {
   group_.put_text(variable, "long_name", long_name);
@@ -79,12 +78,16 @@ void MeasurementWriter::add_row_group(const RowGroupInfo& info, bool is_one_of_s
   };
   const std::string of = " of the rows '" + info.name + "'";
   rows.residual = add("residual", NC_DOUBLE, "measured - predicted" + of, info.unit);
-  rows.sigma = add("residual_sigma", NC_DOUBLE, "what the filter expected of the residual" + of +
-                   ", 1-sigma: root of the diagonal of H P H' + R", info.unit);
-  rows.noise = add("noise", NC_DOUBLE, "measurement noise" + of +
-                   ", 1-sigma: root of the diagonal of R, adapted where a noise estimator does so", info.unit);
+  rows.sigma =
+      add("residual_sigma", NC_DOUBLE,
+          "what the filter expected of the residual" + of + ", 1-sigma: root of the diagonal of H P H' + R", info.unit);
+  rows.noise =
+      add("noise", NC_DOUBLE,
+          "measurement noise" + of + ", 1-sigma: root of the diagonal of R, adapted where a noise estimator does so",
+          info.unit);
   rows.key = add("key", NC_INT64, "who the row is: a satellite, say; else its number", "");
-  group_.put_text(rows.residual, "ancillary_variables", "residual_sigma" + suffix + " noise" + suffix + " key" + suffix);
+  group_.put_text(rows.residual, "ancillary_variables",
+                  "residual_sigma" + suffix + " noise" + suffix + " key" + suffix);
   row_groups_.push_back(std::move(rows));
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "binnacle/composition.hpp"
-#include "binnacle/tape.hpp"
+#include "binnacle/step_log.hpp"
 #include "columns.hpp"
 #include "names.hpp"
 #include "netcdf.hpp"

@@ -45,7 +45,8 @@ class Group {
   void fill_with_nan(int variable) const;
   /// A variable of texts, whole: characters with a last dimension of their own, "text_LENGTH". Strings of variable length
   /// would read nicer in a dump, but older MATLAB does not know them, and HDF5 trusts a damaged file's blindly.
-  int add_texts(const std::string& name, const std::vector<int>& dimensions, const std::vector<std::string>& texts) const;
+  int add_texts(const std::string& name, const std::vector<int>& dimensions,
+                const std::vector<std::string>& texts) const;
   void write(int variable, const std::size_t* start, const std::size_t* count, const double* values) const;
   void write(int variable, const std::size_t* start, const std::size_t* count, const signed char* values) const;
   void write(int variable, const std::size_t* start, const std::size_t* count, const std::int32_t* values) const;

@@ -17,8 +17,8 @@ void write_plugins(nc::Group root, const Json& plugins) {
   if (plugins.empty()) return;
   const int dimension = root.add_dimension("plugin", plugins.size());
   for (const auto& [variable, key, long_name] :
-       {std::tuple{"plugin", "name", "plugins that were loaded"}, std::tuple{"plugin_version", "version", "their versions"},
-        std::tuple{"plugin_path", "path", "their files"}}) {
+       {std::tuple{"plugin", "name", "plugins that were loaded"},
+        std::tuple{"plugin_version", "version", "their versions"}, std::tuple{"plugin_path", "path", "their files"}}) {
     std::vector<std::string> texts;
     for (const auto& plugin : plugins) texts.push_back(text_of(plugin, key));
     root.put_text(root.add_texts(variable, {dimension}, texts), "long_name", long_name);
@@ -65,8 +65,7 @@ void read_provenance(nc::Group root, const std::string& kind, Json& config, Json
   const auto names = root.variable("plugin"), versions = root.variable("plugin_version"),
              paths = root.variable("plugin_path");
   if (names && versions && paths) {
-    const auto name = root.read_texts(*names), version = root.read_texts(*versions),
-               path = root.read_texts(*paths);
+    const auto name = root.read_texts(*names), version = root.read_texts(*versions), path = root.read_texts(*paths);
     for (std::size_t i = 0; i < name.size() && i < version.size() && i < path.size(); ++i)
       provenance["plugins"].push_back({{"name", name[i]}, {"version", version[i]}, {"path", path[i]}});
   }

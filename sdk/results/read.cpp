@@ -13,8 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what, const char* verb) {
-  throw std::runtime_error("'" + path.string() + "' cannot be read: " + what + "; make it again with 'binnacle " + verb +
-                           " CONFIG --out " + path.parent_path().string() + "'");
+  throw std::runtime_error("'" + path.string() + "' cannot be read: " + what + "; make it again with 'binnacle " +
+                           verb + " CONFIG --out " + path.parent_path().string() + "'");
 }
 
 /// The JSON that is put in place last: without it the folder is not whole.
@@ -59,9 +59,10 @@ Results read(const fs::path& folder) {
     results.study->figures = read_json(folder / "study.json", "study");
   }
   if (!results.run && !results.study)
-    throw std::runtime_error("'" + folder.string() + "' holds neither run.nc nor study.nc; make one with 'binnacle run "
-                             "CONFIG --out " + folder.string() + "' or 'binnacle study CONFIG --out " + folder.string() +
-                             "'");
+    throw std::runtime_error("'" + folder.string() +
+                             "' holds neither run.nc nor study.nc; make one with 'binnacle run "
+                             "CONFIG --out " +
+                             folder.string() + "' or 'binnacle study CONFIG --out " + folder.string() + "'");
   return results;
 }
 

@@ -20,7 +20,8 @@ int variable_of(nc::Group group, const std::string& name) {
 /// Names of the columns of a variable (rows, columns).
 std::vector<std::string> components_of(nc::Group group, int variable) {
   const auto dimensions = group.dimensions(variable);
-  if (dimensions.size() != 2) throw nc::Failure("its variable '" + group.variable_name(variable) + "' has no components");
+  if (dimensions.size() != 2)
+    throw nc::Failure("its variable '" + group.variable_name(variable) + "' has no components");
   return group.read_texts(variable_of(group, group.dimension_name(dimensions[1])));
 }
 
@@ -31,7 +32,8 @@ std::string display_unit_of(nc::Group group, int variable) {
 
 /// Of the variable named by "ancillary_variables": its own, or the column.
 std::vector<double> values_of(nc::Group group, int variable, int column) {
-  return column < 0 ? group.read<double>(variable) : group.read_column<double>(variable, static_cast<std::size_t>(column));
+  return column < 0 ? group.read<double>(variable)
+                    : group.read_column<double>(variable, static_cast<std::size_t>(column));
 }
 
 void read_estimates(nc::Group group, int variable, FilterResults& filter) {
@@ -56,11 +58,12 @@ void read_errors(nc::Group group, FilterResults& filter) {
     const auto names = is_single ? std::vector{series} : components_of(group, variable);
     for (std::size_t i = 0; i < names.size(); ++i) {
       const int column = is_single ? -1 : static_cast<int>(i);
-      filter.errors.push_back({is_single ? series : series + "." + names[i], group.text(variable, "units"),
-                               display_unit_of(group, variable), read_time(group, group.dimension_name(dimensions[0])),
-                               values_of(group, variable, column),
-                               sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column),
-                               group.has(variable, "norm")});
+      filter.errors.push_back(
+          {is_single ? series : series + "." + names[i], group.text(variable, "units"),
+           display_unit_of(group, variable), read_time(group, group.dimension_name(dimensions[0])),
+           values_of(group, variable, column),
+           sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column),
+           group.has(variable, "norm")});
     }
   }
 }
@@ -103,7 +106,8 @@ Updates read_updates(nc::Group group) {
   updates.measurement = group.text(NC_GLOBAL, "measurement");
   updates.t = read_time(group, "time");
   for (const signed char outcome : group.read<signed char>(variable_of(group, "outcome"))) {
-    if (outcome < 0 || outcome >= outcome_count) throw nc::Failure("its group '" + group.name() + "' has an outcome unknown");
+    if (outcome < 0 || outcome >= outcome_count)
+      throw nc::Failure("its group '" + group.name() + "' has an outcome unknown");
     updates.outcome.push_back(static_cast<Outcome>(outcome));
   }
   const auto texts = group.read_texts(variable_of(group, "reason_text"));

@@ -26,11 +26,11 @@ bool are_alike(const std::vector<Output>& outputs) {
          });
 }
 
-/// What a recorded column beyond the blocks' own is: of a reading, or of a noise estimator.
+/// What a recorded column beyond the blocks' own is: of an implied state, or of a noise estimator.
 std::string describe_column(const std::string& name) {
   if (name.ends_with(".noise")) return describe_noise(name);
-  return name + (name.ends_with(".sigma") ? ": what the filter thinks of the reading, 1-sigma"
-                                          : ": reading, a block as one measurement tells it");
+  return name + (name.ends_with(".sigma") ? ": what the filter thinks of the implied state, 1-sigma"
+                                          : ": implied state, a block as one measurement gives it");
 }
 
 template <class Action>
@@ -44,7 +44,7 @@ void guarded(Action&& action) {
 
 }  // namespace
 
-class RunWriter::Filter : public StepTape {
+class RunWriter::Filter : public StepObserver {
  public:
   Filter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {
     group.put_text(NC_GLOBAL, "filter", info.name);
@@ -54,10 +54,11 @@ class RunWriter::Filter : public StepTape {
     const nc::Group all = group.add_group("measurements");
     Names names;
     for (const auto& measurement : info.measurements)
-      measurements_.push_back(std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement));
+      measurements_.push_back(
+          std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement));
   }
 
-  /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, readings, adapted noise.
+  /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, implied states, adapted noise.
   void begin(const std::vector<RecordColumn>& columns) {
     time_dimension_ = group_.add_growing_dimension(names_.take("time"));
     time_.emplace(group_, add_time(group_, "time", time_dimension_, "time of the estimates"));
@@ -203,7 +204,7 @@ void RunWriter::record(int filter, Time t, std::span<const double> values) {
   guarded([&] { contents_->filters[as_size(filter)]->record(t, values); });
 }
 
-StepTape* RunWriter::tape(int filter) { return contents_->filters[as_size(filter)].get(); }
+StepObserver* RunWriter::step_observer(int filter) { return contents_->filters[as_size(filter)].get(); }
 
 void RunWriter::scored(int filter, const ErrorSeries& errors) {
   guarded([&] { contents_->filters[as_size(filter)]->scored(errors); });

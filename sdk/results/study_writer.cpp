@@ -18,8 +18,8 @@ void put_units(nc::Group group, int variable, const StudyResults::Metric& metric
   if (metric.unit != metric.si_unit) group.put_text(variable, "display_units", metric.unit);
 }
 
-int add_texts(nc::Group group, const std::string& name, const std::vector<int>& dimensions, const std::string& long_name,
-                const std::vector<std::string>& texts) {
+int add_texts(nc::Group group, const std::string& name, const std::vector<int>& dimensions,
+              const std::string& long_name, const std::vector<std::string>& texts) {
   const int id = group.add_texts(name, dimensions, texts);
   group.put_text(id, "long_name", long_name);
   return id;
@@ -27,7 +27,8 @@ int add_texts(nc::Group group, const std::string& name, const std::vector<int>& 
 
 void write_metrics(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
   Names names;
-  for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path", "variant", "run", "state", "tables"}) names.take(taken);
+  for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path", "variant", "run", "state", "tables"})
+    names.take(taken);
   const std::size_t runs = study.runs, metrics = study.metrics.size();
   for (std::size_t m = 0; m < metrics; ++m) {
     const auto& metric = study.metrics[m];
@@ -54,7 +55,8 @@ void write_state(nc::Group root, const StudyResults& study, int variant_dimensio
   for (std::size_t v = 0; v < study.variants.size(); ++v) {
     const Json& variant = study.figures.at("variants").at(study.variants[v]);
     if (!variant.contains("failures")) continue;
-    for (const auto& failure : variant.at("failures")) states.at(v * study.runs + failure.at("run").get<std::size_t>()) = 1;
+    for (const auto& failure : variant.at("failures"))
+      states.at(v * study.runs + failure.at("run").get<std::size_t>()) = 1;
   }
   const std::size_t start[] = {0, 0}, count[] = {study.variants.size(), study.runs};
   root.write(id, start, count, states.data());
@@ -106,7 +108,8 @@ void write_tables(nc::Group root, const Json& figures) {
                                                   : Json::array();
   if (tables.empty()) return;
   const nc::Group all = root.add_group("tables");
-  for (std::size_t i = 0; i < tables.size(); ++i) write_table(all.add_group("table_" + std::to_string(i + 1)), tables[i]);
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    write_table(all.add_group("table_" + std::to_string(i + 1)), tables[i]);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What came of one run as JSON: a line of the journal, a message of a crew. Numbers come back bit for bit.
+// What came of one run as JSON: a line of the journal, a message of a group of workers. Numbers come back bit for bit.
 #pragma once
 
 #include <optional>

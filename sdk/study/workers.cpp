@@ -11,7 +11,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "books.hpp"
+#include "run_log.hpp"
 
 namespace binnacle::study {
 
@@ -39,11 +39,11 @@ void carry_out_runs(const Study& study, int jobs, const std::function<std::optio
 
 void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
                    const OnRun& on_run) {
-  Books books(study, results, on_run);
+  RunLog run_log(study, results, on_run);
   carry_out_runs(
-      study, jobs, [&] { return books.take(); },
-      [&](RunKey key, Figures&& figures) { books.enter(key, std::move(figures)); },
-      [&] { return !books.have_failed() && goes_on(); });
+      study, jobs, [&] { return run_log.take(); },
+      [&](RunKey key, Figures&& figures) { run_log.enter(key, std::move(figures)); },
+      [&] { return !run_log.have_failed() && goes_on(); });
 }
 
 }  // namespace binnacle::study

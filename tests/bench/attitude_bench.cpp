@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "attitude/algorithm.hpp"
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "median_reporter.hpp"
 
 using namespace binnacle;
@@ -108,7 +108,7 @@ std::string config(const Named& named, int states) {
 
 /// All samples of one step pushed.
 void step(benchmark::State& state, const Named& named, int states) {
-  Filter filter(Composition::parse(config(named, states), "bench.json"));
+  Session filter(Composition::parse(config(named, states), "bench.json"));
   const int imu = filter.channel("imu");
   const double increments[6] = {1e-4, -2e-4, 5e-4, 0.002, 0.001, -0.04904};
   constexpr Time interval = 5'000'000;

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
 #include <benchmark/benchmark.h>
+#include <Eigen/Dense>
 
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "median_reporter.hpp"
 
 using namespace binnacle;
@@ -45,8 +45,8 @@ std::string ins_config(int n, const std::string& order = "") {
   for (int i = 0; states + 3 <= n; ++i, states += 3) {
     const std::string name = "extra" + std::to_string(i);
     blocks += ", \"" + name + R"(": {"type": "vector", "size": 3, "unit": "m", "sigma": 1})";
-    process += ", \"" + name + R"(": {"type": "gauss_markov", "blocks": {"x": ")" + name +
-               R"("}, "tau": "1 h", "sigma": 1})";
+    process +=
+        ", \"" + name + R"(": {"type": "gauss_markov", "blocks": {"x": ")" + name + R"("}, "tau": "1 h", "sigma": 1})";
   }
   const std::string order_text = order.empty() ? "" : R"(, "order": ")" + order + "\"";
   return R"({"binnacle": 1,
@@ -61,12 +61,15 @@ std::string ins_config(int n, const std::string& order = "") {
       "blocks": {
         "position": {"type": "position", "init": {"lat": "48 deg", "lon": "11 deg", "height": 500}, "sigma": "5 m"},
         "velocity": {"type": "velocity", "init": {"vn": 3, "ve": 4, "vd": 0}, "sigma": "0.5 m/s"},
-        "attitude": {"type": "attitude", "init": {"roll": 0, "pitch": 0, "yaw": "0.5 rad"}, "sigma": "1 deg"})" + blocks +
+        "attitude": {"type": "attitude", "init": {"roll": 0, "pitch": 0, "yaw": "0.5 rad"}, "sigma": "1 deg"})" +
+         blocks +
          R"(},
       "process": {
         "strapdown": {"type": "phi_error", "input": "imu",
-          "blocks": {"position": "position", "velocity": "velocity", "attitude": "attitude")" + ports + R"(},
-          "gyro_noise": 2.9e-5, "accel_noise": 5e-4)" + order_text + "}" + process + R"(},
+          "blocks": {"position": "position", "velocity": "velocity", "attitude": "attitude")" +
+         ports + R"(},
+          "gyro_noise": 2.9e-5, "accel_noise": 5e-4)" +
+         order_text + "}" + process + R"(},
       "measurements": {"fix": {"type": "position_fix", "channel": "gnss", "blocks": {"position": "position"},
                                "sigma": "2 m"}}}}})";
 }
@@ -85,14 +88,14 @@ struct Ins {
   void fix() { filter.push(gnss, no_time, t, position); }
 
   static constexpr Time interval = 5'000'000;
-  Filter filter;
+  Session filter;
   int imu, gnss;
   Time t = 0;
   double increments[6] = {1e-4, -2e-4, 5e-4, 0.002, 0.001, -0.04904};
   double position[3] = {0.8377580409572782, 0.19198621771937624, 500};
 };
 
-// Filter A of paper 004: pitch and its rate in waves, a gyro's error and drift, read every 20 ms.
+// Session A of paper 004: pitch and its rate in waves, a gyro's error and drift, read every 20 ms.
 const char* const ship_config = R"({"binnacle": 1,
   "sources": {"vertical": {"type": "pushed", "fields": {"pitch": {"unit": "rad"}}}},
   "filters": {"ship": {
@@ -112,7 +115,7 @@ const char* const ship_config = R"({"binnacle": 1,
 
 /// Prediction over 20 ms, Van Loan's discretization included, and the update.
 void ship_cycle(benchmark::State& state) {
-  Filter filter(Composition::parse(ship_config, "bench.json"));
+  Session filter(Composition::parse(ship_config, "bench.json"));
   const int vertical = filter.channel("vertical");
   constexpr Time interval = 20'000'000;
   const double angle = 0.01;
@@ -217,7 +220,8 @@ int main(int argc, char** argv) {
   };
 #if defined(__x86_64__)
   std::printf("\nThe covariance arithmetic runs %s; the dense reference what this was compiled for.\n",
-              __builtin_cpu_supports("avx2") ? "with AVX2, chosen at run time" : "without AVX2, which this processor lacks");
+              __builtin_cpu_supports("avx2") ? "with AVX2, chosen at run time"
+                                             : "without AVX2, which this processor lacks");
 #endif
   ratio("IMU step, 21 states (mechanization, Phi, covariance)", "imu_step/21", "dense_predict");
   ratio("the same with the first-order transition", "imu_step_first_order", "dense_predict");

@@ -18,12 +18,15 @@ const char* const path = "sdk/docs/diagnostics.md";
 std::string reference() {
   std::string text =
       "# Diagnostics\n\n"
-      "A message reads `FILE:LINE:COLUMN: error[CODE] POINTER: text`. The pointer is that of the resolved config and can\n"
-      "be pasted into `--set POINTER=VALUE`. B00x to B03x are about the config, B04x about plugins, B06x about data, B08x\n"
+      "A message reads `FILE:LINE:COLUMN: error[CODE] POINTER: text`. The pointer is that of the resolved config and "
+      "can\n"
+      "be pasted into `--set POINTER=VALUE`. B00x to B03x are about the config, B04x about plugins, B06x about data, "
+      "B08x\n"
       "about running filters, B09x about studies. Exit status: 3 when the config is wrong, 4 when a plugin cannot be\n"
       "loaded, 5 when only data are, 1 when a filter broke or never started, 2 when a journal is of another study.\n"
       "Warnings (B031, B032, B043, B065 and others that a source reports) do not change it.\n\n"
-      "This file is made from the table in `kernel/src/config/codes.cpp`; `BINNACLE_WRITE_DOCS=1 tests/run -L docs` writes\n"
+      "This file is made from the table in `kernel/src/config/codes.cpp`; `BINNACLE_WRITE_DOCS=1 tests/run -L docs` "
+      "writes\n"
       "it anew.\n";
   for (const auto& entry : diagnostic_codes())
     text += "\n## " + std::string(entry.code) + ": " + std::string(entry.title) + "\n\n" + std::string(entry.cause) +

@@ -9,7 +9,9 @@
 
 namespace binnacle::test {
 
-std::filesystem::path in_project(const std::string& path) { return std::filesystem::path(BINNACLE_TEST_PROJECT) / path; }
+std::filesystem::path in_project(const std::string& path) {
+  return std::filesystem::path(BINNACLE_TEST_PROJECT) / path;
+}
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path);

@@ -22,7 +22,8 @@ const std::string verbs_folder = "sdk/docs/verbs";
 
 std::vector<std::string> verb_pages() {
   std::vector<std::string> verbs;
-  for (const auto& entry : fs::directory_iterator(in_project(verbs_folder))) verbs.push_back(entry.path().stem().string());
+  for (const auto& entry : fs::directory_iterator(in_project(verbs_folder)))
+    verbs.push_back(entry.path().stem().string());
   std::sort(verbs.begin(), verbs.end());
   return verbs;
 }
@@ -130,7 +131,8 @@ TEST_CASE("figures in the page of the papers are those of the configs' READMEs")
     if (line.rfind("| ", 0) != 0) continue;
     for (std::sregex_iterator at(line.begin(), line.end(), number), end; at != end; ++at, ++figures) {
       INFO(at->str() << " in: " << line);
-      CHECK(std::regex_search(readmes, std::regex("(^|[^0-9.])" + std::regex_replace(at->str(), std::regex("\\."), "\\.") + "($|[^0-9])")));
+      CHECK(std::regex_search(
+          readmes, std::regex("(^|[^0-9.])" + std::regex_replace(at->str(), std::regex("\\."), "\\.") + "($|[^0-9])")));
     }
   }
   CHECK(figures > 50);

@@ -109,7 +109,8 @@ class Session {
 
   void add(const Step& step) {
     // Braces, and not a shell of its own: what a line sets stays for the next.
-    script_ += "{ " + step.typed + "\n} < /dev/null; printf '\\n" + mark + std::to_string(steps_.size()) + " %s\\n' $?\n";
+    script_ +=
+        "{ " + step.typed + "\n} < /dev/null; printf '\\n" + mark + std::to_string(steps_.size()) + " %s\\n' $?\n";
     steps_.push_back(step);
   }
 

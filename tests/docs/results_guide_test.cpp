@@ -17,17 +17,17 @@ using namespace binnacle::test;
 namespace fs = std::filesystem;
 
 /// A folder with the project's configs, where `binnacle` is on the PATH.
-class Desk {
+class Workspace {
  public:
-  Desk() {
+  Workspace() {
     std::string name = (fs::temp_directory_path() / "binnacle-guide.XXXXXX").string();
     if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
     folder_ = name;
     fs::create_symlink(in_project("configs"), folder_ / "configs");
   }
-  ~Desk() { fs::remove_all(folder_); }
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
+  ~Workspace() { fs::remove_all(folder_); }
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
 
   /// Exit status; `output` is stdout and stderr together.
   int run(const std::string& script, std::string& output) const {
@@ -49,16 +49,16 @@ class Desk {
   fs::path folder_;
 };
 
-bool is_there(const Desk& desk, const std::string& module) {
+bool is_there(const Workspace& workspace, const std::string& module) {
   std::string output;
-  return desk.run_python("import " + module + "\n", output) == 0;
+  return workspace.run_python("import " + module + "\n", output) == 0;
 }
 
 }  // namespace
 
 TEST_CASE("what the guide to results shows is what is printed") {
   const MarkdownFile guide("sdk/docs/results.md");
-  const Desk desk;
+  const Workspace workspace;
   std::string output;
   const auto texts = guide.fences("text");
   std::size_t typed = 0;
@@ -73,7 +73,7 @@ TEST_CASE("what the guide to results shows is what is printed") {
       const bool is_typed = line.rfind("$ ", 0) == 0;
       (is_typed ? script : expected) += (is_typed ? line.substr(2) : line) + "\n";
     }
-    const int status = desk.run(script, output);
+    const int status = workspace.run(script, output);
     INFO(script << output);
     CHECK(status == 0);
     CHECK(output == expected);
@@ -85,11 +85,11 @@ TEST_CASE("what the guide to results shows is what is printed") {
   REQUIRE(scripts.size() == printed.size());
   for (std::size_t i = 0; i < scripts.size(); ++i) {
     const std::string module = scripts[i].lines.front().substr(std::string("import ").size());
-    if (!is_there(desk, module)) {
+    if (!is_there(workspace, module)) {
       std::printf("SKIPPED: no %s\n", module.c_str());
       continue;
     }
-    const int status = desk.run_python(scripts[i].text(), output);
+    const int status = workspace.run_python(scripts[i].text(), output);
     INFO(scripts[i].text() << output);
     CHECK(status == 0);
     CHECK(output == printed[i]);

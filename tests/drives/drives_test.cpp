@@ -49,7 +49,8 @@ void check_ledger(const ordered_json& filter, int rows) {
     for (const char* outcome : {"accepted", "gated", "late", "unsupported", "invalid", "withheld", "rejected"})
       outcomes += counts.at(outcome).get<std::int64_t>();
     CHECK(counts.at("offered").get<std::int64_t>() == outcomes);
-    if (name == "fix") CHECK(counts.at("offered").get<std::int64_t>() + counts.at("before_start").get<std::int64_t>() == rows);
+    if (name == "fix")
+      CHECK(counts.at("offered").get<std::int64_t>() + counts.at("before_start").get<std::int64_t>() == rows);
     CHECK(counts.at("late") == 0);
     CHECK(counts.at("invalid") == 0);
     CHECK(counts.at("rejected") == 0);

@@ -98,12 +98,11 @@ TEST_CASE("the mounting is found to 1 deg in pitch and 1.5 deg in yaw of the ref
   struct Mount {
     Eigen::Matrix3d truth, nominal;
   };
-  const std::map<std::string, Mount> mounts = {
-      {"long_drive", {mounted(170.79, 60.50, 167.45), mounted(170, 60, 165)}},
-      {"parkinglot", {mounted(-1.82, -24.60, 96.87), mounted(0, -25, 95)}},
-      {"medium_turn_loop", {mounted(-1.17, -0.02, 2.59), mounted(0, 0, 5)}},
-      {"mixed_turns", {mounted(-2.01, 1.61, 265.33), mounted(0, 0, 265)}},
-      {"stop_go", {mounted(170.75, 60.59, 168.91), mounted(170, 60, 170)}}};
+  const std::map<std::string, Mount> mounts = {{"long_drive", {mounted(170.79, 60.50, 167.45), mounted(170, 60, 165)}},
+                                               {"parkinglot", {mounted(-1.82, -24.60, 96.87), mounted(0, -25, 95)}},
+                                               {"medium_turn_loop", {mounted(-1.17, -0.02, 2.59), mounted(0, 0, 5)}},
+                                               {"mixed_turns", {mounted(-2.01, 1.61, 265.33), mounted(0, 0, 265)}},
+                                               {"stop_go", {mounted(170.75, 60.59, 168.91), mounted(170, 60, 170)}}};
   LastRecord records;
   recorded::run(*folder, "land/outages-nearest-5deg", {}, &records);
   std::printf("misalignment, deg      reference y, z   estimate y, z (sigma)\n");
@@ -138,8 +137,9 @@ TEST_CASE("a velocity gone wrong is left out and told, and nothing else is") {
   };
   const ordered_json whole = recorded::run(*folder, "land/outages");
   // The data's README calls the velocity of this drive faulty from about 440 s on; the first rows that fail lie at 432 s.
-  const ordered_json before = recorded::run(
-      *folder, "land/outages", {R"(/filters/mixed_turns/measurements/fix/withhold=[["425 s", "1000 s"]])"});
+  const ordered_json before =
+      recorded::run(*folder, "land/outages",
+                    {R"(/filters/mixed_turns/measurements/fix/withhold=[["425 s", "1000 s"]])"});
   const ordered_json none_withheld =
       recorded::run(*folder, "land/outages", {"/filters/mixed_turns/measurements/fix/withhold=[]"});
   std::printf("mixed-turns, rows left out: %s\n", left_out(whole, "mixed_turns").dump().c_str());

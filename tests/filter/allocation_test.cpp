@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "catch.hpp"
 
 namespace {
@@ -23,7 +23,7 @@ using namespace binnacle;
 
 TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  Filter filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json"));
+  Session filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json"));
   const int imu = filter.channel("imu"), gnss = filter.channel("gnss");
   const auto position = filter.block("ins/position");
   const double still[] = {0, 0, 0, 0, 0, -0.0981};
@@ -41,7 +41,7 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
   const auto faults = [&](Time t) {
     filter.push(gnss, no_time, t - 500 * ms, fix);  // late
     fix[2] = 1e6;
-    filter.push(gnss, no_time, t, fix);             // gated
+    filter.push(gnss, no_time, t, fix);  // gated
     fix[2] = 500;
   };
   second(0);
@@ -62,7 +62,7 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions options;
   options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  Filter filter(Composition::parse(R"({"binnacle": 1,
+  Session filter(Composition::parse(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "max_rows": 8, "fields": {
       "key": {"unit": "1", "per_row": true}, "z": {"unit": "1", "per_row": true},
       "slope": {"unit": "1", "per_row": true}, "variance": {"unit": "1", "per_row": true}}}},
@@ -71,9 +71,10 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"channel": "z", "gate": {"probability": 0.999, "by": "key"},
         "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})",
-                                  "test.json", options));
+                                    "test.json", options));
   const int channel = filter.channel("z");
-  double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1}, {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};
+  double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1},
+                       {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};
   const auto offer = [&](Time t) {
     SampleView sample;
     sample.t = t;

@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "catch.hpp"
 
 using namespace binnacle;
@@ -17,14 +17,14 @@ using Eigen::VectorXd;
 
 namespace {
 
-Filter compose(const std::string& text) {
+Session compose(const std::string& text) {
   LoadOptions options;
   options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Filter(Composition::parse(text, "test.json", options));
+  return Session(Composition::parse(text, "test.json", options));
 }
 
-void push(Filter& filter, const char* channel, double t, std::vector<double> fields) {
+void push(Session& filter, const char* channel, double t, std::vector<double> fields) {
   filter.push(filter.channel(channel), no_time, nanoseconds(t), fields);
 }
 
@@ -38,13 +38,14 @@ std::string line(const std::string& blocks_extra = "", const std::string& measur
     "filters": {"f": {
       "blocks": {
         "position": {"type": "vector", "size": 1, "unit": "m", "init": 1, "sigma": 2},
-        "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0.5, "sigma": 0.3)" + velocity_extra + R"(})" +
-         blocks_extra + R"(},
+        "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0.5, "sigma": 0.3)" +
+         velocity_extra + R"(})" + blocks_extra + R"(},
       "process": {
         "move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
         "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.2}},
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"},
-                               "sigma": [0.7])" + measurement_extra + R"(}}}}})";
+                               "sigma": [0.7])" +
+         measurement_extra + R"(}}}}})";
 }
 
 /// The same filter, dense.
@@ -73,7 +74,7 @@ struct DenseLine {
   }
 };
 
-void require_equal(Filter& filter, const DenseLine& expected) {
+void require_equal(Session& filter, const DenseLine& expected) {
   double position = 0, velocity = 0;
   filter.read(filter.block("position"), {&position, 1});
   filter.read(filter.block("velocity"), {&velocity, 1});
@@ -85,7 +86,7 @@ void require_equal(Filter& filter, const DenseLine& expected) {
 }  // namespace
 
 TEST_CASE("a composed filter equals the dense one: joint discretization, update, ledger") {
-  Filter filter = compose(line());
+  Session filter = compose(line());
   DenseLine expected;
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
@@ -110,7 +111,7 @@ TEST_CASE("a composed filter equals the dense one: joint discretization, update,
 }
 
 TEST_CASE("a considered component widens the covariance and is never corrected") {
-  Filter filter = compose(line("", "", R"(, "consider": ["x"])"));
+  Session filter = compose(line("", "", R"(, "consider": ["x"])"));
   DenseLine expected;
   for (int i = 0; i < 20; ++i) {
     if (i > 0) expected.advance(0.5);
@@ -122,7 +123,7 @@ TEST_CASE("a considered component widens the covariance and is never corrected")
 }
 
 TEST_CASE("a frozen component has no row in P but still moves others") {
-  Filter filter = compose(line("", "", R"(, "estimate": [])"));
+  Session filter = compose(line("", "", R"(, "estimate": [])"));
   push(filter, "z", 0, {1.0});
   push(filter, "z", 2, {1.0});
   REQUIRE(filter.covariance(0).rows == 1);
@@ -148,9 +149,9 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
         "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
                                  "H": [[1, 1, 1]], "sigma": [0.1]}}}}})";
   };
-  Filter free = compose(config(""));
-  Filter held = compose(config(R"(, "hold": true)"));
-  for (Filter* filter : {&free, &held}) {
+  Session free = compose(config(""));
+  Session held = compose(config(R"(, "hold": true)"));
+  for (Session* filter : {&free, &held}) {
     push(*filter, "z", 0, {6.0});
     push(*filter, "z", 1, {6 * std::exp(-1.0)});
   }
@@ -164,7 +165,7 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
 }
 
 TEST_CASE("late samples are refused and counted") {
-  Filter filter = compose(line());
+  Session filter = compose(line());
   push(filter, "z", 1, {1});
   push(filter, "z", 2, {1});
   push(filter, "z", 1.5, {1});
@@ -175,12 +176,12 @@ TEST_CASE("late samples are refused and counted") {
 }
 
 TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
-  Filter all = compose(line());
-  Filter some = compose(line("", R"(, "withhold": {"every": 2})"));
-  Filter window = compose(line("", R"(, "withhold": [["1 s", "2 s"], ["start+4 s", "start+5 s"]])"));
+  Session all = compose(line());
+  Session some = compose(line("", R"(, "withhold": {"every": 2})"));
+  Session window = compose(line("", R"(, "withhold": [["1 s", "2 s"], ["start+4 s", "start+5 s"]])"));
   DenseLine expected;
   for (int i = 0; i < 8; ++i) {
-    for (Filter* filter : {&all, &some, &window}) push(*filter, "z", i, {1.0 + i});
+    for (Session* filter : {&all, &some, &window}) push(*filter, "z", i, {1.0 + i});
     if (i > 0) expected.advance(1);
     if (i % 2 == 0) expected.update(1.0 + i, 0.49);
   }
@@ -191,7 +192,7 @@ TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
 }
 
 TEST_CASE("the gate keeps outliers out, and recovery reopens a filter that locks a sensor out") {
-  Filter filter = compose(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
+  Session filter = compose(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
   for (int i = 0; i < 20; ++i) push(filter, "z", 0.1 * i, {1.0});
   for (int i = 20; i < 23; ++i) push(filter, "z", 0.1 * i, {500.0});
   auto counts = filter.counts(0, 0);
@@ -206,27 +207,27 @@ TEST_CASE("the gate keeps outliers out, and recovery reopens a filter that locks
 }
 
 TEST_CASE("refusals are typed, and a refused sample's memory is rolled back") {
-  Filter filter = compose(R"({"binnacle": 1,
+  Session filter = compose(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z": {"unit": "1"}}}},
     "filters": {"f": {"blocks": {"x": {"type": "vector", "size": 1, "sigma": 1}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"picky": {"type": "picky", "channel": "z", "blocks": {"x": "x"}}}}}})");
-  push(filter, "z", 0, {1});     // R = 1
-  push(filter, "z", 1, {-1});    // unsupported
-  push(filter, "z", 2, {101});   // invalid
-  push(filter, "z", 3, {50});    // residual NaN
+  push(filter, "z", 0, {1});    // R = 1
+  push(filter, "z", 1, {-1});   // unsupported
+  push(filter, "z", 2, {101});  // invalid
+  push(filter, "z", 3, {50});   // residual NaN
   push(filter, "z", 4, {std::nan("")});
   const auto counts = filter.counts(0, 0);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::unsupported)] == 1);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::invalid)] == 3);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 1);
-  push(filter, "z", 5, {1});     // its memory counts accepted samples only: R = 2
+  push(filter, "z", 5, {1});  // its memory counts accepted samples only: R = 2
   REQUIRE(std::abs(filter.covariance(0)(0, 0) - 1 / (1 + 1 + 0.5)) < 1e-15);
 }
 
 TEST_CASE("a noise estimator's memory is rolled back when its sample is gated, unless it learns from gated ones") {
   const auto variance_after = [](const char* noise) {
-    Filter filter = compose(line("", std::string(R"(, "gate": 0.9999, "noise": )") + noise));
+    Session filter = compose(line("", std::string(R"(, "gate": 0.9999, "noise": )") + noise));
     push(filter, "z", 0, {1});
     push(filter, "z", 0, {1e4});  // gated
     push(filter, "z", 0, {1});
@@ -234,7 +235,8 @@ TEST_CASE("a noise estimator's memory is rolled back when its sample is gated, u
   };
   const auto after = [](double R1, double R2) { return 1 / (1 / 4.0 + 1 / R1 + 1 / R2); };
   REQUIRE(std::abs(variance_after(R"({"type": "counting"})") - after(0.49, 2 * 0.49)) < 1e-14);
-  REQUIRE(std::abs(variance_after(R"({"type": "counting", "learn_from_gated": true})") - after(0.49, 3 * 0.49)) < 1e-14);
+  REQUIRE(std::abs(variance_after(R"({"type": "counting", "learn_from_gated": true})") - after(0.49, 3 * 0.49)) <
+          1e-14);
 }
 
 TEST_CASE("a stack is one update: the same as its parts one after the other when their noise is independent") {
@@ -248,10 +250,11 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
       "measurements": )";
   const std::string p = R"("type": "linear_measurement", "blocks": {"x": "p"}, "fields": {"z0": "a"}, "sigma": [0.5])";
   const std::string v = R"("type": "linear_measurement", "blocks": {"x": "v"}, "fields": {"z0": "b"}, "sigma": [0.1])";
-  Filter stacked = compose(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
-  Filter apart = compose(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
+  Session stacked =
+      compose(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
+  Session apart = compose(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
   for (int i = 0; i < 10; ++i)
-    for (Filter* filter : {&stacked, &apart}) push(*filter, "z", i, {0.3 * i, 0.3});
+    for (Session* filter : {&stacked, &apart}) push(*filter, "z", i, {0.3 * i, 0.3});
   REQUIRE((dense(stacked.covariance(0)) - dense(apart.covariance(0))).norm() < 1e-13);
   REQUIRE(std::abs(stacked.state(0)[0] - apart.state(0)[0]) < 1e-12);
   REQUIRE(stacked.counts(0, 0).dof_mean == 2);
@@ -260,7 +263,7 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
 namespace {
 
 /// The newest measurement.
-class KeepRecord : public StepTape {
+class KeepRecord : public StepObserver {
  public:
   bool wants_matrices() const override { return true; }
   void offered(const UpdateRecord& record) override {
@@ -276,7 +279,7 @@ class KeepRecord : public StepTape {
 }  // namespace
 
 TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
-  Filter filter = compose(R"({"binnacle": 1,
+  Session filter = compose(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2]}},
@@ -284,8 +287,8 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
                   "once": {"type": "square", "blocks": {"x": "x"}}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "twice"}, "sigma": [1]}}}}})");
-  KeepRecord tape;
-  filter.attach(0, &tape);
+  KeepRecord observer;
+  filter.attach(0, &observer);
   push(filter, "z", 0, {0, 0});
   const auto h = [](double a, double b) { return Eigen::Vector2d(a * a * a * a, a * a * a * b); };
   const double e = 1e-6;
@@ -294,29 +297,31 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
   H.col(1) = (h(1.3, -0.4 + e) - h(1.3, -0.4 - e)) / (2 * e);
   const Eigen::Matrix2d expected =
       H * Eigen::Vector2d(0.01, 0.04).asDiagonal() * H.transpose() + Eigen::Matrix2d::Identity();
-  REQUIRE((tape.S - expected).norm() < 1e-8);
-  REQUIRE((tape.r + h(1.3, -0.4)).norm() < 1e-12);
+  REQUIRE((observer.S - expected).norm() < 1e-8);
+  REQUIRE((observer.r + h(1.3, -0.4)).norm() < 1e-12);
 }
 
-TEST_CASE("the tape's H has a column per row of P: chained through derived blocks, zero where nothing is seen") {
+TEST_CASE("the observer's H has a column per row of P: chained through derived blocks, zero where nothing is seen") {
   // Rows of P: idle 0; x 1, 2; offset 3, 4. With "estimate" of one component of x, that column alone.
   const auto recorded = [](const std::string& more_of_x, const std::string& withheld) {
-    Filter filter = compose(R"({"binnacle": 1,
+    Session filter = compose(R"({"binnacle": 1,
       "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
       "filters": {"f": {
         "blocks": {"idle": {"type": "vector", "size": 1, "unit": "m", "sigma": 3},
-                   "x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2])" + more_of_x + R"(},
+                   "x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2])" +
+                             more_of_x + R"(},
                    "offset": {"type": "vector", "size": 2, "unit": "m^2", "sigma": [0.5, 0.6]}},
         "derived": {"squared": {"type": "square", "blocks": {"x": "x"}}},
         "process": {"of_idle": {"type": "random_constant", "blocks": {"x": "idle"}},
                     "of_x": {"type": "random_constant", "blocks": {"x": "x"}},
                     "of_offset": {"type": "random_constant", "blocks": {"x": "offset"}}},
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "H": [[1, 0], [2, 1]], "sigma": [0.7],
-                                 "blocks": {"x": "squared", "bias": "offset"})" + withheld + R"(}}}}})");
-    KeepRecord tape;
-    filter.attach(0, &tape);
+                                 "blocks": {"x": "squared", "bias": "offset"})" +
+                             withheld + R"(}}}}})");
+    KeepRecord observer;
+    filter.attach(0, &observer);
     push(filter, "z", 0, {0.3, 0.2});
-    return tape;
+    return observer;
   };
   const auto h = [](double a, double b) {
     const Eigen::Vector2d squared(a * a, a * b);  // as the plugin `probe` has it
@@ -348,15 +353,16 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
     return std::string(R"({"binnacle": 1,
       "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "1"}}}},
       "filters": {"f": {"blocks": {"x": {"type": "vector", "size": 1, "sigma": 1}},
-        "process": {"bad": {"type": "breaking", "blocks": {"x": "x"}, "after": "2 s")") + more + R"(}},
+        "process": {"bad": {"type": "breaking", "blocks": {"x": "x"}, "after": "2 s")") +
+           more + R"(}},
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})";
   };
   for (const char* more : {"", R"(, "politely": true)"}) {
-    Filter filter = compose(config(more));
+    Session filter = compose(config(more));
     for (int t = 0; t <= 4; ++t) push(filter, "z", t, {1});
     REQUIRE_FALSE(filter.healthy(0));
-    REQUIRE(filter.diagnosis(0) == (*more ? "process 'bad' cannot go on at 3 s: it is too late"
-                                          : "block 'x' is not finite at 3 s"));
+    REQUIRE(filter.diagnosis(0) ==
+            (*more ? "process 'bad' cannot go on at 3 s: it is too late" : "block 'x' is not finite at 3 s"));
     REQUIRE(filter.counts(0, 0).by_outcome[0] == 3);
   }
 }
@@ -377,7 +383,7 @@ const std::string ins = R"({"binnacle": 1,
       "gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": "100 deg/h"},
       "accel_bias": {"type": "vector", "size": 3, "unit": "m/s^2", "sigma": "1 mg"}},
     "derived": {"antenna": {"type": "lever_arm", "blocks": {"position": "position", "attitude": "attitude"},
-                            "arm": ["1 m", "0.2 m", "-1.5 m"]}},
+                            "lever_arm": ["1 m", "0.2 m", "-1.5 m"]}},
     "process": {
       "strapdown": {"type": "phi_error", "input": "imu",
         "blocks": {"position": "position", "velocity": "velocity", "attitude": "attitude",
@@ -389,7 +395,7 @@ const std::string ins = R"({"binnacle": 1,
                              "sigma": "2 m"}}}}})";
 
 struct InsDrive {
-  explicit InsDrive(Filter& f) : filter(f), imu(f.channel("imu")), gnss(f.channel("gnss")) {}
+  explicit InsDrive(Session& f) : filter(f), imu(f.channel("imu")), gnss(f.channel("gnss")) {}
   void input(Time t0, Time t1) {
     const double s = seconds(t1);
     const double fields[] = {0.05 * std::sin(s), 0.02, 0.1 * std::cos(0.3 * s), 0.5, 1 + 0.2 * std::sin(2 * s), -9.8};
@@ -399,11 +405,11 @@ struct InsDrive {
     const double fields[] = {0.8377580409572782 + 1e-8 * seconds(t), 0.19198621771937624, 500};
     filter.push(gnss, no_time, t, fields);
   }
-  Filter& filter;
+  Session& filter;
   int imu, gnss;
 };
 
-std::vector<std::byte> bytes_of(const Filter& filter) {
+std::vector<std::byte> bytes_of(const Session& filter) {
   std::vector<std::byte> bytes(filter.snapshot_size());
   filter.snapshot(bytes);
   return bytes;
@@ -414,7 +420,7 @@ constexpr Time ms = 1'000'000;
 }  // namespace
 
 TEST_CASE("a measurement ahead of the input waits and splits the sample it falls into") {
-  Filter ahead = compose(ins), split = compose(ins);
+  Session ahead = compose(ins), split = compose(ins);
   InsDrive a(ahead), b(split);
   for (int i = 0; i < 10; ++i) {
     a.input(i * 10 * ms, (i + 1) * 10 * ms);
@@ -441,7 +447,7 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
 }
 
 TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow is told") {
-  Filter filter = compose(ins);
+  Session filter = compose(ins);
   InsDrive drive(filter);
   drive.input(0, 10 * ms);
   for (int i = 0; i < 70; ++i) drive.fix((20 + i) * ms);
@@ -450,7 +456,7 @@ TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow 
 }
 
 TEST_CASE("samples of one instant may come in any order") {
-  Filter first = compose(ins), last = compose(ins);
+  Session first = compose(ins), last = compose(ins);
   InsDrive a(first), b(last);
   for (int i = 0; i < 100; ++i) {
     a.input(i * 10 * ms, (i + 1) * 10 * ms);
@@ -465,26 +471,26 @@ TEST_CASE("samples of one instant may come in any order") {
 }
 
 TEST_CASE("restored and continued equals uninterrupted, bit for bit") {
-  auto run = [](Filter& filter, int from, int to) {
+  auto run = [](Session& filter, int from, int to) {
     InsDrive drive(filter);
     for (int i = from; i < to; ++i) {
       drive.input(i * 10 * ms, (i + 1) * 10 * ms);
       if (i % 7 == 3) drive.fix((i + 1) * 10 * ms + 13 * ms);  // one always waits in the queue
     }
   };
-  Filter whole = compose(ins);
+  Session whole = compose(ins);
   run(whole, 0, 300);
-  Filter first = compose(ins);
+  Session first = compose(ins);
   run(first, 0, 137);
   const auto saved = bytes_of(first);
-  Filter second = compose(ins);
+  Session second = compose(ins);
   run(second, 0, 20);  // another past, to be forgotten
   second.restore(saved);
   run(second, 137, 300);
   REQUIRE(bytes_of(whole) == bytes_of(second));
 
   SECTION("bytes of another composition are refused and nothing changes") {
-    Filter other = compose(line());
+    Session other = compose(line());
     auto before = bytes_of(second);
     auto foreign = bytes_of(other);
     REQUIRE_THROWS_AS(second.restore(foreign), ConfigError);
@@ -503,13 +509,14 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
     text.insert(text.find(key) + key.size(), " \"samples_per_step\": " + std::to_string(samples) + ",");
     return compose(text);
   };
-  Filter one = grouped(1), four = grouped(4);
+  Session one = grouped(1), four = grouped(4);
   InsDrive a(one), b(four);
   for (InsDrive* drive : {&a, &b})
     for (int i = 0; i < 200; ++i) {
       drive->input(i * 5 * ms, (i + 1) * 5 * ms);
-      if (i % 25 == 11) drive->fix((i + 1) * 5 * ms);            // on a sample's end, inside a group
-      if (i % 25 == 20) drive->fix((i + 1) * 5 * ms - 2 * ms);   // inside the sample just taken: late for one, not for four
+      if (i % 25 == 11) drive->fix((i + 1) * 5 * ms);  // on a sample's end, inside a group
+      if (i % 25 == 20)
+        drive->fix((i + 1) * 5 * ms - 2 * ms);  // inside the sample just taken: late for one, not for four
     }
   REQUIRE(one.time(0) == 1000 * ms);
   // Up to three whole samples wait for their group.
@@ -524,7 +531,7 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
 }
 
 TEST_CASE("a hole in the input is bridged with the rates held, and counted") {
-  Filter filter = compose(ins);
+  Session filter = compose(ins);
   InsDrive drive(filter);
   for (int i = 0; i < 10; ++i) drive.input(i * 10 * ms, (i + 1) * 10 * ms);
   drive.input(150 * ms, 160 * ms);
@@ -535,13 +542,14 @@ TEST_CASE("a hole in the input is bridged with the rates held, and counted") {
 namespace {
 
 /// `ins` with groups of `samples` for the attitude, from rates or from increments.
-Filter in_groups(int samples, bool of_increments) {
+Session in_groups(int samples, bool of_increments) {
   std::string text = ins;
   const std::string key = R"("input": "imu",)";
   const std::string n = std::to_string(samples);
   text.insert(text.find(key) + key.size(), " \"samples_per_step\": " + n + ", \"attitude\": {\"samples\": " + n + "},");
   const auto replace_all = [&](const std::string& from, const std::string& to) {
-    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
   };
   if (of_increments) {
     replace_all(R"("unit": "rad/s", "kind": "rate")", R"("unit": "rad", "kind": "increment")");
@@ -551,14 +559,18 @@ Filter in_groups(int samples, bool of_increments) {
 }
 
 /// A noisy swing at 100 Hz with samples from `first_lost` to `last_lost` missing.
-void swing(Filter& filter, int count, int first_lost, int last_lost, bool of_increments) {
+void swing(Session& filter, int count, int first_lost, int last_lost, bool of_increments) {
   std::mt19937 engine(7);
   std::normal_distribution<double> normal;
   const int imu = filter.channel("imu");
   for (int i = 0; i < count; ++i) {
     const double t = 0.01 * i, scale = of_increments ? 0.01 : 1.0;
-    double fields[6] = {0.3 * std::sin(2 * t) + 0.002 * normal(engine), 0.2 * std::cos(3 * t) + 0.002 * normal(engine),
-                        0.1 + 0.002 * normal(engine), 0.05 * normal(engine), 0.05 * normal(engine), -9.8 + 0.05 * normal(engine)};
+    double fields[6] = {0.3 * std::sin(2 * t) + 0.002 * normal(engine),
+                        0.2 * std::cos(3 * t) + 0.002 * normal(engine),
+                        0.1 + 0.002 * normal(engine),
+                        0.05 * normal(engine),
+                        0.05 * normal(engine),
+                        -9.8 + 0.05 * normal(engine)};
     for (double& field : fields) field *= scale;
     if (i < first_lost || i > last_lost) filter.push(imu, i * 10 * ms, (i + 1) * 10 * ms, fields);
   }
@@ -570,9 +582,9 @@ TEST_CASE("a hole in the input is bridged alone, wherever in a group of samples 
   for (const bool of_increments : {false, true})
     for (int place = 0; place < 4; ++place) {
       CAPTURE(of_increments, place);
-      Filter one = in_groups(1, of_increments), four = in_groups(4, of_increments);
+      Session one = in_groups(1, of_increments), four = in_groups(4, of_increments);
       // 1000 samples less the lost ones are no multiple of four plus `place`: both end at the same time.
-      for (Filter* filter : {&one, &four}) swing(*filter, 1000, 500 + place, 559 + place, of_increments);
+      for (Session* filter : {&one, &four}) swing(*filter, 1000, 500 + place, 559 + place, of_increments);
       REQUIRE(four.healthy(0));
       REQUIRE(one.time(0) - four.time(0) <= 30 * ms);
       double a[3], b[3], u[3], v[3];
@@ -589,7 +601,7 @@ TEST_CASE("a hole in the input is bridged alone, wherever in a group of samples 
 TEST_CASE("a hole inside the first group of increments is bridged by what came before it") {
   for (const int samples : {1, 4}) {
     CAPTURE(samples);
-    Filter filter = in_groups(samples, true);
+    Session filter = in_groups(samples, true);
     swing(filter, 100, 3, 9, true);
     REQUIRE(filter.healthy(0));
     REQUIRE(filter.time(0) >= 960 * ms);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What components find out while they are bound: figures in the explanation, remarks among the warnings.
+// What components find out while they are bound: figures in the explanation, notes among the warnings.
 #include <cstdlib>
 #include <string>
 
@@ -20,14 +20,15 @@ std::shared_ptr<const Composition> composed(const std::string& parameters) {
     "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
-      "process": {"p": {"type": "breaking", "blocks": {"x": "x"})" + parameters + R"(}},
+      "process": {"p": {"type": "breaking", "blocks": {"x": "x"})" +
+                                parameters + R"(}},
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})",
                             "test.json", options);
 }
 
 }  // namespace
 
-TEST_CASE("a component's remark is a warning at its place, its figures are explained") {
+TEST_CASE("a component's note is a warning at its place, its figures are explained") {
   const auto composition = composed(R"(, "after": "3 s")");
   REQUIRE(composition->warnings().items().size() == 1);
   const Diagnostic& warning = composition->warnings().items().front();
@@ -41,6 +42,6 @@ TEST_CASE("a component's remark is a warning at its place, its figures are expla
     {"name": "breaks after", "value": 3.0, "unit": "s"}]}])"));
 }
 
-TEST_CASE("a component that has nothing to remark is none of the warnings") {
+TEST_CASE("a component that has no note is none of the warnings") {
   CHECK(composed(R"(, "politely": true)")->warnings().empty());
 }

@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "catch.hpp"
 
 using namespace binnacle;
@@ -26,20 +26,21 @@ std::string seen(const std::string& extra, double sigma0 = 10, bool stacked = fa
          R"("key": {"unit": "1", "per_row": true}, "z": {"unit": "1", "per_row": true},)"
          R"("slope": {"unit": "1", "per_row": true}, "variance": {"unit": "1", "per_row": true}}}},
     "filters": {"f": {
-      "blocks": {"x": {"type": "vector", "size": 2, "unit": "1", "sigma": [)" + std::to_string(sigma0) + R"(, 0.1]}},
+      "blocks": {"x": {"type": "vector", "size": 2, "unit": "1", "sigma": [)" +
+         std::to_string(sigma0) + R"(, 0.1]}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"channel": "z", )" +
          (stacked ? R"("stack": {"first": {)" + part + R"(}, "second": {)" + part + "}}" : part) + extra + "}}}}}";
 }
 
-Filter compose(const std::string& text) {
+Session compose(const std::string& text) {
   LoadOptions options;
   options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Filter(Composition::parse(text, "test.json", options));
+  return Session(Composition::parse(text, "test.json", options));
 }
 
-void push(Filter& filter, double t, const std::vector<Row>& rows) {
+void push(Session& filter, double t, const std::vector<Row>& rows) {
   SampleView sample;
   sample.t = nanoseconds(t);
   sample.rows = static_cast<int>(rows.size());
@@ -48,7 +49,7 @@ void push(Filter& filter, double t, const std::vector<Row>& rows) {
   filter.push(filter.channel("z"), sample);
 }
 
-class Keep : public StepTape {
+class Keep : public StepObserver {
  public:
   void offered(const UpdateRecord& record) override {
     outcome = record.outcome;
@@ -72,8 +73,8 @@ const std::vector<Row> good = {{11, 5.2, 1}, {12, 4.9, -1}, {13, 5.1, 0.5}, {14,
 TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as if it had never been there") {
   auto with_outlier = good;
   with_outlier.insert(with_outlier.begin() + 2, {99, 1005, 0.2});
-  Filter gated = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
-  Filter clean = compose(seen(""));
+  Session gated = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
+  Session clean = compose(seen(""));
   Keep kept, expected;
   gated.attach(0, &kept);
   clean.attach(0, &expected);
@@ -84,7 +85,9 @@ TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as i
   REQUIRE(kept.keys == expected.keys);
   REQUIRE(std::abs(kept.nis - expected.nis) < 1e-12);
   REQUIRE((kept.S - expected.S).norm() < 1e-12);
-  for (int i = 0; i < 2; ++i) REQUIRE(std::abs(gated.state(0)[static_cast<std::size_t>(i)] - clean.state(0)[static_cast<std::size_t>(i)]) < 1e-12);
+  for (int i = 0; i < 2; ++i)
+    REQUIRE(std::abs(gated.state(0)[static_cast<std::size_t>(i)] - clean.state(0)[static_cast<std::size_t>(i)]) <
+            1e-12);
   REQUIRE((Eigen::MatrixXd(gated.covariance(0).as()) - Eigen::MatrixXd(clean.covariance(0).as())).norm() < 1e-13);
   REQUIRE(gated.counts(0, 0).rows_left_out == 1);
   REQUIRE(clean.counts(0, 0).rows_left_out == 0);
@@ -93,13 +96,14 @@ TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as i
 TEST_CASE("an error that all rows share is no row's, while the filter leaves it open") {
   auto all = good;
   for (auto& row : all) row.z += 300;
-  Filter open = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 1e3));
+  Session open = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 1e3));
   push(open, 0, all);
   REQUIRE(open.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
   REQUIRE(open.counts(0, 0).rows_left_out == 0);
 
-  Filter sure = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"},
-    "recover": {"after": 2, "inflate": {"x.x0": 1000}})", 0.5));
+  Session sure = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"},
+    "recover": {"after": 2, "inflate": {"x.x0": 1000}})",
+                              0.5));
   push(sure, 0, all);
   REQUIRE(sure.counts(0, 0).by_outcome[static_cast<int>(Outcome::gated)] == 1);
   REQUIRE(sure.counts(0, 0).last_reason == "no majority of its rows agrees with the rest");
@@ -113,7 +117,7 @@ TEST_CASE("several outliers are left out one after the other") {
   auto rows = good;
   rows[1].z += 50;
   rows[3].z -= 80;
-  Filter filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
+  Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
   Keep kept;
   filter.attach(0, &kept);
   push(filter, 0, rows);
@@ -125,7 +129,7 @@ TEST_CASE("a gate by key leaves out the rows of one key in all parts of a stack,
   auto rows = good;
   rows.resize(4);
   rows[0].z += 200;
-  Filter filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "key"})", 10, true));
+  Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "key"})", 10, true));
   Keep kept;
   filter.attach(0, &kept);
   push(filter, 0, rows);
@@ -137,7 +141,7 @@ TEST_CASE("a gate by key leaves out the rows of one key in all parts of a stack,
 
 TEST_CASE("a gate by row lets right rows pass as often as it says") {
   // 20000 rows of unit noise; 0.99 per row leaves out 1 %, give or take five deviations of sqrt(200).
-  Filter filter = compose(seen(R"(, "gate": {"probability": 0.99, "by": "row"})", 1e-9));
+  Session filter = compose(seen(R"(, "gate": {"probability": 0.99, "by": "row"})", 1e-9));
   std::uint64_t state = 12345;
   const auto uniform = [&] {
     state = state * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -154,11 +158,11 @@ TEST_CASE("a gate by row lets right rows pass as often as it says") {
 }
 
 TEST_CASE("what is wrong with a gate is told at its place") {
-  for (const auto& [gate, says] : std::vector<std::pair<std::string, std::string>>{
-           {R"({"by": "row"})", "probability"},
-           {R"({"probability": 0.9, "by": "rows"})", "did you mean 'row'"},
-           {R"({"probability": 1.5})", "out of range"},
-           {R"({"probability": 0.9, "per": "row"})", "unknown key"}}) {
+  for (const auto& [gate, says] :
+       std::vector<std::pair<std::string, std::string>>{{R"({"by": "row"})", "probability"},
+                                                        {R"({"probability": 0.9, "by": "rows"})", "did you mean 'row'"},
+                                                        {R"({"probability": 1.5})", "out of range"},
+                                                        {R"({"probability": 0.9, "per": "row"})", "unknown key"}}) {
     INFO(gate);
     try {
       compose(seen(R"(, "gate": )" + gate));
@@ -178,17 +182,17 @@ TEST_CASE("a noise estimator learns once from a sample whose outliers are left o
   rows[1].z += 500;
   auto clean_rows = good;
   clean_rows.erase(clean_rows.begin() + 1);
-  Filter with = filter_of(), without = filter_of();
+  Session with = filter_of(), without = filter_of();
   push(with, 0, rows);
   push(without, 0, clean_rows);
-  for (Filter* filter : {&with, &without}) push(*filter, 1, good);
+  for (Session* filter : {&with, &without}) push(*filter, 1, good);
   REQUIRE(with.counts(0, 0).rows_left_out == 1);
   REQUIRE((Eigen::MatrixXd(with.covariance(0).as()) - Eigen::MatrixXd(without.covariance(0).as())).norm() < 1e-13);
 }
 
 TEST_CASE("a sample gated for want of a majority tells what was left out before, and the NIS of all its rows") {
   const std::vector<Row> split = {{1, 0, 0}, {2, 0, 0}, {3, 900, 0}, {4, -900, 0}, {5, 1800, 0}};
-  Filter filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
+  Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
   Keep kept;
   filter.attach(0, &kept);
   push(filter, 0, split);

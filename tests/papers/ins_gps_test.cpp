@@ -35,7 +35,8 @@ TEST_CASE("paper 003, straight flight: the position is GPS's in every cell, the 
           20 * over_runs(summary, coupling + " high", "ins/attitude.tilt/rms", "mean"));
 }
 
-TEST_CASE("paper 003, figure 1: an outage is the sensors' affair, and satellites too few for a position still help tightly") {
+TEST_CASE(
+    "paper 003, figure 1: an outage is the sensors' affair, and satellites too few for a position still help tightly") {
   const auto summary = summary_of("study", "ins_gps/outage.json", "--runs 12 --jobs 2");
   const auto end = [&](const std::string& variant) {
     return over_runs(summary, variant, "ins/position.horizontal/at 399 s", "rms");
@@ -62,10 +63,14 @@ TEST_CASE("paper 003, table 2: in turns the loosely coupled filter hangs on what
 }
 
 TEST_CASE("a satellite with 1 km error is left out, told and survived, and only that one") {
-  const std::string gated = R"(--variant "tc low" --set '/filters/ins/measurements/ranges/gate={"probability": 0.99999, "by": "key"}')";
+  const std::string gated =
+      R"(--variant "tc low" --set '/filters/ins/measurements/ranges/gate={"probability": 0.99999, "by": "key"}')";
   const auto clean = summary_of("run", "ins_gps/straight.json", gated);
   CHECK(measurement(clean, "ranges").at("left_out").at("rows") == 0);
-  const auto faulty = summary_of("run", "ins_gps/straight.json", gated + R"( --set '/transforms/gnss/faults=[{"satellite": "G05", "from": "200 s", "to": "300 s", "pseudorange": "1 km"}]')");
+  const auto faulty = summary_of(
+      "run", "ins_gps/straight.json",
+      gated +
+          R"( --set '/transforms/gnss/faults=[{"satellite": "G05", "from": "200 s", "to": "300 s", "pseudorange": "1 km"}]')");
   const auto ranges = measurement(faulty, "ranges");
   CHECK(ranges.at("gated") == 0);
   CHECK(ranges.at("accepted") == measurement(clean, "ranges").at("accepted"));
@@ -78,7 +83,8 @@ TEST_CASE("a satellite with 1 km error is left out, told and survived, and only 
 }
 
 TEST_CASE("a receiver clock that jumps by 1 ms is met by recovery") {
-  const auto summary = summary_of("run", "ins_gps/straight.json",
+  const auto summary = summary_of(
+      "run", "ins_gps/straight.json",
       R"(--variant "tc low" --set '/filters/ins/measurements/ranges/gate={"probability": 0.99999, "by": "key"}' )"
       R"(--set '/filters/ins/measurements/ranges/recover={"after": 3, "inflate": {"clock.bias": "1000 km"}}' )"
       R"(--set '/transforms/gnss/clock_jumps=[{"at": "250 s", "jump": "1 ms"}]')");

@@ -19,7 +19,8 @@ using nlohmann::ordered_json;
 /// What the command prints as JSON.
 ordered_json printed(const std::string& arguments) {
   const auto file = std::filesystem::temp_directory_path() / ("binnacle_fit_" + std::to_string(::getpid()) + ".json");
-  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' " + arguments + " > '" + file.string() + "' 2> /dev/null";
+  const std::string command =
+      std::string("'") + BINNACLE_TEST_COMMAND + "' " + arguments + " > '" + file.string() + "' 2> /dev/null";
   INFO(command);
   REQUIRE(std::system(command.c_str()) == 0);
   std::ifstream in(file);

@@ -115,5 +115,6 @@ TEST_CASE("paper 004: the covariance analysis agrees with 8000 drawn runs, with 
   for (const std::string subject : {"pitch.angle", "reading.angle"})
     for (const std::string variant : {"matched", "mismatched"})
       CHECK(std::abs(figure(drawn, variant, "ship/" + subject + "/sigma") /
-                         figure(computed, variant, "ship/" + subject + "/own sigma") - 1) < 1e-9);
+                         figure(computed, variant, "ship/" + subject + "/own sigma") -
+                     1) < 1e-9);
 }

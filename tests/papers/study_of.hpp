@@ -16,10 +16,11 @@
 namespace papers {
 
 /// verb: "study" or "run"; config: below configs/.
-inline nlohmann::ordered_json summary_of(const std::string& verb, const std::string& config, const std::string& options) {
+inline nlohmann::ordered_json summary_of(const std::string& verb, const std::string& config,
+                                         const std::string& options) {
   const auto file = std::filesystem::temp_directory_path() / ("binnacle_paper_" + std::to_string(::getpid()) + ".json");
-  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' " + verb + " '" + BINNACLE_TEST_PROJECT + "/configs/" +
-                              config + "' " + options + " --summary '" + file.string() + "' > /dev/null";
+  const std::string command = std::string("'") + BINNACLE_TEST_COMMAND + "' " + verb + " '" + BINNACLE_TEST_PROJECT +
+                              "/configs/" + config + "' " + options + " --summary '" + file.string() + "' > /dev/null";
   INFO(command);
   REQUIRE(std::system(command.c_str()) == 0);
   std::ifstream in(file);

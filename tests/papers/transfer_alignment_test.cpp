@@ -68,7 +68,8 @@ TEST_CASE("paper 000, one beta over metres per second and radians does not align
   CHECK(azimuth(summary, "one beta a group").rms < 6);
 }
 
-TEST_CASE("paper 000, where the noise is three times nominal the literal filter loses to the mis-set one, hold beats it") {
+TEST_CASE(
+    "paper 000, where the noise is three times nominal the literal filter loses to the mis-set one, hold beats it") {
   const ordered_json summary = study("noise_x3.json", "--runs 200");
   const double ekf = azimuth(summary, "ekf").rms;
   CHECK(azimuth(summary, "literal").rms > 1.1 * ekf);
@@ -82,7 +83,9 @@ TEST_CASE("paper 000, where the noise is three times nominal the literal filter 
   CHECK(mean("hold", "align/attitude/nees") < 0.5 * mean("ekf", "align/attitude/nees"));
 }
 
-TEST_CASE("paper 000: the covariance analysis agrees with drawn runs, with the right noise, mis-set noise and unknown biases") {
+TEST_CASE(
+    "paper 000: the covariance analysis agrees with drawn runs, with the right noise, mis-set noise and unknown "
+    "biases") {
   // The config asks for 1000 runs; the bands are of the standard errors of these.
   const ordered_json drawn = study("covariance.json", "--runs 100");
   const ordered_json computed = papers::summary_of("covariance", "transfer_alignment/covariance.json", "");
@@ -123,6 +126,8 @@ TEST_CASE("paper 000: the covariance analysis agrees with drawn runs, with the r
   const double lost = metric(drawn, "independent", "attitude.yaw/final").at("rms").get<double>();
   CHECK(lost > 1.5 * metric(drawn, "independent, chord", "attitude.yaw/final").at("rms").get<double>());
   // Biases that the filter lacks show in the tilt: 200 ug of gravity, and it does not know.
-  const auto tilt = [&](const char* variant) { return metric(computed, variant, "attitude.tilt/sigma").at("rms").get<double>(); };
+  const auto tilt = [&](const char* variant) {
+    return metric(computed, variant, "attitude.tilt/sigma").at("rms").get<double>();
+  };
   CHECK(tilt("biased") > 2.5 * tilt("x1"));
 }

@@ -49,7 +49,7 @@ ParameterValue defaults(const std::string& heading) {
                  {"max_speed", number(0.3)},
                  {"min_speed", number(3)},
                  {"max_turn_rate", number(10 * deg)},
-                 {"slip_arm", number(1.5)},
+                 {"slip_lever_arm", number(1.5)},
                  {"max_coast", instant(120)},
                  {"accelerometer_bias", number(0.01 * g)},
                  {"gyro_drift", number(0.01 * deg)},

@@ -15,8 +15,8 @@
 
 #include "../../plugins/constellation_simulator/constellation.hpp"
 #include "bind.hpp"
-#include "catch.hpp"
 #include "binnacle/view.hpp"
+#include "catch.hpp"
 #include "gnss/channels.hpp"
 #include "strapdown/earth.hpp"
 
@@ -54,7 +54,7 @@ class Ear final : public Emitter {
       Epoch epoch;
       for (int i = 0; i < slot_.rows; ++i)
         epoch[static_cast<int>(rows_[3 * static_cast<std::size_t>(i)])] = {rows_[3 * static_cast<std::size_t>(i) + 1],
-                                                                          rows_[3 * static_cast<std::size_t>(i) + 2]};
+                                                                           rows_[3 * static_cast<std::size_t>(i) + 2]};
       epochs[slot_.t] = epoch;
     } else if (channel == 1) {
       for (int i = 0; i < slot_.rows; ++i)
@@ -84,7 +84,8 @@ nlohmann::json with(nlohmann::json more) {
   return all;
 }
 
-Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double duration, double step = 1, std::uint64_t seed = 1) {
+Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double duration, double step = 1,
+           std::uint64_t seed = 1) {
   const auto simulator = bind<ConstellationSimulator>({parameters, {}, {}});
   std::vector<std::byte> memory(simulator->memory_bytes());
   simulator->start(seed, memory.data());
@@ -105,7 +106,8 @@ Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double dura
 Vector3d inertial(const gnss::Ephemeris& s, double t) {
   const double n = std::sqrt(3.986005e14 / std::pow(s.semi_major_axis, 3));
   const double u = s.m0 + s.perigee + n * (t - s.toe);
-  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(s.omega0, Vector3d::UnitZ()) * Eigen::AngleAxisd(s.i0, Vector3d::UnitX())).toRotationMatrix();
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(s.omega0, Vector3d::UnitZ()) * Eigen::AngleAxisd(s.i0, Vector3d::UnitX())).toRotationMatrix();
   return turn * Vector3d(s.semi_major_axis * std::cos(u), s.semi_major_axis * std::sin(u), 0);
 }
 
@@ -115,7 +117,8 @@ TEST_CASE("24 satellites in 6 planes, of which 6 to 12 are above 10 deg", "[cons
   const Ear ear = listen(no_errors, {}, 86400, 600);
   REQUIRE(ear.ephemerides.size() == 24);
   std::size_t fewest = 99, most = 0;
-  for (const auto& [t, epoch] : ear.epochs) fewest = std::min(fewest, epoch.size()), most = std::max(most, epoch.size());
+  for (const auto& [t, epoch] : ear.epochs)
+    fewest = std::min(fewest, epoch.size()), most = std::max(most, epoch.size());
   INFO(fewest << " to " << most);
   REQUIRE(fewest >= 4);
   REQUIRE(most <= 12);
@@ -168,7 +171,8 @@ TEST_CASE("a range rate is the rate of the range, standing and moving", "[conste
   }
 }
 
-TEST_CASE("the receiver's clock moves all ranges alike, and wanders as its densities say", "[constellation_simulator]") {
+TEST_CASE("the receiver's clock moves all ranges alike, and wanders as its densities say",
+          "[constellation_simulator]") {
   const Ear exact = listen(no_errors, {}, 20);
   const Ear ear = listen(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 100}, {"drift", 1}}}}), {}, 20);
   for (const auto& [t, epoch] : ear.epochs)
@@ -179,7 +183,8 @@ TEST_CASE("the receiver's clock moves all ranges alike, and wanders as its densi
   double drift = 0, bias = 0;
   const int runs = 400;
   for (int run = 0; run < runs; ++run) {
-    const Ear one = listen(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 0}, {"drift", 0}}}}), {}, 10, 1, 100 + static_cast<std::uint64_t>(run));
+    const Ear one = listen(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 0}, {"drift", 0}}}}), {}, 10, 1,
+                           100 + static_cast<std::uint64_t>(run));
     drift += std::pow(one.clock.rbegin()->second.rate, 2) / runs;
     bias += std::pow(one.clock.rbegin()->second.range, 2) / runs;
   }
@@ -192,7 +197,8 @@ TEST_CASE("slow and white errors have the deviations that were asked for", "[con
   const double spacing = 1800;  // one correlation time
   const Ear exact = listen(no_errors, {}, 86400 * 5, spacing);
   const Ear slow = listen(with({{"pseudorange", {{"bias", 6}, {"tau", 1800}}}}), {}, 86400 * 5, spacing);
-  const Ear white = listen(with({{"pseudorange", {{"noise", 2}}}, {"range_rate", {{"noise", 0.05}}}}), {}, 86400 * 5, spacing);
+  const Ear white =
+      listen(with({{"pseudorange", {{"noise", 2}}}, {"range_rate", {{"noise", 0.05}}}}), {}, 86400 * 5, spacing);
   double square = 0, product = 0, white_square = 0, rate_square = 0;
   int n = 0, pairs = 0;
   std::map<int, double> before;
@@ -219,7 +225,10 @@ TEST_CASE("slow and white errors have the deviations that were asked for", "[con
 TEST_CASE("masks and cuts take satellites away and change no other figure", "[constellation_simulator]") {
   const nlohmann::json noisy = {{"elevation_mask", 0.1}};
   const Ear all = listen(noisy, {}, 60);
-  const Ear cut = listen({{"elevation_mask", 0.1}, {"cuts", {{{"from", 20}, {"to", 30}, {"satellites", 3}}, {{"from", 40}, {"to", 45}, {"satellites", 0}}}}}, {}, 60);
+  const Ear cut =
+      listen({{"elevation_mask", 0.1},
+              {"cuts", {{{"from", 20}, {"to", 30}, {"satellites", 3}}, {{"from", 40}, {"to", 45}, {"satellites", 0}}}}},
+             {}, 60);
   for (const auto& [t, epoch] : all.epochs) {
     const auto s = t / nanoseconds_per_second;
     CAPTURE(s);
@@ -238,8 +247,10 @@ TEST_CASE("masks and cuts take satellites away and change no other figure", "[co
   for (const auto& [key, seen] : bank.epochs.begin()->second) {
     // Rolled 60 deg to the right, up leans east: what is left stands on that side of the body's plane.
     const Vector3d r_e = strapdown::ecef_from_lla(banked.lla);
-    const auto state = gnss::satellite_state(bank.ephemerides[static_cast<std::size_t>(key - 101)], 0, seen.range / 299792458.0);
-    const Vector3d ned = strapdown::C_en(banked.lla[0], banked.lla[1]).transpose() * (state.position - r_e).normalized();
+    const auto state =
+        gnss::satellite_state(bank.ephemerides[static_cast<std::size_t>(key - 101)], 0, seen.range / 299792458.0);
+    const Vector3d ned =
+        strapdown::C_en(banked.lla[0], banked.lla[1]).transpose() * (state.position - r_e).normalized();
     REQUIRE(std::sin(60 * degree) * ned.y() - std::cos(60 * degree) * ned.z() > -1e-5);
   }
 }
@@ -248,35 +259,44 @@ TEST_CASE("faults and clock jumps come when they are said to", "[constellation_s
   const Ear good = listen(no_errors, {}, 20);
   const int first = good.epochs.begin()->second.begin()->first;
   const std::string name = gnss::satellite_name(first);
-  const Ear bad = listen(with({{"faults", {{{"satellite", name}, {"from", 5}, {"to", 8}, {"pseudorange", 1000}, {"range_rate", 3}}}},
-                               {"clock_jumps", {{{"at", 12}, {"jump", 1e-3}}}}}), {}, 20);
+  const Ear bad =
+      listen(with(
+                 {{"faults", {{{"satellite", name}, {"from", 5}, {"to", 8}, {"pseudorange", 1000}, {"range_rate", 3}}}},
+                  {"clock_jumps", {{{"at", 12}, {"jump", 1e-3}}}}}),
+             {}, 20);
   for (const auto& [t, epoch] : good.epochs)
     for (const auto& [key, seen] : epoch) {
       const auto s = t / nanoseconds_per_second;
       const bool is_faulty = key == first && s >= 5 && s <= 8;
       const double jump = s >= 12 ? 299792.458 : 0;
       // After the jump the label is 1 ms late: the satellite was elsewhere when it sent, by less than 1 m of range.
-      REQUIRE(std::abs(bad.epochs.at(t).at(key).range - seen.range - (is_faulty ? 1000 : 0) - jump) < (s >= 12 ? 1.0 : 1e-6));
+      REQUIRE(std::abs(bad.epochs.at(t).at(key).range - seen.range - (is_faulty ? 1000 : 0) - jump) <
+              (s >= 12 ? 1.0 : 1e-6));
       REQUIRE(std::abs(bad.epochs.at(t).at(key).rate - seen.rate - (is_faulty ? 3 : 0)) < 1e-2);
     }
 }
 
 TEST_CASE("a fault of a satellite that is not there is refused", "[constellation_simulator]") {
   for (const char* name : {"G30", "E05", "X1"})
-    REQUIRE_THROWS_AS(bind<ConstellationSimulator>(
-                          {with({{"faults", {{{"satellite", name}, {"from", 0}, {"to", 1}, {"pseudorange", 1000}}}}}), {}, {}}),
-                      ComponentError);
+    REQUIRE_THROWS_AS(
+        bind<ConstellationSimulator>(
+            {with({{"faults", {{{"satellite", name}, {"from", 0}, {"to", 1}, {"pseudorange", 1000}}}}}), {}, {}}),
+        ComponentError);
 }
 
-TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and its damage is told with the line", "[constellation_simulator]") {
+TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and its damage is told with the line",
+          "[constellation_simulator]") {
   const auto file = std::filesystem::temp_directory_path() / "binnacle_constellation_test.alm";
   const auto write = [&](const std::string& text) { std::ofstream(file) << text; };
   const auto satellite = [](int id, const char* health, const char* root) {
-    return "******** Week 215 almanac for PRN-" + std::to_string(id) + " ********\nID:                         " + std::to_string(id) +
-           "\nHealth:                     " + health + "\nEccentricity:               0.5E-002\nTime of Applicability(s):  405504.0000\n"
-           "Orbital Inclination(rad):   0.96\nRate of Right Ascen(r/s):  -0.8E-008\nSQRT(A)  (m 1/2):           " + root +
+    return "******** Week 215 almanac for PRN-" + std::to_string(id) +
+           " ********\nID:                         " + std::to_string(id) + "\nHealth:                     " + health +
+           "\nEccentricity:               0.5E-002\nTime of Applicability(s):  405504.0000\n"
+           "Orbital Inclination(rad):   0.96\nRate of Right Ascen(r/s):  -0.8E-008\nSQRT(A)  (m 1/2):           " +
+           root +
            "\nRight Ascen at Week(rad):   0.3E+000\nArgument of Perigee(rad):   1.5\nMean Anom(rad):            -2.1\n"
-           "Af0(s):                     0.1E-004\nAf1(s/s):                   0.3E-011\nweek:                        215\n\n";
+           "Af0(s):                     0.1E-004\nAf1(s/s):                   0.3E-011\nweek:                        "
+           "215\n\n";
   };
   write(satellite(3, "000", "5153.6") + satellite(7, "063", "5153.5") + satellite(9, "000", "5153.7"));
   const auto read = read_almanac(file.string());

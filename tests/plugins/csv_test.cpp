@@ -648,7 +648,8 @@ void write(csv::CsvWriter& writer, Time t, const std::vector<double>& fields) {
 }
 
 ParameterValue written(const std::string& path, std::vector<std::pair<std::string, ParameterValue>> columns) {
-  return object({{"path", text(path)}, {"columns", object(std::move(columns))}, {"time", text("t")}, {"offset", instant(0.5)}});
+  return object(
+      {{"path", text(path)}, {"columns", object(std::move(columns))}, {"time", text("t")}, {"offset", instant(0.5)}});
 }
 
 }  // namespace
@@ -656,8 +657,9 @@ ParameterValue written(const std::string& path, std::vector<std::pair<std::strin
 TEST_CASE("csv_writer writes what the csv source reads again, bit by bit") {
   const TemporaryFile file("what was there before");
   const double degree = std::numbers::pi / 180;
-  csv::CsvWriter writer(bind(written(file.path(), {{"fx", object({{"unit", unit("m/s^2", 9.80665)}, {"column", text("a")}})},
-                                                   {"wz", object({{"unit", unit("rad/s", degree)}, {"column", text("w")}})}})));
+  csv::CsvWriter writer(
+      bind(written(file.path(), {{"fx", object({{"unit", unit("m/s^2", 9.80665)}, {"column", text("a")}})},
+                                 {"wz", object({{"unit", unit("rad/s", degree)}, {"column", text("w")}})}})));
   writer.open();
   write(writer, -510'000'000, writable({{"fx", 9.80665}, {"wz", 0.3 * degree}}));
   write(writer, 0, writable({{"vn", 3}}));  // no number of the two: left out
@@ -697,7 +699,8 @@ TEST_CASE("csv_writer says what it cannot write") {
   const auto m_per_s = object({{"unit", unit("m/s")}});
   CHECK(refusal(written(file.path(), {{"vn", m_per_s}})) == "written");
   CHECK(refusal(written(file.path(), {{"vx", m_per_s}})).rfind("/columns/vx: there is no field 'vx' to write", 0) == 0);
-  CHECK(refusal(written(file.path(), {{"lat", m_per_s}})) == "/columns/lat/unit: 'lat' is in rad, and this is a unit of m/s");
+  CHECK(refusal(written(file.path(), {{"lat", m_per_s}})) ==
+        "/columns/lat/unit: 'lat' is in rad, and this is a unit of m/s");
   CHECK(refusal(written(file.path(), {{"ve", m_per_s}})) == "/columns/ve: no sample has a 've'; nothing was written");
   CHECK(refusal(written(file.path() + "/of/none.csv", {{"vn", m_per_s}})).find("make it first") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(file.path() + ".part"));

@@ -60,14 +60,15 @@ Eigen::Matrix<double, Size, 1> value_of(const DerivedBlock& model, const PortSta
 TEST_CASE("lever arm: Jacobians and geometry", "[frames]") {
   const PositionKind position;
   const AttitudeKind attitude;
-  const AdditiveKind arm(3, "m");
-  const auto model = bind<LeverArm>(
-      {{{"arm", {1.5, -0.4, -2.0}}}, {{"position", &position}, {"attitude", &attitude}, {"arm", &arm}}, {}});
+  const AdditiveKind lever_arm(3, "m");
+  const auto model = bind<LeverArm>({{{"lever_arm", {1.5, -0.4, -2.0}}},
+                                     {{"position", &position}, {"attitude", &attitude}, {"lever_arm", &lever_arm}},
+                                     {}});
   for (const Place& place : places) {
     INFO(place.name);
     const PortStates ports{position_state(position, place),
                            attitude_state(attitude, place),
-                           {&arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
+                           {&lever_arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
     // |l| tan(lat)/R: the meridians converge between the two points.
     const double convergence = 3 * (1 + std::abs(std::tan(place.lla[0]))) / 6.36e6;
     REQUIRE_NO_COMPLAINTS(check_derived(*model, LeverArm::spec(), position, ports, {}, {convergence + 1e-7}, 4e-9));
@@ -81,39 +82,40 @@ TEST_CASE("lever arm: Jacobians and geometry", "[frames]") {
   }
 }
 
-TEST_CASE("lever arm: the arm is a parameter, a block or both, but not nothing", "[frames]") {
+TEST_CASE("lever arm: the lever_arm is a parameter, a block or both, but not nothing", "[frames]") {
   const PositionKind position;
   const AttitudeKind attitude;
-  const AdditiveKind arm(3, "m");
+  const AdditiveKind lever_arm(3, "m");
   const Ports two{{"position", &position}, {"attitude", &attitude}};
   Ports three = two;
-  three["arm"] = &arm;
+  three["lever_arm"] = &lever_arm;
   const PortState at{&position, {0.5, 0.5, 0}}, level{&attitude, {1, 0, 0, 0}};
   const auto height = [&](const Setup& setup, const PortState& third) {
     return value_of<3>(*bind<LeverArm>(setup), {at, level, third}, {})[2];
   };
-  REQUIRE(std::abs(height({{{"arm", {0, 0, -2}}}, two, {}}, {}) - 2) < 1e-12);
-  REQUIRE(std::abs(height({{}, three, {}}, {&arm, {0, 0, -1}}) - 1) < 1e-12);
-  REQUIRE(std::abs(height({{{"arm", {0, 0, -2}}}, three, {}}, {&arm, {0, 0, -1}}) - 3) < 1e-12);
-  REQUIRE(bind<LeverArm>({{{"arm", {0, 0, -2}}}, two, {}})->declaration().reads.size() == 2);
+  REQUIRE(std::abs(height({{{"lever_arm", {0, 0, -2}}}, two, {}}, {}) - 2) < 1e-12);
+  REQUIRE(std::abs(height({{}, three, {}}, {&lever_arm, {0, 0, -1}}) - 1) < 1e-12);
+  REQUIRE(std::abs(height({{{"lever_arm", {0, 0, -2}}}, three, {}}, {&lever_arm, {0, 0, -1}}) - 3) < 1e-12);
+  REQUIRE(bind<LeverArm>({{{"lever_arm", {0, 0, -2}}}, two, {}})->declaration().reads.size() == 2);
   REQUIRE_THROWS_AS(bind<LeverArm>({{}, two, {}}), ComponentError);
-  REQUIRE_THROWS_AS(bind<LeverArmVelocity>({{}, {{"velocity", &arm}, {"attitude", &attitude}}, {}}), ComponentError);
+  REQUIRE_THROWS_AS(bind<LeverArmVelocity>({{}, {{"velocity", &lever_arm}, {"attitude", &attitude}}, {}}),
+                    ComponentError);
 }
 
 TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
   const PositionKind position;
   const AttitudeKind attitude;
-  const AdditiveKind velocity("velocity.ned", 3, "m/s"), arm(3, "m"), bias(3, "rad/s"), scale(3, "1");
-  const Setup all{{{"arm", {1.5, -0.4, -2.0}}},
+  const AdditiveKind velocity("velocity.ned", 3, "m/s"), lever_arm(3, "m"), bias(3, "rad/s"), scale(3, "1");
+  const Setup all{{{"lever_arm", {1.5, -0.4, -2.0}}},
                   {{"velocity", &velocity},
                    {"attitude", &attitude},
                    {"position", &position},
                    {"gyro_bias", &bias},
                    {"gyro_scale", &scale},
-                   {"arm", &arm}},
+                   {"lever_arm", &lever_arm}},
                   {}};
   Setup least = all;
-  for (const char* open : {"position", "gyro_bias", "gyro_scale", "arm"}) least.ports.erase(open);
+  for (const char* open : {"position", "gyro_bias", "gyro_scale", "lever_arm"}) least.ports.erase(open);
   for (const Place& place : places) {
     INFO(place.name);
     // The earth's rate is small: weighed up by turning slowly, so that its part of the attitude block is seen.
@@ -125,7 +127,7 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
                        {&position, numbers(place.lla), 1e4, 4e-9},
                        {&bias, numbers(0.01 * share * Vector3d(1, -2, 3)), 1e-2, 1e-16},
                        {&scale, {0.01, -0.02, 0.03}, 1e-2, 1e-16},
-                       {&arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
+                       {&lever_arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
       const auto model = bind<LeverArmVelocity>(all);
       REQUIRE(model->declaration().reads.size() == 6);
       REQUIRE_NO_COMPLAINTS(check_derived(*model, LeverArmVelocity::spec(), velocity, ports, context, {2e-5}, 4e-14));
@@ -140,7 +142,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
   const PositionKind position;
   const AttitudeKind attitude;
   const AdditiveKind velocity("velocity.ned", 3, "m/s");
-  const Setup setup{{{"arm", {2.0, 0.0, -1.0}}},
+  const Setup setup{{{"lever_arm", {2.0, 0.0, -1.0}}},
                     {{"velocity", &velocity}, {"attitude", &attitude}, {"position", &position}},
                     {}};
   const auto model = bind<LeverArmVelocity>(setup);
@@ -314,6 +316,8 @@ TEST_CASE("rotate axes: turning recorded samples by -10 mrad about z adds 10 mra
   model->on(0, sample, nullptr, out);
   REQUIRE((vector_at<3>(out.fields) - v_turned).norm() < 1e-14);
   // And it goes the same way over the ground.
-  const auto C = [](const Vector3d& angles) { return strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles)); };
+  const auto C = [](const Vector3d& angles) {
+    return strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles));
+  };
   REQUIRE((C(euler_turned) * v_turned - C(euler) * v_b).norm() < 1e-14);
 }

@@ -115,7 +115,8 @@ TEST_CASE("position and velocity fix: ECEF to north east down, with the whole co
   const AdditiveKind velocity("velocity.ned", 3, "m/s");
   Setup setup{{}, {{"position", &position}, {"velocity", &velocity}}, {}};
   // The channel has a clock between position and velocity: the six are found by name.
-  for (const char* name : {"position.x", "position.y", "position.z", "clock.bias", "velocity.x", "velocity.y", "velocity.z"})
+  for (const char* name :
+       {"position.x", "position.y", "position.z", "clock.bias", "velocity.x", "velocity.y", "velocity.z"})
     setup.covariance.push_back({name, ""});
   const auto model = bind<PvFix>(setup);
 
@@ -125,7 +126,8 @@ TEST_CASE("position and velocity fix: ECEF to north east down, with the whole co
   position.plus(x.data(), offset.data(), there.data());
   Eigen::Map<Eigen::Vector3d>(z.data()) = strapdown::ecef_from_lla(Eigen::Map<Eigen::Vector3d>(there.data()));
   Eigen::Map<Eigen::Vector3d>(z.data() + 3) = C_en * v_n;
-  const Eigen::Matrix<double, 7, 7> root = (Eigen::Matrix<double, 7, 7>::Random() + 3 * Eigen::Matrix<double, 7, 7>::Identity());
+  const Eigen::Matrix<double, 7, 7> root =
+      (Eigen::Matrix<double, 7, 7>::Random() + 3 * Eigen::Matrix<double, 7, 7>::Identity());
   const Eigen::Matrix<double, 7, 7> sigma = root * root.transpose();
   SampleView sample = sample_of(z);
   sample.covariance = sigma.data();

@@ -134,7 +134,8 @@ TEST_CASE("Bretschneider's sea: height, period and moments in closed form", "[sh
 
 TEST_CASE("JONSWAP: Bretschneider at gamma 1, the same height and a sharper peak beyond", "[ship_motion]") {
   const Sea plain(2, 8), still(2, 8, 1 + 1e-12), sharp(2, 8, 3.3);
-  for (const double omega : {0.3, 0.7, 0.7854, 1.0, 3.0}) REQUIRE(is_near(still.density(omega), plain.density(omega), 1e-5));
+  for (const double omega : {0.3, 0.7, 0.7854, 1.0, 3.0})
+    REQUIRE(is_near(still.density(omega), plain.density(omega), 1e-5));
   REQUIRE(is_near(4 * std::sqrt(waves(sharp).moment(0)), 2, 1e-4));
   // Goda's approximation of the factor that keeps the height.
   REQUIRE(is_near(sharp.density(sharp.peak()) / plain.density(plain.peak()), 3.3 * (1 - 0.287 * std::log(3.3)), 0.01));
@@ -179,7 +180,8 @@ TEST_CASE("responses: a table, a resonance, of height and of slope", "[ship_moti
   REQUIRE(is_near(height(5, 0.6), 0.02 / 0.2, 1e-12));
   REQUIRE(is_near(height(5, 1.2), 0.02 / std::hypot(3, 0.4), 1e-12));
   REQUIRE(is_near(resonant_response(0.6, 0.1, 1, true)(0.7, 1e-6), 0.49 / g, 1e-9));
-  const Spectrum doubled = motion_spectrum(Sea(3, 9), {}, tabulated_response(Eigen::Vector2d(0, 100), Eigen::Vector2d(2, 2)));
+  const Spectrum doubled =
+      motion_spectrum(Sea(3, 9), {}, tabulated_response(Eigen::Vector2d(0, 100), Eigen::Vector2d(2, 2)));
   REQUIRE(is_near(4 * std::sqrt(doubled.moment(0)), 6, 2e-3));
 }
 
@@ -201,7 +203,8 @@ TEST_CASE("a shaping filter's spectrum and autocovariance belong together", "[sh
   REQUIRE(is_near(filter.peak(), w * std::sqrt(1 - 2 * z * z), 2e-3));
   const double damped = w * std::sqrt(1 - z * z), t = 1.5;
   REQUIRE(is_near(filter.autocovariance(t, 2)[1],
-                  sigma * sigma * std::exp(-z * w * t) * (std::cos(damped * t) + z * w / damped * std::sin(damped * t)), 1e-12));
+                  sigma * sigma * std::exp(-z * w * t) * (std::cos(damped * t) + z * w / damped * std::sin(damped * t)),
+                  1e-12));
 }
 
 TEST_CASE("Welch's spectrum has the area of the variance", "[ship_motion]") {
@@ -210,7 +213,8 @@ TEST_CASE("Welch's spectrum has the area of the variance", "[ship_motion]") {
   const Welch welch(n, T);
   // A whole number of periods in a segment: nothing leaks beyond the two bins beside.
   VectorXd wave(5 * n);
-  for (Eigen::Index i = 0; i < wave.size(); ++i) wave[i] = amplitude * std::cos(9 * welch.bin() * T * static_cast<double>(i) + 0.4);
+  for (Eigen::Index i = 0; i < wave.size(); ++i)
+    wave[i] = amplitude * std::cos(9 * welch.bin() * T * static_cast<double>(i) + 0.4);
   const Spectrum spectrum = welch.of(wave);
   REQUIRE(is_near(spectrum.moment(0), 0.5 * amplitude * amplitude, 1e-12));
   REQUIRE(is_near(spectrum.peak(), 9 * 2 * pi / 32, 1e-12));
@@ -226,7 +230,8 @@ TEST_CASE("Welch's spectrum has the area of the variance", "[ship_motion]") {
   for (auto& x : noise) x = std::ldexp(static_cast<double>(engine()), -32) - 0.5;
   const Spectrum once = welch.of(noise);
   double squares = 0;
-  for (Eigen::Index i = 0; i < n; ++i) squares += std::pow(std::sin(pi * static_cast<double>(i) / static_cast<double>(n)), 4);
+  for (Eigen::Index i = 0; i < n; ++i)
+    squares += std::pow(std::sin(pi * static_cast<double>(i) / static_cast<double>(n)), 4);
   for (const Eigen::Index k : {Eigen::Index(1), Eigen::Index(7), n / 2 - 1}) {
     std::complex<double> X = 0;
     for (Eigen::Index i = 0; i < n; ++i)
@@ -286,7 +291,8 @@ TEST_CASE("a simulated series gives the filter back", "[ship_motion]") {
 
 TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
   const ShapingFilter filter = fourth(0.5, 0.9, 0.1, 0.2, 0.03);
-  Bound sea({{"omega", {0.5, 0.9}}, {"zeta", {0.1, 0.2}}, {"sigma", 0.03}, {"noise", 0}, {"interval", 2}, {"duration", 2}});
+  Bound sea(
+      {{"omega", {0.5, 0.9}}, {"zeta", {0.1, 0.2}}, {"sigma", 0.03}, {"noise", 0}, {"interval", 2}, {"duration", 2}});
   const int runs = 4000;
   double square[2] = {}, rate = 0, lagged = 0;
   for (int run = 0; run < runs; ++run) {
@@ -303,7 +309,10 @@ TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
 }
 
 TEST_CASE("a motion fitted to a sea, and the figures it tells", "[ship_motion]") {
-  const Json sea = {{"significant_height", 3}, {"peak_period", 9}, {"speed", 0}, {"heading", 0},
+  const Json sea = {{"significant_height", 3},
+                    {"peak_period", 9},
+                    {"speed", 0},
+                    {"heading", 0},
                     {"response", {{"omega", 0.7}, {"zeta", 0.1}, {"slope_gain", 1}}}};
   for (const int order : {2, 4}) {
     const Bound bound({{"fit", {{"order", order}, {"sea", sea}}}, {"noise", 0}});
@@ -313,15 +322,17 @@ TEST_CASE("a motion fitted to a sea, and the figures it tells", "[ship_motion]")
     REQUIRE(is_near(bound.figure("significant amplitude, fitted"), bound.figure("significant amplitude, given"), 0.05));
     REQUIRE(is_near(bound.figure("peak, fitted"), wanted.peak(), 0.05));
     REQUIRE(bound.figure("misfit") < (order == 2 ? 0.2 : 0.1));
-    REQUIRE(bound.findings.remarks.empty());
+    REQUIRE(bound.findings.notes.empty());
   }
   const VectorXd omega = grid(0.01, 3, 100);
   const VectorXd two = second(0.4, 0.03, 1).spectrum(omega) + second(1.6, 0.03, 1).spectrum(omega);
-  const Bound poor({{"fit", {{"spectrum", {{"omega", std::vector<double>(omega.begin(), omega.end())},
-                                           {"density", std::vector<double>(two.begin(), two.end())}}}}},
+  const Bound poor({{"fit",
+                     {{"spectrum",
+                       {{"omega", std::vector<double>(omega.begin(), omega.end())},
+                        {"density", std::vector<double>(two.begin(), two.end())}}}}},
                     {"noise", 0}});
-  REQUIRE(poor.findings.remarks.size() == 1);
-  REQUIRE(poor.findings.remarks[0].find("the fit is poor") == 0);
+  REQUIRE(poor.findings.notes.size() == 1);
+  REQUIRE(poor.findings.notes[0].find("the fit is poor") == 0);
 }
 
 TEST_CASE("a motion fitted to a record, and the record played", "[ship_motion]") {
@@ -362,7 +373,7 @@ TEST_CASE("a motion fitted to a record, and the record played", "[ship_motion]")
   REQUIRE(is_near(fitted.figure("zeta"), 0.1, 0.3));
   REQUIRE(is_near(fitted.figure("sigma"), std::sqrt(x.squaredNorm() / static_cast<double>(x.size())), 1e-9));
   REQUIRE(is_near(fitted.figure("resolution"), 2 * pi / 100, 1e-9));
-  REQUIRE(fitted.findings.remarks.empty());
+  REQUIRE(fitted.findings.notes.empty());
 }
 
 TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
@@ -394,7 +405,8 @@ TEST_CASE("ship motion: fits that are refused", "[ship_motion]") {
     try {
       bind<Motion>({{{"fit", {{"record", changed}}}}, two, {}});
     } catch (const ComponentError& error) {
-      return (error.is_data_error() ? error.code() + " " + std::to_string(error.line()) + " " : "") + error.what() + error.pointer();
+      return (error.is_data_error() ? error.code() + " " + std::to_string(error.line()) + " " : "") + error.what() +
+             error.pointer();
     }
     return std::string("nothing");
   };

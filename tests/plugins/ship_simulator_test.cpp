@@ -111,7 +111,7 @@ Json stormy() {
   config["start"]["speed"] = "12 m/s";
   config["start"]["heading"] = "-130 deg";
   config["perfect"] = true;
-  config["mounting"] = {{"arm", {20, -4, -9}}};
+  config["mounting"] = {{"lever_arm", {20, -4, -9}}};
   const auto tone = [](const char* amplitude, double frequency, double phase) {
     return Json{{"tones", Json::array({{{"amplitude", amplitude}, {"frequency", frequency}, {"phase", phase}}})}};
   };
@@ -204,7 +204,7 @@ TEST_CASE("ship: specific force and angular rate at a lever arm are those of its
   const Json config = stormy();
   const ShipMotion motion = motion_of(config);
   const auto phases = phases_of(motion);
-  const Vector3d arm(20, -4, -9);
+  const Vector3d lever_arm(20, -4, -9);
   const double earth_rate = 7.292115e-5, h = 0.2;
   const auto turned = [&](double t) -> Matrix3d {
     return Eigen::AngleAxisd(earth_rate * t, Vector3d::UnitZ()).toRotationMatrix();
@@ -212,8 +212,8 @@ TEST_CASE("ship: specific force and angular rate at a lever arm are those of its
   for (double t = 1.0; t < 60.0; t += 3.7) {
     const auto path = [&](int i) -> Vector3d {  // metres, less a constant to keep digits
       const double at = t + i * h;
-      const Vector3d r0 = strapdown::ecef_from_lla(at_arm(motion.at(t, phases.data()), arm).lla);
-      const Vector3d r = strapdown::ecef_from_lla(at_arm(motion.at(at, phases.data()), arm).lla);
+      const Vector3d r0 = strapdown::ecef_from_lla(at_lever_arm(motion.at(t, phases.data()), lever_arm).lla);
+      const Vector3d r = strapdown::ecef_from_lla(at_lever_arm(motion.at(at, phases.data()), lever_arm).lla);
       return turned(i * h) * r - r0;
     };
     // second derivative, eighth order
@@ -221,13 +221,13 @@ TEST_CASE("ship: specific force and angular rate at a lever arm are those of its
                                    8.0 / 315 * (path(3) + path(-3)) - 1.0 / 560 * (path(4) + path(-4))) /
                                   (h * h);
     const State now = motion.at(t, phases.data());
-    const Point point = at_arm(now, arm);
+    const Point point = at_lever_arm(now, lever_arm);
     const Vector3d r = strapdown::ecef_from_lla(point.lla), axis(0, 0, earth_rate);
     const Matrix3d C_en = strapdown::C_en(point.lla[0], point.lla[1]);
     const Vector3d attraction =
         C_en * Vector3d(0, 0, strapdown::gravity(point.lla[0], point.lla[2]).down) + axis.cross(axis.cross(r));
     const Matrix3d C_em = C_en * strapdown::dcm_from_quaternion(point.q_nm);
-    const auto felt = inertial_at_arm(now, arm);
+    const auto felt = inertial_at_lever_arm(now, lever_arm);
     INFO("t = " << t << ": " << (felt.f_b - C_em.transpose() * (acceleration - attraction)).norm());
     REQUIRE((felt.f_b - C_em.transpose() * (acceleration - attraction)).norm() < 1e-6);
 
@@ -316,7 +316,7 @@ TEST_CASE("ship: the slave is where the lever arm ends, turned by the mounting")
     REQUIRE((arm_e - strapdown::C_en(sample.fields[3], sample.fields[4]) * C_nm * Vector3d(20, -4, -9)).norm() < 1e-8);
     const Matrix3d C_ms = strapdown::dcm_from_quaternion(strapdown::quaternion_exp(m)) * nominal;
     const Matrix3d C_ns = strapdown::dcm_from_quaternion(truth->attitude(6));
-    REQUIRE((C_ns - C_nm * C_ms).norm() < 2e-5);                                // the navigation axes differ by arm/R
+    REQUIRE((C_ns - C_nm * C_ms).norm() < 2e-5);  // the navigation axes differ by lever_arm/R
     REQUIRE((C_nm * Vector3d(0, 0, -1)).dot(C_ns * Vector3d(1, 0, 0)) > 0.99);  // its x axis stands up
     const Vector3d level = strapdown::attitude_minus(truth->attitude(9), sample.attitude(6));
     REQUIRE((level - C_nm * m).norm() < 1e-5);

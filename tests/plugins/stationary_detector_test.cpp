@@ -298,11 +298,14 @@ TEST_CASE("detection score: missed and false seconds") {
   REQUIRE(std::abs(last[3] - 10) < 0.11);
 }
 
-TEST_CASE("asked to speak as often as it hears, or more often, it says nothing of no time at all", "[stationary_detector]") {
+TEST_CASE("asked to speak as often as it hears, or more often, it says nothing of no time at all",
+          "[stationary_detector]") {
   for (const double rate : {50.0, 100.0, 1000.0}) {
     Bench bench({{"standing_rate", rate}, {"moving_rate", rate}});
     bench.drive(0, 6, 50, [](double) { return Motion{}; });
-    bench.drive(6, 12, 50, [](double t) { return Motion{{0.1 * std::sin(20 * t), 0, 0.2}, {std::sin(30 * t), 0, -9.8}}; });
+    bench.drive(6, 12, 50, [](double t) {
+      return Motion{{0.1 * std::sin(20 * t), 0, 0.2}, {std::sin(30 * t), 0, -9.8}};
+    });
     CAPTURE(rate);
     REQUIRE(!bench.ear.of(standing).empty());
     REQUIRE(!bench.ear.of(moving).empty());

@@ -13,7 +13,7 @@
 
 #include "bind.hpp"
 #include "binnacle/composition.hpp"
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "catch.hpp"
 #include "kind_blocks.hpp"
 #include "model_check.hpp"
@@ -100,10 +100,9 @@ const Attitudes attitudes[] = {
 struct DcmBench {
   AttitudeKind attitude;
   std::unique_ptr<MountingBlock> mounting = mounting_block();
-  std::unique_ptr<DcmMatch> model =
-      bind<DcmMatch>({{{"sigma", 0.2 * arcmin}, {"jacobian", "tangent"}},
-                      {{"attitude", &attitude}, {"mounting", mounting.get()}},
-                      {}});
+  std::unique_ptr<DcmMatch> model = bind<DcmMatch>({{{"sigma", 0.2 * arcmin}, {"jacobian", "tangent"}},
+                                                    {{"attitude", &attitude}, {"mounting", mounting.get()}},
+                                                    {}});
 
   PortStates ports(const Attitudes& at) const {
     std::vector<double> q_SM(4);
@@ -114,20 +113,22 @@ struct DcmBench {
 };
 
 struct VelocityBench {
-  AdditiveKind velocity{"velocity.ned", 3, "m/s"}, arm{3, "m"}, gyro_bias{3, "rad/s"};
+  AdditiveKind velocity{"velocity.ned", 3, "m/s"}, lever_arm{3, "m"}, gyro_bias{3, "rad/s"};
   AttitudeKind attitude;
-  bool has_arm;
+  bool has_lever_arm;
   std::unique_ptr<VelocityMatch> model;
 
-  VelocityBench(const std::string& axes, bool with_arm, std::vector<std::string> without = {}) : has_arm(with_arm) {
+  VelocityBench(const std::string& axes, bool with_lever_arm, std::vector<std::string> without = {})
+      : has_lever_arm(with_lever_arm) {
     Setup setup{{{"sigma", {0.2, 0.3, 0.4}}, {"axes", axes}}, {{"velocity", &velocity}}, std::move(without)};
-    if (with_arm) setup.ports.insert({{"arm", &arm}, {"attitude", &attitude}, {"gyro_bias", &gyro_bias}});
+    if (with_lever_arm)
+      setup.ports.insert({{"lever_arm", &lever_arm}, {"attitude", &attitude}, {"gyro_bias", &gyro_bias}});
     model = bind<VelocityMatch>(setup);
   }
   PortStates ports() const {
     PortStates all{{&velocity, {4, -3, 0.2}, 0.1, 1e-15}, {}, {}, {}};
-    if (has_arm) {
-      all[1] = {&arm, {12, -3, 5}, 0.1, 1e-15};
+    if (has_lever_arm) {
+      all[1] = {&lever_arm, {12, -3, 5}, 0.1, 1e-15};
       all[2] = {&attitude, values(quaternion_from_euler({0.2, 1.3, -0.4})), 1e-2, 1e-15};
       all[3] = {&gyro_bias, {0.01, -0.02, 0.03}, 1e-2, 1e-15};
     }
@@ -251,8 +252,9 @@ TEST_CASE("dcm_match: the chord is right to second order in errors of attitude a
   const Matrix3d true_C_M = dcm_from_quaternion(true_nS) * dcm_from_quaternion(true_SM).transpose();
   const Vector3d shown = strapdown::euler_from_quaternion(strapdown::quaternion_from_dcm(true_C_M));
   const auto miss = [&](const char* jacobian) {
-    const auto model = bind<DcmMatch>(
-        {{{"sigma", 0.2 * arcmin}, {"jacobian", jacobian}}, {{"attitude", &attitude}, {"mounting", mounting.get()}}, {}});
+    const auto model = bind<DcmMatch>({{{"sigma", 0.2 * arcmin}, {"jacobian", jacobian}},
+                                       {{"attitude", &attitude}, {"mounting", mounting.get()}},
+                                       {}});
     double r[3], H_psi[9] = {}, H_mu[9] = {}, R[9] = {};
     std::int64_t keys[3] = {};
     const MatrixView H[] = {{H_psi, 3, 3, 3}, {H_mu, 3, 3, 3}};
@@ -271,10 +273,10 @@ TEST_CASE("dcm_match: the chord is right to second order in errors of attitude a
 
 TEST_CASE("velocity_match: two rows or three, with and without a lever arm", "[transfer_match]") {
   const double drive[3] = {0.1, 0.2, -0.3};
-  for (const bool with_arm : {false, true})
+  for (const bool with_lever_arm : {false, true})
     for (const auto& [axes, rows] : {std::pair("horizontal", 2), std::pair("all", 3)}) {
-      INFO(axes << ", arm " << with_arm);
-      const VelocityBench bench(axes, with_arm);
+      INFO(axes << ", lever_arm " << with_lever_arm);
+      const VelocityBench bench(axes, with_lever_arm);
       REQUIRE(bench.model->declaration().max_rows == rows);
       Complaints out;
       const Measured m = linearize(*bench.model, sample_of(master_sample), bench.ports(), {0, drive}, out);
@@ -286,7 +288,7 @@ TEST_CASE("velocity_match: two rows or three, with and without a lever arm", "[t
         REQUIRE_FALSE(check_measurement(Mutated(*bench.model, read, -1), VelocityMatch::spec(),
                                         sample_of(master_sample), bench.ports(), {0, drive}, {1e-8}, 1e-14)
                           .empty());
-      if (!with_arm) {
+      if (!with_lever_arm) {
         REQUIRE(std::abs(m.residual[0] - 0.1) < 1e-15);
         REQUIRE(std::abs(m.residual[1] - 0.2) < 1e-15);
       }
@@ -296,7 +298,7 @@ TEST_CASE("velocity_match: two rows or three, with and without a lever arm", "[t
 TEST_CASE("velocity_match: a rigid ship moves the slave as its lever arm says", "[transfer_match]") {
   // Truth by geometry: both units in earth axes, the slave's place differentiated numerically.
   const Voyage voyage;
-  const Vector3d arm{30, -8, -5};
+  const Vector3d lever_arm{30, -8, -5};
   const double t = 12.3, h = 1e-3;
   const auto master = [&](double time) {  // the voyage is the master's
     return strapdown::ecef_from_lla(voyage.at(time).lla);
@@ -304,14 +306,14 @@ TEST_CASE("velocity_match: a rigid ship moves the slave as its lever arm says", 
   const auto slave = [&](double time) -> Vector3d {
     const strapdown::Navigation now = voyage.at(time);
     const Matrix3d C_nM = dcm_from_quaternion(quaternion_from_euler(voyage.master_angles(time)));
-    return master(time) + strapdown::C_en(now.lla[0], now.lla[1]) * (C_nM * arm);
+    return master(time) + strapdown::C_en(now.lla[0], now.lla[1]) * (C_nM * lever_arm);
   };
   const strapdown::Navigation now = voyage.at(t);
   const Vector3d v_slave =
       strapdown::C_en(now.lla[0], now.lla[1]).transpose() * (slave(t + h) - slave(t - h)) / (2 * h);
   const VelocityBench bench("all", true);
   PortStates ports = bench.ports();
-  ports[0].x = values(v_slave), ports[1].x = values(arm), ports[2].x = values(now.q_nb), ports[3].x = {0, 0, 0};
+  ports[0].x = values(v_slave), ports[1].x = values(lever_arm), ports[2].x = values(now.q_nb), ports[3].x = {0, 0, 0};
   const Vector3d rate = voyage.rate(t), angles = voyage.master_angles(t);
   const std::vector<double> sample{now.v_n[0], now.v_n[1], now.v_n[2], angles[0], angles[1], angles[2], now.lla[0]};
   Complaints out;
@@ -327,8 +329,8 @@ TEST_CASE("velocity_match: what it needs and what it refuses", "[transfer_match]
   const VelocityBench bare("horizontal", false, {"vd", "roll", "pitch", "yaw", "lat"});
   Complaints out;
   REQUIRE(linearize(*bare.model, sample_of(master_sample), bare.ports(), {}, out).result);
-  const VelocityBench with_arm("all", true);
-  REQUIRE(linearize(*with_arm.model, sample_of(master_sample), with_arm.ports(), {}, out).result.verdict ==
+  const VelocityBench with_lever_arm("all", true);
+  REQUIRE(linearize(*with_lever_arm.model, sample_of(master_sample), with_lever_arm.ports(), {}, out).result.verdict ==
           Verdict::unsupported);
   std::vector<double> bad = master_sample;
   bad[1] = std::nan("");
@@ -384,7 +386,7 @@ Aligned align(const nlohmann::json& change) {
   ordered["sources"]["imu"] = {{"type", "pushed"}, {"fields", imu}};
   ordered["sources"]["mins"] = {{"type", "pushed"}, {"fields", mins}};
   const auto composition = Composition::parse(ordered.dump(), "alignment.json");
-  Filter filter(composition);
+  Session filter(composition);
   const int imu_channel = filter.channel("imu"), mins_channel = filter.channel("mins");
   const VoyageSamples samples(voyage, 100.0, 0.01, VoyageSamples::Increments::integrals);
   for (std::size_t k = 0; k < samples.steps().size(); ++k) {

@@ -101,7 +101,7 @@ Json lively() {
   config["ride"] = {{"slip", 0.003},   {"sway", 0.03}, {"heave", 0.05},
                     {"rocking", 0.03}, {"roll", 2e-3}, {"pitch", 2e-3}};
   config["boarding"] = {{"every", 8}, {"heave", 5e-3}, {"roll", 3e-3}, {"pitch", 2e-3}};
-  config["arm"] = {1.2, -0.4, -0.9};
+  config["lever_arm"] = {1.2, -0.4, -0.9};
   config["mounting"] = {{"yaw", "35 deg"}, {"roll", "-20 deg"}, {"misalignment", {2e-3, -10.7e-3, 1e-3}}};
   return config;
 }
@@ -193,7 +193,7 @@ TEST_CASE("ride: the path's point slides, heaves and rolls as asked for, and the
 
 TEST_CASE("ride: the rear axle does not slip in a curve, the IMU ahead of it does") {
   Json config = quiet_drive();
-  config["arm"] = {2, 0, 0};
+  config["lever_arm"] = {2, 0, 0};
   bool has_turned = false;
   for (const Emitted& truth : Drive(config).of(VehicleSimulator::truth)) {
     const double t = seconds(truth.t);

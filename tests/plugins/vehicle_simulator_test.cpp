@@ -372,7 +372,7 @@ TEST_CASE("the antenna is at the end of its lever arm, and moves with it") {
   Json config = lively_drive(1);
   config["gnss_rate"] = 200;
   config["truth_rate"] = 200;
-  config["gnss"]["arm"] = {0.6, -0.3, -1.5};
+  config["gnss"]["lever_arm"] = {0.6, -0.3, -1.5};
   const auto samples = Drive(config).rest();
   std::map<Time, Emitted> truth, fixes;
   for (const auto& sample : samples) {
@@ -380,12 +380,13 @@ TEST_CASE("the antenna is at the end of its lever arm, and moves with it") {
     if (sample.channel == VehicleSimulator::gnss) fixes.emplace(sample.t, sample);
   }
   REQUIRE(fixes.size() == truth.size());
-  const Vector3d arm(0.6, -0.3, -1.5);
+  const Vector3d lever_arm(0.6, -0.3, -1.5);
   const Time step = nanoseconds(0.005);
   double worst_velocity = 0.0;
   for (const auto& [t, fix] : fixes) {
     const auto q = strapdown::quaternion_from_euler(truth.at(t).triple(6));
-    const Vector3d expected = strapdown::position_plus(truth.at(t).triple(0), strapdown::dcm_from_quaternion(q) * arm);
+    const Vector3d expected =
+        strapdown::position_plus(truth.at(t).triple(0), strapdown::dcm_from_quaternion(q) * lever_arm);
     REQUIRE(metres(fix.triple(0), expected) < 1e-8);
     if (fixes.count(t - step) == 0 || fixes.count(t + step) == 0) continue;
     const Vector3d moved =

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto patience = 60s;
+constexpr auto timeout = 60s;
 
 fs::path chromium() {
   const char* const path = std::getenv("PATH");
@@ -53,9 +53,10 @@ fs::path temporary_folder() {
   ::dup2(in, 3);
   ::dup2(out, 4);
   const std::string data = "--user-data-dir=" + profile.string();
-  ::execl(program.c_str(), "chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-          "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage",
-          "--hide-scrollbars", data.c_str(), "--remote-debugging-pipe", "about:blank", static_cast<char*>(nullptr));
+  ::execl(program.c_str(), "chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
+          "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+          "--disable-dev-shm-usage", "--hide-scrollbars", data.c_str(), "--remote-debugging-pipe", "about:blank",
+          static_cast<char*>(nullptr));
   ::_exit(127);
 }
 
@@ -75,7 +76,8 @@ void Browser::launch() {
   std::signal(SIGPIPE, SIG_IGN);
   profile_ = temporary_folder();
   int commands[2], answers[2];
-  if (::pipe2(commands, O_CLOEXEC) != 0 || ::pipe2(answers, O_CLOEXEC) != 0) throw std::runtime_error("no pipe could be made");
+  if (::pipe2(commands, O_CLOEXEC) != 0 || ::pipe2(answers, O_CLOEXEC) != 0)
+    throw std::runtime_error("no pipe could be made");
   child_ = ::fork();
   if (child_ < 0) throw std::runtime_error("no process could be started");
   if (child_ == 0) become_chromium(chromium(), profile_, commands[0], answers[1]);
@@ -122,7 +124,7 @@ Json Browser::call(const std::string& method, const Json& parameters) {
 }
 
 Json Browser::next_message() {
-  const auto deadline = Clock::now() + patience;
+  const auto deadline = Clock::now() + timeout;
   for (;;) {
     if (const auto end = received_.find('\0'); end != std::string::npos) {
       Json message = Json::parse(received_.substr(0, end));
@@ -131,7 +133,8 @@ Json Browser::next_message() {
     }
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
     pollfd waiting{from_, POLLIN, 0};
-    if (left <= 0 || ::poll(&waiting, 1, static_cast<int>(left)) == 0) throw std::runtime_error("chromium says nothing");
+    if (left <= 0 || ::poll(&waiting, 1, static_cast<int>(left)) == 0)
+      throw std::runtime_error("chromium says nothing");
     char buffer[65536];
     const auto count = ::read(from_, buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
@@ -158,15 +161,18 @@ void Browser::open(const fs::path& page) {
 }
 
 Json Browser::value_of(const std::string& expression) {
-  const Json answer = call("Runtime.evaluate", {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
-  if (answer.contains("exceptionDetails")) throw std::runtime_error(expression + ": " + answer.at("exceptionDetails").dump());
+  const Json answer =
+      call("Runtime.evaluate", {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
+  if (answer.contains("exceptionDetails"))
+    throw std::runtime_error(expression + ": " + answer.at("exceptionDetails").dump());
   return answer.at("result").contains("value") ? answer.at("result").at("value") : Json(nullptr);
 }
 
 void Browser::wait_for(const std::string& expression) {
-  const auto deadline = Clock::now() + patience;
+  const auto deadline = Clock::now() + timeout;
   while (value_of(expression) != Json(true)) {
-    if (Clock::now() > deadline) throw std::runtime_error("never true: " + expression + (console_.empty() ? "" : "; " + console_.front()));
+    if (Clock::now() > deadline)
+      throw std::runtime_error("never true: " + expression + (console_.empty() ? "" : "; " + console_.front()));
     std::this_thread::sleep_for(20ms);
   }
 }
@@ -183,7 +189,8 @@ void Browser::mouse(const char* type, double x, double y, int clicks, bool is_do
 void Browser::drag(double x0, double y0, double x1, double y1) {
   mouse("mouseMoved", x0, y0, 0, false);
   mouse("mousePressed", x0, y0, 1, true);
-  for (const double share : {0.25, 0.5, 0.75, 1.0}) mouse("mouseMoved", x0 + share * (x1 - x0), y0 + share * (y1 - y0), 0, true);
+  for (const double share : {0.25, 0.5, 0.75, 1.0})
+    mouse("mouseMoved", x0 + share * (x1 - x0), y0 + share * (y1 - y0), 0, true);
   mouse("mouseReleased", x1, y1, 1, false);
 }
 

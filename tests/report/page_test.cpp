@@ -14,8 +14,8 @@
 #include <unistd.h>
 
 #include "browser.hpp"
+#include "fixture.hpp"
 #include "report/page.hpp"
-#include "specimen.hpp"
 
 using namespace binnacle;
 using namespace binnacle::test;
@@ -26,7 +26,9 @@ namespace fs = std::filesystem;
 
 class Folder {
  public:
-  Folder() : path_(fs::temp_directory_path() / ("binnacle-report-" + std::to_string(::getpid()))) { fs::create_directories(path_); }
+  Folder() : path_(fs::temp_directory_path() / ("binnacle-report-" + std::to_string(::getpid()))) {
+    fs::create_directories(path_);
+  }
   ~Folder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
@@ -97,8 +99,11 @@ void require_figures(Browser& browser, const Json& json, const std::string& root
     char* end = nullptr;
     const double read = std::strtod(text.c_str(), &end);
     if (*end != '\0') continue;  // with a unit of its own: "1.70 s"
-    const double resolution = text.find('.') == std::string::npos ? 0.5 : 0.5 * std::pow(10.0, -static_cast<double>(text.size() - text.find('.') - 1));
-    const bool is_close = std::abs(read - number->second) <= 5.001e-4 * std::abs(number->second) || std::abs(read - number->second) <= 1.001 * resolution;
+    const double resolution = text.find('.') == std::string::npos
+                                  ? 0.5
+                                  : 0.5 * std::pow(10.0, -static_cast<double>(text.size() - text.find('.') - 1));
+    const bool is_close = std::abs(read - number->second) <= 5.001e-4 * std::abs(number->second) ||
+                          std::abs(read - number->second) <= 1.001 * resolution;
     REQUIRE(is_close);
   }
   for (const auto& [path, value] : numbers) {
@@ -109,18 +114,22 @@ void require_figures(Browser& browser, const Json& json, const std::string& root
 
 /// Where a plot is, [left, top, width, height], scrolled into view.
 Json place_of(Browser& browser, const std::string& plot) {
-  browser.wait_for("(() => { const e = document.querySelector(`" + plot + "`); e.scrollIntoView({ block: 'center' }); return !!e.dataset.from; })()");
-  return browser.value_of("(() => { const r = document.querySelector(`" + plot + " .plot`).getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; })()");
+  browser.wait_for("(() => { const e = document.querySelector(`" + plot +
+                   "`); e.scrollIntoView({ block: 'center' }); return !!e.dataset.from; })()");
+  return browser.value_of("(() => { const r = document.querySelector(`" + plot +
+                          " .plot`).getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; })()");
 }
 
-const std::string north = "[data-name=\"ins position.north error\"]", bias = "[data-name=\"ins gyro_bias.x\"]", nis = "[data-name=\"ins fix.nis\"]",
-                  lanes = "[data-name=\"ins outcomes\"]";
+const std::string north = "[data-name=\"ins position.north error\"]", bias = "[data-name=\"ins gyro_bias.x\"]",
+                  nis = "[data-name=\"ins fix.nis\"]", lanes = "[data-name=\"ins outcomes\"]";
 
 /// [from, to] of a plot, once it has been drawn with the page's window.
 Json window_of(Browser& browser, const std::string& plot) {
   const std::string element = "document.querySelector(`" + plot + "`)";
   const std::string bar = "document.getElementById('timebar')";
-  browser.wait_for("(() => { const e = " + element + "; e.scrollIntoView({ block: 'center' }); return !!e.dataset.from && e.dataset.from === " + bar + ".dataset.from && e.dataset.to === " + bar + ".dataset.to; })()");
+  browser.wait_for("(() => { const e = " + element +
+                   "; e.scrollIntoView({ block: 'center' }); return !!e.dataset.from && e.dataset.from === " + bar +
+                   ".dataset.from && e.dataset.to === " + bar + ".dataset.to; })()");
   return browser.value_of("[Number(" + element + ".dataset.from), Number(" + element + ".dataset.to)]");
 }
 
@@ -139,13 +148,18 @@ TEST_CASE("Page of a run: every figure of the summary, no word on the console, n
   REQUIRE(chromium->value_of("document.body.textContent.includes('seed 18446744073709551615')") == Json(true));
   for (const int width : {1400, 390}) {
     chromium->size(width, 900);
-    chromium->wait_for("(() => { scrollBy(0, 700); return scrollY + innerHeight >= document.documentElement.scrollHeight - 2; })()");
-    const Json too_wide = chromium->value_of("[...document.querySelectorAll('main *')].filter((e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.scroll')).map((e) => e.tagName + ' ' + (e.className.baseVal ?? e.className)).slice(0, 5)");
+    chromium->wait_for(
+        "(() => { scrollBy(0, 700); return scrollY + innerHeight >= document.documentElement.scrollHeight - 2; })()");
+    const Json too_wide = chromium->value_of(
+        "[...document.querySelectorAll('main *')].filter((e) => e.getBoundingClientRect().right > innerWidth + 1 && "
+        "!e.closest('.scroll')).map((e) => e.tagName + ' ' + (e.className.baseVal ?? e.className)).slice(0, 5)");
     INFO(width << ": " << too_wide);
     REQUIRE(chromium->value_of("document.documentElement.scrollWidth <= innerWidth") == Json(true));
     chromium->value_of("scrollTo(0, 0)");
   }
-  chromium->wait_for("(() => { document.querySelector('#states').scrollIntoView(); return document.querySelectorAll('.plot canvas').length > 3; })()");
+  chromium->wait_for(
+      "(() => { document.querySelector('#states').scrollIntoView(); return document.querySelectorAll('.plot "
+      "canvas').length > 3; })()");
   require_quiet(*chromium);
   require_alone(*chromium);
 }
@@ -219,9 +233,13 @@ TEST_CASE("Page of a run and a study, with a filter that never started and a mea
   idle.errors = {{"position.north", "m", "m", {}, {}, {}}};
   idle.updates.push_back({"fix", {{"position", "m"}}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}});
   results.run->filters.push_back(idle);
-  results.run->summary["filters"]["idle"] = {{"steps", 0}, {"filter_s", 0.0}, {"reference", Json::object()}, {"measurements", Json::object()}};
+  results.run->summary["filters"]["idle"] = {{"steps", 0},
+                                             {"filter_s", 0.0},
+                                             {"reference", Json::object()},
+                                             {"measurements", Json::object()}};
   chromium->open(folder.write("page.html", report::page(results)));
-  chromium->wait_for("(() => { scrollBy(0, 700); return scrollY + innerHeight >= document.documentElement.scrollHeight - 2; })()");
+  chromium->wait_for(
+      "(() => { scrollBy(0, 700); return scrollY + innerHeight >= document.documentElement.scrollHeight - 2; })()");
   REQUIRE(chromium->value_of("document.body.textContent.includes('never started')") == Json(true));
   require_figures(*chromium, results.run->summary, "/run");
   require_figures(*chromium, results.study->figures, "/study");
@@ -240,9 +258,11 @@ TEST_CASE("Page of a million samples: usable") {
   const double zoom = chromium->value_of(
       "(async () => { const begin = performance.now(); const input = document.querySelector('#timebar input');"
       " input.value = 50000; input.dispatchEvent(new Event('change'));"
-      " await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); return performance.now() - begin; })()");
+      " await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); return "
+      "performance.now() - begin; })()");
   REQUIRE(window_of(*chromium, north)[0] == Json(50000.0));
-  WARN("a million samples: page of " << fs::file_size(page) / 1e6 << " MB, loaded in " << load << " s, zoomed in " << zoom << " ms");
+  WARN("a million samples: page of " << fs::file_size(page) / 1e6 << " MB, loaded in " << load << " s, zoomed in "
+                                     << zoom << " ms");
   REQUIRE(fs::file_size(page) < 6'000'000);  // what makes it usable; times are told, and depend on the machine
   require_quiet(*chromium);
 }
@@ -252,7 +272,9 @@ TEST_CASE("binnacle report: what the guide shows, and the quickstart's results a
   const fs::path command = BINNACLE_TEST_COMMAND, project = BINNACLE_TEST_PROJECT;
   fs::create_directory_symlink(project / "configs", folder.path() / "configs");
   std::ifstream guide(project / "sdk/docs/report.md");
-  std::string line, script = "cd '" + folder.path().string() + "' && PATH='" + command.parent_path().string() + "':\"$PATH\"", expected;
+  std::string line,
+      script = "cd '" + folder.path().string() + "' && PATH='" + command.parent_path().string() + "':\"$PATH\"",
+      expected;
   while (std::getline(guide, line) && line != "```text") continue;
   while (std::getline(guide, line) && line != "```")
     if (line.starts_with("$ "))
@@ -263,10 +285,12 @@ TEST_CASE("binnacle report: what the guide shows, and the quickstart's results a
   REQUIRE(std::system(("{ " + script + "; } > '" + (folder.path() / "printed").string() + "'").c_str()) == 0);
   REQUIRE(contents(folder.path() / "printed") == expected);
   const std::string page = contents(folder.path() / "out/report.html");
-  REQUIRE(std::system((command.string() + " report '" + (folder.path() / "out").string() + "' --json --output '" + (folder.path() / "again.html").string() + "' > '" +
-                       (folder.path() / "told").string() + "'").c_str()) == 0);
+  REQUIRE(std::system((command.string() + " report '" + (folder.path() / "out").string() + "' --json --output '" +
+                       (folder.path() / "again.html").string() + "' > '" + (folder.path() / "told").string() + "'")
+                          .c_str()) == 0);
   REQUIRE(contents(folder.path() / "again.html") == page);
-  REQUIRE(Json::parse(contents(folder.path() / "told")) == Json({{"page", (folder.path() / "again.html").string()}, {"bytes", page.size()}}));
+  REQUIRE(Json::parse(contents(folder.path() / "told")) ==
+          Json({{"page", (folder.path() / "again.html").string()}, {"bytes", page.size()}}));
   const auto chromium = browser();
   if (!chromium) return;
   chromium->open(folder.path() / "out/report.html");

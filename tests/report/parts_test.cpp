@@ -12,9 +12,9 @@
 #include "decimation.hpp"
 #include "display.hpp"
 #include "escape.hpp"
+#include "fixture.hpp"
 #include "payload.hpp"
 #include "report/page.hpp"
-#include "specimen.hpp"
 #include "track.hpp"
 
 using namespace binnacle;
@@ -202,7 +202,8 @@ TEST_CASE("Payload: a million samples make a page of a few megabytes") {
 
 TEST_CASE("Page: fetches nothing, and holds the licence of what it brings along") {
   const std::string text = page(test::run_results("ins", 100));
-  for (const char* never : {"src=\"http", "href=\"http", "@import", "url("}) REQUIRE(text.find(never) == std::string::npos);
+  for (const char* never : {"src=\"http", "href=\"http", "@import", "url("})
+    REQUIRE(text.find(never) == std::string::npos);
   REQUIRE(text.find("Permission is hereby granted") != std::string::npos);
   REQUIRE(text.find("default-src 'none'") != std::string::npos);
 }

@@ -106,20 +106,21 @@ TEST_CASE("covariance: what is considered has no gain") {
   CHECK(figure(variant, "walk/place/sigma") > 1.5);
 }
 
-TEST_CASE("covariance: a reading less all but one block") {
+TEST_CASE("covariance: an implied state less all but one block") {
   const Workbench bench;
   const json more = json::parse(R"~({
     "blocks": { "offset": { "type": "vector", "size": 1, "unit": "m", "init": { "x": 0 }, "sigma": 1.5 } },
     "process": { "stays": { "type": "random_constant", "blocks": { "x": "offset" } } },
     "measurements": { "fix": { "blocks": { "bias": "offset" } } } })~");
-  json reading = more;
-  reading["readings"] = {{"direct", {{"measurement", "fix"}, {"block", "place"}}}};
-  const auto variant = analysed(bench, {{"outputs", {{"place", "direct"}}}}, reading);
+  json implied_state = more;
+  implied_state["implied_states"] = {{"direct", {{"measurement", "fix"}, {"block", "place"}}}};
+  const auto variant = analysed(bench, {{"outputs", {{"place", "direct"}}}}, implied_state);
   // At the first sample the offset is not known at all.
   CHECK(agrees(figure(variant, "walk/place/sigma at 0 s"), std::sqrt(1.5 * 1.5 + r * r)));
   CHECK(agrees(figure(variant, "walk/place/sigma"), figure(variant, "walk/place/own sigma")));
   // Under its own name, beside the block.
-  const auto both = analysed(bench, {{"metrics", {"walk/place/sigma", "walk/direct/sigma", "walk/direct.x/own sigma"}}}, reading);
+  const auto both = analysed(bench, {{"metrics", {"walk/place/sigma", "walk/direct/sigma", "walk/direct.x/own sigma"}}},
+                             implied_state);
   CHECK(agrees(figure(both, "walk/direct/sigma"), figure(variant, "walk/place/sigma")));
   CHECK(agrees(figure(both, "walk/direct.x/own sigma"), figure(variant, "walk/place/sigma")));
   CHECK(figure(both, "walk/place/sigma") < figure(both, "walk/direct/sigma"));
@@ -184,7 +185,8 @@ TEST_CASE("covariance: a duration ends a run of sources, a linear filter is told
   CHECK(agrees(figure(simulated(bench, shorter), "ship/pitch/sigma"), figure(whole, "ship/pitch/sigma at 30 s")));
   const auto several = simulated(bench, {{"runs", 3}});
   CHECK(several.at("runs") == 3);
-  CHECK(agrees(several.at("metrics").at("ship/pitch/sigma").at("rms").get<double>(), figure(whole, "ship/pitch/sigma")));
+  CHECK(
+      agrees(several.at("metrics").at("ship/pitch/sigma").at("rms").get<double>(), figure(whole, "ship/pitch/sigma")));
 }
 
 TEST_CASE("covariance: what is told between measurements and where there are none") {
@@ -214,8 +216,7 @@ TEST_CASE("covariance: errors at the start that are those of another block") {
   // place = p − o, so the first fix is p + v; the filter believes p + o + v, both independent.
   const double s = 25 + 1.5 * 1.5 + 4, k = 25 / s;
   CHECK(agrees(figure(variant, "walk/place/own sigma at 0 s"), std::sqrt(25 - k * 25)));
-  CHECK(agrees(figure(variant, "walk/place/sigma at 0 s"),
-               std::sqrt((1 - k) * (1 - k) * 25 + 1.5 * 1.5 + k * k * 4)));
+  CHECK(agrees(figure(variant, "walk/place/sigma at 0 s"), std::sqrt((1 - k) * (1 - k) * 25 + 1.5 * 1.5 + k * k * 4)));
 }
 
 TEST_CASE("covariance: readable outputs and norms of a block") {
@@ -267,10 +268,11 @@ TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be told"
   refused(R"("covariance": {"channels": {"sean": {"interval": "1 s"}}})", "B020", "did you mean 'seen'");
   refused(R"("covariance": {"channels": {"seen": {"interval": "0 s"}}})", "B009", "above zero");
   refused(R"("covariance": {"durations": "1 s"})", "B012", "did you mean 'duration'");
-  refused(R"("covariance": {"outputs": {"x": "direct"}})", "B015", "no reading 'direct'");
+  refused(R"("covariance": {"outputs": {"x": "direct"}})", "B015", "no implied state 'direct'");
   refused(R"("covariance": {"runs": 3})", "B012", "leave out the one or the other");
   refused(R"("covariance": {"channels": {"seen": null}})", "B010", "no channel speaks");
-  refused(R"("covariance": {"initial": {"place": {"of": "plaice", "by": [[1]]}}})", "B015", "there is no block 'plaice'");
+  refused(R"("covariance": {"initial": {"place": {"of": "plaice", "by": [[1]]}}})", "B015",
+          "there is no block 'plaice'");
   refused(R"("covariance": {"initial": {"place": {"of": "place", "by": [1]}}})", "B013", "1 rows of 1");
   refused(R"("covariance": {"truth": {"process": {"wander": {"q": -1}}}})", "B009", "truth");
 }

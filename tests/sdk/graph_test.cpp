@@ -65,13 +65,13 @@ class Drawing {
 };
 
 /// Where Φ, Qd and H were ever anything but zero, and Φ anything but the identity.
-class Seen final : public binnacle::RunObserver, public binnacle::StepTape {
+class Seen final : public binnacle::RunObserver, public binnacle::StepObserver {
  public:
   explicit Seen(const binnacle::FilterInfo& info)
       : info_(info), phi(Filled::Constant(info.dof, info.dof, false)), qd(phi) {}
   bool wants_records() const override { return false; }
   bool wants_matrices() const override { return true; }
-  binnacle::StepTape* tape(int) override { return this; }
+  binnacle::StepObserver* step_observer(int) override { return this; }
   void stepped(const binnacle::StepRecord& record) override {
     ++steps;
     const MatrixXd Phi = record.Phi.as(), P0 = record.P0.as(), P1 = record.P1.as();

@@ -29,7 +29,8 @@ bool is_on_path(const std::string& program) {
 
 bool has_mpi() {
   const bool has = fs::exists(BINNACLE_TEST_PLUGINS "/mpi/binnacle_mpi.so") && is_on_path("mpirun");
-  if (const char* ci = std::getenv("CI"); !has && ci && std::string(ci) == "true") FAIL("no MPI, though CI installs it");
+  if (const char* ci = std::getenv("CI"); !has && ci && std::string(ci) == "true")
+    FAIL("no MPI, though CI installs it");
   if (!has) std::cout << "SKIPPED: no MPI (Debian packages libopenmpi-dev, openmpi-bin)\n";
   return has;
 }

@@ -176,8 +176,8 @@ TEST_CASE("errors and outcomes of run.nc make the figures of the summary") {
 
 TEST_CASE("provenance and config of run.nc are those of the run") {
   const Workbench bench;
-  REQUIRE(binnacle::test::binnacle(bench, {"run", "good.json", "--out", "out", "--quiet", "--seed", "18446744073709551615",
-                                           "--run", "3", "--set", "/title=It's another"})
+  REQUIRE(binnacle::test::binnacle(bench, {"run", "good.json", "--out", "out", "--quiet", "--seed",
+                                           "18446744073709551615", "--run", "3", "--set", "/title=It's another"})
               .status == 0);
   const auto run = *results::read(bench.path("out")).run;
   CHECK(run.config == results::Json::parse(read_file(bench.path("out/config.json"))));
@@ -207,8 +207,8 @@ TEST_CASE("every outcome has its reason, and rows only where there were some") {
   const auto run = *results::read(bench.path("out")).run;
   const auto& updates = run.filters.at(0).updates.at(0);
   using binnacle::Outcome;
-  CHECK(updates.outcome == std::vector{Outcome::accepted, Outcome::gated, Outcome::accepted, Outcome::withheld,
-                                       Outcome::accepted});
+  CHECK(updates.outcome ==
+        std::vector{Outcome::accepted, Outcome::gated, Outcome::accepted, Outcome::withheld, Outcome::accepted});
   CHECK(updates.reason[0].empty());
   CHECK_FALSE(updates.reason[1].empty());
   CHECK(updates.rows == std::vector<std::int32_t>{1, 1, 1, 1, 1});
@@ -253,8 +253,10 @@ TEST_CASE("a study is read as it was written") {
   CHECK(study.metrics[0].si_unit == "m");
   REQUIRE(study.values.size() == 4);
   CHECK(study.values[0] == study.values[1]);  // nothing of it is random
-  CHECK(std::abs(study.values[0] - study.figures.at("variants").at("calm").at("metrics").at("walk/place.x/final").at("mean")
-                                       .get<double>()) < 1e-15);
+  CHECK(std::abs(
+            study.values[0] -
+            study.figures.at("variants").at("calm").at("metrics").at("walk/place.x/final").at("mean").get<double>()) <
+        1e-15);
   CHECK(std::isnan(study.values[2]));
   CHECK(std::isnan(study.values[3]));
   CHECK(study.config.at("study").at("runs") == 2);
@@ -283,7 +285,8 @@ TEST_CASE("a file that finds no room leaves nothing, exit status 5") {
     const auto outcome = binnacle::test::binnacle(bench, {"run", quickstart, "--out", "full", "--quiet"});
     CHECK(outcome.status == 5);
     CHECK(outcome.err.starts_with("error: 'full/"));
-    CHECK(outcome.err.ends_with(" could not be written: File too large; raise the limit (ulimit -f), or write elsewhere\n"));
+    CHECK(outcome.err.ends_with(
+        " could not be written: File too large; raise the limit (ulimit -f), or write elsewhere\n"));
     CHECK_FALSE(fs::exists(bench.path("full")));
   }
 }
@@ -292,7 +295,8 @@ TEST_CASE("read() tells in a line what is wrong with a folder") {
   const Workbench bench;
   const auto said = [&](const std::string& name) { return complaint_of(bench.path(name)); };
   CHECK(said("nowhere") == "'" + bench.path("nowhere") + "' is no folder");
-  CHECK(said("").find("holds neither run.nc nor study.nc; make one with 'binnacle run CONFIG --out ") != std::string::npos);
+  CHECK(said("").find("holds neither run.nc nor study.nc; make one with 'binnacle run CONFIG --out ") !=
+        std::string::npos);
 
   REQUIRE(binnacle::test::binnacle(bench, {"run", "good.json", "--out", "out", "--quiet"}).status == 0);
   const std::string whole = read_file(bench.path("out/run.nc"));
@@ -307,7 +311,8 @@ TEST_CASE("read() tells in a line what is wrong with a folder") {
   said_of("");
   for (const std::size_t cut : {std::size_t{8}, whole.size() / 2, whole.size() - 1}) said_of(whole.substr(0, cut));
   // An empty NetCDF file of the classic kind.
-  CHECK(said_of(std::string("CDF\x01", 4) + std::string(28, '\0')).find("none that Binnacle made") != std::string::npos);
+  CHECK(said_of(std::string("CDF\x01", 4) + std::string(28, '\0')).find("none that Binnacle made") !=
+        std::string::npos);
 
   bench.write("out/run.nc", whole);
   CHECK(said("out").empty());
@@ -325,8 +330,9 @@ TEST_CASE("ncdump shows what is in run.nc") {
   REQUIRE(binnacle::test::binnacle(bench, {"run", quickstart, "--out", "out", "--quiet"}).status == 0);
   const auto said = said_by("ncdump -h '" + bench.path("out/run.nc") + "'");
   CHECK(said.status == 0);
-  for (const char* part : {"group: ins {", "double attitude(time, attitude_component) ;", "velocity:units = \"m/s\" ;",
-                           "attitude:display_units = \"deg\" ;", "group: errors {", "group: fix {", ":Conventions = \"CF-1.10\" ;",
-                           "outcome:flag_meanings = \"accepted gated late unsupported invalid withheld rejected\" ;"})
+  for (const char* part :
+       {"group: ins {", "double attitude(time, attitude_component) ;", "velocity:units = \"m/s\" ;",
+        "attitude:display_units = \"deg\" ;", "group: errors {", "group: fix {", ":Conventions = \"CF-1.10\" ;",
+        "outcome:flag_meanings = \"accepted gated late unsupported invalid withheld rejected\" ;"})
     CHECK(said.text.find(part) != std::string::npos);
 }

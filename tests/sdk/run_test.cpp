@@ -92,7 +92,8 @@ TEST_CASE("the summary is printed as tables, or as JSON, or not") {
 TEST_CASE("--out records every output with its sigma, units in the header, exact numbers") {
   const Workbench bench;
   REQUIRE(run(bench, {"--out", "new/out"}).status == 0);
-  CHECK(names_in(bench.path("new/out")) == std::vector<std::string>{"config.json", "report.html", "run.nc", "summary.json", "walk.csv"});
+  CHECK(names_in(bench.path("new/out")) ==
+        std::vector<std::string>{"config.json", "report.html", "run.nc", "summary.json", "walk.csv"});
 
   std::istringstream lines(read_file(bench.path("new/out/walk.csv")));
   std::string line;
@@ -161,7 +162,8 @@ TEST_CASE("a device is written to, not replaced, and a full one is exit status 5
   const auto outcome = run(bench, {"--quiet", "--summary", "/dev/stdout"});
   CHECK(outcome.status == 0);
   const auto full = run(bench, {"--quiet", "--summary", "/dev/full"});
-  CHECK(full.err == "error: '/dev/full' could not be written: No space left on device; make room there, or write elsewhere\n");
+  CHECK(full.err ==
+        "error: '/dev/full' could not be written: No space left on device; make room there, or write elsewhere\n");
   CHECK(full.status == 5);
   CHECK(fs::is_character_file("/dev/full"));
 }

@@ -60,7 +60,8 @@ TEST_CASE("schema and checker agree on good configs") {
       {R"~("evaluate": {)~", R"~("record": { "every": "0.2 s" }, "evaluate": { "after": "start+1 s",)~"},
       {R"~("title":)~", R"~("vars": { "a": "b" }, "title":)~"},
       {R"~(["x"])~", R"~({ "x": "x" })~"},
-      {R"~("process": {)~", R"~("readings": { "direct": { "measurement": "seen", "block": "place" } }, "process": {)~"},
+      {R"~("process": {)~",
+       R"~("implied_states": { "direct": { "measurement": "seen", "block": "place" } }, "process": {)~"},
   };
   for (const auto& change : changes) {
     bench.spoil(change.from, change.to);

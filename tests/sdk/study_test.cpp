@@ -352,5 +352,6 @@ TEST_CASE("a cell may have a text instead of a figure, and figures may be told t
     "table": { "rows": ["calm"], "texts": { "clam": "too rough" } } })~");
   const auto unused = command(bench, {"study", "study.json"});
   CHECK(unused.status == 3);
-  CHECK(unused.err.find("error[B090] /study/table/texts/clam: no cell of the table would be 'clam'") != std::string::npos);
+  CHECK(unused.err.find("error[B090] /study/table/texts/clam: no cell of the table would be 'clam'") !=
+        std::string::npos);
 }

@@ -30,7 +30,8 @@ MatrixXd random_covariance(int n, std::mt19937& engine) {
 
 /// P as the filter stores it: columns padded to whole strips.
 struct Stored {
-  explicit Stored(const MatrixXd& P) : n(static_cast<int>(P.rows())), data(static_cast<std::size_t>(padded(n) * n), 0.0) {
+  explicit Stored(const MatrixXd& P)
+      : n(static_cast<int>(P.rows())), data(static_cast<std::size_t>(padded(n) * n), 0.0) {
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) data[static_cast<std::size_t>(i + j * padded(n))] = P(i, j);
   }
@@ -139,7 +140,8 @@ struct Update {
       r[static_cast<std::size_t>(i)] = residual(i);
       for (int j = 0; j < m; ++j) R_[static_cast<std::size_t>(i + j * m_max)] = R(i, j);
     }
-    work = {m_max, H_.data(), R_.data(), r.data(), G.data(), HPHt.data(), S.data(), L.data(), K.data(), U.data(), y.data()};
+    work = {m_max,    H_.data(), R_.data(), r.data(), G.data(), HPHt.data(),
+            S.data(), L.data(),  K.data(),  U.data(), y.data()};
   }
   int m;
   UpdateColumns columns;

@@ -89,10 +89,9 @@ TEST_CASE("comments, a byte order mark and every kind of value are read", "[docu
 TEST_CASE("syntax errors give line, column, what was found and expected", "[document]") {
   CHECK(errors_of("{\n  \"a\" 1\n}") == "a.json:2:7: error[B001]: expected ':' after the key 'a', found '1'");
   CHECK(errors_of("{\"a\": tau}") == "a.json:1:7: error[B001]: expected a value, found 'tau'");
-  CHECK(
-      errors_of("{\"a\": 2h}") ==
-      "a.json:1:7: error[B001]: bad number '2h'; a number reads like -0.5 or 1e-3, one with a unit stands in "
-      "double quotes");
+  CHECK(errors_of("{\"a\": 2h}") ==
+        "a.json:1:7: error[B001]: bad number '2h'; a number reads like -0.5 or 1e-3, one with a unit stands in "
+        "double quotes");
   CHECK(errors_of("{\"a\": 01}").find("bad number '01'") != std::string::npos);
   CHECK(errors_of("{'a': 1}") ==
         "a.json:1:2: error[B001]: expected a key in double quotes or '}', found a single quote; texts stand "
@@ -104,8 +103,7 @@ TEST_CASE("syntax errors give line, column, what was found and expected", "[docu
         "a.json:2:14: error[B001]: expected ',' or '}' after the value, found the end of the text; '{' was "
         "opened at "
         "line 2, column 7");
-  CHECK(errors_of("{} x") ==
-        "a.json:1:4: error[B001]: expected the end of the text after the last value, found 'x'");
+  CHECK(errors_of("{} x") == "a.json:1:4: error[B001]: expected the end of the text after the last value, found 'x'");
   CHECK(errors_of("{\"\u00e9\": ?}") == "a.json:1:7: error[B001]: expected a value, found '?'");
   CHECK(errors_of("[]") == "a.json:1:1: error[B006]: a config is an object, found a list");
   CHECK(errors_of("") == "a.json:1:1: error[B001]: expected a value, found the end of the text");
@@ -164,9 +162,8 @@ TEST_CASE("a list of bases is merged from left to right, and bases have bases", 
 TEST_CASE("a nested object extends a part of another file", "[document]") {
   const Folder folder;
   folder.write("base.json", "{\"filters\": {\"slow\": {\"tau\": 9, \"m\": {\"k\": 1}}}}");
-  folder.write(
-      "library.json",
-      "{\"extends\": \"base.json\", \"filters\": {\"fast\": {\"extends\": \"#/filters/slow\", \"tau\": 1}}}");
+  folder.write("library.json",
+               "{\"extends\": \"base.json\", \"filters\": {\"fast\": {\"extends\": \"#/filters/slow\", \"tau\": 1}}}");
   folder.write("a.json",
                "{\"filters\": {\"ins\": {\"m\": {\"k\": null, \"l\": 2}, \"extends\": "
                "\"library.json#/filters/fast\"},\n"
@@ -184,14 +181,13 @@ TEST_CASE("an object in a list may extend, and a list hides the base's", "[docum
   folder.write("a.json",
                "{\"extends\": \"base.json\", \"list\": [{\"extends\": \"base.json#/t\"}],\n"
                " \"copy\": {\"extends\": \"#/list/0\", \"n\": 1}}");
-  CHECK(loaded("a.json").root().dump() ==
-        "{\"list\":[{\"k\":1}],\"t\":{\"k\":1},\"copy\":{\"k\":1,\"n\":1}}");
+  CHECK(loaded("a.json").root().dump() == "{\"list\":[{\"k\":1}],\"t\":{\"k\":1},\"copy\":{\"k\":1,\"n\":1}}");
 }
 
-TEST_CASE("patches are merged over the config, in order, before --set and after what --set puts into them", "[document]") {
-  const std::string text =
-      R"({"a": 1, "b": {"x": 1, "y": 2}, "study": {"variants": {"v": {"b": {"y": null, "z": 3}}},)"
-      R"( "dimensions": {"d": {"e": {"a": 5, "b": {"z": 4}}}}}})";
+TEST_CASE("patches are merged over the config, in order, before --set and after what --set puts into them",
+          "[document]") {
+  const std::string text = R"({"a": 1, "b": {"x": 1, "y": 2}, "study": {"variants": {"v": {"b": {"y": null, "z": 3}}},)"
+                           R"( "dimensions": {"d": {"e": {"a": 5, "b": {"z": 4}}}}}})";
   const auto run_part = [&](const LoadOptions& options) {
     auto root = parsed(text, options).root();
     root.erase("study");
@@ -217,29 +213,26 @@ TEST_CASE("variants of a study keep their nulls", "[document]") {
 
 TEST_CASE("a missing file is told where it was named", "[document]") {
   const Folder folder;
-  CHECK(load_errors("none.json") ==
-        "none.json: error[B003]: cannot read 'none.json': No such file or directory");
+  CHECK(load_errors("none.json") == "none.json: error[B003]: cannot read 'none.json': No such file or directory");
   folder.write("sub/a.json", "{\n  \"extends\": [\"none.json\", \"..\"]\n}");
   CHECK(load_errors("sub/a.json") ==
         "sub/a.json:2:15: error[B003] /extends: cannot read 'sub/none.json': No such file or directory\n"
         "sub/a.json:2:28: error[B003] /extends: cannot read '.': it is a folder");
 }
 
-TEST_CASE("a circle of extends is told as its chain", "[document]") {
+TEST_CASE("a cycle of extends is told as its chain", "[document]") {
   const Folder folder;
   folder.write("a.json", "{\"extends\": \"b.json\"}");
   folder.write("b.json", "{\"extends\": \"c.json\"}");
   folder.write("c.json", "{\n  \"extends\": \"b.json\"}");
   CHECK(load_errors("a.json") ==
-        "b.json:1:13: error[B004] /extends: extends goes round in a circle: b.json -> c.json -> b.json");
-  CHECK(errors_of("{\"f\": {\"extends\": \"#/f\"}}").find("extends goes round in a circle: ") !=
-        std::string::npos);
+        "b.json:1:13: error[B004] /extends: extends forms a cycle: b.json -> c.json -> b.json");
+  CHECK(errors_of("{\"f\": {\"extends\": \"#/f\"}}").find("extends forms a cycle: ") != std::string::npos);
   folder.write("d.json", "{\"f\": {\"x\": {\"extends\": \"#/f\"}}}");
   CHECK(load_errors("d.json") ==
-        "d.json:1:25: error[B004] /f/x/extends: extends goes round in a circle: d.json#/f/x -> d.json#/f");
+        "d.json:1:25: error[B004] /f/x/extends: extends forms a cycle: d.json#/f/x -> d.json#/f");
   folder.write("e.json", "{\"extends\": \"#/q\", \"q\": {}}");
-  CHECK(load_errors("e.json") ==
-        "e.json:1:13: error[B004] /extends: extends goes round in a circle: e.json -> e.json#/q");
+  CHECK(load_errors("e.json") == "e.json:1:13: error[B004] /extends: extends forms a cycle: e.json -> e.json#/q");
 }
 
 TEST_CASE("extends must name an object that is there", "[document]") {
@@ -271,10 +264,9 @@ TEST_CASE("a config that doubles itself does not fill the memory", "[document]")
 }
 
 TEST_CASE("variables are filled into texts, not into keys", "[document]") {
-  CHECK(
-      resolved("{\"vars\": {\"d\": \"x\", \"n\": 0.5, \"e\": \"${d}/y\"}, \"${d}\": [\"${e}/z\", \"${n} s\", "
-               "\"${n}\", \"$${d}\", \"$5\"]}") ==
-      "{\"vars\":{\"d\":\"x\",\"n\":0.5,\"e\":\"x/y\"},\"${d}\":[\"x/y/z\",\"0.5 s\",0.5,\"${d}\",\"$5\"]}");
+  CHECK(resolved("{\"vars\": {\"d\": \"x\", \"n\": 0.5, \"e\": \"${d}/y\"}, \"${d}\": [\"${e}/z\", \"${n} s\", "
+                 "\"${n}\", \"$${d}\", \"$5\"]}") ==
+        "{\"vars\":{\"d\":\"x\",\"n\":0.5,\"e\":\"x/y\"},\"${d}\":[\"x/y/z\",\"0.5 s\",0.5,\"${d}\",\"$5\"]}");
   CHECK(resolved("{\"vars\": {\"n\": 1, \"t\": \"a\"}, \"p\": \"${n}\", \"q\": \"${t}\"}",
                  {{{"n", "2"}, {"t", "3"}}, {}}) == "{\"vars\":{\"n\":2,\"t\":\"3\"},\"p\":2,\"q\":\"3\"}");
   CHECK(resolved("{\"p\": \"${run}.csv\"}", {{{"run", "${x}"}}, {}}) ==
@@ -282,19 +274,17 @@ TEST_CASE("variables are filled into texts, not into keys", "[document]") {
 }
 
 TEST_CASE("mistakes with variables", "[document]") {
-  CHECK(
-      errors_of(
-          "{\"vars\": {\"drive\": \"x\"},\n \"p\": \"${drvie}/imu\", \"q\": \"${other}\", \"r\": \"${\"}") ==
-      "a.json:2:7: error[B005] /p: unknown variable 'drvie'; did you mean 'drive'?\n"
-      "a.json:2:28: error[B005] /q: unknown variable 'other'; define it under /vars or give --var "
-      "other=VALUE\n"
-      "a.json:2:45: error[B005] /r: '${': expected '${name}'; a literal '${' is written '$${'");
+  CHECK(errors_of("{\"vars\": {\"drive\": \"x\"},\n \"p\": \"${drvie}/imu\", \"q\": \"${other}\", \"r\": \"${\"}") ==
+        "a.json:2:7: error[B005] /p: unknown variable 'drvie'; did you mean 'drive'?\n"
+        "a.json:2:28: error[B005] /q: unknown variable 'other'; define it under /vars or give --var "
+        "other=VALUE\n"
+        "a.json:2:45: error[B005] /r: '${': expected '${name}'; a literal '${' is written '$${'");
   CHECK(errors_of("{\"vars\": {\"drive\": \"x\"}}", {{{"drives", "y"}, {"dr=", ""}}, {}}) ==
         "--var: error[B029]: '--var dr=' does not read name=value\n"
         "--var: error[B029]: the config has no variable 'drives'; did you mean 'drive'?");
   CHECK(errors_of("{\"vars\": {\"a\": \"${b}\", \"b\": \"${a}\"}}") ==
-        "a.json:1:16: error[B005] /vars/a: variables go round in a circle: b -> a -> b\n"
-        "a.json:1:29: error[B005] /vars/b: variables go round in a circle: a -> b -> a");
+        "a.json:1:16: error[B005] /vars/a: variables form a cycle: b -> a -> b\n"
+        "a.json:1:29: error[B005] /vars/b: variables form a cycle: a -> b -> a");
   CHECK(errors_of("{\"vars\": {\"a\": [1]}}") ==
         "a.json:1:16: error[B006] /vars/a: expected a text or a number, found a list");
 }
@@ -303,9 +293,8 @@ TEST_CASE("a path starts where its first component was named", "[document]") {
   const Folder folder;
   folder.write("common/base.json",
                "{\"vars\": {\"drives\": \"../data\"}, \"p\": \"local.csv\", \"q\": \"/abs/../x.csv\"}");
-  folder.write(
-      "configs/a.json",
-      "{\"extends\": \"../common/base.json\", \"imu\": \"${drives}/imu.csv\", \"g\": \"gnss/${drives}\"}");
+  folder.write("configs/a.json",
+               "{\"extends\": \"../common/base.json\", \"imu\": \"${drives}/imu.csv\", \"g\": \"gnss/${drives}\"}");
   const fs::path top = folder.path();
   const Document plain = loaded("configs/a.json");
   CHECK(plain.resolve_path("/imu") == (top / "data/imu.csv").string());
@@ -313,8 +302,7 @@ TEST_CASE("a path starts where its first component was named", "[document]") {
   CHECK(plain.resolve_path("/p") == (top / "common/local.csv").string());
   CHECK(plain.resolve_path("/q") == "/x.csv");
   CHECK(plain.base_dir("/g") == top / "configs");
-  const Document given =
-      loaded("configs/a.json", {{{"drives", "here"}}, {"/p=set.csv", "/r=${drives}/r.csv"}});
+  const Document given = loaded("configs/a.json", {{{"drives", "here"}}, {"/p=set.csv", "/r=${drives}/r.csv"}});
   CHECK(given.resolve_path("/imu") == (top / "here/imu.csv").string());
   CHECK(given.resolve_path("/p") == (top / "set.csv").string());
   CHECK(given.resolve_path("/r") == (top / "here/r.csv").string());
@@ -334,8 +322,7 @@ TEST_CASE("option --set reads JSON, else a text, and knows its origin", "[docume
   CHECK(document.key_origin("/a/b") == Origin{"--set", 0, 0});
   CHECK(document.origin("/a/new") == Origin{"--set", 0, 0});
   CHECK(document.origin("/a/c~1d") == Origin{"a.json", 1, 23});
-  CHECK(resolved("{\"vars\": {\"v\": \"x\"}}", with_sets({"/p=${v}y"})) ==
-        "{\"vars\":{\"v\":\"x\"},\"p\":\"xy\"}");
+  CHECK(resolved("{\"vars\": {\"v\": \"x\"}}", with_sets({"/p=${v}y"})) == "{\"vars\":{\"v\":\"x\"},\"p\":\"xy\"}");
 }
 
 TEST_CASE("mistakes with --set", "[document]") {

@@ -19,21 +19,17 @@ using Counter = std::array<std::uint32_t, 4>;
 using Key = std::array<std::uint32_t, 2>;
 
 static_assert(std::uniform_random_bit_generator<Philox>);
-static_assert(std::is_trivially_copyable_v<Philox> && std::is_standard_layout_v<Philox> &&
-              sizeof(Philox) == 32);
+static_assert(std::is_trivially_copyable_v<Philox> && std::is_standard_layout_v<Philox> && sizeof(Philox) == 32);
 
 }  // namespace
 
 // Random123, tests/kat_vectors, lines "philox4x32 10".
 TEST_CASE("Philox4x32-10 gives the published answers") {
-  REQUIRE(philox4x32_10(Counter{0, 0, 0, 0}, Key{0, 0}) ==
-          Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8});
-  REQUIRE(
-      philox4x32_10(Counter{0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, Key{0xffffffff, 0xffffffff}) ==
-      Counter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
-  REQUIRE(
-      philox4x32_10(Counter{0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, Key{0xa4093822, 0x299f31d0}) ==
-      Counter{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
+  REQUIRE(philox4x32_10(Counter{0, 0, 0, 0}, Key{0, 0}) == Counter{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8});
+  REQUIRE(philox4x32_10(Counter{0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, Key{0xffffffff, 0xffffffff}) ==
+          Counter{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
+  REQUIRE(philox4x32_10(Counter{0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, Key{0xa4093822, 0x299f31d0}) ==
+          Counter{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
 }
 
 // C++26 [rand.predef]: the 10000th invocation of a default-constructed philox4x32 (seed 20111115) gives
@@ -49,8 +45,7 @@ TEST_CASE("a stream is cut from the published blocks, low half first") {
                 .stream = 0x0370734413198a2eu,
                 .position = 2 * 0x05a308d3243f6a88u,
                 .spare = 0};
-  const auto words =
-      philox4x32_10({0x243f6a88, 0x05a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0});
+  const auto words = philox4x32_10({0x243f6a88, 0x05a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0});
   REQUIRE(engine() == (words[0] | std::uint64_t{words[1]} << 32));
   REQUIRE(engine() == (words[2] | std::uint64_t{words[3]} << 32));
 }

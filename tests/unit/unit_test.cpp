@@ -97,28 +97,10 @@ TEST_CASE("an angle is not a plain number", "[unit]") {
 }
 
 TEST_CASE("canonical texts are read back with scale one", "[unit]") {
-  for (const char* text : {"1",
-                           "m",
-                           "s",
-                           "rad",
-                           "rad/s",
-                           "m/s^2",
-                           "rad/sqrt(s)",
-                           "m/s/sqrt(s)",
-                           "rad/s/sqrt(s)",
-                           "m^2/s^3",
-                           "rad^2",
-                           "1/s",
-                           "1/sqrt(s)",
-                           "sqrt(s)",
-                           "m*rad",
-                           "N",
-                           "Pa",
-                           "T",
-                           "V",
-                           "kg*m^2",
-                           "K",
-                           "A"}) {
+  for (const char* text :
+       {"1",       "m",      "s",   "rad",       "rad/s",   "m/s^2", "rad/sqrt(s)", "m/s/sqrt(s)", "rad/s/sqrt(s)",
+        "m^2/s^3", "rad^2",  "1/s", "1/sqrt(s)", "sqrt(s)", "m*rad", "N",           "Pa",          "T",
+        "V",       "kg*m^2", "K",   "A"}) {
     CHECK(si_unit(unit(text).dimension) == text);
     CHECK(unit(text).scale == 1.0);
   }
@@ -160,8 +142,7 @@ TEST_CASE("a unit that is none says what is wrong", "[unit]") {
   CHECK(unit_error("m s") == "unit 'm s' has an unexpected ' '; write '*' for a product");
   CHECK(unit_error("m/") == "unit 'm/' ends where a unit is expected");
   CHECK(unit_error("deg/sqrt(h") == "unit 'deg/sqrt(h' lacks a ')'");
-  CHECK(unit_error("Hz^0.5") ==
-        "unit 'Hz^0.5' has a power that is no whole number; a root is written sqrt(...)");
+  CHECK(unit_error("Hz^0.5") == "unit 'Hz^0.5' has a power that is no whole number; a root is written sqrt(...)");
   CHECK(unit_error("sqrt(sqrt(m))") == "unit 'sqrt(sqrt(m))' has a root of a root");
   CHECK(unit_error("m^99") == "unit 'm^99' has an exponent out of range");
   CHECK(unit_error("") == "empty unit; a number without a unit is '1'");
@@ -187,8 +168,7 @@ TEST_CASE("a malformed quantity says what is wrong", "[unit]") {
   CHECK(quantity_error("0.2 deg/hr") == "unknown unit 'deg/hr'; did you mean 'deg/h'?");
   CHECK(quantity_error("") == "empty text; expected a number with a unit, such as '0.2 deg/h'");
   CHECK(quantity_error("deg") == "'deg' does not begin with a number; expected something like '0.2 deg/h'");
-  CHECK(quantity_error("inf m") ==
-        "'inf m' does not begin with a number; expected something like '0.2 deg/h'");
+  CHECK(quantity_error("inf m") == "'inf m' does not begin with a number; expected something like '0.2 deg/h'");
   CHECK(quantity_error("-nan") == "'-nan' does not begin with a number; expected something like '0.2 deg/h'");
   CHECK(quantity_error("1e999 m") == "the number of '1e999 m' is out of range");
   CHECK(quantity_error("1e308 km") == "'1e308 km' is out of range");
@@ -221,8 +201,7 @@ TEST_CASE("seconds and nanoseconds agree", "[unit]") {
   CHECK(from_seconds(1e9 + 0.5) == 1'000'000'000'500'000'000);
   CHECK(to_seconds(300'000'000) == 0.3);
   CHECK(to_seconds(-1'500'000'000) == -1.5);
-  for (std::int64_t t = -5'000'000'000; t < 5'000'000'000; t += 123'456'789)
-    CHECK(from_seconds(to_seconds(t)) == t);
+  for (std::int64_t t = -5'000'000'000; t < 5'000'000'000; t += 123'456'789) CHECK(from_seconds(to_seconds(t)) == t);
   CHECK_THROWS_AS(from_seconds(1e10), std::out_of_range);
   CHECK_THROWS_AS(from_seconds(std::nan("")), std::out_of_range);
 }

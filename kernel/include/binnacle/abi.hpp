@@ -34,13 +34,16 @@ struct TypeLayout {
 /// The types that cross, in the order of TypeLayouts. Names for messages; the guard carries the numbers only.
 #define BINNACLE_ABI_TYPES(X)                                                                                          \
   X(std::string)                                                                                                       \
-  X(std::vector<double>) X(std::unique_ptr<Source>) X(ParameterSpec) X(PortSpec) X(FieldSpec) X(ChannelPort)           \
-      X(ComponentSpec) X(ParameterValue) X(Parameters) X(ComponentError) X(NamedUnit) X(PortBinding) X(Binding)        \
-          X(NoiseBinding) X(MatrixView) X(Result) X(Context) X(Output) X(Norm) X(StateBlockDeclaration) X(Coupling)    \
-              X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput) X(ContinuousOutput) X(ResidualGroup)       \
-                  X(MeasurementDeclaration) X(Linearization) X(DerivedDeclaration) X(Innovation) X(ChannelDeclaration) \
-                      X(SampleView) X(SampleSlot) X(StateBlock) X(ProcessModel) X(MeasurementModel) X(DerivedBlock)    \
-                          X(NoiseEstimator) X(Source) X(Transform) X(Sink) X(Registry) X(Reporter) X(Emitter)
+  X(std::vector<double>)                                                                                               \
+  X(std::unique_ptr<Source>)                                                                                           \
+  X(ParameterSpec)                                                                                                     \
+  X(PortSpec) X(FieldSpec) X(ChannelPort) X(ComponentSpec) X(ParameterValue) X(Parameters) X(ComponentError)           \
+      X(NamedUnit) X(PortBinding) X(Binding) X(NoiseBinding) X(MatrixView) X(Result) X(Context) X(Output) X(Norm)      \
+          X(StateBlockDeclaration) X(Coupling) X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput)           \
+              X(ContinuousOutput) X(ResidualGroup) X(MeasurementDeclaration) X(Linearization) X(DerivedDeclaration)    \
+                  X(Innovation) X(ChannelDeclaration) X(SampleView) X(SampleSlot) X(StateBlock) X(ProcessModel)        \
+                      X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator) X(Source) X(Transform) X(Sink) X(Registry) \
+                          X(Reporter) X(Emitter)
 
 #define BINNACLE_ABI_COUNT(...) +1
 inline constexpr std::uint32_t type_count = 0 BINNACLE_ABI_TYPES(BINNACLE_ABI_COUNT);

@@ -26,16 +26,16 @@ struct Findings {
     std::string unit;
   };
   std::vector<Figure> figures;
-  std::vector<std::string> remarks;  // each a warning (B032) at the component
+  std::vector<std::string> notes;  // each a warning (B032) at the component
 };
 
 /// A port of this component, in the order of its spec.
 struct PortBinding {
   std::string name;
-  bool bound = false;               // false: an optional port left open; its pointers are null at run time
-  std::string kind;                 // of the block plugged in, "vector:3:rad/s"
-  int dof = 0;                      // error dimension, all components counted
-  int stored_size = 0;              // doubles in its stored value
+  bool bound = false;                 // false: an optional port left open; its pointers are null at run time
+  std::string kind;                   // of the block plugged in, "vector:3:rad/s"
+  int dof = 0;                        // error dimension, all components counted
+  int stored_size = 0;                // doubles in its stored value
   std::vector<NamedUnit> components;  // error components
 };
 
@@ -52,7 +52,7 @@ class Binding {
         covariances_(std::move(covariances)),
         samples_per_step_(samples_per_step) {}
 
-  /// The kernel's: where tell() and remark() go; nowhere unless this is called.
+  /// The kernel's: where tell() and note() go; nowhere unless this is called.
   Binding&& telling(Findings& findings) && {
     findings_ = &findings;
     return std::move(*this);
@@ -85,8 +85,8 @@ class Binding {
     if (findings_) findings_->figures.push_back({std::move(name), value, std::move(unit)});
   }
   /// Something suspicious that is no error, one line: a poor fit. It becomes a warning at the component.
-  void remark(std::string message) const {
-    if (findings_) findings_->remarks.push_back(std::move(message));
+  void note(std::string message) const {
+    if (findings_) findings_->notes.push_back(std::move(message));
   }
 
  private:

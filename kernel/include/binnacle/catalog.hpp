@@ -37,7 +37,7 @@ const char* role_name(Role role);
 
 /// One component type of a loaded plugin. Copies and everything it makes keep the plugin's library loaded.
 ///
-/// What a constructor throws is caught at the border: a ComponentError passes as it is, anything else becomes a
+/// What a constructor throws is caught at the library boundary: a ComponentError passes as it is, anything else becomes a
 /// ComponentError that names plugin, component and call. Either is a copy made by the host.
 class ComponentType {
  public:

@@ -28,9 +28,9 @@ struct BlockInfo {
   std::string type;
   const StateBlockDeclaration* declaration = nullptr;
   int stored_offset = 0;
-  int first_row = 0;                 // of P
-  std::vector<int> active;           // error components with a row in P, in order
-  std::vector<std::string> use;      // per error component: "estimated", "considered", "frozen"
+  int first_row = 0;             // of P
+  std::vector<int> active;       // error components with a row in P, in order
+  std::vector<std::string> use;  // per error component: "estimated", "considered", "frozen"
 };
 
 /// Rows of a measurement that are of one kind: "velocity" of a stack, "range" of a model with two kinds of rows.
@@ -47,7 +47,7 @@ struct MeasurementInfo {
 
 struct FilterInfo {
   std::string name;
-  int dof = 0;                       // rows of P
+  int dof = 0;  // rows of P
   int stored_size = 0;
   std::vector<BlockInfo> blocks;
   std::vector<MeasurementInfo> measurements;
@@ -74,7 +74,7 @@ class Composition {
   const std::vector<FilterInfo>& filters() const;
   const std::vector<ChannelInfo>& channels() const;
   const Catalog& catalog() const;
-  /// What is suspicious but no error: channels that nothing listens to (B031), remarks of components (B032).
+  /// What is suspicious but no error: channels that nothing listens to (B031), notes of components (B032).
   const Diagnostics& warnings() const;
   /// Identifies the composition: config as resolved, plugins and their versions, this kernel's version.
   std::uint64_t hash() const;

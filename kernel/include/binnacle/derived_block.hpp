@@ -12,10 +12,10 @@
 namespace binnacle {
 
 struct DerivedDeclaration {
-  std::string kind;               // of what it yields: "position"
+  std::string kind;  // of what it yields: "position"
   int stored_size = 0;
-  std::vector<NamedUnit> error;   // error components, those of the kind
-  std::vector<int> reads;         // ports with a Jacobian block, by index in the spec's order; only bound ones
+  std::vector<NamedUnit> error;  // error components, those of the kind
+  std::vector<int> reads;        // ports with a Jacobian block, by index in the spec's order; only bound ones
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
 };

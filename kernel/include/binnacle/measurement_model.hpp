@@ -15,11 +15,11 @@
 namespace binnacle {
 
 /// What models and derived blocks may know besides the state (the `u` of the design): the time, and the mean rates of
-/// the last driving interval, in the order of ComponentSpec::drive. `drive` is null until the first interval has ended
+/// the last driving interval, in the order of ComponentSpec::driving_rates. `driving_rates` is null until the first interval has ended
 /// and for components that declare none.
 struct Context {
   Time t = no_time;
-  const double* drive = nullptr;
+  const double* driving_rates = nullptr;
 };
 
 /// A run of residual rows that belong together.
@@ -29,25 +29,25 @@ struct Context {
 struct ResidualGroup {
   std::string name;
   int first_row = 0;
-  int rows = 0;        // 0: all rows there are (a model with a variable number of like rows)
+  int rows = 0;  // 0: all rows there are (a model with a variable number of like rows)
   std::string unit;
   int port = -1;
 };
 
 struct MeasurementDeclaration {
   int max_rows = 0;
-  std::vector<int> reads;              // ports with a Jacobian block, by index in the spec's order; only bound ones
+  std::vector<int> reads;  // ports with a Jacobian block, by index in the spec's order; only bound ones
   std::vector<ResidualGroup> groups;
-  std::size_t memory_bytes = 0;        // in the arena; zeroed, then initialised by start()
+  std::size_t memory_bytes = 0;  // in the arena; zeroed, then initialised by start()
 };
 
 /// Where a linearized measurement is written. The kernel zeroes H and R before the call.
 struct Linearization {
-  int rows = 0;                       // set by the model: 0…max_rows; 0: none of this sample's
-  double* residual = nullptr;         // r = z ⊟ h(x̂), max_rows
-  const MatrixView* H = nullptr;      // per entry of `reads`: ∂h/∂δ of that port, max_rows × dof(port)
-  MatrixView R;                       // nominal noise covariance, max_rows × max_rows, both triangles
-  std::int64_t* row_keys = nullptr;   // who a row is (a satellite); 0…rows−1 on entry
+  int rows = 0;                      // set by the model: 0…max_rows; 0: none of this sample's
+  double* residual = nullptr;        // r = z ⊟ h(x̂), max_rows
+  const MatrixView* H = nullptr;     // per entry of `reads`: ∂h/∂δ of that port, max_rows × dof(port)
+  MatrixView R;                      // nominal noise covariance, max_rows × max_rows, both triangles
+  std::int64_t* row_keys = nullptr;  // who a row is (a satellite); 0…rows−1 on entry
 };
 
 /// Relates a sample to blocks. Immutable; never throws, never allocates, touches only what it is handed.

@@ -23,15 +23,15 @@ enum class MetricQuantity { error, sigma, nees, nis };
 enum class MetricStatistic { mean, rms, max, final, p50, p95, drift, at };
 
 struct Metric {
-  std::string name;   // "ins/position.horizontal/rms"
+  std::string name;  // "ins/position.horizontal/rms"
   int filter = 0;
   MetricQuantity quantity = MetricQuantity::error;
   MetricStatistic statistic = MetricStatistic::rms;
-  int subject = 0;    // the kernel's own: which error, block or measurement
+  int subject = 0;        // the kernel's own: which error, block or measurement
   bool of_block = false;  // nees of a whole block
   Time at = 0;
   bool at_is_from_start = false;
-  std::string unit;     // for display; parse_unit reads it
+  std::string unit;  // for display; parse_unit reads it
   std::string si_unit;
 };
 

@@ -16,19 +16,19 @@ namespace binnacle {
 /// What the estimator is bound to: the largest row count, and the groups of rows (the parts of a stack, or one).
 struct NoiseBinding {
   int max_rows = 0;
-  std::vector<int> group_first_row;   // of a sample that has all of its rows; else see Innovation::row_groups
-  std::vector<NamedUnit> groups;      // name and unit of its rows
+  std::vector<int> group_first_row;  // of a sample that has all of its rows; else see Innovation::row_groups
+  std::vector<NamedUnit> groups;     // name and unit of its rows
 };
 
 /// One innovation as an estimator sees it. All m×m matrices are views into kernel memory.
 struct Innovation {
   Time t = no_time;
-  double dt = 0;                                // since this measurement's last accepted sample [s]; 0 at the first
+  double dt = 0;  // since this measurement's last accepted sample [s]; 0 at the first
   int rows = 0;
   std::span<const std::int64_t> row_keys;
-  std::span<const int> row_groups;              // whose row it is: index into NoiseBinding::groups, ascending
-  const double* residual = nullptr;             // r, before the update
-  MatrixView HPHt;                              // H P⁻ Hᵀ
+  std::span<const int> row_groups;   // whose row it is: index into NoiseBinding::groups, ascending
+  const double* residual = nullptr;  // r, before the update
+  MatrixView HPHt;                   // H P⁻ Hᵀ
   MatrixView R_nominal;
 };
 

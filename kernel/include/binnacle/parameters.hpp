@@ -52,8 +52,8 @@ struct ParameterValue {
   std::vector<double> numbers;  // vector, or matrix column-major
   int rows = 0;
   int cols = 0;
-  std::vector<ParameterValue> elements;                             // list
-  std::vector<std::pair<std::string, ParameterValue>> members;      // object, map: in the order of the config
+  std::vector<ParameterValue> elements;                         // list
+  std::vector<std::pair<std::string, ParameterValue>> members;  // object, map: in the order of the config
 
   // Defined below, where the type is complete: std::pair of it asks for these before (clang 14 with libstdc++).
   ParameterValue();
@@ -93,9 +93,7 @@ class Parameters {
     const auto& value = get(name, ParameterValue::Type::matrix);
     return {value.numbers.data(), value.rows, value.cols};
   }
-  Parameters object(std::string_view name) const {
-    return Parameters(get(name, ParameterValue::Type::object));
-  }
+  Parameters object(std::string_view name) const { return Parameters(get(name, ParameterValue::Type::object)); }
   /// Elements of a list; read each through element<>() below or, for objects, Parameters(element).
   const std::vector<ParameterValue>& list(std::string_view name) const {
     return get(name, ParameterValue::Type::list).elements;

@@ -19,7 +19,7 @@ struct Value {
   std::vector<double> initial;                  // stored value at the start, where the config gives it
 };
 
-/// A model as it is bound: ports, fields and drive in the order of its spec. Objects keep their plugin loaded.
+/// A model as it is bound: ports, fields and driving rates in the order of its spec. Objects keep their plugin loaded.
 template <class Model>
 struct Part {
   const ComponentType* type = nullptr;  // lives as long as the composition

@@ -10,7 +10,7 @@
 ///     BINNACLE_PLUGIN("my_plugin", "1.0.0", registry) { registry.add<MyBlock>(); }
 ///
 /// `name` is the plugin's own, before the slash of `my_plugin/my_block`. Once per library.
-#define BINNACLE_PLUGIN(name, version, registry)                                                          \
-  extern "C" __attribute__((visibility("default"))) const ::binnacle::abi::Guard binnacle_guard_v1;       \
-  const ::binnacle::abi::Guard binnacle_guard_v1 = ::binnacle::abi::make_guard(name, version);            \
+#define BINNACLE_PLUGIN(name, version, registry)                                                    \
+  extern "C" __attribute__((visibility("default"))) const ::binnacle::abi::Guard binnacle_guard_v1; \
+  const ::binnacle::abi::Guard binnacle_guard_v1 = ::binnacle::abi::make_guard(name, version);      \
   extern "C" __attribute__((visibility("default"), used)) void binnacle_register_v1(::binnacle::Registry& registry)

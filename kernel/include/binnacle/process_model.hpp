@@ -33,10 +33,10 @@ struct Coupling {
 struct ProcessDeclaration {
   std::vector<Coupling> transition;
   std::vector<Coupling> noise;
-  std::size_t memory_bytes = 0;     // in the arena; zeroed, then initialised by start()
-  bool has_closed_form = true;      // propagate() is implemented
-  bool has_continuous_form = false; // linearized() is implemented: a linear model
-  bool is_time_invariant = false;   // linearized() depends on neither x nor u
+  std::size_t memory_bytes = 0;      // in the arena; zeroed, then initialised by start()
+  bool has_closed_form = true;       // propagate() is implemented
+  bool has_continuous_form = false;  // linearized() is implemented: a linear model
+  bool is_time_invariant = false;    // linearized() depends on neither x nor u
 };
 
 /// One input sample, or the fragment of one that lies inside a step. `fields` are those of the spec, in its order and

@@ -19,7 +19,6 @@ template <class Base>
 using Factory = std::unique_ptr<Base> (*)(const Binding&);
 using NoiseFactory = std::unique_ptr<NoiseEstimator> (*)(const Binding&, const NoiseBinding&);
 
-
 /// A component is a class with `static ComponentSpec spec()` and a constructor from `const Binding&` (noise estimators:
 /// also `const NoiseBinding&`), derived from one of the interfaces:
 ///

@@ -14,7 +14,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/metric.hpp"
-#include "binnacle/tape.hpp"
+#include "binnacle/step_log.hpp"
 
 namespace binnacle {
 
@@ -26,12 +26,12 @@ struct RecordColumn {
 
 /// One error over a run, truth − estimate, at the times of the reference; spans end with the call that gave them.
 struct ErrorSeries {
-  std::string name;                // "position.horizontal", "position.nees"; "match.velocity.noise": an adapted √R
-  std::string unit;                // SI, as the numbers are
+  std::string name;  // "position.horizontal", "position.nees"; "match.velocity.noise": an adapted √R
+  std::string unit;  // SI, as the numbers are
   std::string display_unit;
   std::span<const Time> t;
   std::span<const double> values;
-  std::span<const double> sigma;   // what the filter thought of it, 1-σ; empty where that is not known
+  std::span<const double> sigma;  // what the filter thought of it, 1-σ; empty where that is not known
 };
 
 /// Sees a run while it happens.
@@ -44,8 +44,8 @@ class RunObserver {
   virtual void begin(int /*filter*/, const std::string& /*name*/, const std::vector<RecordColumn>& /*columns*/) {}
   /// Estimates at t, at most as often as the config's `record` says.
   virtual void record(int /*filter*/, Time /*t*/, std::span<const double> /*values*/) {}
-  /// A filter's own tape, asked for before the run; null: none.
-  virtual StepTape* tape(int /*filter*/) { return nullptr; }
+  /// A filter's own step observer, asked for before the run; null: none.
+  virtual StepObserver* step_observer(int /*filter*/) { return nullptr; }
   /// After the run, if records are wanted: every error there is against references and withheld samples.
   virtual void scored(int /*filter*/, const ErrorSeries& /*errors*/) {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
@@ -54,19 +54,19 @@ class RunObserver {
 
 struct RunOptions {
   std::uint64_t seed = 1;
-  int run = 0;                      // which of a study's runs: random streams are keyed by (seed, run, component)
+  int run = 0;  // which of a study's runs: random streams are keyed by (seed, run, component)
   RunObserver* observer = nullptr;
-  std::vector<Metric> metrics = {}; // of this composition, for RunResult::metrics
-  bool feeds_sinks = true;          // false where several runs share the composition's sinks
+  std::vector<Metric> metrics = {};  // of this composition, for RunResult::metrics
+  bool feeds_sinks = true;           // false where several runs share the composition's sinks
 };
 
 struct RunResult {
   /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
   ///   "steps", "filter_s" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
   nlohmann::ordered_json summary;
-  std::vector<MetricValue> metrics; // those of RunOptions, in their order
-  Diagnostics warnings;             // gaps and repairs in the data
-  Diagnostics failures;             // B080 broken, B081 never started; empty when all went well
+  std::vector<MetricValue> metrics;  // those of RunOptions, in their order
+  Diagnostics warnings;              // gaps and repairs in the data
+  Diagnostics failures;              // B080 broken, B081 never started; empty when all went well
 };
 
 /// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of

@@ -13,11 +13,11 @@ namespace binnacle {
 
 /// What a channel carries. Declared by its source or transform once it is bound.
 struct ChannelDeclaration {
-  std::string name;                    // "" : the channel has the component's own name; else NAME.name
-  std::vector<FieldSpec> fields;       // per-epoch fields and per-row fields, in any order
-  int max_rows = 0;                    // rows of the per-row fields; 0 when there are none
-  std::vector<NamedUnit> covariance;   // error components of an attached covariance, in order; empty: none
-  Time max_interval = 0;               // longest interval of a sample; 0: samples are instants. Informative
+  std::string name;                   // "" : the channel has the component's own name; else NAME.name
+  std::vector<FieldSpec> fields;      // per-epoch fields and per-row fields, in any order
+  int max_rows = 0;                   // rows of the per-row fields; 0 when there are none
+  std::vector<NamedUnit> covariance;  // error components of an attached covariance, in order; empty: none
+  Time max_interval = 0;              // longest interval of a sample; 0: samples are instants. Informative
 };
 
 /// One sample, read-only. Valid during the call that it is handed to.
@@ -26,7 +26,7 @@ struct ChannelDeclaration {
 /// declared kind; an optional field that the channel lacks is NaN. A rate or increment belongs to the interval (t0, t].
 struct SampleView {
   Time t = no_time;
-  Time t0 = no_time;           // start of the interval; no_time when the sample is an instant
+  Time t0 = no_time;  // start of the interval; no_time when the sample is an instant
   int rows = 0;
   const double* fields = nullptr;      // per-epoch fields
   const double* row_fields = nullptr;  // rows × (number of per-row fields), row-major

@@ -22,35 +22,69 @@ enum class ParameterType { number, integer, boolean, text, choice, path, vector,
 /// not required is absent unless given. Written with the functions below:
 ///
 ///     number("tau", "s").above(0).required().about("correlation time")
-///     vector("arm", "m", 3).about("from the IMU to the antenna, body axes")
+///     vector("lever_arm", "m", 3).about("from the IMU to the antenna, body axes")
 struct ParameterSpec {
   static constexpr int any_size = -1;
 
   std::string name;
   ParameterType type = ParameterType::number;
-  std::string unit;        // SI text, "" where it has no meaning, "1" for a pure number
-  std::string text;        // one line
+  std::string unit;  // SI text, "" where it has no meaning, "1" for a pure number
+  std::string text;  // one line
   bool is_required = false;
   std::string default_json;  // JSON text of the default, in the notation of a config; "" = none
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   bool minimum_excluded = false;
   bool maximum_excluded = false;
-  int size = any_size;             // vector: length; matrix: rows
-  int cols = any_size;             // matrix
-  std::string size_of_port;        // vector/matrix as long as the error dof of the block on this port
+  int size = any_size;       // vector: length; matrix: rows
+  int cols = any_size;       // matrix
+  std::string size_of_port;  // vector/matrix as long as the error dof of the block on this port
   std::vector<std::string> choices;
+  std::string former_name;             // "" = it was never renamed
   std::vector<ParameterSpec> members;  // object: its keys. list, map: exactly one, the element
 
-  ParameterSpec&& required() && { is_required = true; return std::move(*this); }
-  ParameterSpec&& defaults(std::string json) && { default_json = std::move(json); return std::move(*this); }
-  ParameterSpec&& about(std::string line) && { text = std::move(line); return std::move(*this); }
-  ParameterSpec&& above(double bound) && { minimum = bound; minimum_excluded = true; return std::move(*this); }
-  ParameterSpec&& at_least(double bound) && { minimum = bound; minimum_excluded = false; return std::move(*this); }
-  ParameterSpec&& below(double bound) && { maximum = bound; maximum_excluded = true; return std::move(*this); }
-  ParameterSpec&& at_most(double bound) && { maximum = bound; maximum_excluded = false; return std::move(*this); }
+  /// The key that this parameter had in an earlier version: under it a config gets an error that states the new one.
+  ParameterSpec&& formerly(std::string key) && {
+    former_name = std::move(key);
+    return std::move(*this);
+  }
+  ParameterSpec&& required() && {
+    is_required = true;
+    return std::move(*this);
+  }
+  ParameterSpec&& defaults(std::string json) && {
+    default_json = std::move(json);
+    return std::move(*this);
+  }
+  ParameterSpec&& about(std::string line) && {
+    text = std::move(line);
+    return std::move(*this);
+  }
+  ParameterSpec&& above(double bound) && {
+    minimum = bound;
+    minimum_excluded = true;
+    return std::move(*this);
+  }
+  ParameterSpec&& at_least(double bound) && {
+    minimum = bound;
+    minimum_excluded = false;
+    return std::move(*this);
+  }
+  ParameterSpec&& below(double bound) && {
+    maximum = bound;
+    maximum_excluded = true;
+    return std::move(*this);
+  }
+  ParameterSpec&& at_most(double bound) && {
+    maximum = bound;
+    maximum_excluded = false;
+    return std::move(*this);
+  }
   /// As many elements (rows and columns for a matrix) as the block on `port` has error dof; one number stands for all.
-  ParameterSpec&& sized_by(std::string port) && { size_of_port = std::move(port); return std::move(*this); }
+  ParameterSpec&& sized_by(std::string port) && {
+    size_of_port = std::move(port);
+    return std::move(*this);
+  }
 };
 
 namespace parameter {
@@ -124,6 +158,12 @@ struct PortSpec {
   PortAccess access = PortAccess::reads;
   bool optional = false;
   std::string text;
+  std::string former_name = {};  // "" = it was never renamed
+
+  PortSpec&& formerly(std::string port) && {
+    former_name = std::move(port);
+    return std::move(*this);
+  }
 };
 
 inline PortSpec advances(std::string name, std::string kind, std::string text) {
@@ -167,16 +207,16 @@ struct ChannelPort {
 
 /// What a component type says of itself. Filled by its static `spec()`, never changed afterwards.
 struct ComponentSpec {
-  std::string type;      // "gauss_markov": snake_case, unique within its plugin
-  std::string summary;   // one line
-  std::string source;    // the paper and equation, standard or book it follows; "" where there is none
+  std::string type;     // "gauss_markov": snake_case, unique within its plugin
+  std::string summary;  // one line
+  std::string source;   // the paper and equation, standard or book it follows; "" where there is none
   std::vector<ParameterSpec> parameters;
-  std::vector<PortSpec> ports;             // process and measurement models, derived blocks
-  std::vector<FieldSpec> fields;           // process model: of the driving input. Measurement model: of its sample
-  std::vector<FieldSpec> drive;            // measurement model, derived block: mean rates of the last driving interval
-  std::vector<ChannelPort> inputs;         // transforms, sinks. Measurement model: auxiliary channels (latest value)
-  std::string kind;                        // state block: kind it has. Derived block: kind it yields (pattern)
-  std::string example;                     // JSON of a working configuration of it, without "type"
+  std::vector<PortSpec> ports;           // process and measurement models, derived blocks
+  std::vector<FieldSpec> fields;         // process model: of the driving input. Measurement model: of its sample
+  std::vector<FieldSpec> driving_rates;  // measurement model, derived block: mean rates of the last driving interval
+  std::vector<ChannelPort> inputs;       // transforms, sinks. Measurement model: auxiliary channels (latest value)
+  std::string kind;                      // state block: kind it has. Derived block: kind it yields (pattern)
+  std::string example;                   // JSON of a working configuration of it, without "type"
   // JSON: what the example refers to and the conformance suite cannot guess: {"blocks": {…}, "sources": {…},
   // "sample": {field: SI value}, "files": {name: text}}; "" = nothing
   std::string surroundings;

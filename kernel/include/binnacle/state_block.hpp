@@ -13,11 +13,11 @@ namespace binnacle {
 /// A number that can be read from a block's value and that initial values and references are given in: roll, lat, …
 struct Output {
   std::string name;
-  std::string unit;            // SI
-  std::string display_unit;    // for tables: "deg"; "" = unit
-  bool is_angle = false;       // differences wrap to (−π, π]
-  bool is_scored = true;       // false: its error is told better by an error component (lat by north)
-  std::string text;            // one line, with the frame
+  std::string unit;          // SI
+  std::string display_unit;  // for tables: "deg"; "" = unit
+  bool is_angle = false;     // differences wrap to (−π, π]
+  bool is_scored = true;     // false: its error is told better by an error component (lat by north)
+  std::string text;          // one line, with the frame
 };
 
 /// The length of some error components taken together: horizontal = {north, east}.
@@ -27,12 +27,12 @@ struct Norm {
 };
 
 struct StateBlockDeclaration {
-  std::string kind;                 // "attitude", "velocity.ned", "vector:3:rad/s"
-  int stored_size = 0;              // doubles of the value
-  std::vector<NamedUnit> error;     // error components; their count is the dof
+  std::string kind;              // "attitude", "velocity.ned", "vector:3:rad/s"
+  int stored_size = 0;           // doubles of the value
+  std::vector<NamedUnit> error;  // error components; their count is the dof
   std::vector<Output> outputs;
   std::vector<Norm> norms;
-  std::string error_display_unit;   // for tables: "deg"; "" = the SI unit of the components
+  std::string error_display_unit;  // for tables: "deg"; "" = the SI unit of the components
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
 };

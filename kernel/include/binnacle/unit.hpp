@@ -44,8 +44,7 @@ struct Quantity {
 template <class T>
 class Parsed {
  public:
-  Parsed(T value)
-      : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor): reads as a return value
+  Parsed(T value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor): reads as a return value
   static Parsed failure(std::string message) {
     Parsed parsed;
     parsed.error_ = std::move(message);
@@ -90,8 +89,7 @@ Parsed<std::int64_t> parse_time(std::string_view text);
 
 /// Seconds of a time in nanoseconds. Inline, like from_seconds, since plugins link no kernel library.
 inline double to_seconds(std::int64_t nanoseconds) {
-  return static_cast<double>(nanoseconds / 1'000'000'000) +
-         static_cast<double>(nanoseconds % 1'000'000'000) / 1e9;
+  return static_cast<double>(nanoseconds / 1'000'000'000) + static_cast<double>(nanoseconds % 1'000'000'000) / 1e9;
 }
 
 /// The nearest nanosecond, the whole seconds exactly. Throws std::out_of_range beyond int64 (292 years) or

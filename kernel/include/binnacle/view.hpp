@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How numbers cross the plugin border: plain pointers into kernel memory, seen through unaligned Eigen maps.
+// How numbers cross the library boundary: plain pointers into kernel memory, seen through unaligned Eigen maps.
 #pragma once
 
 #include <Eigen/Core>
@@ -60,9 +60,7 @@ struct MatrixView {
   StridedMapOf<Rows, Cols> as() const {
     return {data, rows, cols, Eigen::OuterStride<>(stride)};
   }
-  StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const {
-    return {data, rows, cols, Eigen::OuterStride<>(stride)};
-  }
+  StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
 };
 
 }  // namespace binnacle

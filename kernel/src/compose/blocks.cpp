@@ -30,8 +30,8 @@ void Composer::begin_filters() {
   for (const auto& [name, value] : filters->items()) {
     const std::string pointer = join_pointer("/filters", name);
     if (!object_at(document(), pointer, "a filter", diagnostics_)) continue;
-    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements", "readings"}, "filter '" + name + "'",
-               diagnostics_);
+    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements", "implied_states"},
+               "filter '" + name + "'", diagnostics_);
     FilterBuild build;
     build.pointer = pointer;
     build.plan.name = name;
@@ -139,7 +139,8 @@ void Composer::read_uses(BlockPlan& block, const std::string& pointer) {
   for (std::size_t i = 0; i < components.size(); ++i)
     if (block.use[i] != Use::frozen) block.active.push_back(static_cast<int>(i));
   if (at(join_pointer(pointer, "hold")))
-    if (const auto hold = read_bool(document(), join_pointer(pointer, "hold"), diagnostics_)) block.holds_frozen = *hold;
+    if (const auto hold = read_bool(document(), join_pointer(pointer, "hold"), diagnostics_))
+      block.holds_frozen = *hold;
 }
 
 void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::string& pointer) {
@@ -180,8 +181,7 @@ void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::str
     const std::string age_pointer = join_pointer(init_pointer, "max_age");
     if (at(age_pointer))
       if (const auto age = read_time(document(), age_pointer, diagnostics_)) max_age = *age;
-    const auto [entry, is_new] =
-        build.initial_channels.emplace(*name, static_cast<int>(build.plan.initial.size()));
+    const auto [entry, is_new] = build.initial_channels.emplace(*name, static_cast<int>(build.plan.initial.size()));
     if (is_new) build.plan.initial.push_back(LatestPlan{channel, max_age, {}, {}, {}});
     block.initial.channel = entry->second;
     auto& latest = build.plan.initial[static_cast<std::size_t>(entry->second)];
@@ -233,8 +233,8 @@ void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::str
                                            parameter::number(outputs[i].name, outputs[i].unit), diagnostics_))
         values[i] = *value;
   } else if (outputs.size() == 1 || is_vector) {
-    if (const auto value = read_quantity(document(), init_pointer, parameter::number("init", outputs[0].unit),
-                                         diagnostics_))
+    if (const auto value =
+            read_quantity(document(), init_pointer, parameter::number("init", outputs[0].unit), diagnostics_))
       std::fill(values.begin(), values.end(), *value);
   } else {
     error("B006", init_pointer,
@@ -287,9 +287,9 @@ void Composer::read_sigma(FilterBuild& build, BlockPlan& block, const std::strin
                 "'sigma' of " + what + " is missing for '" + names[i] + "' (" + components[i].unit + ")" +
                     (block.initial.channel >= 0
                          ? ": channel '" +
-                               plan_->channels[static_cast<std::size_t>(
-                                                   build.plan.initial[static_cast<std::size_t>(block.initial.channel)]
-                                                       .channel)]
+                               plan_
+                                   ->channels[static_cast<std::size_t>(
+                                       build.plan.initial[static_cast<std::size_t>(block.initial.channel)].channel)]
                                    .name +
                                "' carries no covariance for it"
                          : std::string()));
@@ -306,8 +306,8 @@ void Composer::publish_estimates(FilterBuild& build) {
   ChannelDeclaration declaration;
   for (const auto& block : build.plan.blocks) {
     for (const auto& output : block.declaration().outputs)
-      declaration.fields.push_back({block.name + "." + output.name, output.unit, FieldKind::level, false, false,
-                                    output.text});
+      declaration.fields.push_back(
+          {block.name + "." + output.name, output.unit, FieldKind::level, false, false, output.text});
     for (const int active : block.active) {
       const auto& component = block.declaration().error[static_cast<std::size_t>(active)];
       declaration.covariance.push_back({block.name + "." + component.name, component.unit});

@@ -85,9 +85,9 @@ int Composer::channel_named(const std::string& name, const std::string& pointer,
   return -1;
 }
 
-bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_index,
-                          const std::string& component_pointer, const std::string& channel_pointer,
-                          const std::string& type, FieldMap& map, const std::vector<FieldSpec>& mappable) {
+bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_index, const std::string& component_pointer,
+                          const std::string& channel_pointer, const std::string& type, FieldMap& map,
+                          const std::vector<FieldSpec>& mappable) {
   const auto& channel = plan_->channels[static_cast<std::size_t>(channel_index)];
   const auto& fields = channel.declaration.fields;
   const std::string mapping_pointer = join_pointer(component_pointer, "fields");
@@ -150,9 +150,12 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
         const bool is_converted = item.conversion != FieldMap::Conversion::none;
         error("B021", at_pointer,
               "field '" + name + "' of channel '" + channel.name + "' is " + dimension_name(carried->dimension) +
-                  (is_converted ? std::string(" and said to be ") + (found->kind == FieldKind::rate ? "a rate" : "an increment") : std::string()) +
+                  (is_converted
+                       ? std::string(" and said to be ") + (found->kind == FieldKind::rate ? "a rate" : "an increment")
+                       : std::string()) +
                   "; '" + type + "' needs " + dimension_name(need) +
-                  (is_converted ? std::string(" as ") + (field.kind == FieldKind::rate ? "a rate" : "an increment") : std::string()));
+                  (is_converted ? std::string(" as ") + (field.kind == FieldKind::rate ? "a rate" : "an increment")
+                                : std::string()));
         continue;
       }
       if (found->per_row != field.per_row) {
@@ -225,8 +228,7 @@ void Composer::add_transforms() {
             if (channel.is_string()) wanted.push_back(channel.get<std::string>());
       }
     return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& channel) {
-      return plan_->channel(channel) < 0 &&
-             std::any_of(waiting.begin(), waiting.end(), [&](const std::string& other) {
+      return plan_->channel(channel) < 0 && std::any_of(waiting.begin(), waiting.end(), [&](const std::string& other) {
                return channel == other || channel.rfind(other + ".", 0) == 0 || (channel == self);
              });
     });
@@ -248,9 +250,8 @@ void Composer::add_transforms() {
       transform.pointer = pointer;
       transform.type = type_of(Role::transform, pointer);
       if (transform.type) {
-        const auto parameters =
-            check_parameters(transform.type->spec.parameters, transform.type->spec.type, document(), pointer,
-                             {"type", "input", "inputs", "fields"}, {}, diagnostics_);
+        const auto parameters = check_parameters(transform.type->spec.parameters, transform.type->spec.type, document(),
+                                                 pointer, {"type", "input", "inputs", "fields"}, {}, diagnostics_);
         is_bound = read_inputs(transform.type->spec, pointer, transform.inputs);
         if (error_count() == errors && is_bound) {
           std::vector<PortBinding> inputs;
@@ -262,7 +263,8 @@ void Composer::add_transforms() {
             input.bound = transform.inputs[i].channel >= 0;
             inputs.push_back(input);
             if (input.bound)
-              covariances[i] = plan_->channels[static_cast<std::size_t>(transform.inputs[i].channel)].declaration.covariance;
+              covariances[i] =
+                  plan_->channels[static_cast<std::size_t>(transform.inputs[i].channel)].declaration.covariance;
             const auto first = fields_bound.size();
             fields_bound.resize(first + transform.type->spec.inputs[i].fields.size(), false);
             for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})

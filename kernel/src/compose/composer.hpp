@@ -29,8 +29,8 @@ struct ValueInfo {
 struct FilterBuild {
   FilterPlan plan;
   std::string pointer;
-  std::vector<ValueInfo> values;             // blocks, then derived
-  std::set<std::string> failed_values;       // names whose own error is told already
+  std::vector<ValueInfo> values;        // blocks, then derived
+  std::set<std::string> failed_values;  // names whose own error is told already
   std::map<std::string, int> initial_channels;
   bool blocks_complete = true;
   bool is_complete = true;
@@ -97,13 +97,14 @@ class Composer {
                 const std::vector<std::string>& reserved);
   bool bind_ports(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& ports,
                   std::vector<PortBinding>& bindings);
-  bool find_drive(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& drive);
+  bool find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
+                          std::vector<int>& driving_rates);
   void add_gate(MeasurementPlan& measurement, const std::string& pointer);
   void add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_withholding(MeasurementPlan& measurement, const std::string& pointer);
   void collect_touched(FilterBuild& build, MeasurementPlan& measurement);
-  void add_readings(FilterBuild& build);
+  void add_implied_states(FilterBuild& build);
   std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
 
   // transition.cpp

@@ -46,8 +46,9 @@ void Composer::key_error(const std::string& code, const std::string& pointer, co
 
 std::size_t Composer::error_count() const {
   const auto& items = diagnostics_.items();
-  return static_cast<std::size_t>(std::count_if(
-      items.begin(), items.end(), [](const Diagnostic& item) { return item.severity == Severity::error; }));
+  return static_cast<std::size_t>(std::count_if(items.begin(), items.end(), [](const Diagnostic& item) {
+    return item.severity == Severity::error;
+  }));
 }
 
 void Composer::refuse(const ComponentError& refusal, const std::string& pointer) {
@@ -60,15 +61,15 @@ void Composer::refuse(const ComponentError& refusal, const std::string& pointer)
 }
 
 void Composer::keep(Findings findings, const std::string& pointer) {
-  for (const auto& remark : findings.remarks)
-    diagnostics_.warning("B032", document().key_origin(pointer), pointer, remark);
+  for (const auto& note : findings.notes) diagnostics_.warning("B032", document().key_origin(pointer), pointer, note);
   if (!findings.figures.empty()) plan_->found.push_back({pointer, std::move(findings.figures)});
 }
 
 const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
   if (!object_at(document(), pointer, "a component", diagnostics_)) return nullptr;
   const std::string name = pointer.substr(pointer.rfind('/') + 1);
-  if (!require_key(document(), pointer, "type", name, std::string("a ") + role_name(role), diagnostics_)) return nullptr;
+  if (!require_key(document(), pointer, "type", name, std::string("a ") + role_name(role), diagnostics_))
+    return nullptr;
   const std::string type_pointer = join_pointer(pointer, "type");
   const auto type = read_string(document(), type_pointer, diagnostics_);
   if (!type) return nullptr;
@@ -119,7 +120,10 @@ void Composer::order_nodes() {
   }
   for (std::size_t i = 0; i < plan_->filters.size(); ++i) {
     const auto& filter = plan_->filters[i];
-    Work work{{Node::Kind::filter, static_cast<int>(i)}, {filter.input_channel}, {filter.output_channel}, filter.pointer};
+    Work work{{Node::Kind::filter, static_cast<int>(i)},
+              {filter.input_channel},
+              {filter.output_channel},
+              filter.pointer};
     for (const auto& measurement : filter.measurements) work.in.push_back(measurement.channel);
     for (const auto* list : {&filter.initial, &filter.auxiliary})
       for (const auto& latest : *list) work.in.push_back(latest.channel);
@@ -142,8 +146,7 @@ void Composer::order_nodes() {
     plan_->nodes.push_back(next->node);
     open.erase(next);
   }
-  for (std::size_t i = 0; i < plan_->sinks.size(); ++i)
-    plan_->nodes.push_back({Node::Kind::sink, static_cast<int>(i)});
+  for (std::size_t i = 0; i < plan_->sinks.size(); ++i) plan_->nodes.push_back({Node::Kind::sink, static_cast<int>(i)});
 }
 
 void Composer::lay_out() {
@@ -177,8 +180,7 @@ void Composer::lay_out() {
         measurement.memory_bytes += part.memory.count;
       }
       if (measurement.noise) measurement.noise_memory = layout.add<std::byte>(measurement.noise->memory_bytes());
-      filter.queue_doubles =
-          std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
+      filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})
       for (auto& entry : *list) latest(entry);
@@ -186,7 +188,7 @@ void Composer::lay_out() {
     const auto group = as_size(filter.samples_per_step) + 1;
     filter.pending = layout.add<PendingInput>(group);
     filter.pending_fields = layout.add<double>(group * as_size(filter.input_fields));
-    filter.drive = layout.add<double>(as_size(filter.input_fields));
+    filter.driving_rates = layout.add<double>(as_size(filter.input_fields));
     filter.queue = layout.add<QueueEntry>(as_size(filter.queue_capacity));
     filter.queue_data = layout.add<double>(as_size(filter.queue_capacity) * filter.queue_doubles);
     for (const auto& channel : plan_->channels) filter.channel_names.push_back(channel.name);
@@ -197,8 +199,8 @@ void Composer::lay_out() {
 void Composer::warn_of_unheard() {
   const auto heard = listeners(*plan_);
   const auto check = [&](const std::string& name, const std::string& pointer, const std::vector<int>& channels) {
-    const bool is_heard = std::any_of(channels.begin(), channels.end(),
-                                      [&](int channel) { return !heard[as_size(channel)].empty(); });
+    const bool is_heard =
+        std::any_of(channels.begin(), channels.end(), [&](int channel) { return !heard[as_size(channel)].empty(); });
     if (!is_heard)
       diagnostics_.warning("B031", document().key_origin(pointer), pointer, "nothing listens to '" + name + "'");
   };
@@ -294,8 +296,7 @@ Composition::Composition(std::unique_ptr<CompositionPlan> plan, Diagnostics warn
     }
     for (const auto& measurement : filter.measurements) {
       MeasurementInfo entry{measurement.name, measurement.max_rows, {}};
-      for (const auto& group : residual_rows_of(filter, measurement))
-        entry.groups.push_back({group.name, group.unit});
+      for (const auto& group : residual_rows_of(filter, measurement)) entry.groups.push_back({group.name, group.unit});
       info.measurements.push_back(std::move(entry));
     }
     filters_.push_back(std::move(info));

@@ -70,18 +70,18 @@ struct Node {
 /// What a filter is scored against: a block's outputs on a channel, or what was withheld from a measurement.
 struct ReferencePlan {
   int filter = 0;
-  int block = -1;               // −1: withheld samples of `measurement`
-  int reading = -1;             // ≥ 0: this reading of the block, not the block
+  int block = -1;          // −1: withheld samples of `measurement`
+  int implied_state = -1;  // ≥ 0: this implied state of the block, not the block
   int channel = -1;
-  std::vector<int> fields;      // per output of the block: per-epoch field of the channel, −1: not told
+  std::vector<int> fields;        // per output of the block: per-epoch field of the channel, −1: not told
   std::optional<double> invalid;  // a sample whose fields all have this value tells nothing
   int measurement = -1;
-  std::string label;            // "truth", "withheld fix"
+  std::string label;  // "truth", "withheld fix"
 };
 
 struct NamedWindow {
   std::string name;
-  int filter = -1;              // −1: all
+  int filter = -1;  // −1: all
   TimeSpan span;
 };
 

@@ -136,8 +136,8 @@ void Composer::add_reference(const std::string& pointer) {
     });
     if (!is_found && !was_refused)
       error("B027", withheld_pointer,
-            "there is no measurement '" + *wanted + "'" + suggestion(*wanted, names) + " (measurements: " +
-                listed(names) + ")");
+            "there is no measurement '" + *wanted + "'" + suggestion(*wanted, names) +
+                " (measurements: " + listed(names) + ")");
     return;
   }
 
@@ -170,19 +170,19 @@ void Composer::add_reference(const std::string& pointer) {
     reference.label = *channel_name;
     std::vector<std::string> names;
     bool is_found = false;
-    const auto look_at = [&](std::size_t filter, const std::string& name, int block, int reading) {
+    const auto look_at = [&](std::size_t filter, const std::string& name, int block, int implied_state) {
       names.push_back(plan_->filters[filter].name + "/" + name);
       if (names.back() != key) return;
       is_found = true;
       reference.filter = static_cast<int>(filter);
       reference.block = block;
-      reference.reading = reading;
+      reference.implied_state = implied_state;
     };
     for (std::size_t f = 0; f < plan_->filters.size(); ++f) {
       const auto& filter = plan_->filters[f];
       for (std::size_t b = 0; b < filter.blocks.size(); ++b) look_at(f, filter.blocks[b].name, static_cast<int>(b), -1);
-      for (std::size_t r = 0; r < filter.readings.size(); ++r)
-        look_at(f, filter.readings[r].value.name, filter.readings[r].block, static_cast<int>(r));
+      for (std::size_t r = 0; r < filter.implied_states.size(); ++r)
+        look_at(f, filter.implied_states[r].value.name, filter.implied_states[r].block, static_cast<int>(r));
     }
     if (!is_found) {
       const auto slash = key.find('/');
@@ -191,12 +191,11 @@ void Composer::add_reference(const std::string& pointer) {
       });
       if (!has_failed)
         key_error("B027", block_pointer,
-                  "there is no block '" + key + "' (FILTER/BLOCK)" + suggestion(key, names) + " (blocks: " +
-                      listed(names) + ")");
+                  "there is no block '" + key + "' (FILTER/BLOCK)" + suggestion(key, names) +
+                      " (blocks: " + listed(names) + ")");
       continue;
     }
-    const auto& declaration =
-        plan_->filters[as_size(reference.filter)].blocks[as_size(reference.block)].declaration();
+    const auto& declaration = plan_->filters[as_size(reference.filter)].blocks[as_size(reference.block)].declaration();
     reference.fields.assign(declaration.outputs.size(), -1);
     const auto find_field = [&](std::size_t output, const std::string& field, const std::string& at_pointer) {
       std::vector<std::string> fields;
@@ -207,8 +206,9 @@ void Composer::add_reference(const std::string& pointer) {
         const auto need = parse_unit(declaration.outputs[output].unit);
         if (have && need && !(have->dimension == need->dimension))
           error("B021", at_pointer,
-                "field '" + field + "' of channel '" + channel.name + "' is " + dimension_name(have->dimension) + "; '" +
-                    declaration.outputs[output].name + "' of '" + key + "' is " + dimension_name(need->dimension));
+                "field '" + field + "' of channel '" + channel.name + "' is " + dimension_name(have->dimension) +
+                    "; '" + declaration.outputs[output].name + "' of '" + key + "' is " +
+                    dimension_name(need->dimension));
         reference.fields[output] = channel.position[i];
         return;
       }
@@ -242,8 +242,8 @@ void Composer::add_reference(const std::string& pointer) {
           find_field(static_cast<std::size_t>(position - outputs.begin()), *field, output_pointer);
       }
     } else {
-      error("B006", block_pointer, "the reference of '" + key + "' is a list of fields, or {output: field}; found " +
-                                       abbreviated(value));
+      error("B006", block_pointer,
+            "the reference of '" + key + "' is a list of fields, or {output: field}; found " + abbreviated(value));
     }
     references.push_back(std::move(reference));
   }

@@ -35,7 +35,9 @@ Json explain_blocks(const FilterPlan& filter) {
       const Use use = block.use[i];
       Json entry{{"name", component.name},
                  {"unit", component.unit},
-                 {"use", use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen"}};
+                 {"use", use == Use::estimated    ? "estimated"
+                         : use == Use::considered ? "considered"
+                                                  : "frozen"}};
       if (use != Use::frozen) entry["row"] = row++;
       components.push_back(std::move(entry));
     }
@@ -170,8 +172,8 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     Json advances = Json::array(), reads = Json::array();
     for (const int value : process.ports) {
       if (value < 0) continue;
-      const bool is_advanced = as_size(value) < filter.blocks.size() &&
-                               filter.blocks[as_size(value)].process == static_cast<int>(p);
+      const bool is_advanced =
+          as_size(value) < filter.blocks.size() && filter.blocks[as_size(value)].process == static_cast<int>(p);
       (is_advanced ? advances : reads).push_back(value_name(filter, value));
     }
     Json entry{{"name", process.name}, {"type", process.type}, {"advances", advances}, {"reads", reads}};
@@ -187,7 +189,9 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
   for (const auto& measurement : filter.measurements) {
     Json parts = Json::array();
     for (const auto& part : measurement.parts)
-      parts.push_back({{"name", part.name}, {"type", part.type}, {"reads", ports(part.ports)},
+      parts.push_back({{"name", part.name},
+                       {"type", part.type},
+                       {"reads", ports(part.ports)},
                        {"columns", explain_columns(filter, part)}});
     Json entry{{"name", measurement.name},
                {"channel", plan.channels[as_size(measurement.channel)].name},
@@ -195,20 +199,22 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
                {"parts", std::move(parts)}};
     if (measurement.gate > 0) {
       static constexpr const char* units[] = {"sample", "row", "key"};
-      entry["gate"] = {{"probability", measurement.gate},
-                       {"by", units[static_cast<int>(measurement.gate_unit)]},
-                       {"nis_limit", measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(measurement.max_rows)]}};
+      entry["gate"] = {
+          {"probability", measurement.gate},
+          {"by", units[static_cast<int>(measurement.gate_unit)]},
+          {"nis_limit",
+           measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(measurement.max_rows)]}};
     }
     if (!measurement.noise_type.empty()) entry["noise"] = measurement.noise_type;
     measurements.push_back(std::move(entry));
   }
   explanation["measurements"] = std::move(measurements);
-  Json readings = Json::array();
-  for (const auto& reading : filter.readings)
-    readings.push_back({{"name", reading.value.name},
-                        {"measurement", filter.measurements[as_size(reading.measurement)].name},
-                        {"block", filter.blocks[as_size(reading.block)].name}});
-  if (!readings.empty()) explanation["readings"] = std::move(readings);
+  Json implied_states = Json::array();
+  for (const auto& implied_state : filter.implied_states)
+    implied_states.push_back({{"name", implied_state.value.name},
+                              {"measurement", filter.measurements[as_size(implied_state.measurement)].name},
+                              {"block", filter.blocks[as_size(implied_state.block)].name}});
+  if (!implied_states.empty()) explanation["implied_states"] = std::move(implied_states);
   Json initial = Json::array();
   for (const auto& latest : filter.initial) {
     Json entry{{"channel", plan.channels[as_size(latest.channel)].name}};
@@ -220,9 +226,8 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
 }
 
 bool is_filter_output(const CompositionPlan& plan, std::size_t channel) {
-  return std::any_of(plan.filters.begin(), plan.filters.end(), [&](const FilterPlan& filter) {
-    return filter.output_channel == static_cast<int>(channel);
-  });
+  return std::any_of(plan.filters.begin(), plan.filters.end(),
+                     [&](const FilterPlan& filter) { return filter.output_channel == static_cast<int>(channel); });
 }
 
 }  // namespace
@@ -262,10 +267,8 @@ Json Composition::explain() const {
     const auto& channel = plan_->channels[c];
     Json fields = Json::array();
     for (const auto& field : channel.declaration.fields)
-      fields.push_back({{"name", field.name},
-                        {"unit", field.unit},
-                        {"kind", kind_name(field.kind)},
-                        {"per_row", field.per_row}});
+      fields.push_back(
+          {{"name", field.name}, {"unit", field.unit}, {"kind", kind_name(field.kind)}, {"per_row", field.per_row}});
     channels.push_back(
         {{"name", channel.name}, {"from", channel.pointer}, {"fields", std::move(fields)}, {"heard_by", heard[c]}});
     if (heard[c].empty() && !is_filter_output(*plan_, c)) unused.push_back(channel.name);
@@ -296,10 +299,9 @@ Json Composition::explain() const {
       figures.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
     found.push_back({{"at", component.pointer}, {"figures", std::move(figures)}});
   }
-  return {{"title", plan_->title},    {"sources", std::move(sources)}, {"transforms", std::move(transforms)},
-          {"channels", channels},     {"filters", std::move(filters)}, {"unused_channels", std::move(unused)},
-          {"found", std::move(found)},
-          {"arena_bytes", plan_->layout.size()}};
+  return {{"title", plan_->title},     {"sources", std::move(sources)},      {"transforms", std::move(transforms)},
+          {"channels", channels},      {"filters", std::move(filters)},      {"unused_channels", std::move(unused)},
+          {"found", std::move(found)}, {"arena_bytes", plan_->layout.size()}};
 }
 
 }  // namespace binnacle

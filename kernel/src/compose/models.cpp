@@ -26,7 +26,7 @@ void Composer::finish_filters() {
     add_derived(build);
     add_processes(build);
     add_measurements(build);
-    add_readings(build);
+    add_implied_states(build);
     if (error_count() != errors) build.is_complete = false;
     if (build.is_complete) plan_transition(build);
   }
@@ -43,10 +43,15 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
   for (const auto& port : spec.ports) port_names.push_back(port.name);
   if (blocks)
     for (const auto& [key, value] : blocks->items())
-      if (std::find(port_names.begin(), port_names.end(), key) == port_names.end())
+      if (std::find(port_names.begin(), port_names.end(), key) == port_names.end()) {
+        const auto renamed = std::find_if(spec.ports.begin(), spec.ports.end(),
+                                          [&](const PortSpec& port) { return port.former_name == key; });
         key_error("B012", join_pointer(blocks_pointer, key),
-                  "'" + spec.type + "' has no port '" + key + "'" + suggestion(key, port_names) + " (ports: " +
-                      listed(port_names) + ")");
+                  "'" + spec.type + "' has no port '" + key + "'" +
+                      (renamed != spec.ports.end() ? "; it is now called '" + renamed->name + "'"
+                                                   : suggestion(key, port_names)) +
+                      " (ports: " + listed(port_names) + ")");
+      }
   for (const auto& port : spec.ports) {
     PortBinding binding;
     binding.name = port.name;
@@ -86,8 +91,9 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
       for (const auto& info : build.values)
         if (kind_matches(port.kind, info.kind)) fitting.push_back(info.name);
       key_error("B017", pointer,
-                "port '" + port.name + "' of '" + spec.type + "' is not bound (kind '" + port.kind + "'): \"blocks\": {\"" +
-                    port.name + "\": \"" + (fitting.empty() ? std::string("…") : fitting.front()) + "\"}");
+                "port '" + port.name + "' of '" + spec.type + "' is not bound (kind '" + port.kind +
+                    "'): \"blocks\": {\"" + port.name + "\": \"" +
+                    (fitting.empty() ? std::string("…") : fitting.front()) + "\"}");
     }
     ports.push_back(binding.bound ? value : -1);
     bindings.push_back(std::move(binding));
@@ -140,11 +146,11 @@ void Composer::find_input(FilterBuild& build) {
     if (!field.per_row) build.plan.input_kinds.push_back(field.kind);
 }
 
-bool Composer::find_drive(FilterBuild& build, const ComponentType& type, const std::string& pointer,
-                          std::vector<int>& drive) {
-  if (type.spec.drive.empty()) return true;
+bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
+                                  std::vector<int>& driving_rates) {
+  if (type.spec.driving_rates.empty()) return true;
   if (build.plan.input_channel < 0) {
-    const bool all_optional = std::all_of(type.spec.drive.begin(), type.spec.drive.end(),
+    const bool all_optional = std::all_of(type.spec.driving_rates.begin(), type.spec.driving_rates.end(),
                                           [](const FieldSpec& field) { return field.optional; });
     if (!all_optional && build.is_complete)
       error("B021", pointer, "'" + type.spec.type + "' needs the rates of the filter's driving input, which has none");
@@ -152,18 +158,19 @@ bool Composer::find_drive(FilterBuild& build, const ComponentType& type, const s
   }
   const auto& channel = plan_->channels[as_size(build.plan.input_channel)];
   const std::size_t errors = error_count();
-  for (const auto& wanted : type.spec.drive) {
+  for (const auto& wanted : type.spec.driving_rates) {
     int index = -1;
     for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
       if (channel.declaration.fields[i].name == wanted.name) index = channel.position[i];
     if (index < 0 && !wanted.optional)
-      error("B021", pointer, "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" +
-                                 type.spec.type + "' needs");
+      error("B021", pointer,
+            "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + type.spec.type +
+                "' needs");
     if (index < 0) continue;
-    drive.push_back(index);
+    driving_rates.push_back(index);
     build.plan.input_used[as_size(index)] = 1;
   }
-  if (drive.size() != type.spec.drive.size()) drive.clear();
+  if (driving_rates.size() != type.spec.driving_rates.size()) driving_rates.clear();
   return error_count() == errors;
 }
 
@@ -205,7 +212,7 @@ void Composer::add_derived(FilterBuild& build) {
         const bool is_bound = bind_ports(build, *type, pointer, plan.ports, bindings);
         const auto parameters = check_parameters(type->spec.parameters, type->spec.type, document(), pointer,
                                                  {"type", "blocks"}, port_units(bindings), diagnostics_);
-        const bool has_drive = find_drive(build, *type, pointer, plan.drive);
+        const bool has_drive = find_driving_rates(build, *type, pointer, plan.driving_rates);
         if (is_bound && has_drive && error_count() == errors)
           guarded(pointer, [&](Findings& findings) {
             plan.derived =
@@ -292,9 +299,9 @@ void Composer::add_processes(FilterBuild& build) {
       plan.type = type->full_name();
       std::vector<PortBinding> bindings;
       const bool is_bound = bind_ports(build, *type, pointer, plan.ports, bindings);
-      const auto parameters =
-          check_parameters(type->spec.parameters, type->spec.type, document(), pointer,
-                           {"type", "blocks", "input", "fields", "samples_per_step"}, port_units(bindings), diagnostics_);
+      const auto parameters = check_parameters(type->spec.parameters, type->spec.type, document(), pointer,
+                                               {"type", "blocks", "input", "fields", "samples_per_step"},
+                                               port_units(bindings), diagnostics_);
       plan.uses_input = !type->spec.fields.empty();
       std::vector<bool> fields_bound(type->spec.fields.size(), false);
       int samples_per_step = 1;
@@ -343,7 +350,9 @@ void Composer::add_processes(FilterBuild& build) {
         const auto is_bound_port = [&](int port) {
           return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
         };
-        const auto is_advanced = [&](int port) { return type->spec.ports[as_size(port)].access == PortAccess::advances; };
+        const auto is_advanced = [&](int port) {
+          return type->spec.ports[as_size(port)].access == PortAccess::advances;
+        };
         return is_bound_port(coupling.to) && is_bound_port(coupling.from) && is_advanced(coupling.to) &&
                (!is_noise || is_advanced(coupling.from)) &&
                (coupling.structure == Structure::dense ||
@@ -372,8 +381,8 @@ void Composer::add_processes(FilterBuild& build) {
         auto& block = build.plan.blocks[as_size(port_value)];
         if (block.process >= 0)
           error("B019", join_pointer(join_pointer(pointer, "blocks"), type->spec.ports[p].name),
-                "block '" + block.name + "' is advanced by '" +
-                    build.plan.processes[as_size(block.process)].name + "' already; exactly one process model moves a block");
+                "block '" + block.name + "' is advanced by '" + build.plan.processes[as_size(block.process)].name +
+                    "' already; exactly one process model moves a block");
         else
           block.process = index;
       }
@@ -385,8 +394,10 @@ void Composer::add_processes(FilterBuild& build) {
     for (const auto& block : build.plan.blocks)
       if (block.process < 0)
         key_error("B018", block.pointer,
-                  "block '" + block.name + "' is advanced by no process model; a constant is {\"type\": \"random_constant\", "
-                  "\"blocks\": {\"x\": \"" + block.name + "\"}}");
+                  "block '" + block.name +
+                      "' is advanced by no process model; a constant is {\"type\": \"random_constant\", "
+                      "\"blocks\": {\"x\": \"" +
+                      block.name + "\"}}");
   build.plan.process_derived = derived_closure(build, process_values);
 }
 
@@ -422,7 +433,8 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
     if (!stack) return false;
     if (stack->empty()) error("B010", stack_pointer, "the stack '" + name + "' is empty");
     for (const auto& [part, value] : stack->items())
-      is_whole = add_part(build, measurement, part, join_pointer(stack_pointer, part), {"type", "blocks", "fields", "inputs"}) &&
+      is_whole = add_part(build, measurement, part, join_pointer(stack_pointer, part),
+                          {"type", "blocks", "fields", "inputs"}) &&
                  is_whole;
   } else {
     auto reserved = common;
@@ -460,18 +472,18 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   bool is_whole = bind_ports(build, *type, pointer, part.ports, bindings);
   const auto parameters = check_parameters(type->spec.parameters, type->spec.type, document(), pointer, reserved,
                                            port_units(bindings), diagnostics_);
-  is_whole = find_drive(build, *type, pointer, part.drive) && is_whole;
+  is_whole = find_driving_rates(build, *type, pointer, part.driving_rates) && is_whole;
   std::vector<bool> fields_bound(type->spec.fields.size(), false);
   if (measurement.channel >= 0) {
     const std::string channel_pointer = join_pointer(measurement.pointer, "channel");
     is_whole = map_fields(type->spec.fields, measurement.channel, pointer, channel_pointer, type->spec.type,
-                          part.fields, mappable_fields(type->spec)) && is_whole;
+                          part.fields, mappable_fields(type->spec)) &&
+               is_whole;
     for (const auto& item : part.fields.epoch) fields_bound[as_size(item.declared)] = item.index >= 0;
     for (const auto& item : part.fields.row) fields_bound[as_size(item.declared)] = item.index >= 0;
     const auto& channel = plan_->channels[as_size(measurement.channel)];
     build.plan.max_row_fields =
-        std::max(build.plan.max_row_fields,
-                 static_cast<int>(part.fields.row.size()) * channel.declaration.max_rows);
+        std::max(build.plan.max_row_fields, static_cast<int>(part.fields.row.size()) * channel.declaration.max_rows);
   } else {
     is_whole = false;  // what is wrong with the channel is told; its missing fields are not the model's to complain of
   }
@@ -617,7 +629,8 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
   measurement.noise_type = type->full_name();
   guarded(noise_pointer, [&](Findings& findings) {
     measurement.noise =
-        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}).telling(findings), binding);
+        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}).telling(findings),
+                                     binding);
   });
 }
 
@@ -656,8 +669,7 @@ void Composer::add_recovery(FilterBuild& build, MeasurementPlan& measurement, co
         if (const auto sigma = read_quantity(document(), entry, bound, diagnostics_))
           measurement.inflations.push_back({block.first + static_cast<int>(a), *sigma * *sigma});
       }
-    if (!is_found)
-      key_error("B025", entry, "there is no estimated component '" + key + "'" + suggestion(key, names));
+    if (!is_found) key_error("B025", entry, "there is no estimated component '" + key + "'" + suggestion(key, names));
   }
 }
 
@@ -685,13 +697,14 @@ void Composer::add_withholding(MeasurementPlan& measurement, const std::string& 
           TimeSpan{window->from.time, window->to.time, window->from.from_start, window->to.from_start});
 }
 
-void Composer::add_readings(FilterBuild& build) {
-  const std::string section = join_pointer(build.pointer, "readings");
-  const auto* readings = object_at(document(), section, "'readings'", diagnostics_);
-  if (!readings) return;
-  const auto index_of = [&](const std::string& reading, const char* key, const std::string& pointer,
+void Composer::add_implied_states(FilterBuild& build) {
+  const std::string section = join_pointer(build.pointer, "implied_states");
+  const auto* implied_states = object_at(document(), section, "'implied_states'", diagnostics_);
+  if (!implied_states) return;
+  const auto index_of = [&](const std::string& implied_state, const char* key, const std::string& pointer,
                             const std::vector<std::string>& names) {
-    if (!require_key(document(), pointer, key, reading, std::string("a ") + key + " of the filter", diagnostics_)) return -1;
+    if (!require_key(document(), pointer, key, implied_state, std::string("a ") + key + " of the filter", diagnostics_))
+      return -1;
     const std::string at_pointer = join_pointer(pointer, key);
     const auto name = read_string(document(), at_pointer, diagnostics_);
     if (!name) return -1;
@@ -700,35 +713,36 @@ void Composer::add_readings(FilterBuild& build) {
     const std::string other = join_pointer(join_pointer(build.pointer, std::string(key) + "s"), *name);
     if (!at(other))  // else it was refused and that has been told
       error(std::string(key) == "block" ? "B015" : "B027", at_pointer,
-            "the filter has no " + std::string(key) + " '" + *name + "'" + suggestion(*name, names) + " (" + key + "s: " +
-                listed(names) + ")");
+            "the filter has no " + std::string(key) + " '" + *name + "'" + suggestion(*name, names) + " (" + key +
+                "s: " + listed(names) + ")");
     return -1;
   };
   std::vector<std::string> blocks, measurements;
   for (const auto& block : build.plan.blocks) blocks.push_back(block.name);
   for (const auto& measurement : build.plan.measurements) measurements.push_back(measurement.name);
-  for (const auto& [name, value] : readings->items()) {
+  for (const auto& [name, value] : implied_states->items()) {
     const std::string pointer = join_pointer(section, name);
-    if (!object_at(document(), pointer, "a reading", diagnostics_)) continue;
-    check_keys(document(), pointer, {"measurement", "block"}, "a reading", diagnostics_);
+    if (!object_at(document(), pointer, "an implied state", diagnostics_)) continue;
+    check_keys(document(), pointer, {"measurement", "block"}, "an implied state", diagnostics_);
     if (build.value(name) >= 0) key_error("B002", pointer, "a block is called '" + name + "' already");
-    ReadingPlan reading;
-    reading.measurement = index_of(name, "measurement", pointer, measurements);
-    reading.block = index_of(name, "block", pointer, blocks);
-    if (reading.measurement < 0 || reading.block < 0) continue;
-    const auto& measurement = build.plan.measurements[as_size(reading.measurement)];
-    reading.value = build.plan.blocks[as_size(reading.block)];
-    const int rows = static_cast<int>(reading.value.active.size());
+    ImpliedStatePlan implied_state;
+    implied_state.measurement = index_of(name, "measurement", pointer, measurements);
+    implied_state.block = index_of(name, "block", pointer, blocks);
+    if (implied_state.measurement < 0 || implied_state.block < 0) continue;
+    const auto& measurement = build.plan.measurements[as_size(implied_state.measurement)];
+    implied_state.value = build.plan.blocks[as_size(implied_state.block)];
+    const int rows = static_cast<int>(implied_state.value.active.size());
     const auto& columns = measurement.columns.columns;
-    if (std::find(columns.begin(), columns.end(), reading.value.first) == columns.end() || rows == 0 ||
+    if (std::find(columns.begin(), columns.end(), implied_state.value.first) == columns.end() || rows == 0 ||
         rows > measurement.max_rows) {
-      error("B015", pointer, "measurement '" + measurement.name + "' does not tell block '" + reading.value.name +
-                                 "': it must see all " + std::to_string(rows) + " of its components");
+      error("B015", pointer,
+            "measurement '" + measurement.name + "' does not tell block '" + implied_state.value.name +
+                "': it must see all " + std::to_string(rows) + " of its components");
       continue;
     }
-    reading.value.name = name;
-    reading.value.first = 0;
-    build.plan.readings.push_back(std::move(reading));
+    implied_state.value.name = name;
+    implied_state.value.first = 0;
+    build.plan.implied_states.push_back(std::move(implied_state));
   }
 }
 

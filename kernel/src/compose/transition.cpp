@@ -69,9 +69,7 @@ class TransitionBuilder {
       while (root[as_size(i)] != i) i = root[as_size(i)];
       return i;
     };
-    const auto is_linear = [&](int i) {
-      return plan_.processes[as_size(i)].model->declaration().has_continuous_form;
-    };
+    const auto is_linear = [&](int i) { return plan_.processes[as_size(i)].model->declaration().has_continuous_form; };
     for (int i = 0; i < count; ++i) {
       if (!is_linear(i)) continue;
       for (const auto& coupling : plan_.processes[as_size(i)].model->declaration().transition) {
@@ -143,8 +141,8 @@ class TransitionBuilder {
         const auto& coupling = declaration.noise[k];
         const int to = process.ports[as_size(coupling.to)], from = process.ports[as_size(coupling.from)];
         noise[part_of(to)][part_of(from)] = noise[part_of(from)][part_of(to)] = true;
-        group.noise.push_back(
-            {process.first_noise + static_cast<int>(k), first[to], first[from], dof(to), dof(from), coupling.structure});
+        group.noise.push_back({process.first_noise + static_cast<int>(k), first[to], first[from], dof(to), dof(from),
+                               coupling.structure});
       }
     }
     for (std::size_t k = 0; k < n; ++k)
@@ -193,7 +191,8 @@ class TransitionBuilder {
             if (part.first == first) return part.value;
         return -1;
       };
-      for (const auto& phi : group.phi) contribute(value_at(phi.row), value_at(phi.column), phi.table, Structure::dense);
+      for (const auto& phi : group.phi)
+        contribute(value_at(phi.row), value_at(phi.column), phi.table, Structure::dense);
     }
     // A block that hears from others but not from itself still keeps itself.
     std::set<int> heard, kept;
@@ -249,8 +248,8 @@ class TransitionBuilder {
       for (int r = 0; r < rows; ++r) plan_.transition.diagonals.push_back({target.first + r, blocks[0].table, r});
       return;
     }
-    const bool has_diagonal = std::any_of(blocks.begin(), blocks.end(),
-                                          [](const Ready& b) { return b.structure == Structure::diagonal; });
+    const bool has_diagonal =
+        std::any_of(blocks.begin(), blocks.end(), [](const Ready& b) { return b.structure == Structure::diagonal; });
     const int group_rows = has_diagonal ? 1 : 3;
     for (int r = 0; r < rows; r += group_rows) {
       RowGroup group;
@@ -263,8 +262,8 @@ class TransitionBuilder {
           continue;
         }
         for (std::size_t c = 0; c < block(source.from).active.size(); ++c)
-          group.columns.push_back({first_column + static_cast<int>(c), source.table,
-                                   r + static_cast<int>(c) * source.stride});
+          group.columns.push_back(
+              {first_column + static_cast<int>(c), source.table, r + static_cast<int>(c) * source.stride});
       }
       plan_.transition.groups.push_back(std::move(group));
     }
@@ -305,7 +304,8 @@ class TransitionBuilder {
           if (part.first == first) return part.value;
         return -1;
       };
-      for (const auto& qd : group.qd) add_noise_block(value_at(qd.row), value_at(qd.column), qd.table, Structure::dense);
+      for (const auto& qd : group.qd)
+        add_noise_block(value_at(qd.row), value_at(qd.column), qd.table, Structure::dense);
     }
   }
 

@@ -53,8 +53,7 @@ std::string to_string(const Diagnostic& diagnostic) {
 }
 
 void Diagnostics::add(Diagnostic diagnostic) {
-  if (std::find(items_.begin(), items_.end(), diagnostic) == items_.end())
-    items_.push_back(std::move(diagnostic));
+  if (std::find(items_.begin(), items_.end(), diagnostic) == items_.end()) items_.push_back(std::move(diagnostic));
 }
 
 void Diagnostics::error(std::string code, Origin origin, std::string pointer, std::string message) {
@@ -94,9 +93,7 @@ std::string Diagnostics::text() const {
 }
 
 Error::Error(int exit_status, Diagnostics diagnostics)
-    : std::runtime_error(diagnostics.text()),
-      exit_status_(exit_status),
-      diagnostics_(std::move(diagnostics)) {}
+    : std::runtime_error(diagnostics.text()), exit_status_(exit_status), diagnostics_(std::move(diagnostics)) {}
 
 FilterError::FilterError(Diagnostics diagnostics) : Error(1, std::move(diagnostics)) {}
 FilterError::FilterError(Diagnostic diagnostic) : FilterError(only(std::move(diagnostic))) {}

@@ -47,9 +47,8 @@ class DocumentBuilder {
  private:
   static bool is_inside_one_of(const std::string& setting, const std::vector<std::string>& patches) {
     const std::string pointer = setting.substr(0, setting.find('='));
-    return std::any_of(patches.begin(), patches.end(), [&](const std::string& patch) {
-      return pointer == patch || pointer.starts_with(patch + "/");
-    });
+    return std::any_of(patches.begin(), patches.end(),
+                       [&](const std::string& patch) { return pointer == patch || pointer.starts_with(patch + "/"); });
   }
 
   static void apply_patch(Node& root, const std::string& pointer, Diagnostics& diagnostics) {

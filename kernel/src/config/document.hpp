@@ -22,11 +22,10 @@ namespace binnacle {
 /// and /study/dimensions keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
 class Document {
  public:
-  static Document load(const std::filesystem::path& path, const LoadOptions& options,
-                       Diagnostics& diagnostics);
+  static Document load(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& diagnostics);
   /// The same for a text; relative paths in it start at the folder of file_name.
-  static Document parse(std::string_view text, const std::filesystem::path& file_name,
-                        const LoadOptions& options, Diagnostics& diagnostics);
+  static Document parse(std::string_view text, const std::filesystem::path& file_name, const LoadOptions& options,
+                        Diagnostics& diagnostics);
 
   /// Always an object; without `extends`.
   const nlohmann::ordered_json& root() const { return root_; }

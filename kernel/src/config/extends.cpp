@@ -43,8 +43,7 @@ std::string with_pointer(const std::string& file, const std::string& pointer) {
 const Node* element_at(const Node& array, const std::string& token) {
   std::size_t index = 0;
   const auto [last, status] = std::from_chars(token.data(), token.data() + token.size(), index);
-  if (status != std::errc() || last != token.data() + token.size() || index >= array.elements.size())
-    return nullptr;
+  if (status != std::errc() || last != token.data() + token.size() || index >= array.elements.size()) return nullptr;
   return &array.elements[index];
 }
 
@@ -116,8 +115,7 @@ std::optional<Node> Extends::inherited(const ConfigFile& config, const Node& nod
   return result;
 }
 
-Extends::Found Extends::at(const ConfigFile& config, const Node& node, const std::string& pointer,
-                           Tokens path) {
+Extends::Found Extends::at(const ConfigFile& config, const Node& node, const std::string& pointer, Tokens path) {
   if (path.empty()) return {whole(config, node, pointer), node.kind != Node::Kind::object};
   const std::string child_pointer = join_pointer(pointer, path.front());
   if (node.kind == Node::Kind::array) {
@@ -143,9 +141,8 @@ std::vector<const Node*> Extends::statements(const Node& node, const std::string
     if (value.kind == Node::Kind::string) {
       result.push_back(&value);
     } else {
-      diagnostics_.error(
-          "B004", value.origin, join_pointer(pointer, "extends"),
-          std::string("expected a file name or a list of file names, found ") + kind_name(value.kind));
+      diagnostics_.error("B004", value.origin, join_pointer(pointer, "extends"),
+                         std::string("expected a file name or a list of file names, found ") + kind_name(value.kind));
     }
   };
   if (member->value.kind != Node::Kind::array) take(member->value);
@@ -153,20 +150,18 @@ std::vector<const Node*> Extends::statements(const Node& node, const std::string
   return result;
 }
 
-bool Extends::is_circle(const Statement& statement) {
+bool Extends::is_cycle(const Statement& statement) {
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (open_[i].node != statement.node) continue;
     std::string chain = open_[i].from;
     for (std::size_t j = i; j < open_.size(); ++j) chain += " -> " + open_[j].to;
-    diagnostics_.error("B004", statement.node->origin, statement.pointer,
-                       "extends goes round in a circle: " + chain);
+    diagnostics_.error("B004", statement.node->origin, statement.pointer, "extends forms a cycle: " + chain);
     return true;
   }
   return false;
 }
 
-Extends::Found Extends::base(const ConfigFile& config, const Node& statement, const std::string& pointer,
-                             Tokens path) {
+Extends::Found Extends::base(const ConfigFile& config, const Node& statement, const std::string& pointer, Tokens path) {
   const std::string here = join_pointer(pointer, "extends");
   const std::string text = statement.scalar.get<std::string>();
   const std::size_t hash = text.find('#');
@@ -178,11 +173,10 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
     diagnostics_.error("B004", statement.origin, here, in_quotes(text) + " names no file" + mend);
     return {};
   }
-  const fs::path target =
-      file_text.empty() ? fs::path(config.name) : fs::path(config.name).parent_path() / file_text;
+  const fs::path target = file_text.empty() ? fs::path(config.name) : fs::path(config.name).parent_path() / file_text;
   const Statement current{&statement, here, with_pointer(config.name, pointer),
                           with_pointer(target.lexically_normal().string(), fragment)};
-  if (is_circle(current)) return {};
+  if (is_cycle(current)) return {};
   open_.push_back(current);
   const ConfigFile& other = file(target, nullptr, &current);
   Found found;
@@ -191,8 +185,7 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
     whole_path.insert(whole_path.end(), path.begin(), path.end());
     found = at(other, *other.content, "", whole_path);
     if (found.node) copied_ += node_count(*found.node);
-    if (copied_ >= most_values)
-      diagnostics_.error("B004", statement.origin, here, "extends multiplies without end");
+    if (copied_ >= most_values) diagnostics_.error("B004", statement.origin, here, "extends multiplies without end");
     const bool is_whole_target = path.empty();
     if (is_whole_target && (!found.node || found.node->kind == Node::Kind::null)) {
       tell_missing(other, *tokens, current);

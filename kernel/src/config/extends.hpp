@@ -50,17 +50,14 @@ class Extends {
     std::string to;
   };
 
-  const ConfigFile& file(const std::filesystem::path& path, const std::string_view* text,
-                         const Statement* by);
+  const ConfigFile& file(const std::filesystem::path& path, const std::string_view* text, const Statement* by);
   Found at(const ConfigFile& file, const Node& node, const std::string& pointer, Tokens path);
   Node whole(const ConfigFile& file, const Node& node, const std::string& pointer);
-  std::optional<Node> inherited(const ConfigFile& file, const Node& node, const std::string& pointer,
-                                Tokens path);
+  std::optional<Node> inherited(const ConfigFile& file, const Node& node, const std::string& pointer, Tokens path);
   Found base(const ConfigFile& file, const Node& statement, const std::string& pointer, Tokens path);
   std::vector<const Node*> statements(const Node& node, const std::string& pointer);
-  bool is_circle(const Statement& statement);
-  void tell_missing(const ConfigFile& file, const std::vector<std::string>& tokens,
-                    const Statement& statement);
+  bool is_cycle(const Statement& statement);
+  void tell_missing(const ConfigFile& file, const std::vector<std::string>& tokens, const Statement& statement);
 
   Diagnostics& diagnostics_;
   std::map<std::filesystem::path, std::unique_ptr<ConfigFile>> files_;

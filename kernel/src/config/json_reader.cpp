@@ -80,13 +80,9 @@ class JsonReader {
     bool places;
   };
 
-  JsonReader(std::string_view text, const std::string& file_name,
-             std::shared_ptr<const std::filesystem::path> folder, Mode mode, Diagnostics& diagnostics)
-      : text_(text),
-        file_name_(file_name),
-        folder_(std::move(folder)),
-        mode_(mode),
-        diagnostics_(diagnostics) {
+  JsonReader(std::string_view text, const std::string& file_name, std::shared_ptr<const std::filesystem::path> folder,
+             Mode mode, Diagnostics& diagnostics)
+      : text_(text), file_name_(file_name), folder_(std::move(folder)), mode_(mode), diagnostics_(diagnostics) {
     if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;
   }
 
@@ -187,8 +183,7 @@ class JsonReader {
     if (is_json_number(text)) return number(text);
     const char first = peek();
     if ((first >= '0' && first <= '9') || first == '+' || first == '-' || first == '.') {
-      stop("bad number " + found() +
-           "; a number reads like -0.5 or 1e-3, one with a unit stands in double quotes");
+      stop("bad number " + found() + "; a number reads like -0.5 or 1e-3, one with a unit stands in double quotes");
     }
     stop("expected a value, found " + found());
   }
@@ -202,8 +197,7 @@ class JsonReader {
     std::uint64_t natural = 0;
     if (whole && std::from_chars(first, end, natural).ec == std::errc()) return advance(text.size()), natural;
     double real = 0.0;
-    if (std::from_chars(first, end, real).ec != std::errc())
-      stop("number " + in_quotes(text) + " is out of range");
+    if (std::from_chars(first, end, real).ec != std::errc()) stop("number " + in_quotes(text) + " is out of range");
     advance(text.size());
     return real;
   }
@@ -256,8 +250,7 @@ class JsonReader {
     const std::string_view digits = text_.substr(at_ + 2, 4);
     std::uint32_t result = 0;
     const auto [last, status] = std::from_chars(digits.data(), digits.data() + digits.size(), result, 16);
-    if (status != std::errc() || last != digits.data() + 4)
-      stop("expected four hexadecimal digits after '\\u'");
+    if (status != std::errc() || last != digits.data() + 4) stop("expected four hexadecimal digits after '\\u'");
     advance(6);
     return result;
   }
@@ -293,9 +286,8 @@ class JsonReader {
     const std::string child = join_pointer(pointer, key);
     Node child_value = value(child, depth + 1);
     if (const Member* first = node.find(key)) {
-      diagnostics_.error(
-          "B002", key_origin, child,
-          "duplicate key " + in_quotes(key) + "; it already stands at " + place_text(first->key_origin));
+      diagnostics_.error("B002", key_origin, child,
+                         "duplicate key " + in_quotes(key) + "; it already stands at " + place_text(first->key_origin));
       return;
     }
     node.members.push_back({std::move(key), key_origin, std::move(child_value)});
@@ -352,8 +344,7 @@ class JsonReader {
 
 std::optional<Node> read_json(std::string_view text, const std::string& file_name,
                               std::shared_ptr<const std::filesystem::path> folder, Diagnostics& diagnostics) {
-  return JsonReader(text, file_name, std::move(folder), {.comments = true, .places = true}, diagnostics)
-      .read();
+  return JsonReader(text, file_name, std::move(folder), {.comments = true, .places = true}, diagnostics).read();
 }
 
 std::optional<Node> read_json_value(std::string_view text, const std::string& origin_name,
@@ -379,8 +370,8 @@ bool is_utf8(std::string_view text) {
     }
     if (size > 2) {  // overlong forms, surrogates and what lies beyond U+10FFFF (RFC 3629, section 4)
       const auto second = static_cast<unsigned char>(text[at + 1]);
-      if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
-          (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) {
+      if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) || (first == 0xF0 && second < 0x90) ||
+          (first == 0xF4 && second > 0x8F)) {
         return false;
       }
     }

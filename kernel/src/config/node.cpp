@@ -8,8 +8,7 @@
 namespace binnacle {
 
 Member* Node::find(std::string_view key) {
-  const auto found =
-      std::find_if(members.begin(), members.end(), [&](const Member& m) { return m.key == key; });
+  const auto found = std::find_if(members.begin(), members.end(), [&](const Member& m) { return m.key == key; });
   return found == members.end() ? nullptr : &*found;
 }
 
@@ -36,8 +35,7 @@ const char* kind_name(Node::Kind kind) {
   }
 }
 
-Node scalar_node(nlohmann::ordered_json value, Origin origin,
-                 std::shared_ptr<const std::filesystem::path> folder) {
+Node scalar_node(nlohmann::ordered_json value, Origin origin, std::shared_ptr<const std::filesystem::path> folder) {
   Node node;
   node.kind = value.is_string()    ? Node::Kind::string
               : value.is_number()  ? Node::Kind::number
@@ -106,8 +104,7 @@ void drop_nulls(Node& root) {
   drop_nulls_below(root);
   Node* const kept = value_of(&root, "study");
   put_back(value_of(kept, "variants"), std::move(variants));
-  for (auto& [name, patches] : dimensions)
-    put_back(value_of(value_of(kept, "dimensions"), name), std::move(patches));
+  for (auto& [name, patches] : dimensions) put_back(value_of(value_of(kept, "dimensions"), name), std::move(patches));
 }
 
 nlohmann::ordered_json to_json(const Node& node) {

@@ -41,8 +41,7 @@ struct Member {
 /// For messages: "an object", "a text", "null" …
 const char* kind_name(Node::Kind kind);
 
-Node scalar_node(nlohmann::ordered_json value, Origin origin,
-                 std::shared_ptr<const std::filesystem::path> folder);
+Node scalar_node(nlohmann::ordered_json value, Origin origin, std::shared_ptr<const std::filesystem::path> folder);
 
 /// RFC 7386, but a deleted member leaves a null behind, so that a patch may itself be made of patches. Keys
 /// of the target keep their order, new ones follow.

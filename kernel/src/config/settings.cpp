@@ -28,8 +28,7 @@ std::optional<std::size_t> index_of(const std::string& token) {
 
 class Setter {
  public:
-  Setter(std::string pointer, Diagnostics& diagnostics)
-      : pointer_(std::move(pointer)), diagnostics_(diagnostics) {}
+  Setter(std::string pointer, Diagnostics& diagnostics) : pointer_(std::move(pointer)), diagnostics_(diagnostics) {}
 
   void tell(const std::string& message) const { diagnostics_.error("B029", command_line, pointer_, message); }
 
@@ -102,16 +101,14 @@ void assign(Node& root, const std::vector<std::string>& tokens, Node value, cons
 }  // namespace
 
 void apply_setting(Node& root, const std::string& setting,
-                   const std::shared_ptr<const std::filesystem::path>& current_folder,
-                   Diagnostics& diagnostics) {
+                   const std::shared_ptr<const std::filesystem::path>& current_folder, Diagnostics& diagnostics) {
   const std::size_t equals = setting.find('=');
   const std::string pointer = setting.substr(0, equals);
   const Setter setter(pointer.starts_with('/') ? pointer : "", diagnostics);
   if (!is_utf8(setting)) return setter.tell("--set is not UTF-8");
   if (equals == std::string::npos) return setter.tell(in_quotes(setting) + " does not read /pointer=value");
   if (!pointer.starts_with('/')) {
-    return setter.tell(in_quotes(pointer) + " is no JSON pointer; did you mean " + in_quotes("/" + pointer) +
-                       "?");
+    return setter.tell(in_quotes(pointer) + " is no JSON pointer; did you mean " + in_quotes("/" + pointer) + "?");
   }
   const auto tokens = split_pointer(pointer);
   if (!tokens) return setter.tell("a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");

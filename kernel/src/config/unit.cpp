@@ -80,16 +80,14 @@ constexpr NamedUnit named_units[] = {
 
 /// Spellings that are common elsewhere and that a search by edits would miss.
 constexpr std::pair<std::string_view, std::string_view> other_spellings[] = {
-    {"hr", "h"},          {"hrs", "h"},        {"hour", "h"},           {"hours", "h"},
-    {"sec", "s"},         {"secs", "s"},       {"second", "s"},         {"seconds", "s"},
-    {"minute", "min"},    {"minutes", "min"},  {"mins", "min"},         {"d", "day"},
-    {"days", "day"},      {"degree", "deg"},   {"degrees", "deg"},      {"degs", "deg"},
-    {"\xC2\xB0", "deg"},  {"rads", "rad"},     {"radian", "rad"},       {"radians", "rad"},
-    {"meter", "m"},       {"meters", "m"},     {"metre", "m"},          {"metres", "m"},
-    {"mps", "m/s"},       {"kmh", "km/h"},     {"kph", "km/h"},         {"knot", "kn"},
-    {"knots", "kn"},      {"kt", "kn"},        {"kts", "kn"},           {"dps", "deg/s"},
-    {"dph", "deg/h"},     {"feet", "ft"},      {"foot", "ft"},          {"mil_nato", "mil"},
-    {"mbar", "hPa"},      {"percent", "%"},    {"arcminute", "arcmin"}, {"arcsecond", "arcsec"},
+    {"hr", "h"},          {"hrs", "h"},        {"hour", "h"},      {"hours", "h"},          {"sec", "s"},
+    {"secs", "s"},        {"second", "s"},     {"seconds", "s"},   {"minute", "min"},       {"minutes", "min"},
+    {"mins", "min"},      {"d", "day"},        {"days", "day"},    {"degree", "deg"},       {"degrees", "deg"},
+    {"degs", "deg"},      {"\xC2\xB0", "deg"}, {"rads", "rad"},    {"radian", "rad"},       {"radians", "rad"},
+    {"meter", "m"},       {"meters", "m"},     {"metre", "m"},     {"metres", "m"},         {"mps", "m/s"},
+    {"kmh", "km/h"},      {"kph", "km/h"},     {"knot", "kn"},     {"knots", "kn"},         {"kt", "kn"},
+    {"kts", "kn"},        {"dps", "deg/s"},    {"dph", "deg/h"},   {"feet", "ft"},          {"foot", "ft"},
+    {"mil_nato", "mil"},  {"mbar", "hPa"},     {"percent", "%"},   {"arcminute", "arcmin"}, {"arcsecond", "arcsec"},
     {"rtHz", "sqrt(Hz)"}, {"rthr", "sqrt(h)"}, {"rth", "sqrt(h)"},
 };
 
@@ -108,8 +106,7 @@ long double prefix_scale(char prefix) {
 
 const NamedUnit* find_named(std::string_view name) {
   const auto* end = std::end(named_units);
-  const auto* found =
-      std::find_if(std::begin(named_units), end, [&](const NamedUnit& u) { return u.name == name; });
+  const auto* found = std::find_if(std::begin(named_units), end, [&](const NamedUnit& u) { return u.name == name; });
   return found == end ? nullptr : found;
 }
 
@@ -202,8 +199,7 @@ class UnitParser {
     int exponent = 0;
     const char* first = text_.data() + at_;
     const auto [last, status] = std::from_chars(first, text_.data() + text_.size(), exponent);
-    if (status != std::errc())
-      return fail("has a power that is no whole number; a root is written sqrt(...)");
+    if (status != std::errc()) return fail("has a power that is no whole number; a root is written sqrt(...)");
     at_ += static_cast<std::size_t>(last - first);
     if (peek() == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1])) {
       return fail("has a power that is no whole number; a root is written sqrt(...)");
@@ -322,9 +318,8 @@ std::optional<std::string_view> at_number(std::string_view text) {
 }
 
 std::string no_number(std::string_view text) {
-  return text.empty()
-             ? "empty text; expected a number with a unit, such as '0.2 deg/h'"
-             : in_quotes(text) + " does not begin with a number; expected something like '0.2 deg/h'";
+  return text.empty() ? "empty text; expected a number with a unit, such as '0.2 deg/h'"
+                      : in_quotes(text) + " does not begin with a number; expected something like '0.2 deg/h'";
 }
 
 }  // namespace
@@ -351,8 +346,7 @@ Parsed<Quantity> parse_quantity(std::string_view text) {
   if (status != std::errc()) return Result::failure("the number of " + in_quotes(text) + " is out of range");
   const std::string_view unit_text = trimmed(std::string_view(last, static_cast<std::size_t>(end - last)));
   if (unit_text.empty()) return Quantity{value, {}};
-  if (unit_text.starts_with(','))
-    return Result::failure("the decimal point of " + in_quotes(text) + " is a comma");
+  if (unit_text.starts_with(',')) return Result::failure("the decimal point of " + in_quotes(text) + " is a comma");
   const Parsed<Measure> measure = read_measure(unit_text);
   if (!measure) return Result::failure(measure.error());
   const auto si = static_cast<double>(static_cast<long double>(value) * measure->scale);
@@ -524,20 +518,18 @@ Parsed<std::int64_t> parse_time(std::string_view text) {
   text = trimmed(text);
   const std::optional<std::string_view> number = at_number(text);
   if (!number)
-    return Result::failure(in_quotes(text) +
-                           " does not begin with a number; expected something like '120 s'");
+    return Result::failure(in_quotes(text) + " does not begin with a number; expected something like '120 s'");
   const std::optional<Decimal> decimal = read_decimal(*number);
   if (!decimal) return Result::failure("the number of " + in_quotes(text) + " has too many digits");
   const std::string_view unit = trimmed(decimal->rest);
   if (unit.empty())
     return Result::failure(in_quotes(text) + " has no unit; write " + in_quotes(std::string(text) + " s"));
-  const auto* known = std::find_if(std::begin(time_units), std::end(time_units),
-                                   [&](const TimeUnit& u) { return u.name == unit; });
+  const auto* known =
+      std::find_if(std::begin(time_units), std::end(time_units), [&](const TimeUnit& u) { return u.name == unit; });
   if (known == std::end(time_units)) {
     return Result::failure("unit " + in_quotes(unit) + " is no time; use ns, us, ms, s, min, h or day");
   }
-  const std::optional<std::int64_t> nanoseconds =
-      scaled(decimal->digits * known->nanoseconds, decimal->exponent);
+  const std::optional<std::int64_t> nanoseconds = scaled(decimal->digits * known->nanoseconds, decimal->exponent);
   if (!nanoseconds) return Result::failure("the time " + in_quotes(text) + " is out of range");
   return *nanoseconds;
 }

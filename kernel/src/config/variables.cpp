@@ -23,8 +23,8 @@ std::string in_quotes(std::string_view text) { return "'" + std::string(text) + 
 
 bool is_name(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-' || c == '.';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
   });
 }
 
@@ -38,14 +38,12 @@ class Variables {
             const std::shared_ptr<const std::filesystem::path>& folder) {
     for (const auto& [name, text] : given) {
       if (!is_name(name) || !is_utf8(text)) {
-        diagnostics_.error("B029", command_line, "",
-                           in_quotes("--var " + name) + " does not read name=value");
+        diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " does not read name=value");
         continue;
       }
       const Member* declared = declared_.find(name);
       std::optional<Node> number;
-      if (declared && declared->value.kind == Node::Kind::number)
-        number = read_json_value(text, "--var", folder);
+      if (declared && declared->value.kind == Node::Kind::number) number = read_json_value(text, "--var", folder);
       const bool is_number = number && number->kind == Node::Kind::number;
       given_.emplace(name, is_number ? *std::move(number) : scalar_node(text, command_line, folder));
       if (declared) used_.insert(name);
@@ -66,8 +64,7 @@ class Variables {
   void check_given() {
     for (const auto& [name, value] : given_) {
       if (used_.contains(name)) continue;
-      diagnostics_.error("B029", command_line, "",
-                         "the config has no variable " + in_quotes(name) + suggestion(name));
+      diagnostics_.error("B029", command_line, "", "the config has no variable " + in_quotes(name) + suggestion(name));
     }
   }
 
@@ -92,8 +89,7 @@ class Variables {
       node = filled(node, pointer);
       node.origin = origin;
     }
-    for (std::size_t i = 0; i < node.elements.size(); ++i)
-      fill_in(node.elements[i], join_pointer(pointer, i));
+    for (std::size_t i = 0; i < node.elements.size(); ++i) fill_in(node.elements[i], join_pointer(pointer, i));
     for (Member& member : node.members) fill_in(member.value, join_pointer(pointer, member.key));
   }
 
@@ -156,8 +152,7 @@ class Variables {
       const std::size_t close = text.find('}', at);
       const std::string name = text.substr(at + 2, close == std::string::npos ? close : close - at - 2);
       if (close == std::string::npos || !is_name(name)) {
-        tell("B005", node, pointer,
-             in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
+        tell("B005", node, pointer, in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
         return node;
       }
       std::optional<Node> value = value_of(name, node, pointer);
@@ -185,7 +180,7 @@ class Variables {
     if (const auto first = std::find(open_.begin(), open_.end(), name); first != open_.end()) {
       std::string chain;
       for (auto open = first; open != open_.end(); ++open) chain += *open + " -> ";
-      tell("B005", user, pointer, "variables go round in a circle: " + chain + name);
+      tell("B005", user, pointer, "variables form a cycle: " + chain + name);
       return std::nullopt;
     }
     if (declared->kind == Node::Kind::number) return *declared;
@@ -206,8 +201,7 @@ class Variables {
 }  // namespace
 
 void fill_in_variables(Node& root, const std::map<std::string, std::string>& given,
-                       const std::shared_ptr<const std::filesystem::path>& current_folder,
-                       Diagnostics& diagnostics) {
+                       const std::shared_ptr<const std::filesystem::path>& current_folder, Diagnostics& diagnostics) {
   Variables variables(root, diagnostics);
   variables.take(given, current_folder);
   variables.fill_in_all(root);

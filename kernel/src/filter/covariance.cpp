@@ -121,11 +121,11 @@ void predict(const TransitionPlan& plan, const double* const* phi, const double*
   const int ld_coupled = padded(coupled);
   const bool scales = !plan.diagonals.empty();
   const auto combine = strip_loops().combine;
-  double* const M = scratch;                                                      // ld × coupled
-  double* const Mt = M + static_cast<std::ptrdiff_t>(ld) * coupled;               // ld_coupled × ld
-  double* const PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;          // ld_coupled × coupled
-  double* const d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * coupled;      // n
-  double* const coefficients = d + n;  // of all groups, one after the other
+  double* const M = scratch;                                                  // ld × coupled
+  double* const Mt = M + static_cast<std::ptrdiff_t>(ld) * coupled;           // ld_coupled × ld
+  double* const PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;      // ld_coupled × coupled
+  double* const d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * coupled;  // n
+  double* const coefficients = d + n;                                         // of all groups, one after the other
 
   if (scales) {
     std::fill_n(d, n, 1.0);

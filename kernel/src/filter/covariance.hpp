@@ -42,18 +42,18 @@ struct TransitionPlan {
     int offset = 0;
   };
   struct Noise {
-    int row = 0;       // first row in P
-    int column = 0;    // first column in P
+    int row = 0;     // first row in P
+    int column = 0;  // first column in P
     int rows = 0;
     int columns = 0;
-    int stride = 0;    // of the block; 0: a diagonal block, one double per row
-    int block = 0;     // index into the table of noise block pointers
+    int stride = 0;  // of the block; 0: a diagonal block, one double per row
+    int block = 0;   // index into the table of noise block pointers
   };
   int n = 0;
-  std::vector<RowGroup> groups;      // rows of Φ with off-diagonal or dense content
-  std::vector<Diagonal> diagonals;   // rows of Φ with nothing but a diagonal element
-  std::vector<RowRun> coupled;       // rows of P that some group writes, ascending
-  std::vector<RowRun> uncoupled;     // all others, ascending
+  std::vector<RowGroup> groups;     // rows of Φ with off-diagonal or dense content
+  std::vector<Diagonal> diagonals;  // rows of Φ with nothing but a diagonal element
+  std::vector<RowRun> coupled;      // rows of P that some group writes, ascending
+  std::vector<RowRun> uncoupled;    // all others, ascending
   int coupled_rows = 0;
   std::vector<Noise> noise;
 };
@@ -76,16 +76,16 @@ struct UpdateColumns {
 /// What an update works with; all memory is the caller's. m ≤ m_max, matrices column-major.
 struct UpdateWork {
   int m_max = 0;
-  double* H = nullptr;  // m_max × k, compact: only the columns of touched blocks
-  double* R = nullptr;  // m_max × m_max
-  double* r = nullptr;  // m_max
-  double* G = nullptr;  // padded(n) × m_max: P Hᵀ
+  double* H = nullptr;     // m_max × k, compact: only the columns of touched blocks
+  double* R = nullptr;     // m_max × m_max
+  double* r = nullptr;     // m_max
+  double* G = nullptr;     // padded(n) × m_max: P Hᵀ
   double* HPHt = nullptr;  // m_max × m_max
-  double* S = nullptr;  // m_max × m_max: H P Hᵀ + R, then untouched
-  double* L = nullptr;  // m_max × m_max: its Cholesky factor
-  double* K = nullptr;  // padded(n) × m_max
-  double* U = nullptr;  // padded(n) × m_max
-  double* y = nullptr;  // m_max: L⁻¹ r
+  double* S = nullptr;     // m_max × m_max: H P Hᵀ + R, then untouched
+  double* L = nullptr;     // m_max × m_max: its Cholesky factor
+  double* K = nullptr;     // padded(n) × m_max
+  double* U = nullptr;     // padded(n) × m_max
+  double* y = nullptr;     // m_max: L⁻¹ r
 };
 
 /// G = P Hᵀ and HPHt = H G.

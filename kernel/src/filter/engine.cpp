@@ -60,22 +60,20 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   for (const auto& derived : plan.derived) {
     ports = std::max(ports, derived.ports.size());
     reads = std::max(reads, derived.reads.size());
-    drives = std::max(drives, derived.drive.size());
+    drives = std::max(drives, derived.driving_rates.size());
   }
   for (const auto& measurement : plan.measurements) {
     memory = std::max(memory, measurement.memory_bytes + measurement.noise_memory.count);
     for (const auto& part : measurement.parts) {
       ports = std::max(ports, part.ports.size());
       reads = std::max(reads, part.reads.size());
-      drives = std::max(drives, part.drive.size());
+      drives = std::max(drives, part.driving_rates.size());
       auxiliaries = std::max(auxiliaries, part.auxiliary.size());
       std::size_t doubles = 0;
       for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
         const auto& map = part.auxiliary_fields[i];
         const int index = part.auxiliary[i];
-        const int rows =
-            index < 0 ? 0
-                      : channels[as_size(plan.auxiliary[as_size(index)].channel)].declaration.max_rows;
+        const int rows = index < 0 ? 0 : channels[as_size(plan.auxiliary[as_size(index)].channel)].declaration.max_rows;
         doubles += map.epoch.size() + map.row.size() * as_size(rows);
       }
       auxiliary_doubles = std::max(auxiliary_doubles, doubles);
@@ -84,7 +82,7 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   port_values_.assign(ports, nullptr);
   port_outputs_.assign(ports, nullptr);
   jacobians_.assign(reads, MatrixView{});
-  drive_fields_.assign(drives, 0.0);
+  driving_rate_fields_.assign(drives, 0.0);
   auxiliary_views_.assign(auxiliaries, SampleView{});
   auxiliary_fields_.assign(auxiliary_doubles, 0.0);
   memory_backup_.assign(memory, std::byte{});
@@ -110,12 +108,12 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   reset_scratch_.assign(ld * dof, 0.0);
   x_before_.assign(as_size(plan.stored_size), 0.0);
   work_ = UpdateWork{plan.max_rows, H_.data(), R_.data(), r_.data(), G_.data(), HPHt_.data(),
-                     S_.data(), L_.data(), K_.data(), U_.data(), y_.data()};
+                     S_.data(),     L_.data(), K_.data(), U_.data(), y_.data()};
 }
 
-void Engine::attach(StepTape* tape) {
-  tape_ = tape;
-  if (tape) {
+void Engine::attach(StepObserver* observer) {
+  observer_ = observer;
+  if (observer) {
     P_before_.assign(as_size(padded(plan_.n)) * as_size(plan_.n), 0.0);
     Phi_dense_.assign(as_size(plan_.n) * as_size(plan_.n), 0.0);
     int most_rows = 0;
@@ -166,8 +164,7 @@ void Engine::fail(const std::string& diagnosis) {
 void Engine::stop_for_exception(const char* what) {
   char time[48];
   std::snprintf(time, sizeof time, " at %.9g s: ", seconds(head().t));
-  if (in_process_ >= 0)
-    conclude(in_process_, head().t, Outcome::rejected, "its plugin threw", 0, 0, false, nullptr);
+  if (in_process_ >= 0) conclude(in_process_, head().t, Outcome::rejected, "its plugin threw", 0, 0, false, nullptr);
   fail("'" + (component_ ? *component_ : std::string("a plugin")) + "' threw in " + call_ + time + what);
 }
 
@@ -276,8 +273,9 @@ void Engine::start_blocks(Time t) {
           const auto other_component = as_size(other.active[b]);
           if (std::isfinite(other.initial.sigma[other_component])) continue;
           const int column = other.first + static_cast<int>(b);
-          P()[row + column * ld] = view.covariance[block.initial.covariance[component] +
-                                                   other.initial.covariance[other_component] * dof];
+          P()
+          [row + column * ld] =
+              view.covariance[block.initial.covariance[component] + other.initial.covariance[other_component] * dof];
         }
       }
     }
@@ -286,7 +284,7 @@ void Engine::start_blocks(Time t) {
   h.started = 1;
   h.just_started = 1;
   check_health();
-  if (tape_ && !broken()) tape_->started(t, x(), covariance());
+  if (observer_ && !broken()) observer_->started(t, x(), covariance());
 }
 
 void Engine::push_input(const SampleView& sample) {
@@ -325,11 +323,11 @@ void Engine::push_input(const SampleView& sample) {
       const double hole = seconds(until - h.input_end);
       if (rates_only) {
         add_pending(h.input_end, until, h.input_end, hole, sample.fields);
-      } else if (h.drive_known) {
+      } else if (h.driving_rates_known) {
         double* fields = sample_fields_.data();
         for (int i = 0; i < plan_.input_fields; ++i)
-          fields[i] = plan_.drive.in(arena_)[i] *
-                      (plan_.input_kinds[as_size(i)] == FieldKind::increment ? hole : 1.0);
+          fields[i] =
+              plan_.driving_rates.in(arena_)[i] * (plan_.input_kinds[as_size(i)] == FieldKind::increment ? hole : 1.0);
         add_pending(h.input_end, until, h.input_end, hole, fields);
       } else {
         fail("the first input sample after the start has no interval, so its increments have no rate");
@@ -387,7 +385,8 @@ void Engine::enqueue(int measurement, const SampleView& sample) {
     queue[at] = queue[at - 1];
     --at;
   }
-  queue[at] = QueueEntry{sample.t, sample.t0, h.sequence++, measurement, sample.rows, sample.covariance != nullptr, slot};
+  queue[at] =
+      QueueEntry{sample.t, sample.t0, h.sequence++, measurement, sample.rows, sample.covariance != nullptr, slot};
   ++h.queued;
   const auto& channel = channels_[as_size(plan_.measurements[as_size(measurement)].channel)];
   double* data = plan_.queue_data.in(arena_) + as_size(slot) * plan_.queue_doubles;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "binnacle/sample.hpp"
-#include "binnacle/tape.hpp"
+#include "binnacle/step_log.hpp"
 #include "filter/exclusion.hpp"
 #include "filter/plan.hpp"
 
@@ -22,7 +22,7 @@ class Engine {
 
   /// Initialises the arena for a new run.
   void reset();
-  void attach(StepTape* tape);
+  void attach(StepObserver* observer);
 
   /// Samples as their channel lays them out. What is not listened to must not be handed in.
   void push_input(const SampleView& sample);
@@ -52,9 +52,7 @@ class Engine {
     return *plan_.measurements[static_cast<std::size_t>(measurement)].ledger.in(arena_);
   }
   const double* state() const { return plan_.state.in(arena_); }
-  MatrixView covariance() const {
-    return {plan_.covariance.in(arena_), plan_.n, plan_.n, padded(plan_.n)};
-  }
+  MatrixView covariance() const { return {plan_.covariance.in(arena_), plan_.n, plan_.n, padded(plan_.n)}; }
   const FilterPlan& plan() const { return plan_; }
   /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof.
   void write_estimates(SampleSlot& slot);
@@ -72,7 +70,7 @@ class Engine {
   void step_pending(int whole);
   void step_fragment(Time t1);
   void step(Time t1, int samples);
-  void remember_drive(const InputSample& sample);
+  void remember_driving_rates(const InputSample& sample);
   bool propagate_models(Time t0, Time t1, int samples);
   void run_van_loan(const VanLoanGroup& group, double dt);
   void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
@@ -85,7 +83,7 @@ class Engine {
   }
 
   Result evaluate_derived(const std::vector<int>& values, bool with_jacobians);
-  Context context(const std::vector<int>& drive, double* storage);
+  Context context(const std::vector<int>& fields, double* storage);
   void enqueue(int measurement, const SampleView& sample);
   void process(int measurement, const SampleView& sample);
   void process_or_reject(int measurement, const SampleView& sample);
@@ -104,28 +102,28 @@ class Engine {
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;
   std::byte* arena_;
-  StepTape* tape_ = nullptr;
+  StepObserver* observer_ = nullptr;
   const std::string* component_ = nullptr;  // whose code runs: named if it throws
   const char* call_ = "";
-  int in_process_ = -1;                     // measurement that has no outcome yet
+  int in_process_ = -1;  // measurement that has no outcome yet
 
   // Scratch. Sized in the constructor, never resized.
   std::vector<double> workspace_;
-  std::vector<const double*> values_;        // per value: where it lies
-  std::vector<double*> phi_, noise_;         // tables of blocks
+  std::vector<const double*> values_;  // per value: where it lies
+  std::vector<double*> phi_, noise_;   // tables of blocks
   std::vector<double> x_plus_;
   std::vector<double> predict_scratch_;
-  std::vector<const double*> port_values_;   // per port of the model being called
+  std::vector<const double*> port_values_;  // per port of the model being called
   std::vector<double*> port_outputs_;
   std::vector<InputSample> samples_;
   std::vector<InputSample> model_samples_;
-  std::vector<double> sample_fields_;        // of samples_, raw
-  std::vector<double> model_fields_;         // of model_samples_, converted
-  std::vector<double> gathered_;             // fields of a measurement
+  std::vector<double> sample_fields_;  // of samples_, raw
+  std::vector<double> model_fields_;   // of model_samples_, converted
+  std::vector<double> gathered_;       // fields of a measurement
   std::vector<double> gathered_rows_;
   std::vector<SampleView> auxiliary_views_;
   std::vector<double> auxiliary_fields_;
-  std::vector<double> drive_fields_;
+  std::vector<double> driving_rate_fields_;
   std::vector<MatrixView> jacobians_;
   std::vector<double> H_, R_, r_, G_, HPHt_, S_, L_, K_, U_, y_, delta_, post_fit_, R_nominal_;
   std::vector<std::int64_t> row_keys_;

@@ -32,11 +32,11 @@ class OutlierTest {
   void invert(int m, const UpdateWork& work);
   double statistic(int count);
 
-  Eigen::MatrixXd inverse_;       // S⁻¹
-  Eigen::VectorXd z_;             // S⁻¹ r
-  Eigen::MatrixXd part_;          // (S⁻¹)_II
-  Eigen::VectorXd part_z_;        // z_I
-  std::vector<int> members_;      // I
+  Eigen::MatrixXd inverse_;   // S⁻¹
+  Eigen::VectorXd z_;         // S⁻¹ r
+  Eigen::MatrixXd part_;      // (S⁻¹)_II
+  Eigen::VectorXd part_z_;    // z_I
+  std::vector<int> members_;  // I
   std::vector<unsigned char> is_tested_, worst_;
 };
 

@@ -23,9 +23,9 @@ namespace binnacle {
 /// A channel as its samples lie in memory: per-epoch fields, per-row fields, covariance.
 struct ChannelPlan {
   std::string name;
-  std::string pointer;                 // of the component that emits it; "" for a pushed channel
+  std::string pointer;  // of the component that emits it; "" for a pushed channel
   ChannelDeclaration declaration;
-  std::vector<int> position;           // of each declared field among the per-epoch or the per-row fields
+  std::vector<int> position;  // of each declared field among the per-epoch or the per-row fields
   int epoch_fields = 0;
   int row_fields = 0;
   int covariance_dof = 0;
@@ -53,11 +53,11 @@ enum class Use : unsigned char { estimated, considered, frozen };
 
 /// Where a block's first value comes from.
 struct InitialPlan {
-  std::vector<double> value;                 // stored value, when given in the config
-  int channel = -1;                          // else: index among the filter's initial channels
-  std::vector<int> fields;                   // per output: which per-epoch field of that channel
-  std::vector<int> covariance;               // per error component: which covariance component; empty: none
-  std::vector<double> sigma;                 // per error component; NaN: from the sample's covariance
+  std::vector<double> value;    // stored value, when given in the config
+  int channel = -1;             // else: index among the filter's initial channels
+  std::vector<int> fields;      // per output: which per-epoch field of that channel
+  std::vector<int> covariance;  // per error component: which covariance component; empty: none
+  std::vector<double> sigma;    // per error component; NaN: from the sample's covariance
 };
 
 struct BlockPlan {
@@ -65,10 +65,10 @@ struct BlockPlan {
   std::string pointer;
   std::string type;
   std::shared_ptr<const StateBlock> block;
-  std::vector<Use> use;                      // per error component
-  std::vector<int> active;                   // error components with a place in P
-  int first = 0;                             // row of the first of them in P
-  int stored_offset = 0;                     // in the filter's stored state, doubles
+  std::vector<Use> use;     // per error component
+  std::vector<int> active;  // error components with a place in P
+  int first = 0;            // row of the first of them in P
+  int stored_offset = 0;    // in the filter's stored state, doubles
   int process = -1;
   bool holds_frozen = false;
   InitialPlan initial;
@@ -92,10 +92,10 @@ struct DerivedPlan {
   std::string pointer;
   std::string type;
   std::shared_ptr<const DerivedBlock> derived;
-  std::vector<int> ports;               // value index per port, −1 open
+  std::vector<int> ports;  // value index per port, −1 open
   std::vector<Read> reads;
   std::vector<Dependence> dependences;  // on state blocks, ascending
-  std::vector<int> drive;               // index of each drive field in the input channel
+  std::vector<int> driving_rates;       // index of each drive field in the input channel
   std::size_t value = 0;                // offset in the workspace
 
   int dof() const { return derived->declaration().dof(); }
@@ -106,28 +106,28 @@ struct ProcessPlan {
   std::string pointer;
   std::string type;
   std::shared_ptr<const ProcessModel> model;
-  std::vector<int> ports;               // value index per port, −1 open
+  std::vector<int> ports;  // value index per port, −1 open
   FieldMap fields;
   bool uses_input = false;
   Place<std::byte> memory;
-  int first_transition = 0;             // of its blocks in the table of model-written Φ blocks
+  int first_transition = 0;  // of its blocks in the table of model-written Φ blocks
   int first_noise = 0;
-  int van_loan_group = -1;              // ≥ 0: discretized by the kernel
+  int van_loan_group = -1;  // ≥ 0: discretized by the kernel
 };
 
 /// A block of Φ or Qd that must be put together because a component is frozen or a port is derived:
 /// target(active rows, active columns) = Σ block · chain.
 struct GatherPlan {
   struct Term {
-    int source = 0;                     // index in the table of blocks
+    int source = 0;  // index in the table of blocks
     Structure structure = Structure::dense;
-    int derived = -1;                   // the derived value in between; −1: none
-    std::size_t chain = 0;              // its Jacobian to from_block in the workspace
+    int derived = -1;       // the derived value in between; −1: none
+    std::size_t chain = 0;  // its Jacobian to from_block in the workspace
   };
   int to_block = 0;
   int from_block = 0;
   std::vector<Term> terms;
-  std::size_t target = 0;               // offset in the workspace: active(to) × active(from), column-major
+  std::size_t target = 0;  // offset in the workspace: active(to) × active(from), column-major
 };
 
 /// A stretch of time, both ends included; an end may count from the filter's start.
@@ -148,12 +148,12 @@ struct PartPlan {
     int block = 0;
     int first_column = 0;
     bool is_direct = true;
-    std::size_t chain = 0;              // offset in the workspace: dof(value) × dof(block)
+    std::size_t chain = 0;  // offset in the workspace: dof(value) × dof(block)
   };
   struct Read {
     int value = 0;
     int dof = 0;
-    std::size_t jacobian = 0;           // offset in the workspace: max_rows of the whole update × dof
+    std::size_t jacobian = 0;  // offset in the workspace: max_rows of the whole update × dof
     std::vector<Target> targets;
   };
   std::string name;
@@ -163,8 +163,8 @@ struct PartPlan {
   std::vector<int> ports;
   std::vector<Read> reads;
   FieldMap fields;
-  std::vector<int> drive;
-  std::vector<int> auxiliary;           // index among the filter's auxiliary channels per declared input; −1 open
+  std::vector<int> driving_rates;
+  std::vector<int> auxiliary;  // index among the filter's auxiliary channels per declared input; −1 open
   std::vector<FieldMap> auxiliary_fields;
   Place<std::byte> memory;
 };
@@ -172,12 +172,12 @@ struct PartPlan {
 /// What became of a measurement's samples. Lies in the arena.
 struct Ledger {
   std::int64_t offered = 0;
-  std::int64_t reached = 0;             // by the filter's time: offered less late and waiting
+  std::int64_t reached = 0;  // by the filter's time: offered less late and waiting
   std::int64_t outcomes[outcome_count] = {};
   std::int64_t before_start = 0;
   std::int64_t recoveries = 0;
   std::int64_t consecutive_gated = 0;
-  std::int64_t rows_left_out = 0;       // of accepted samples, by a gate by row or key
+  std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
   double nis_sum = 0;
   std::int64_t nis_count = 0;
   std::int64_t dof_sum = 0;
@@ -189,8 +189,8 @@ struct Ledger {
 /// a few more.
 struct LeftOut {
   std::int64_t key = 0;
-  std::int64_t group = 0;               // 0 of a gate by key
-  std::int64_t count = 0;               // 0: a free place
+  std::int64_t group = 0;  // 0 of a gate by key
+  std::int64_t count = 0;  // 0: a free place
 };
 
 struct MeasurementPlan {
@@ -200,14 +200,14 @@ struct MeasurementPlan {
   };
   std::string name;
   std::string pointer;
-  int channel = 0;                      // index in the composition's channels
+  int channel = 0;  // index in the composition's channels
   std::vector<PartPlan> parts;
-  std::vector<int> derived;             // values to evaluate, in order
+  std::vector<int> derived;  // values to evaluate, in order
   UpdateColumns columns;
   int max_rows = 0;
-  double gate = 0;                      // probability; 0: no gate
+  double gate = 0;  // probability; 0: no gate
   GateUnit gate_unit = GateUnit::sample;
-  std::vector<double> gate_limit;       // χ² quantile by row count
+  std::vector<double> gate_limit;  // χ² quantile by row count
   std::shared_ptr<const NoiseEstimator> noise;
   std::string noise_type;
   Place<std::byte> noise_memory;
@@ -217,13 +217,13 @@ struct MeasurementPlan {
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
   Place<Ledger> ledger;
-  Place<LeftOut> left_out;              // of a gate by row or key
-  std::size_t memory_bytes = 0;         // of its parts together, for the rollback copy
+  Place<LeftOut> left_out;       // of a gate by row or key
+  std::size_t memory_bytes = 0;  // of its parts together, for the rollback copy
 };
 
-/// A reading: a block as one measurement tells it, all else that is in the measurement taken from the filter.
-struct ReadingPlan {
-  BlockPlan value;                      // the block's, under the reading's name and with rows counted from 0
+/// An implied state: a block as one measurement tells it, all else that is in the measurement taken from the filter.
+struct ImpliedStatePlan {
+  BlockPlan value;  // the block's, under the implied state's name and with rows counted from 0
   int measurement = 0;
   int block = 0;
 };
@@ -231,35 +231,35 @@ struct ReadingPlan {
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
 struct LatestPlan {
   int channel = 0;
-  Time max_age = 0;                     // initial values only; 0: any age
-  Place<double> data;                   // as ChannelPlan lays it out
-  Place<Time> times;                    // t, t0
-  Place<std::int32_t> state;            // rows, has covariance, available
+  Time max_age = 0;           // initial values only; 0: any age
+  Place<double> data;         // as ChannelPlan lays it out
+  Place<Time> times;          // t, t0
+  Place<std::int32_t> state;  // rows, has covariance, available
 };
 
 /// Whatever else of the filter lies in the arena.
 struct FilterHead {
-  Time t = no_time;                     // the filter's time
+  Time t = no_time;  // the filter's time
   Time start = no_time;
-  Time input_end = no_time;             // end of the newest input interval
+  Time input_end = no_time;  // end of the newest input interval
   std::int64_t steps = 0;
   std::int64_t gaps = 0;
   std::int64_t sequence = 0;
   std::int32_t started = 0;
   std::int32_t broken = 0;
-  std::int32_t pending = 0;             // input samples waiting
+  std::int32_t pending = 0;  // input samples waiting
   std::int32_t queued = 0;
-  std::int32_t drive_known = 0;
-  std::int32_t just_started = 0;        // the next input sample may begin before the filter's time
-  char diagnosis[192] = {};             // why it broke
+  std::int32_t driving_rates_known = 0;
+  std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
+  char diagnosis[192] = {};       // why it broke
 };
 
 struct PendingInput {
-  Time t0 = no_time;                    // not yet consumed part
+  Time t0 = no_time;  // not yet consumed part
   Time t1 = no_time;
   Time whole_t0 = no_time;
   Time whole_t1 = no_time;
-  double whole_dt = 0;                  // length that the sample's numbers belong to
+  double whole_dt = 0;  // length that the sample's numbers belong to
 };
 
 struct QueueEntry {
@@ -269,7 +269,7 @@ struct QueueEntry {
   std::int32_t measurement = 0;
   std::int32_t rows = 0;
   std::int32_t has_covariance = 0;
-  std::int32_t slot = 0;                // of its data
+  std::int32_t slot = 0;  // of its data
 };
 
 struct FilterPlan {
@@ -279,34 +279,34 @@ struct FilterPlan {
   std::vector<DerivedPlan> derived;
   std::vector<ProcessPlan> processes;
   std::vector<MeasurementPlan> measurements;
-  std::vector<ReadingPlan> readings;
-  std::vector<LatestPlan> initial;      // channels that initial values come from
+  std::vector<ImpliedStatePlan> implied_states;
+  std::vector<LatestPlan> initial;  // channels that initial values come from
   std::vector<LatestPlan> auxiliary;
   std::vector<std::string> channel_names;
 
-  int input_channel = -1;               // index in the composition's channels
+  int input_channel = -1;  // index in the composition's channels
   int input_fields = 0;
-  std::vector<FieldKind> input_kinds;   // of its per-epoch fields
-  std::vector<unsigned char> input_used;  // whether a process or the drive reads it: then it must be finite
+  std::vector<FieldKind> input_kinds;     // of its per-epoch fields
+  std::vector<unsigned char> input_used;  // whether a process or the driving rates read it: then it must be finite
   int samples_per_step = 1;
   int queue_capacity = 0;
-  std::size_t queue_doubles = 0;        // per entry
-  int output_channel = -1;              // its estimates, in the composition's channels
+  std::size_t queue_doubles = 0;  // per entry
+  int output_channel = -1;        // its estimates, in the composition's channels
 
-  int n = 0;                            // rows of P
+  int n = 0;  // rows of P
   int stored_size = 0;
-  std::vector<int> process_derived;     // derived values that process models read, in order
+  std::vector<int> process_derived;  // derived values that process models read, in order
   TransitionPlan transition;
   // Tables of blocks by their offset in the workspace: first what models write, in the order of the processes and their
   // declarations; then what the kernel makes of it. Everything else refers to blocks by index in these tables.
   std::vector<std::size_t> transition_blocks;
   std::vector<std::size_t> noise_blocks;
-  std::vector<std::size_t> ones;               // elements of the workspace that are 1 for ever (identity blocks)
-  std::vector<GatherPlan> gathers;             // for Φ, after the models and Van Loan
-  std::vector<GatherPlan> noise_gathers;       // for Qd
+  std::vector<std::size_t> ones;          // elements of the workspace that are 1 for ever (identity blocks)
+  std::vector<GatherPlan> gathers;        // for Φ, after the models and Van Loan
+  std::vector<GatherPlan> noise_gathers;  // for Qd
   std::vector<VanLoanGroup> van_loan;
-  std::vector<unsigned char> corrected; // per row of P; empty: all
-  std::size_t workspace = 0;            // doubles
+  std::vector<unsigned char> corrected;  // per row of P; empty: all
+  std::size_t workspace = 0;             // doubles
   int max_rows = 0;
   int max_columns = 0;
   int max_fields = 0;
@@ -317,7 +317,7 @@ struct FilterPlan {
   Place<double> covariance;
   Place<PendingInput> pending;
   Place<double> pending_fields;
-  Place<double> drive;                  // mean rates of the last driving interval, in the input channel's order
+  Place<double> driving_rates;  // mean rates of the last driving interval, in the input channel's order
   Place<QueueEntry> queue;
   Place<double> queue_data;
 

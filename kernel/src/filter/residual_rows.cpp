@@ -24,10 +24,11 @@ std::vector<ResidualRows> residual_rows_of(const FilterPlan& filter, const Measu
     const auto& groups = part.model->declaration().groups;
     if (groups.empty()) all.push_back({part.name, "", "", nullptr});
     for (const auto& group : groups) {
-      const std::string name = groups.size() < 2                ? part.name
+      const std::string name = groups.size() < 2              ? part.name
                                : measurement.parts.size() > 1 ? part.name + "." + group.name
                                                               : group.name;
-      const BlockPlan* like = group.port < 0 ? nullptr : block_like(filter, part.ports[static_cast<std::size_t>(group.port)]);
+      const BlockPlan* like =
+          group.port < 0 ? nullptr : block_like(filter, part.ports[static_cast<std::size_t>(group.port)]);
       all.push_back({name, group.name, like ? like->declaration().error.front().unit : group.unit, like});
     }
   }

@@ -38,10 +38,10 @@ void Engine::step_pending(int whole) {
           is_fragment(done + i) ? seconds(sample.t1 - sample.t0) / seconds(sample.whole_t1 - sample.whole_t0) : 1.0;
       double* raw = sample_fields_.data() + i * width;
       for (int f = 0; f < width; ++f)
-        raw[f] = fields[(done + i) * width + f] *
-                 (plan_.input_kinds[as_size(f)] == FieldKind::increment ? fraction : 1.0);
-      samples_[as_size(i)] = InputSample{sample.t0,       sample.t1,       sample.whole_dt * fraction,
-                                         sample.whole_t0, sample.whole_t1, raw};
+        raw[f] =
+            fields[(done + i) * width + f] * (plan_.input_kinds[as_size(f)] == FieldKind::increment ? fraction : 1.0);
+      samples_[as_size(i)] =
+          InputSample{sample.t0, sample.t1, sample.whole_dt * fraction, sample.whole_t0, sample.whole_t1, raw};
     }
     step(pending[done + group - 1].t1, group);
     done += group;
@@ -63,21 +63,21 @@ void Engine::step_fragment(Time t1) {
   step(t1, 1);
 }
 
-void Engine::remember_drive(const InputSample& sample) {
+void Engine::remember_driving_rates(const InputSample& sample) {
   if (!(sample.dt > 0)) return;
-  double* drive = plan_.drive.in(arena_);
+  double* rates = plan_.driving_rates.in(arena_);
   for (int f = 0; f < plan_.input_fields; ++f)
-    drive[f] = plan_.input_kinds[as_size(f)] == FieldKind::increment ? sample.fields[f] / sample.dt : sample.fields[f];
-  head().drive_known = 1;
+    rates[f] = plan_.input_kinds[as_size(f)] == FieldKind::increment ? sample.fields[f] / sample.dt : sample.fields[f];
+  head().driving_rates_known = 1;
 }
 
-Context Engine::context(const std::vector<int>& drive, double* storage) {
+Context Engine::context(const std::vector<int>& fields, double* storage) {
   Context context;
   context.t = head().t;
-  if (!drive.empty() && status().drive_known) {
-    const double* rates = plan_.drive.in(arena_);
-    for (std::size_t i = 0; i < drive.size(); ++i) storage[i] = rates[drive[i]];
-    context.drive = storage;
+  if (!fields.empty() && status().driving_rates_known) {
+    const double* rates = plan_.driving_rates.in(arena_);
+    for (std::size_t i = 0; i < fields.size(); ++i) storage[i] = rates[as_size(fields[i])];
+    context.driving_rates = storage;
   }
   return context;
 }
@@ -98,7 +98,7 @@ Result Engine::evaluate_derived(const std::vector<int>& values, bool with_jacobi
     }
     calling(derived.type, "evaluate");
     const Result result =
-        derived.derived->evaluate(port_values_.data(), context(derived.drive, drive_fields_.data()),
+        derived.derived->evaluate(port_values_.data(), context(derived.driving_rates, driving_rate_fields_.data()),
                                   at(derived.value), with_jacobians ? jacobians_.data() : nullptr);
     if (!result) return result;
     if (!with_jacobians) continue;
@@ -154,22 +154,19 @@ bool Engine::propagate_models(Time t0, Time t1, int samples) {
       port_values_[p] = value < 0 ? nullptr : values_[as_size(value)];
       const bool is_advanced = value >= 0 && value < static_cast<int>(plan_.blocks.size()) &&
                                &plan_.processes[as_size(plan_.blocks[as_size(value)].process)] == &process;
-      port_outputs_[p] = !is_advanced
-                             ? nullptr
-                             : x_plus_.data() + plan_.blocks[as_size(value)].stored_offset;
+      port_outputs_[p] = !is_advanced ? nullptr : x_plus_.data() + plan_.blocks[as_size(value)].stored_offset;
     }
     calling(process.type, process.van_loan_group >= 0 ? "linearized" : "propagate");
     if (process.van_loan_group >= 0) {
-      process.model->linearized(port_values_.data(),
-                                ContinuousOutput{phi_.data() + process.first_transition,
-                                                 noise_.data() + process.first_noise});
+      process.model->linearized(port_values_.data(), ContinuousOutput{phi_.data() + process.first_transition,
+                                                                      noise_.data() + process.first_noise});
       continue;
     }
-    const Result result = process.model->propagate(
-        Step{t0, t1, dt, model_samples}, port_values_.data(),
-        process.memory.count > 0 ? process.memory.in(arena_) : nullptr,
-        ProcessOutput{port_outputs_.data(), phi_.data() + process.first_transition,
-                      noise_.data() + process.first_noise});
+    const Result result =
+        process.model->propagate(Step{t0, t1, dt, model_samples}, port_values_.data(),
+                                 process.memory.count > 0 ? process.memory.in(arena_) : nullptr,
+                                 ProcessOutput{port_outputs_.data(), phi_.data() + process.first_transition,
+                                               noise_.data() + process.first_noise});
     if (!result) {
       fail("process '" + process.name + "' cannot go on" + at_time(t1) + ": " + result.reason);
       return false;
@@ -232,7 +229,8 @@ void Engine::run_van_loan(const VanLoanGroup& group, double dt) {
       for (const auto& input : *inputs) {
         const double* in = values_[as_size(input.value)];
         for (int j = 0; j < input.dof; ++j)
-          for (int i = 0; i < part.dof; ++i) out[i] += Phi[as_size(part.first + i) + as_size(input.first + j) * n] * in[j];
+          for (int i = 0; i < part.dof; ++i)
+            out[i] += Phi[as_size(part.first + i) + as_size(input.first + j) * n] * in[j];
       }
   }
 }
@@ -254,8 +252,8 @@ void Engine::gather(const std::vector<GatherPlan>& plans, const std::vector<doub
           const int row = to.active[as_size(r)];
           double value = 0;
           if (term.derived < 0) {
-            value = term.structure == Structure::diagonal ? (row == column ? block[row] : 0.0)
-                                                          : block[row + column * dof];
+            value =
+                term.structure == Structure::diagonal ? (row == column ? block[row] : 0.0) : block[row + column * dof];
           } else {
             const int inner = plan_.derived[as_size(term.derived) - plan_.blocks.size()].dof();
             const double* chain = at(term.chain) + column * inner;
@@ -303,13 +301,13 @@ void Engine::step(Time t1, int samples) {
   gather(plan_.gathers, phi_);
   gather(plan_.noise_gathers, noise_);
 
-  const bool records = tape_ && tape_->wants_matrices();
+  const bool records = observer_ && observer_->wants_matrices();
   const auto p_size = as_size(padded(plan_.n)) * as_size(plan_.n);
-  const bool keeps_P = records || (tape_ && tape_->wants_covariance());
+  const bool keeps_P = records || (observer_ && observer_->wants_covariance());
   if (keeps_P) std::copy_n(P(), p_size, P_before_.data());
   predict(plan_.transition, phi_.data(), noise_.data(), P(), predict_scratch_.data());
 
-  if (tape_) {
+  if (observer_) {
     StepRecord record;
     record.t0 = t0;
     record.t1 = t1;
@@ -333,12 +331,12 @@ void Engine::step(Time t1, int samples) {
         }
       record.Phi = {Phi_dense_.data(), plan_.n, plan_.n, plan_.n};
     }
-    tape_->stepped(record);
+    observer_->stepped(record);
   }
   std::copy_n(x_plus_.data(), plan_.stored_size, x());
   h.t = t1;
   ++h.steps;
-  if (samples > 0) remember_drive(samples_[as_size(samples - 1)]);
+  if (samples > 0) remember_driving_rates(samples_[as_size(samples - 1)]);
   check_health();
 }
 

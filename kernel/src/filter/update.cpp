@@ -88,10 +88,9 @@ Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, 
     out.R = MatrixView{R_nominal_.data() + rows + rows * m_max, part_rows, part_rows, m_max};
     out.row_keys = row_keys_.data() + rows;
     calling(part.type, "linearize");
-    const Result result =
-        part.model->linearize(seen, auxiliary_views_.data(), port_values_.data(),
-                              context(part.drive, drive_fields_.data()),
-                              part.memory.count > 0 ? part.memory.in(arena_) : nullptr, out);
+    const Result result = part.model->linearize(seen, auxiliary_views_.data(), port_values_.data(),
+                                                context(part.driving_rates, driving_rate_fields_.data()),
+                                                part.memory.count > 0 ? part.memory.in(arena_) : nullptr, out);
     if (!result) return result;
     if (out.rows < 0 || out.rows > part_rows) return Result::failed("the model wrote more rows than it declared");
     for (int j = 0; j < part_rows; ++j)  // what a model wrote beyond its rows is not the next part's
@@ -183,8 +182,7 @@ void Engine::process(int measurement, const SampleView& sample) {
   };
 
   for (const int offered = m;;) {
-    for (int j = 0; j < m; ++j)
-      std::copy_n(R_nominal_.data() + j * work_.m_max, m, work_.R + j * work_.m_max);
+    for (int j = 0; j < m; ++j) std::copy_n(R_nominal_.data() + j * work_.m_max, m, work_.R + j * work_.m_max);
     if (plan.noise && !withheld) estimate_noise(plan, sample.t, m);
     if (!factor_innovation(m, work_)) {
       roll_back_models();
@@ -195,8 +193,7 @@ void Engine::process(int measurement, const SampleView& sample) {
     nis = normalized_innovation_squared(m, work_);
     if (left_out_ == 0) nis_offered = nis;
     if (withheld || plan.gate_unit == GateUnit::sample) break;
-    const unsigned char* outliers =
-        outlier_test_.find(plan.gate_unit, plan.gate_limit, m, row_keys_.data(), work_);
+    const unsigned char* outliers = outlier_test_.find(plan.gate_unit, plan.gate_limit, m, row_keys_.data(), work_);
     if (!outliers) break;
     for (int i = 0; i < m; ++i) {
       if (!outliers[i]) continue;
@@ -216,8 +213,8 @@ void Engine::process(int measurement, const SampleView& sample) {
   if (plan.gate > 0 && plan.gate_unit == GateUnit::sample && nis > plan.gate_limit[as_size(m)])
     return end_gated("NIS beyond the gate");
 
-  const bool records = tape_ && tape_->wants_matrices();
-  if (tape_) std::copy_n(x(), plan_.stored_size, x_before_.data());
+  const bool records = observer_ && observer_->wants_matrices();
+  if (observer_) std::copy_n(x(), plan_.stored_size, x_before_.data());
   if (records) std::copy_n(P(), as_size(padded(plan_.n)) * as_size(plan_.n), P_before_.data());
 
   correct(plan_.corrected.empty() ? nullptr : plan_.corrected.data(), P(), plan_.n, m, work_);
@@ -307,7 +304,7 @@ void Engine::inject(double* delta) {
   }
 }
 
-/// For the tape: H over all rows of P, not only over those of the blocks that are touched.
+/// For the step observer: H over all rows of P, not only over those of the blocks that are touched.
 MatrixView Engine::dense_H(const MeasurementPlan& plan, int rows) {
   std::fill_n(H_dense_.data(), as_size(rows) * as_size(plan_.n), 0.0);
   for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
@@ -328,7 +325,7 @@ void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reas
   } else if (reason[0] != '\0') {
     std::strncpy(ledger.last_reason, reason, sizeof ledger.last_reason - 1);
   }
-  if (!tape_) return;
+  if (!observer_) return;
   UpdateRecord record;
   record.measurement = measurement;
   record.t = t;
@@ -345,18 +342,18 @@ void Engine::conclude(int measurement, Time t, Outcome outcome, const char* reas
     record.nis = nis;
     record.S = MatrixView{work_.S, rows, rows, work_.m_max};
     record.R = MatrixView{work_.R, rows, rows, work_.m_max};
-    if (tape_->wants_matrices()) record.H = dense_H(plan, rows);
+    if (observer_->wants_matrices()) record.H = dense_H(plan, rows);
   }
   if (outcome == Outcome::accepted) {
     record.delta = delta;
     record.x0 = x_before_.data();
     record.x1 = x();
-    if (tape_->wants_matrices()) {
+    if (observer_->wants_matrices()) {
       record.P0 = {P_before_.data(), plan_.n, plan_.n, padded(plan_.n)};
       record.P1 = covariance();
     }
   }
-  tape_->offered(record);
+  observer_->offered(record);
 }
 
 }  // namespace binnacle

@@ -7,7 +7,9 @@
 namespace binnacle {
 namespace {
 
-inline std::size_t at(int i, int j, int n) { return static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(n); }
+inline std::size_t at(int i, int j, int n) {
+  return static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(n);
+}
 
 void multiply(const double* A, const double* B, int n, double* C) {
   std::fill_n(C, at(0, n, n), 0.0);
@@ -45,8 +47,8 @@ std::size_t van_loan_doubles(int columns) { return 9 * at(0, columns, columns); 
 
 void discretize(const double* F, const double* Q, int n, double dt, double* Phi, double* Qd, double* work) {
   const std::size_t size = at(0, n, n);
-  double* const term = work;            // (F h)^k / k!
-  double* const noise = work + size;    // k-th Taylor term of Qd
+  double* const term = work;          // (F h)^k / k!
+  double* const noise = work + size;  // k-th Taylor term of Qd
   double* const scratch = work + 2 * size;
   double* const other = work + 3 * size;
 

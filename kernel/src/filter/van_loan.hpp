@@ -15,12 +15,12 @@ namespace binnacle {
 /// from outside the group is held over the step, so its coupling is exact for a constant and of first order else.
 struct VanLoanGroup {
   struct Part {
-    int value = 0;              // state block or derived value
-    int first = 0;              // row and column of the group's matrices
+    int value = 0;  // state block or derived value
+    int first = 0;  // row and column of the group's matrices
     int dof = 0;
   };
   struct Block {
-    int table = 0;              // index in the filter's table of blocks
+    int table = 0;  // index in the filter's table of blocks
     int row = 0;
     int column = 0;
     int rows = 0;
@@ -34,10 +34,10 @@ struct VanLoanGroup {
   std::vector<Block> noise;     // GQGᵀ as the models write it
   std::vector<Block> phi;       // the discrete blocks that are made of them
   std::vector<Block> qd;
-  int rows = 0;                 // Σ dof of advanced
-  int columns = 0;              // rows + Σ dof of read
+  int rows = 0;     // Σ dof of advanced
+  int columns = 0;  // rows + Σ dof of read
   bool is_time_invariant = false;
-  std::size_t work = 0;         // offset in the workspace: van_loan_doubles(columns)
+  std::size_t work = 0;  // offset in the workspace: van_loan_doubles(columns)
 };
 
 /// Doubles of workspace for a group of this many columns.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading one plugin file, and the border at which what a plugin throws is caught.
+// Loading one plugin file, and the library boundary at which what a plugin throws is caught.
 #include "plugin/loader.hpp"
 
 #include <sys/stat.h>
@@ -73,7 +73,7 @@ class PluginRegistry final : public Registry {
   std::shared_ptr<const void> library_;
 };
 
-// ---- the border
+// ---- the library boundary
 
 namespace {
 

@@ -10,8 +10,8 @@
 
 #include "binnacle/unit.hpp"
 #include "filter/residual_rows.hpp"
+#include "run/implied_state.hpp"
 #include "run/outputs.hpp"
-#include "run/reading.hpp"
 
 namespace binnacle {
 
@@ -117,10 +117,10 @@ double over_time(const std::vector<Time>& t, const std::vector<double>& values, 
 
 /// Follows one filter. A reference between two steps is compared with the estimate interpolated on the manifold from
 /// the a-posteriori state at the step's begin to the a-priori one at its end, so that scoring never changes the run.
-class Evaluator::FilterScore : public StepTape {
+class Evaluator::FilterScore : public StepObserver {
  public:
-  /// `next` sees the same tape; null: nobody.
-  FilterScore(Runtime& runtime, int filter, StepTape* next)
+  /// `next` sees the same step observer; null: nobody.
+  FilterScore(Runtime& runtime, int filter, StepObserver* next)
       : engine_(runtime.engine(filter)), plan_(engine_.plan()), next_(next) {
     const auto& references = runtime.plan().evaluation.references;
     std::size_t dof = 1, stored = 1, outputs = 1;
@@ -134,7 +134,8 @@ class Evaluator::FilterScore : public StepTape {
     truth_.resize(stored);
     outputs_.resize(outputs);
     covariance_.resize(dof * (dof + 1));
-    for (const auto& reading : plan_.readings) readings_.emplace_back(reading, plan_.blocks[as_size(reading.block)]);
+    for (const auto& implied_state : plan_.implied_states)
+      implied_states_.emplace_back(implied_state, plan_.blocks[as_size(implied_state.block)]);
     for (const auto& reference : references) {
       if (reference.filter != filter) continue;
       if (reference.block >= 0)
@@ -177,9 +178,9 @@ class Evaluator::FilterScore : public StepTape {
         is_told = is_told || !plan.invalid || pending.values[k] != *plan.invalid;
       }
       if (!is_told || !is_finite) continue;
-      if (plan.reading >= 0) {
-        pending_of_readings_.push_back(pending);
-        score_reading(plan.reading);
+      if (plan.implied_state >= 0) {
+        pending_of_implied_states_.push_back(pending);
+        score_implied_state(plan.implied_state);
         continue;
       }
       // The filter may have passed this instant already: then only an estimate at that very time will do.
@@ -192,7 +193,7 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   bool wants_covariance() const override { return !pending_.empty() || (next_ && next_->wants_covariance()); }
-  bool wants_matrices() const override { return !readings_.empty() || (next_ && next_->wants_matrices()); }
+  bool wants_matrices() const override { return !implied_states_.empty() || (next_ && next_->wants_matrices()); }
 
   void started(Time t, const double* x, MatrixView P) override {
     if (next_) next_->started(t, x, P);
@@ -221,8 +222,9 @@ class Evaluator::FilterScore : public StepTape {
 
   void offered(const UpdateRecord& record) override {
     if (next_) next_->offered(record);
-    for (std::size_t r = 0; r < readings_.size(); ++r)
-      if (readings_[r].take(record, record.P0 ? record.P0 : engine_.covariance())) score_reading(static_cast<int>(r));
+    for (std::size_t r = 0; r < implied_states_.size(); ++r)
+      if (implied_states_[r].take(record, record.P0 ? record.P0 : engine_.covariance()))
+        score_implied_state(static_cast<int>(r));
     if (record.outcome != Outcome::withheld) {
       keep_noise(record);
       return;
@@ -245,7 +247,7 @@ class Evaluator::FilterScore : public StepTape {
     for (const auto& pending : pending_)
       if (pending.t == engine_.status().t) score(pending, engine_.state());
     pending_.clear();
-    pending_of_readings_.clear();
+    pending_of_implied_states_.clear();
   }
 
   nlohmann::ordered_json summary(const EvaluationPlan& evaluation, int filter) const {
@@ -306,8 +308,13 @@ class Evaluator::FilterScore : public StepTape {
     std::vector<Scored> all;
     for (std::size_t i = 0; i < subjects_.size(); ++i) {
       const auto& subject = subjects_[i];
-      Scored entry{subject.series->name, subject.series->unit, subject.series->display_unit, static_cast<int>(i),
-                   false, subject.reference >= 0, false};
+      Scored entry{subject.series->name,
+                   subject.series->unit,
+                   subject.series->display_unit,
+                   static_cast<int>(i),
+                   false,
+                   subject.reference >= 0,
+                   false};
       entry.has_nees = entry.has_sigma && is_component(subject);
       if (entry.display_unit.empty()) entry.display_unit = entry.unit;
       all.push_back(std::move(entry));
@@ -318,24 +325,24 @@ class Evaluator::FilterScore : public StepTape {
     return all;
   }
 
-  std::vector<RecordColumn> reading_columns() const {
+  std::vector<RecordColumn> implied_state_columns() const {
     std::vector<RecordColumn> columns;
-    for (const auto& reading : readings_) {
-      const auto& value = reading.plan().value;
+    for (const auto& implied_state : implied_states_) {
+      const auto& value = implied_state.plan().value;
       for (const char* suffix : {"", ".sigma"})
         for (const auto& output : value.declaration().outputs)
           columns.push_back({value.name + "." + output.name + suffix, output.unit});
     }
     return columns;
   }
-  void latest_readings(Time t, double* values) {
-    for (auto& reading : readings_) {
-      const auto& value = reading.plan().value;
+  void latest_implied_states(Time t, double* values) {
+    for (auto& implied_state : implied_states_) {
+      const auto& value = implied_state.plan().value;
       const auto count = value.declaration().outputs.size();
-      if (reading.t() == t) {
+      if (implied_state.t() == t) {
         std::vector<double> scratch(output_sigma_scratch(value));
-        value.block->read(reading.value(), values);
-        output_sigmas(value, reading.value(), reading.covariance(), scratch.data(), values + count);
+        value.block->read(implied_state.value(), values);
+        output_sigmas(value, implied_state.value(), implied_state.covariance(), scratch.data(), values + count);
       } else {
         std::fill_n(values, 2 * count, not_a_number);
       }
@@ -349,7 +356,8 @@ class Evaluator::FilterScore : public StepTape {
     return columns;
   }
   void latest_noise(double* values) const {
-    for (const auto& group : noise_) *values++ = group.series.values.empty() ? not_a_number : group.series.values.back();
+    for (const auto& group : noise_)
+      *values++ = group.series.values.empty() ? not_a_number : group.series.values.back();
   }
 
   void watch(const Metric& metric) {
@@ -404,9 +412,9 @@ class Evaluator::FilterScore : public StepTape {
  private:
   struct Reference {
     const ReferencePlan* plan = nullptr;
-    const BlockPlan* block = nullptr;  // or the reading's
-    std::string name;              // of it
-    bool is_whole = false;         // all outputs are told: errors by ⊟
+    const BlockPlan* block = nullptr;  // or the implied state's
+    std::string name;                  // of it
+    bool is_whole = false;             // all outputs are told: errors by ⊟
     std::vector<Series> series;
     std::vector<int> output_series;  // per output: index in series, −1
     Series nees;
@@ -415,12 +423,12 @@ class Evaluator::FilterScore : public StepTape {
   /// A series once per name, and where its sigma is to be found.
   struct Subject {
     const Series* series = nullptr;
-    int reference = -1;              // −1: withheld
-    int index = 0;                   // among the reference's series
+    int reference = -1;  // −1: withheld
+    int index = 0;       // among the reference's series
   };
   struct WithheldGroup {
     int measurement = 0;
-    int group = 0;                   // of the rows, counted through the parts
+    int group = 0;  // of the rows, counted through the parts
     const StateBlockDeclaration* norms = nullptr;
     std::vector<Series> series;
   };
@@ -448,8 +456,7 @@ class Evaluator::FilterScore : public StepTape {
 
   bool is_component(const Subject& subject) const {
     const auto& reference = references_[as_size(subject.reference)];
-    return reference.is_whole &&
-           subject.index < reference.block->declaration().dof();
+    return reference.is_whole && subject.index < reference.block->declaration().dof();
   }
 
   /// The component of an attitude's error with whole turns about its axis added, so that it never jumps by one.
@@ -498,7 +505,8 @@ class Evaluator::FilterScore : public StepTape {
   }
 
   void add_channel_reference(const ReferencePlan& plan) {
-    const auto& block = plan.reading < 0 ? plan_.blocks[as_size(plan.block)] : plan_.readings[as_size(plan.reading)].value;
+    const auto& block = plan.implied_state < 0 ? plan_.blocks[as_size(plan.block)]
+                                               : plan_.implied_states[as_size(plan.implied_state)].value;
     const auto& declaration = block.declaration();
     Reference reference;
     reference.plan = &plan;
@@ -516,8 +524,8 @@ class Evaluator::FilterScore : public StepTape {
         continue;
       }
       reference.output_series.push_back(static_cast<int>(reference.series.size()));
-      reference.series.push_back({name, output.unit, output.display_unit.empty() ? output.unit : output.display_unit,
-                                  {}, {}});
+      reference.series.push_back(
+          {name, output.unit, output.display_unit.empty() ? output.unit : output.display_unit, {}, {}});
     }
     references_.push_back(std::move(reference));
   }
@@ -557,8 +565,11 @@ class Evaluator::FilterScore : public StepTape {
       entry.measurement = measurement;
       entry.group = static_cast<int>(index);
       const bool is_shown = group.like && !group.like->declaration().error_display_unit.empty();
-      entry.series = {plan.name + (groups.size() > 1 ? "." + group.name : "") + ".noise", group.unit,
-                      is_shown ? group.like->declaration().error_display_unit : group.unit, {}, {}};
+      entry.series = {plan.name + (groups.size() > 1 ? "." + group.name : "") + ".noise",
+                      group.unit,
+                      is_shown ? group.like->declaration().error_display_unit : group.unit,
+                      {},
+                      {}};
       noise_.push_back(std::move(entry));
     }
   }
@@ -597,13 +608,13 @@ class Evaluator::FilterScore : public StepTape {
     score_block(pending, state + block.stored_offset, engine_.covariance());
   }
 
-  /// A reading is of its instant: only a reference of that very time tells whether it is right.
-  void score_reading(int index) {
-    auto& reading = readings_[as_size(index)];
-    std::erase_if(pending_of_readings_, [&](const Pending& pending) {
-      if (references_[as_size(pending.reference)].plan->reading != index) return false;
-      if (pending.t == reading.t()) score_block(pending, reading.value(), reading.covariance());
-      return pending.t <= reading.t();
+  /// An implied state is of its instant: only a reference of that very time tells whether it is right.
+  void score_implied_state(int index) {
+    auto& implied_state = implied_states_[as_size(index)];
+    std::erase_if(pending_of_implied_states_, [&](const Pending& pending) {
+      if (references_[as_size(pending.reference)].plan->implied_state != index) return false;
+      if (pending.t == implied_state.t()) score_block(pending, implied_state.value(), implied_state.covariance());
+      return pending.t <= implied_state.t();
     });
   }
 
@@ -670,23 +681,24 @@ class Evaluator::FilterScore : public StepTape {
 
   Engine& engine_;
   const FilterPlan& plan_;
-  StepTape* next_;
+  StepObserver* next_;
   std::vector<Reference> references_;
   std::vector<WithheldGroup> withheld_;
   std::vector<NoiseGroup> noise_;
   std::set<int> scored_measurements_;
-  std::vector<Pending> pending_, pending_of_readings_;
-  std::vector<Reading> readings_;
+  std::vector<Pending> pending_, pending_of_implied_states_;
+  std::vector<ImpliedState> implied_states_;
   std::vector<Subject> subjects_;
   std::vector<double> delta_, between_, truth_, outputs_, covariance_, sigma_scratch_, sigmas_;
 };
 
-Evaluator::Evaluator(Runtime& runtime, const std::vector<StepTape*>& tapes) : runtime_(runtime) {
+Evaluator::Evaluator(Runtime& runtime, const std::vector<StepObserver*>& observers) : runtime_(runtime) {
   std::set<int> channels;
   for (const auto& reference : runtime.plan().evaluation.references)
     if (reference.channel >= 0) channels.insert(reference.channel);
   for (std::size_t f = 0; f < runtime.plan().filters.size(); ++f)
-    scores_.push_back(std::make_unique<FilterScore>(runtime, static_cast<int>(f), f < tapes.size() ? tapes[f] : nullptr));
+    scores_.push_back(
+        std::make_unique<FilterScore>(runtime, static_cast<int>(f), f < observers.size() ? observers[f] : nullptr));
   runtime_.listen(this, {channels.begin(), channels.end()});
 }
 
@@ -708,12 +720,12 @@ std::vector<RecordColumn> Evaluator::noise_columns(int filter) const {
   return scores_[as_size(filter)]->noise_columns();
 }
 
-std::vector<RecordColumn> Evaluator::reading_columns(int filter) const {
-  return scores_[as_size(filter)]->reading_columns();
+std::vector<RecordColumn> Evaluator::implied_state_columns(int filter) const {
+  return scores_[as_size(filter)]->implied_state_columns();
 }
 
-void Evaluator::latest_readings(int filter, Time t, double* values) const {
-  scores_[as_size(filter)]->latest_readings(t, values);
+void Evaluator::latest_implied_states(int filter, Time t, double* values) const {
+  scores_[as_size(filter)]->latest_implied_states(t, values);
 }
 
 void Evaluator::latest_noise(int filter, double* values) const { scores_[as_size(filter)]->latest_noise(values); }

@@ -17,8 +17,8 @@ namespace binnacle {
 
 /// A named error over time; `values` in SI.
 struct Series {
-  std::string name;          // "position.horizontal"
-  std::string unit;          // SI
+  std::string name;  // "position.horizontal"
+  std::string unit;  // SI
   std::string display_unit;
   std::vector<Time> t;
   std::vector<double> values;
@@ -26,10 +26,10 @@ struct Series {
 
 /// What a metric can be of: an error or a norm, or a whole block (for its NEES).
 struct Scored {
-  std::string name;          // "position.horizontal", "position"
-  std::string unit;          // SI
+  std::string name;  // "position.horizontal", "position"
+  std::string unit;  // SI
   std::string display_unit;
-  int index = 0;             // Metric::subject
+  int index = 0;  // Metric::subject
   bool is_block = false;
   bool has_sigma = false;
   bool has_nees = false;
@@ -37,8 +37,8 @@ struct Scored {
 
 class Evaluator : public SampleListener {
  public:
-  /// `tapes`: by filter, what else listens to it; null: nobody.
-  explicit Evaluator(Runtime& runtime, const std::vector<StepTape*>& tapes = {});
+  /// `step observers`: by filter, what else listens to it; null: nobody.
+  explicit Evaluator(Runtime& runtime, const std::vector<StepObserver*>& observers = {});
   ~Evaluator() override;
 
   void sampled(int channel, const SampleView& sample) override;
@@ -53,9 +53,9 @@ class Evaluator : public SampleListener {
   /// RunObserver::scored() for everything there is.
   void tell_errors(RunObserver& observer) const;
   MetricValue value(const Metric& metric) const;
-  /// Readings and their 1-σ; NaN where there is none of this very time.
-  std::vector<RecordColumn> reading_columns(int filter) const;
-  void latest_readings(int filter, Time t, double* values) const;
+  /// Implied states and their 1-σ; NaN where there is none of this very time.
+  std::vector<RecordColumn> implied_state_columns(int filter) const;
+  void latest_implied_states(int filter, Time t, double* values) const;
   /// What noise estimators make of R, as 1-σ by group of rows; the newest values, NaN before the first.
   std::vector<RecordColumn> noise_columns(int filter) const;
   void latest_noise(int filter, double* values) const;

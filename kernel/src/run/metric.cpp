@@ -76,7 +76,8 @@ std::string read_statistic(std::string_view text, Metric& metric) {
         return {};
       }
   return "there is no statistic " + in_quotes(text) +
-         help(text, {"mean", "rms", "max", "final", "drift", "p50", "p95", "sigma", "nees", "nis", "at 100 s"}, "statistics");
+         help(text, {"mean", "rms", "max", "final", "drift", "p50", "p95", "sigma", "nees", "nis", "at 100 s"},
+              "statistics");
 }
 
 std::string find_measurement(const FilterPlan& filter, std::string_view subject, Metric& metric) {

@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "binnacle/filter.hpp"
+#include "binnacle/session.hpp"
 #include "filter/residual_rows.hpp"
 #include "run/evaluator.hpp"
 #include "run/guard_sink.hpp"
@@ -64,9 +64,9 @@ class Recorder {
         scratch = std::max(scratch, output_sigma_scratch(block));
       }
       columns.insert(columns.end(), sigmas.begin(), sigmas.end());
-      const auto readings = evaluator.reading_columns(static_cast<int>(f));
-      columns.insert(columns.end(), readings.begin(), readings.end());
-      reading_columns_.push_back(readings.size());
+      const auto implied_states = evaluator.implied_state_columns(static_cast<int>(f));
+      columns.insert(columns.end(), implied_states.begin(), implied_states.end());
+      implied_state_columns_.push_back(implied_states.size());
       const auto noise = evaluator.noise_columns(static_cast<int>(f));
       columns.insert(columns.end(), noise.begin(), noise.end());
       noise_columns_.push_back(noise.size());
@@ -91,11 +91,12 @@ class Recorder {
         at += block.declaration().outputs.size();
       }
       for (const auto& block : engine.plan().blocks) {
-        output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(), values_.data() + at);
+        output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(),
+                      values_.data() + at);
         at += block.declaration().outputs.size();
       }
-      evaluator_.latest_readings(static_cast<int>(f), t, values_.data() + at);
-      at += reading_columns_[f];
+      evaluator_.latest_implied_states(static_cast<int>(f), t, values_.data() + at);
+      at += implied_state_columns_[f];
       evaluator_.latest_noise(static_cast<int>(f), values_.data() + at);
       at += noise_columns_[f];
       observer_.record(static_cast<int>(f), t, {values_.data(), at});
@@ -107,7 +108,7 @@ class Recorder {
   const Evaluator& evaluator_;
   RunObserver& observer_;
   Time every_;
-  std::vector<std::size_t> reading_columns_, noise_columns_;
+  std::vector<std::size_t> implied_state_columns_, noise_columns_;
   std::vector<Time> next_, last_;
   std::vector<double> scratch_, values_;
 };
@@ -139,7 +140,8 @@ nlohmann::ordered_json measurement_summary(const Engine& engine) {
     for (int o = 0; o < outcome_count; ++o) entry[names[o]] = ledger.outcomes[o];
     entry["before_start"] = ledger.before_start;
     if (plan.measurements[m].recover_after > 0) entry["recoveries"] = ledger.recoveries;
-    if (plan.measurements[m].gate_unit != GateUnit::sample) entry["left_out"] = left_out_summary(engine, static_cast<int>(m));
+    if (plan.measurements[m].gate_unit != GateUnit::sample)
+      entry["left_out"] = left_out_summary(engine, static_cast<int>(m));
     const double n = static_cast<double>(ledger.nis_count);
     if (ledger.nis_count > 0) {
       entry["nis_mean"] = ledger.nis_sum / n;
@@ -181,7 +183,7 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
       }
       failures.error("B081", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' never started: " +
-                         (wanted.empty()    ? std::string("no sample came")
+                         (wanted.empty()   ? std::string("no sample came")
                           : silent.empty() ? "its initial values were never there together (channels: " + wanted + ")"
                                            : "no sample ever came on " + silent + " (it needs " + wanted + ")"));
     }
@@ -200,10 +202,11 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   Runtime runtime(plan);
   runtime.reset(options.seed, options.run);
   runtime.feed_sinks(options.feeds_sinks);
-  std::vector<StepTape*> tapes;
+  std::vector<StepObserver*> observers;
   if (options.observer)
-    for (std::size_t f = 0; f < plan.filters.size(); ++f) tapes.push_back(options.observer->tape(static_cast<int>(f)));
-  Evaluator evaluator(runtime, tapes);
+    for (std::size_t f = 0; f < plan.filters.size(); ++f)
+      observers.push_back(options.observer->step_observer(static_cast<int>(f)));
+  Evaluator evaluator(runtime, observers);
   evaluator.watch(plan.evaluation.metrics);
   evaluator.watch(options.metrics);
   std::unique_ptr<Recorder> recorder;

@@ -72,8 +72,8 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
     for (const auto& input : inputs) {
       fields = std::max(fields, input.fields.epoch.size());
       if (input.channel >= 0)
-        rows = std::max(rows, input.fields.row.size() *
-                                  as_size(plan.channels[as_size(input.channel)].declaration.max_rows));
+        rows = std::max(rows,
+                        input.fields.row.size() * as_size(plan.channels[as_size(input.channel)].declaration.max_rows));
     }
   };
   for (const auto& transform : plan.transforms) widen(transform.inputs);
@@ -171,8 +171,9 @@ class Runtime::TransformEmitter : public Emitter {
     const int index = plan_.channels[as_size(channel)];
     const SampleSlot& slot = runtime_.output_slots_[as_size(index)];
     auto& output = runtime_.channels_[as_size(index)];
-    output.view = SampleView{slot.t,      slot.t0, slot.rows, slot.fields, slot.row_fields,
-                             slot.has_covariance ? slot.covariance : nullptr, true};
+    output.view = SampleView{slot.t,      slot.t0,         slot.rows,
+                             slot.fields, slot.row_fields, slot.has_covariance ? slot.covariance : nullptr,
+                             true};
     output.is_present = true;
   }
 
@@ -237,7 +238,7 @@ void Runtime::run_filter(int index, Time t) {
     return count;
   };
   const std::int64_t before = routes.output_is_heard ? accepted() : 0;
-  // What a plugin throws ends at the border: its filter stops, named, and the others go on.
+  // What a plugin throws ends at the library boundary: its filter stops, named, and the others go on.
   try {
     feed_filter(engine, routes, t);
   } catch (const std::exception& error) {
@@ -284,8 +285,9 @@ void Runtime::fetch(std::size_t index) {
   const Time previous = head.t;
   SourceStatus status = SourceStatus::error;
   try {
-    status = source.type->guarded(
-        "next", [&] { return source.source->next(source.memory.in(arena_.get()), slots.data(), channel); });
+    status = source.type->guarded("next", [&] {
+      return source.source->next(source.memory.in(arena_.get()), slots.data(), channel);
+    });
   } catch (const ComponentError& error) {
     throw DataError(Diagnostic{Severity::error, error.is_data_error() ? error.code() : "B045",
                                error.is_data_error() ? Origin{error.file(), error.line(), 0}
@@ -293,7 +295,8 @@ void Runtime::fetch(std::size_t index) {
                                source.pointer, error.what()});
   }
   if (status == SourceStatus::error)
-    throw DataError(Diagnostic{Severity::error, "B061", {}, source.pointer, "source '" + source.name + "' cannot go on"});
+    throw DataError(
+        Diagnostic{Severity::error, "B061", {}, source.pointer, "source '" + source.name + "' cannot go on"});
   if (status == SourceStatus::wait) return;  // asked again at the next instant
   if (status != SourceStatus::sample) {
     head.status = 2;
@@ -301,14 +304,13 @@ void Runtime::fetch(std::size_t index) {
   }
   if (channel < 0 || as_size(channel) >= slots.size() || slots[as_size(channel)].t == no_time ||
       slots[as_size(channel)].rows < 0 ||
-      slots[as_size(channel)].rows >
-          plan_.channels[as_size(source.channels[as_size(channel)])].declaration.max_rows)
+      slots[as_size(channel)].rows > plan_.channels[as_size(source.channels[as_size(channel)])].declaration.max_rows)
     throw DataError(Diagnostic{Severity::error, "B045", plan_.document.origin(source.pointer), source.pointer,
                                "source '" + source.name + "' emitted a sample that it did not declare"});
   const auto& slot = slots[as_size(channel)];
   if (previous != no_time && slot.t < previous)
-    throw DataError(Diagnostic{Severity::error, "B063", {}, source.pointer,
-                               "source '" + source.name + "' goes back in time"});
+    throw DataError(
+        Diagnostic{Severity::error, "B063", {}, source.pointer, "source '" + source.name + "' goes back in time"});
   head = SourceHead{slot.t, slot.t0, 1, channel, slot.rows, slot.has_covariance};
   ++sample_counts_[index];
 }
@@ -331,8 +333,9 @@ bool Runtime::next_instant() {
       const int channel = source.channels[as_size(head.channel)];
       if (channels_[as_size(channel)].is_present) break;  // a second one on this channel makes an instant of its own
       const SampleSlot& slot = source_slots_[s][as_size(head.channel)];
-      SampleView view{head.t,    head.t0, head.rows, slot.fields, slot.row_fields,
-                      head.has_covariance ? slot.covariance : nullptr, true};
+      SampleView view{head.t,      head.t0,         head.rows,
+                      slot.fields, slot.row_fields, head.has_covariance ? slot.covariance : nullptr,
+                      true};
       deliver(channel, view);
       head.status = 0;
       fetch(s);

@@ -68,6 +68,18 @@ std::string unknown_hint(const std::string& near, const std::string& detail, con
   return known.size() > most ? "" : "; it takes " + quoted_list(known);
 }
 
+std::string renamed_hint(const std::string& former, const std::string& name) {
+  return "; " + in_quotes(former) + " is now called " + in_quotes(name);
+}
+
+/// Keys of the kernel's own sections that had another name in an earlier version.
+std::string renamed_to(const std::string& key, const std::vector<std::string>& allowed) {
+  static constexpr std::pair<std::string_view, std::string_view> renamed[] = {{"readings", "implied_states"}};
+  for (const auto& [former, name] : renamed)
+    if (key == former && std::find(allowed.begin(), allowed.end(), name) != allowed.end()) return std::string(name);
+  return {};
+}
+
 using Type = ParameterValue::Type;
 
 class Checker {
@@ -436,13 +448,16 @@ class Checker {
     std::set<std::string> meant;
     for (const auto& [key, json] : node.json.items()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      const std::string near = closest(key, known);
+      const auto renamed =
+          std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.former_name == key; });
+      const std::string near = renamed != specs.end() ? renamed->name : closest(key, known);
       const auto spec =
           std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == near; });
       const std::string detail = spec == specs.end() ? "" : " (" + describe_short(*spec, ports_) + ")";
       const std::string place = node.is_default ? node.pointer : join_pointer(node.pointer, key);
       diagnostics_.error("B012", document_.key_origin(place), place,
-                         "unknown key of " + in_quotes(node.label) + unknown_hint(near, detail, known));
+                         "unknown key of " + in_quotes(node.label) +
+                             (renamed != specs.end() ? renamed_hint(key, near) : unknown_hint(near, detail, known)));
       if (!near.empty()) meant.insert(near);
     }
     return meant;
@@ -484,8 +499,11 @@ void check_keys(const Document& document, const std::string& pointer, const std:
   for (const auto& [key, value] : json->items()) {
     if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
     const std::string place = join_pointer(pointer, key);
+    const std::string renamed = renamed_to(key, allowed);
     diagnostics.error("B012", document.key_origin(place), place,
-                      "unknown key of " + std::string(what) + unknown_hint(closest(key, allowed), "", allowed));
+                      "unknown key of " + std::string(what) +
+                          (renamed.empty() ? unknown_hint(closest(key, allowed), "", allowed)
+                                           : renamed_hint(key, renamed)));
   }
 }
 
@@ -563,7 +581,7 @@ void check_names(const ComponentSpec& spec, std::vector<std::string>& defects) {
     }
   };
   check_fields(spec.fields);
-  check_fields(spec.drive);
+  check_fields(spec.driving_rates);
   for (const ChannelPort& input : spec.inputs) check_fields(input.fields);
 }
 

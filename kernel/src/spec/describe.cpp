@@ -104,7 +104,7 @@ std::string describe(const ComponentType& type) {
   }
   text += table("Ports (\"blocks\")", ports);
   text += table(fields_title(type.role), field_rows(spec.fields));
-  text += table("Mean rates of the driving input", field_rows(spec.drive));
+  text += table("Mean rates of the driving input", field_rows(spec.driving_rates));
   for (const ChannelPort& input : spec.inputs) {
     const std::string title = "Input '" + input.name + "'" + (input.optional ? " (optional)" : "") +
                               (input.text.empty() ? "" : ": " + input.text);
@@ -169,7 +169,7 @@ Json describe_json(const ComponentType& type) {
                              {"text", port.text}});
   }
   json["fields"] = fields_json(spec.fields);
-  json["drive"] = fields_json(spec.drive);
+  json["driving_rates"] = fields_json(spec.driving_rates);
   json["inputs"] = Json::array();
   for (const ChannelPort& input : spec.inputs) {
     json["inputs"].push_back({{"name", input.name},

@@ -296,62 +296,62 @@ void add_kernel_definitions(Json& definitions) {
   definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
                           {"anyOf", {named(quantity), list_of(quantity), quantity}}};
   const Json components = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
-  definitions["estimate"] = told("error components that are estimated (default: all); the others are frozen", components);
+  definitions["estimate"] =
+      told("error components that are estimated (default: all); the others are frozen", components);
   definitions["consider"] = told("components that keep their covariance and are never corrected (Schmidt)", components);
   definitions["hold"] = told("frozen components do not move with their process", {{"type", "boolean"}});
   definitions["learn_from_gated"] =
       told("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
-  definitions["samples_per_step"] =
-      told("inputs that go into one step, for multi-sample attitude algorithms", {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
+  definitions["samples_per_step"] = told("inputs that go into one step, for multi-sample attitude algorithms",
+                                         {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
   const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
-  definitions["gate"] = {
-      {"description", "probability with which a right sample passes, or a right row or key"},
-      {"anyOf",
-       {probability, closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
-                                   {"probability"})}}};
+  definitions["gate"] = {{"description", "probability with which a right sample passes, or a right row or key"},
+                         {"anyOf",
+                          {probability,
+                           closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
+                                         {"probability"})}}};
   definitions["noise"] = told("a noise estimator: R from what the residuals were", ref("noise_estimator"));
-  definitions["recover"] =
-      told("reopens a filter that locks the measurement out: after so many gated samples in a row these 1-sigma are set",
-           closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
-                         {"after", "inflate"}));
+  definitions["recover"] = told(
+      "reopens a filter that locks the measurement out: after so many gated samples in a row these 1-sigma are set",
+      closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
+                    {"after", "inflate"}));
   const Json windows = list_of(ref("window"));
   definitions["withhold"] = {
       {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
-  definitions["stacked_measurement"] = or_patch(closed_object({{"stack", told("measurement models whose rows make one update",
-                                                                          some_named(ref("measurement_model")))},
-                                                               {"channel", ref("channel")},
-                                                               {"noise", ref("noise")},
-                                                               {"gate", ref("gate")},
-                                                               {"recover", ref("recover")},
-                                                               {"withhold", ref("withhold")}},
-                                                              {"stack", "channel"}));
+  definitions["stacked_measurement"] =
+      or_patch(closed_object({{"stack", told("measurement models whose rows make one update",
+                                             some_named(ref("measurement_model")))},
+                              {"channel", ref("channel")},
+                              {"noise", ref("noise")},
+                              {"gate", ref("gate")},
+                              {"recover", ref("recover")},
+                              {"withhold", ref("withhold")}},
+                             {"stack", "channel"}));
   definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
                                 {"then", ref("stacked_measurement")},
                                 {"else", ref("lone_measurement")}};
-  definitions["filter"] = or_patch(
-      closed_object({{"blocks", told("what is estimated", some_named(ref("state_block")))},
-                     {"derived", told("values computed from blocks, which models bind to as to blocks",
-                                      named(ref("derived_block")))},
-                     {"process", told("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
-                     {"measurements", told("what is seen of them; at one instant in this order",
-                                           named(ref("measurement")))},
-                     {"readings",
-                      told("a block as one measurement tells it, all else in it taken from the filter; scored and recorded",
-                           named(or_patch(closed_object({{"measurement", told("whose samples", name)},
-                                                         {"block", told("what they tell", name)}},
-                                                        {"measurement", "block"}))))}},
-                    {"blocks"}));
-  definitions["reference"] = {{"anyOf",
-                               {closed_object({{"withheld", told("a measurement with withheld samples", name)},
-                                               {"filter", told("whose; needed where several have it", name)}},
-                                              {"withheld"}),
-                                closed_object({{"channel", told("the channel with the truth", name)},
-                                               {"blocks", told("FILTER/BLOCK: the channel's fields for its outputs",
-                                                               named({{"anyOf", {list_of(name), named(name)}}}))},
-                                               {"invalid", told("a value that means there is none",
-                                                                {{"type", "number"}})}},
-                                              {"channel", "blocks"})}}};
+  definitions["filter"] = or_patch(closed_object(
+      {{"blocks", told("what is estimated", some_named(ref("state_block")))},
+       {"derived", told("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
+       {"process", told("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
+       {"measurements", told("what is seen of them; at one instant in this order", named(ref("measurement")))},
+       {"implied_states",
+        told("a block as one measurement tells it, all else in it taken from the filter; scored and recorded",
+             named(or_patch(
+                 closed_object({{"measurement", told("whose samples", name)}, {"block", told("what they tell", name)}},
+                               {"measurement", "block"}))))}},
+      {"blocks"}));
+  definitions["reference"] = {
+      {"anyOf",
+       {closed_object({{"withheld", told("a measurement with withheld samples", name)},
+                       {"filter", told("whose; needed where several have it", name)}},
+                      {"withheld"}),
+        closed_object({{"channel", told("the channel with the truth", name)},
+                       {"blocks", told("FILTER/BLOCK: the channel's fields for its outputs",
+                                       named({{"anyOf", {list_of(name), named(name)}}}))},
+                       {"invalid", told("a value that means there is none", {{"type", "number"}})}},
+                      {"channel", "blocks"})}}};
 }
 
 Json evaluate_schema() {
@@ -371,21 +371,23 @@ Json sections() {
   return {{"binnacle", {{"const", 1}, {"description", "version of the config's format"}}},
           {"title", told("one line, for people", name)},
           {"description", told("anything, for people", Json::object())},
-          {"extends", told("a config that this one is merged over (RFC 7386), or several", {{"anyOf", {name, list_of(name)}}})},
+          {"extends",
+           told("a config that this one is merged over (RFC 7386), or several", {{"anyOf", {name, list_of(name)}}})},
           {"plugins", told("where else plugins are searched for",
                            list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}}))},
-          {"vars", told("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it", {{"type", "object"}})},
+          {"vars",
+           told("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it", {{"type", "object"}})},
           {"sources", told("where samples come from: files, simulators", named(ref("source")))},
           {"transforms", told("what makes samples out of samples", named(ref("transform")))},
           {"filters", told("the filters; a later one may read an earlier one's estimates as a channel",
                            some_named(ref("filter")))},
           {"sinks", told("where samples go", named(ref("sink")))},
-          {"reference", told("what the filters are scored against",
-                             {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
+          {"reference",
+           told("what the filters are scored against", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
           {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
-          {"record", told("what --out records",
-                          closed_object({{"every", told("least time between two records; else every step",
-                                                        ref("quantity"))}}))},
+          {"record",
+           told("what --out records",
+                closed_object({{"every", told("least time between two records; else every step", ref("quantity"))}}))},
           {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
           {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
           {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};

@@ -42,9 +42,7 @@ class Square : public DerivedBlock {
     spec.example = R"({"blocks": {"x": "x"}})";
     return spec;
   }
-  explicit Square(const Binding&) {
-    declaration_ = {"vector:2:m^2", 2, {{"x", "m^2"}, {"y", "m^2"}}, {0}};
-  }
+  explicit Square(const Binding&) { declaration_ = {"vector:2:m^2", 2, {{"x", "m^2"}, {"y", "m^2"}}, {0}}; }
   const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
   Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
     const double a = x[0][0], b = x[0][1];
@@ -80,7 +78,7 @@ class Breaking : public ProcessModel {
         politely_(binding.parameters().boolean("politely")),
         dof_(binding.port("x").dof) {
     binding.tell("breaks after", seconds(after_), "s");
-    if (!politely_) binding.remark("it breaks without a word");
+    if (!politely_) binding.note("it breaks without a word");
   }
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
   Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include <binnacle/filter.hpp>
+#include <binnacle/session.hpp>
 
 int main(int, char** arguments) try {
-  binnacle::Filter filter(binnacle::Composition::load(arguments[1]));
+  binnacle::Session filter(binnacle::Composition::load(arguments[1]));
 
   // Names are looked up once, before the loop; a wrong one throws with what was meant.
   const int altimeter = filter.channel("altimeter");

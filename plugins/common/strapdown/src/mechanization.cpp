@@ -141,7 +141,8 @@ BodyMotion body_motion(std::span<const Increment> increments, const attitude::Al
   return {h, algorithm.rotation(thetas, w),
           gained + detail::one_minus_cos(squared) * once + detail::angle_minus_sin(squared) * twice +
               attitude::sculling<double>(thetas, dvs, w.pairs),
-          h * (shifted + (detail::angle_minus_sin(squared) - 1.0 / 6.0) * once + detail::cos_minus_parabola(squared) * twice)};
+          h * (shifted + (detail::angle_minus_sin(squared) - 1.0 / 6.0) * once +
+               detail::cos_minus_parabola(squared) * twice)};
 }
 
 Step step(const Navigation& nav, const Increment& increment, const Previous& previous) {

@@ -25,8 +25,9 @@ class WriteError : public std::runtime_error {
 };
 
 /// As summary.json has them.
-inline constexpr std::array<const char*, outcome_count> outcome_names = {
-    "accepted", "gated", "late", "unsupported", "invalid", "withheld", "rejected"};
+inline constexpr std::array<const char*, outcome_count> outcome_names = {"accepted",    "gated",   "late",
+                                                                         "unsupported", "invalid", "withheld",
+                                                                         "rejected"};
 
 /// A readable output of a block over time, and its 1-σ. SI.
 struct Estimate {
@@ -34,20 +35,20 @@ struct Estimate {
   std::string output;
   std::string unit;
   std::string display_unit;
-  bool is_angle = false;            // may jump by a turn
-  std::vector<double> values;       // as long as FilterResults::t
+  bool is_angle = false;       // may jump by a turn
+  std::vector<double> values;  // as long as FilterResults::t
   std::vector<double> sigma;
 };
 
 /// An error against a reference or a withheld sample, truth − estimate (a norm: its length); also a NEES, an adapted √R.
 struct Error {
-  std::string name;                 // "position.horizontal", "position.nees", "match.velocity.noise"
+  std::string name;  // "position.horizontal", "position.nees", "match.velocity.noise"
   std::string unit;
   std::string display_unit;
-  std::vector<double> t;            // s
+  std::vector<double> t;  // s
   std::vector<double> values;
-  std::vector<double> sigma;        // what the filter thought of it; empty where that is not known
-  bool is_length = false;           // a norm, never negative
+  std::vector<double> sigma;  // what the filter thought of it; empty where that is not known
+  bool is_length = false;     // a norm, never negative
 };
 
 /// The fate of every sample offered to one measurement, and of its rows.
@@ -58,7 +59,7 @@ struct Updates {
   };
   std::string measurement;
   std::vector<Group> groups;
-  std::vector<double> t;            // s, one per sample
+  std::vector<double> t;  // s, one per sample
   std::vector<Outcome> outcome;
   std::vector<std::string> reason;  // empty when accepted
   std::vector<double> nis;          // NaN when the model refused the sample
@@ -67,13 +68,13 @@ struct Updates {
   std::vector<std::int32_t> group;  // index in groups
   std::vector<std::int64_t> key;
   std::vector<double> residual;
-  std::vector<double> sigma;        // √ of the diagonal of S = H P⁻ Hᵀ + R
-  std::vector<double> noise;        // √ of the diagonal of R, as the noise estimator returned it
+  std::vector<double> sigma;  // √ of the diagonal of S = H P⁻ Hᵀ + R
+  std::vector<double> noise;  // √ of the diagonal of R, as the noise estimator returned it
 };
 
 struct FilterResults {
   std::string name;
-  std::vector<double> t;            // s, of the estimates
+  std::vector<double> t;  // s, of the estimates
   std::vector<Estimate> estimates;
   std::vector<Error> errors;
   std::vector<Updates> updates;
@@ -82,23 +83,23 @@ struct FilterResults {
 /// A run: DIR/run.nc with its summary and config.
 struct RunResults {
   Json summary, config;
-  Json provenance;                  // { "version", "command", "seed", "run", "plugins": [ { "name", "version", "path" } ], "created" }
+  Json provenance;  // { "version", "command", "seed", "run", "plugins": [ { "name", "version", "path" } ], "created" }
   std::vector<FilterResults> filters;
 };
 
 /// A study: DIR/study.nc.
 struct StudyResults {
-  Json figures, config;             // as study.json; the config without its variants' patches
+  Json figures, config;  // as study.json; the config without its variants' patches
   Json provenance;
   struct Metric {
     std::string name;
-    std::string unit;               // display; values are SI
+    std::string unit;  // display; values are SI
     std::string si_unit;
   };
   std::vector<std::string> variants;
   std::vector<Metric> metrics;
   std::size_t runs = 0;
-  std::vector<double> values;       // [variant][metric][run], SI; NaN where a run broke or has no such metric
+  std::vector<double> values;  // [variant][metric][run], SI; NaN where a run broke or has no such metric
 };
 
 /// What there is in the folder: a run, a study, or both. Throws std::runtime_error, one line that names the file, what

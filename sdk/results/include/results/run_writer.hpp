@@ -15,7 +15,7 @@
 namespace binnacle::results {
 
 /// Takes what a RunObserver is told. Holds no more than a chunk of each variable in memory. Throws WriteError from any
-/// of its calls but those of the tape, whose failure the next call tells.
+/// of its calls but those of the step observer, whose failure the next call tells.
 class RunWriter {
  public:
   /// Replaces what is at `path`. `provenance`: as RunResults::provenance.
@@ -26,13 +26,13 @@ class RunWriter {
 
   void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns);
   void record(int filter, Time t, std::span<const double> values);
-  StepTape* tape(int filter);
+  StepObserver* step_observer(int filter);
   void scored(int filter, const ErrorSeries& errors);
   /// The file is whole only after this.
   void close();
 
  private:
-  class Filter;
+  class Session;
   struct Contents;
   std::unique_ptr<Contents> contents_;
 };

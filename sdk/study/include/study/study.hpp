@@ -56,8 +56,8 @@ struct Cell {
   OverRuns statistic = OverRuns::rms;
   Show show = Show::value;
   bool is_reversed = false;  // estimate minus truth
-  std::string unit;  // "%" of an improvement; "" of an empty cell
-  std::string text;  // printed instead of a figure: "aliased"
+  std::string unit;          // "%" of an improvement; "" of an empty cell
+  std::string text;          // printed instead of a figure: "aliased"
 };
 
 struct TablePlan {

@@ -84,7 +84,7 @@ Vector3<Scalar> sculling(std::span<const Vector3<Scalar>> theta, std::span<const
 }
 
 /// Paper 002, equation (5), as printed, with its lost cross taken for θ₂ × θ₄. Not an algorithm: for a rate that changes as
-/// (4) says it is off by parts in ten, and on a coning motion it is hardly better than two samples. A specimen, which a test
+/// (4) says it is off by parts in ten, and on a coning motion it is hardly better than two samples. A counterexample, which a test
 /// holds against the true coefficients.
 template <class Scalar>
 Vector3<Scalar> printed_equation_5(std::span<const Vector3<Scalar>> theta) {

@@ -62,8 +62,7 @@ struct Philox {
   constexpr std::array<std::uint64_t, 2> block(std::uint64_t index) const noexcept {
     const auto low = [](std::uint64_t word) { return static_cast<std::uint32_t>(word); };
     const auto high = [](std::uint64_t word) { return static_cast<std::uint32_t>(word >> 32); };
-    const auto w =
-        philox4x32_10({low(index), high(index), low(stream), high(stream)}, {low(seed), high(seed)});
+    const auto w = philox4x32_10({low(index), high(index), low(stream), high(stream)}, {low(seed), high(seed)});
     return {w[0] | std::uint64_t{w[1]} << 32, w[2] | std::uint64_t{w[3]} << 32};
   }
 };

@@ -13,10 +13,10 @@ using Size = int;
 struct Forward;
 enum class Kind { one, two };
 
-inline int calls = 0;         // bad
-int counts[3] = {0, 0, 0};    // bad
-std::string name{"alpha"};    // bad
-thread_local int depth;       // bad
+inline int calls = 0;       // bad
+int counts[3] = {0, 0, 0};  // bad
+std::string name{"alpha"};  // bad
+thread_local int depth;     // bad
 
 template <class T>
 T twice(T x) {
@@ -32,7 +32,7 @@ class Model {
   static const char* title(int row = 0) { return row ? "static mutable" : "x"; }
   int evaluate(double x) const {
     static const double half = 0.5;
-    static int n = 0;                            // bad
+    static int n = 0;                             // bad
     const_cast<Model*>(this)->value_ = x * half;  // bad
     return ++n;
   }

@@ -26,6 +26,4 @@ Model Model::spec() {
 
 }  // namespace alpha
 
-BINNACLE_PLUGIN("alpha", "1.0.0", registry) {
-  registry.add<alpha::Model>();
-}
+BINNACLE_PLUGIN("alpha", "1.0.0", registry) { registry.add<alpha::Model>(); }

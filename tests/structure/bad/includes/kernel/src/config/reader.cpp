@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernel reaches out.
-#include "filter/engine.hpp"
-#include "../filter/engine.hpp"
-#include <nlohmann/json.hpp>
-#include <boost/dll.hpp>
+#include <fmt/format.h>  // bad
 #include <sys/stat.h>
+#include <boost/dll.hpp>
+#include <math/vector.hpp>  // bad
+#include <nlohmann/json.hpp>
 #include "../../../plugins/alpha/alpha.hpp"  // bad
-#include "alpha/alpha.hpp"                   // bad
-#include <math/vector.hpp>                   // bad
-#include "sdk/command/verbs.hpp"             // bad
-  #  include "command/verbs.hpp"             // bad
-#include <fmt/format.h>                      // bad
+#include "../filter/engine.hpp"
+#include "alpha/alpha.hpp"    // bad
+#include "command/verbs.hpp"  // bad
+#include "filter/engine.hpp"
+#include "sdk/command/verbs.hpp"  // bad

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages are lines of JSON: ["report", {…}] of a rank that has read its study, ["runs", [[variant, run], …]] for
+// it to do, ["done", [variant, run, figures]], ["alive"], and ["over"] for it to end.
+#include "study/coordinator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <cstring>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "figures_json.hpp"
+#include "run_log.hpp"
+#include "study/section.hpp"
+
+namespace binnacle::study {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Between looks for messages, longer when there are none: MPI's own waiting takes a processor.
+class Pause {
+ public:
+  std::chrono::milliseconds next() { return std::exchange(next_, std::min(2 * next_, std::chrono::milliseconds(4))); }
+  void reset() { next_ = std::chrono::milliseconds(1); }
+
+ private:
+  std::chrono::milliseconds next_{1};
+};
+
+Json read_message(const std::string& text) {
+  Json json = Json::parse(text, nullptr, false);
+  return json.is_array() && !json.empty() && json[0].is_string() ? json : Json::array({"?"});
+}
+
+bool is(const Json& message, const char* kind) { return message[0] == kind; }
+
+std::string quoted_place(const std::string& machine, int rank) {
+  return "rank " + std::to_string(rank) + (machine.empty() ? "" : " on " + machine);
+}
+
+[[noreturn]] void fail(int status, const std::string& place, const std::string& message) {
+  Diagnostics diagnostics;
+  diagnostics.error("", Origin{place, 0, 0}, "", message);
+  throw Error(status, diagnostics);
+}
+
+Json makings_of(const Study& study) {
+  Json makings = Json::object();
+  for (const auto& making : study.makings()) makings[making.what] = making.hash;
+  makings["arithmetic"] = arithmetic_hash();
+  return makings;
+}
+
+/// What of a rank's study is not that of rank 0; "" where all is.
+std::string difference(const Json& ours, const Json& theirs) {
+  for (const auto& [what, hash] : ours.items()) {
+    if (theirs.contains(what) && theirs.at(what) == hash) continue;
+    if (what == "arithmetic")
+      return "its processor or C library rounds sines and logarithms otherwise than that of rank 0, so figures would "
+             "depend on who does a run; take machines of one kind";
+    return "its " + what + " is another than that of rank 0";
+  }
+  for (const auto& [what, hash] : theirs.items())
+    if (!ours.contains(what)) return "it has a " + what + ", which rank 0 has not";
+  return "";
+}
+
+/// A thread that is joined whatever happens, and what it threw.
+class Thread {
+ public:
+  template <typename Work>
+  explicit Thread(Work work)
+      : thread_([this, work] {
+          try {
+            work();
+          } catch (...) {
+            thrown_ = std::current_exception();
+            has_thrown_ = true;
+          }
+        }) {}
+  ~Thread() {
+    if (thread_.joinable()) thread_.join();
+  }
+  void join() {
+    thread_.join();
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+  /// The work is over, and not well: join() tells why.
+  bool has_thrown() const { return has_thrown_; }
+
+ private:
+  std::exception_ptr thrown_;
+  std::atomic<bool> has_thrown_{false};
+  std::thread thread_;
+};
+
+/// What has been handed to a rank, for its threads to take; and what they have made of it, to be sent.
+class WorkQueue {
+ public:
+  void put(RunKey key) {
+    {
+      const std::lock_guard lock(mutex_);
+      in_.push_back(key);
+    }
+    has_work_.notify_one();
+  }
+  void close() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_closed_ = true;
+    }
+    has_work_.notify_all();
+  }
+  /// Waits for a run; nothing once closed.
+  std::optional<RunKey> take() {
+    std::unique_lock lock(mutex_);
+    has_work_.wait(lock, [this] { return is_closed_ || !in_.empty(); });
+    if (is_closed_) return std::nullopt;
+    const RunKey key = in_.front();
+    in_.pop_front();
+    return key;
+  }
+  void put_out(std::string text) {
+    {
+      const std::lock_guard lock(mutex_);
+      out_.push_back(std::move(text));
+    }
+    has_results_.notify_one();
+  }
+  /// Waits for results, no longer than that.
+  std::vector<std::string> take_out(std::chrono::milliseconds longest) {
+    std::unique_lock lock(mutex_);
+    has_results_.wait_for(lock, longest, [this] { return !out_.empty(); });
+    return std::exchange(out_, {});
+  }
+  bool is_closed() const { return is_closed_; }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable has_work_, has_results_;
+  std::deque<RunKey> in_;
+  std::vector<std::string> out_;
+  std::atomic<bool> is_closed_{false};
+};
+
+}  // namespace
+
+std::uint64_t arithmetic_hash() {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto add = [&hash](double value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof(bits));
+    hash = (hash ^ bits) * 1099511628211u;
+  };
+  volatile double argument = 0.01;  // that nothing is worked out by the compiler
+  for (int i = 0; i < 1000; ++i) {
+    argument = argument + 0.0137 * i;
+    const double x = argument;
+    for (const double value : {std::sin(x), std::cos(x), std::tan(x), std::atan2(x, 1.3), std::asin(1 / (1 + x)),
+                               std::exp(-0.01 * x), std::log(x), std::pow(x, 0.7)})
+      add(value);
+  }
+  return hash;
+}
+
+// ---- rank 0
+
+Coordinator::Coordinator(Team& team, Timeouts timeouts)
+    : team_(team), timeouts_(timeouts), ranks_(static_cast<std::size_t>(team.size())) {}
+
+Coordinator::~Coordinator() { dismiss(); }
+
+std::string Coordinator::name_of(int rank) const {
+  return quoted_place(ranks_[static_cast<std::size_t>(rank)].machine, rank);
+}
+
+void Coordinator::take_report(const Study& study, int rank, const std::string& text) {
+  const Json message = read_message(text);
+  if (!is(message, "report")) return;
+  const Json& report = message[1];
+  Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+  entry.has_reported = true;
+  entry.heard = Clock::now();
+  entry.machine = report.at("machine").get<std::string>();
+  entry.jobs = report.at("jobs").get<int>();
+  entry.status = report.at("status").get<int>();
+  entry.trouble = report.at("trouble").get<std::string>();
+  if (!entry.trouble.empty()) return;
+  entry.trouble = difference(makings_of(study), report.at("makings"));
+  entry.status = 2;
+}
+
+void Coordinator::refuse_troubled() {
+  int first = 0, others = 0;
+  for (int rank = 1; rank < team_.size(); ++rank) {
+    const Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+    if (entry.trouble.empty()) continue;
+    if (first == 0)
+      first = rank;
+    else
+      ++others;
+  }
+  if (first == 0) return;
+  const Rank& entry = ranks_[static_cast<std::size_t>(first)];
+  fail(entry.status, name_of(first),
+       entry.trouble + (others ? " (and " + std::to_string(others) + " more of the ranks cannot serve)" : ""));
+}
+
+bool Coordinator::assemble(const Study& study, const std::function<bool()>& goes_on) {
+  Pause pause;
+  for (int reported = 1; reported < team_.size();) {
+    if (!goes_on()) return false;
+    const auto message = team_.receive();
+    if (!message) {
+      std::this_thread::sleep_for(pause.next());
+      continue;
+    }
+    take_report(study, message->from, message->text);
+    reported = 1 + static_cast<int>(
+                       std::count_if(ranks_.begin(), ranks_.end(), [](const Rank& rank) { return rank.has_reported; }));
+  }
+  refuse_troubled();
+  return true;
+}
+
+int Coordinator::threads() const {
+  int threads = 0;
+  for (const auto& rank : ranks_) threads += rank.jobs;
+  return threads;
+}
+
+void Coordinator::look_for_silent() {
+  const auto now = Clock::now();
+  for (int rank = 1; rank < team_.size(); ++rank) {
+    if (now - ranks_[static_cast<std::size_t>(rank)].heard < timeouts_.silence) continue;
+    is_over_ = true;  // there is nobody to wait for
+    const auto silence = std::chrono::duration_cast<std::chrono::seconds>(timeouts_.silence);
+    fail(1, name_of(rank),
+         "not heard of for " + std::to_string(silence.count()) +
+             " s, so it is taken for dead; its runs are still to be done");
+  }
+}
+
+void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
+                                const OnRun& on_run) {
+  RunLog run_log(study, results, on_run);
+  std::atomic<bool> is_stopped{false};
+  const std::function<bool()> may_go_on = [&] { return !is_stopped && !run_log.have_failed() && goes_on(); };
+  const int all_threads = jobs + threads();
+
+  // Another one for each thread while it is at work; near the end none waits behind another.
+  const auto hand_out = [&](int rank) {
+    Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+    const auto each = run_log.left() > 2 * static_cast<std::size_t>(all_threads) ? 2u : 1u;
+    Json runs = Json::array();
+    while (entry.given < each * static_cast<std::size_t>(entry.jobs)) {
+      const auto key = run_log.take();
+      if (!key) break;
+      runs.push_back(Json::array({key->variant, key->run}));
+      ++entry.given;
+    }
+    if (!runs.empty()) team_.send(rank, line_of(Json::array({"runs", std::move(runs)})));
+  };
+  const auto take_in = [&](const Message& message) {
+    Rank& entry = ranks_[static_cast<std::size_t>(message.from)];
+    entry.heard = Clock::now();
+    const Json json = read_message(message.text);
+    if (!is(json, "done")) return;
+    auto done = read_entry(json[1], study.metrics().size());
+    if (!done) fail(1, name_of(message.from), "it sent what is no result of a run");
+    --entry.given;
+    run_log.enter(done->first, std::move(done->second));
+    hand_out(message.from);
+  };
+
+  struct Stop {
+    std::atomic<bool>& flag;
+    ~Stop() { flag = true; }
+  };
+  Thread own([&] {
+    carry_out_runs(
+        study, jobs, [&] { return run_log.take(); },
+        [&](RunKey key, Figures&& figures) { run_log.enter(key, std::move(figures)); }, may_go_on);
+  });
+  {
+    const Stop stop{is_stopped};
+    for (int rank = 1; rank < team_.size(); ++rank) {
+      ranks_[static_cast<std::size_t>(rank)].heard = Clock::now();
+      hand_out(rank);
+    }
+    Pause pause;
+    while (!run_log.are_complete() && !own.has_thrown() && may_go_on()) {
+      if (const auto message = team_.receive()) {
+        pause.reset();
+        take_in(*message);
+        continue;
+      }
+      look_for_silent();
+      std::this_thread::sleep_for(pause.next());
+    }
+  }
+  own.join();
+}
+
+void Coordinator::dismiss() {
+  if (is_over_) return;
+  is_over_ = true;
+  for (int rank = 1; rank < team_.size(); ++rank) team_.send(rank, line_of(Json::array({"over"})));
+  team_.leave();
+}
+
+// ---- the others
+
+bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::function<bool()>& goes_on,
+           Timeouts timeouts) {
+  std::optional<Study> study;
+  Json report{{"machine", team.machine()}, {"jobs", jobs}, {"status", 0}, {"trouble", ""}};
+  try {
+    study = load();
+    report["makings"] = makings_of(*study);
+  } catch (const Error& error) {
+    report["status"] = error.exit_status();
+    const auto items = error.diagnostics().sorted();
+    report["trouble"] = "it cannot read the study: " + (items.empty() ? error.what() : to_string(items.front()));
+  } catch (const std::exception& error) {
+    report["status"] = 1;
+    report["trouble"] = std::string("it cannot read the study: ") + error.what();
+  }
+  team.send(0, line_of(Json::array({"report", std::move(report)})));
+
+  WorkQueue work_queue;
+  std::atomic<bool> is_stopped{false};
+  const std::function<bool()> may_go_on = [&] { return !is_stopped && goes_on(); };
+  std::optional<Thread> work;
+  if (study)
+    work.emplace([&] {
+      carry_out_runs(
+          *study, jobs, [&] { return work_queue.take(); },
+          [&](RunKey key, Figures&& figures) {
+            work_queue.put_out(line_of(Json::array({"done", entry_of(key, figures)})));
+          },
+          may_go_on);
+    });
+  auto told = Clock::now();
+  bool is_dismissed = false;
+  Pause pause;
+  while (!is_dismissed && !(work && work->has_thrown()) && goes_on()) {
+    while (const auto message = team.receive()) {
+      pause.reset();
+      const Json json = read_message(message->text);
+      is_dismissed = is_dismissed || is(json, "over");
+      if (is(json, "runs"))
+        for (const auto& key : json[1]) work_queue.put({key[0].get<std::size_t>(), key[1].get<std::size_t>()});
+    }
+    for (auto& text : work_queue.take_out(pause.next())) team.send(0, std::move(text));
+    if (Clock::now() - told < timeouts.sign_of_life) continue;
+    team.send(0, line_of(Json::array({"alive"})));
+    told = Clock::now();
+  }
+  is_stopped = true;
+  work_queue.close();
+  if (work) work->join();
+  if (is_dismissed) team.leave();
+  return is_dismissed;
+}
+
+}  // namespace binnacle::study

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Crew: a study carried out by a team. Rank 0 leads: it hands out runs, enters what comes back, and is the only one that
+// prints or writes; the others serve.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "study/study.hpp"
+#include "study/team.hpp"
+#include "study/workers.hpp"
+
+namespace binnacle::study {
+
+/// How soon one side misses the other. mpirun ends a job when a process of it dies; this is for what it cannot see.
+struct Timeouts {
+  std::chrono::milliseconds sign_of_life{5000};  // the others give one at least so often
+  std::chrono::milliseconds silence{60000};      // after which a rank is taken for dead
+};
+
+class Coordinator {
+ public:
+  explicit Coordinator(Team& team, Timeouts timeouts = {});
+  /// Dismisses the others if that was not done.
+  ~Coordinator();
+  Coordinator(const Coordinator&) = delete;
+  Coordinator& operator=(const Coordinator&) = delete;
+
+  /// Waits until all have read their study. Throws Error where one could not, or has another study: another config, program
+  /// or plugin, or a processor whose last digits differ. False once `goes_on` says so.
+  bool assemble(const Study& study, const std::function<bool()>& goes_on);
+
+  /// Of the others, all together.
+  int threads() const;
+
+  /// As study::carry_out_all(), with `jobs` threads of this process and those of the others. Throws Error where a rank is
+  /// silent for too long.
+  void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
+                     const OnRun& on_run);
+
+  /// Lets the others go. Waits for them.
+  void dismiss();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Rank {
+    bool has_reported = false;
+    std::string machine;
+    int jobs = 0;
+    std::size_t given = 0;  // runs that it has not brought back
+    Clock::time_point heard;
+    std::string trouble;  // why it cannot serve
+    int status = 0;       // exit status of that
+  };
+  void take_report(const Study& study, int rank, const std::string& text);
+  void refuse_troubled();
+  void look_for_silent();
+  std::string name_of(int rank) const;
+
+  Team& team_;
+  Timeouts timeouts_;
+  std::vector<Rank> ranks_;
+  bool is_over_ = false;
+};
+
+/// What the others do: `load`, then runs until rank 0 dismisses them (true) or `goes_on` says no (false).
+bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::function<bool()>& goes_on,
+           Timeouts timeouts = {});
+
+/// Of what this processor and C library make of sines, logarithms and the like: where it differs, last digits do.
+std::uint64_t arithmetic_hash();
+
+}  // namespace binnacle::study

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+// Healthy components that a faulty plugin of the collection of faulty plugins inherits from, to break exactly one rule of one of them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include <Eigen/Geometry>
+
+#include "binnacle/plugin.hpp"
+#include "binnacle/view.hpp"
+
+namespace faulty {
+
+using namespace binnacle;
+
+/// Position and velocity in a plane: p' = v, v' = white noise of density q.
+class Process : public ProcessModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "process";
+    spec.summary = "constant velocity in a plane";
+    spec.parameters = {
+        parameter::number("q", "m^2/s^3").at_least(0).defaults("0.01").about("density of the acceleration")};
+    spec.ports = {advances("p", "vector:2:m", "position"), advances("v", "vector:2:m/s", "velocity")};
+    spec.example = R"({"blocks": {"p": "position", "v": "velocity"}})";
+    return spec;
+  }
+  explicit Process(const Binding& binding) : q(binding.parameters().number("q")) {
+    declared.transition = {{0, 1, Structure::diagonal}};
+    declared.noise = {{0, 0, Structure::diagonal}, {1, 1, Structure::diagonal}, {0, 1, Structure::diagonal}};
+  }
+  const ProcessDeclaration& declaration() const noexcept override { return declared; }
+  Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
+    const double dt = step.dt;
+    for (int i = 0; i < 2; ++i) {
+      out.x_plus[0][i] = x[0][i] + x[1][i] * dt;
+      out.x_plus[1][i] = x[1][i];
+      out.transition[0][i] = dt;
+      out.noise[0][i] = q * dt * dt * dt / 3;
+      out.noise[1][i] = q * dt;
+      out.noise[2][i] = q * dt * dt / 2;
+    }
+    return Result::ok();
+  }
+
+ protected:
+  ProcessDeclaration declared;
+  double q = 0;
+};
+
+/// The range to a beacon.
+class Measurement : public MeasurementModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "measurement";
+    spec.summary = "range to a beacon";
+    spec.parameters = {parameter::number("sigma", "m").above(0).defaults("0.5").about("of the range")};
+    spec.ports = {reads("p", "vector:2:m", "position")};
+    spec.fields = {{"range", "m", FieldKind::level, false, false, "to the beacon"}};
+    spec.example = R"({"channel": "ranges", "blocks": {"p": "position"}})";
+    return spec;
+  }
+  explicit Measurement(const Binding& binding) : sigma(binding.parameters().number("sigma")) {
+    declared.max_rows = 1;
+    declared.reads = {0};
+    declared.groups = {{"range", 0, 1, "m", -1}};
+  }
+  const MeasurementDeclaration& declaration() const noexcept override { return declared; }
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
+                   Linearization& out) const override {
+    const double dx = x[0][0] + 300, dy = x[0][1] + 200;
+    const double range = std::hypot(dx, dy);
+    if (!std::isfinite(sample.fields[0])) return Result::invalid("the range is no number");
+    out.rows = 1;
+    out.residual[0] = sample.fields[0] - range;
+    out.H[0](0, 0) = dx / range;
+    out.H[0](0, 1) = dy / range;
+    out.R(0, 0) = sigma * sigma;
+    return Result::ok();
+  }
+
+ protected:
+  MeasurementDeclaration declared;
+  double sigma = 0;
+};
+
+/// A point on the lever arm of a pendulum: a bent function of a vector.
+class Derived : public DerivedBlock {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "derived";
+    spec.summary = "a bent plane";
+    spec.ports = {reads("p", "vector:2:m", "position")};
+    spec.kind = "vector:2:m";
+    spec.example = R"({"blocks": {"p": "position"}})";
+    return spec;
+  }
+  explicit Derived(const Binding&) {
+    declared.kind = "vector:2:m";
+    declared.stored_size = 2;
+    declared.error = {{"x", "m"}, {"y", "m"}};
+    declared.reads = {0};
+  }
+  const DerivedDeclaration& declaration() const noexcept override { return declared; }
+  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+    value[0] = x[0][0] + 0.01 * x[0][1] * x[0][1];
+    value[1] = 2 * x[0][1];
+    if (!J) return Result::ok();
+    J[0](0, 0) = 1;
+    J[0](0, 1) = 0.02 * x[0][1];
+    J[0](1, 1) = 2;
+    return Result::ok();
+  }
+
+ protected:
+  DerivedDeclaration declared;
+};
+
+/// A direction in space as a quaternion (w, x, y, z), its error a rotation vector from the left.
+class Block : public StateBlock {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "block";
+    spec.summary = "a rotation";
+    spec.kind = "zoo_rotation";
+    spec.example = R"({"init": {"a": 0.1, "b": 0.2, "c": 0.3}, "sigma": 0.1})";
+    return spec;
+  }
+  explicit Block(const Binding&) {
+    declared.kind = "zoo_rotation";
+    declared.stored_size = 4;
+    declared.error = {{"x", "rad"}, {"y", "rad"}, {"z", "rad"}};
+    for (const char* name : {"a", "b", "c"})
+      declared.outputs.push_back({name, "rad", "", false, true, "rotation vector"});
+  }
+  const StateBlockDeclaration& declaration() const noexcept override { return declared; }
+  void plus(const double* x, const double* delta, double* result) const override {
+    const Eigen::Quaterniond q = exponential(delta) * load(x);
+    store(q.normalized(), result);
+  }
+  void minus(const double* y, const double* x, double* delta) const override {
+    logarithm(load(y) * load(x).conjugate(), delta);
+  }
+  void read(const double* x, double* outputs) const override { logarithm(load(x), outputs); }
+  Result write(const double* outputs, double* x) const override {
+    store(exponential(outputs), x);
+    return Result::ok();
+  }
+  bool reset_jacobian(const double* d, double* G) const override {
+    const double half[9] = {1, d[2] / 2, -d[1] / 2, -d[2] / 2, 1, d[0] / 2, d[1] / 2, -d[0] / 2, 1};
+    std::memcpy(G, half, sizeof half);
+    return true;
+  }
+
+ protected:
+  static Eigen::Quaterniond load(const double* x) { return {x[0], x[1], x[2], x[3]}; }
+  static void store(const Eigen::Quaterniond& q, double* x) { x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z(); }
+  static Eigen::Quaterniond exponential(const double* v) {
+    const Eigen::Vector3d w(v[0], v[1], v[2]);
+    const double angle = w.norm(), s = angle > 1e-9 ? std::sin(angle / 2) / angle : 0.5;
+    return {std::cos(angle / 2), s * w[0], s * w[1], s * w[2]};
+  }
+  static void logarithm(Eigen::Quaterniond q, double* v) {
+    if (q.w() < 0) q.coeffs() *= -1;
+    const double sine = q.vec().norm();
+    const double factor = sine > 1e-12 ? 2 * std::atan2(sine, q.w()) / sine : 2;
+    for (int i = 0; i < 3; ++i) v[i] = factor * q.vec()[i];
+  }
+  StateBlockDeclaration declared;
+};
+
+/// R as an exponential average of r² − H P Hᵀ, no less than a hundredth of the nominal one.
+class Noise : public NoiseEstimator {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "noise";
+    spec.summary = "exponential average";
+    spec.parameters = {
+        parameter::number("gain", "1").above(0).at_most(0.05).defaults("0.02").about("of a new innovation")};
+    spec.example = "{}";
+    return spec;
+  }
+  Noise(const Binding& binding, const NoiseBinding& noise)
+      : gain(binding.parameters().number("gain")), rows(noise.max_rows) {}
+  std::size_t memory_bytes() const noexcept override { return static_cast<std::size_t>(rows + 1) * sizeof(double); }
+  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
+    double* average = reinterpret_cast<double*>(memory);
+    for (int i = 0; i < innovation.rows; ++i) {
+      const double nominal = innovation.R_nominal(i, i);
+      const double seen = innovation.residual[i] * innovation.residual[i] - innovation.HPHt(i, i);
+      if (average[rows] == 0) average[i] = nominal;
+      if (std::isfinite(seen)) average[i] += gain * (seen - average[i]);
+      R(i, i) = std::max(average[i], 0.01 * nominal);
+    }
+    average[rows] = 1;
+  }
+
+ protected:
+  double gain = 0;
+  int rows = 0;
+};
+
+/// A sawtooth with noise made of a hash.
+class Source : public binnacle::Source {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "source";
+    spec.summary = "a noisy sawtooth";
+    spec.parameters = {parameter::integer("samples").at_least(1).at_most(1000000).defaults("200").about("how many")};
+    spec.example = "{}";
+    return spec;
+  }
+  explicit Source(const Binding& binding) : samples(binding.parameters().integer("samples")) {
+    ChannelDeclaration channel;
+    channel.fields = {{"value", "m", FieldKind::level, false, false, "of the sawtooth"}};
+    declared.push_back(channel);
+  }
+  const std::vector<ChannelDeclaration>& channels() const noexcept override { return declared; }
+  std::size_t memory_bytes() const noexcept override { return sizeof(State); }
+  void start(std::uint64_t seed, std::byte* memory) const override {
+    const State state{seed, 0};
+    std::memcpy(memory, &state, sizeof state);
+  }
+  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override {
+    State state;
+    std::memcpy(&state, memory, sizeof state);
+    if (state.count < 0 || state.count >= samples) return SourceStatus::end;
+    const std::uint64_t hash = (state.seed + static_cast<std::uint64_t>(state.count)) * 0x9e3779b97f4a7c15ull;
+    slots[0].t = 1'000'000'000 + state.count * 10'000'000;
+    slots[0].fields[0] = static_cast<double>(state.count % 10) + static_cast<double>(hash >> 40) * 1e-9;
+    channel = 0;
+    ++state.count;
+    std::memcpy(memory, &state, sizeof state);
+    return SourceStatus::sample;
+  }
+
+ protected:
+  struct State {
+    std::uint64_t seed = 0;
+    std::int64_t count = 0;
+  };
+  std::vector<ChannelDeclaration> declared;
+  std::int64_t samples = 0;
+};
+
+/// A running mean.
+class Transform : public binnacle::Transform {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "transform";
+    spec.summary = "a running mean";
+    spec.parameters = {parameter::number("gain", "1").above(0).at_most(1).defaults("0.1").about("of a new sample")};
+    spec.inputs = {
+        {"values", {{"value", "m", FieldKind::level, false, false, "to be averaged"}}, false, "what is averaged"}};
+    spec.example = R"({"input": "values"})";
+    return spec;
+  }
+  explicit Transform(const Binding& binding) : gain(binding.parameters().number("gain")) {
+    ChannelDeclaration channel;
+    channel.fields = {{"mean", "m", FieldKind::level, false, false, "so far"}};
+    declared.push_back(channel);
+  }
+  const std::vector<ChannelDeclaration>& channels() const noexcept override { return declared; }
+  std::size_t memory_bytes() const noexcept override { return sizeof(double); }
+  void on(int, const SampleView& sample, std::byte* memory, Emitter& emitter) const override {
+    double mean = 0;
+    std::memcpy(&mean, memory, sizeof mean);
+    mean += gain * (sample.fields[0] - mean);
+    std::memcpy(memory, &mean, sizeof mean);
+    SampleSlot& slot = emitter.slot(0);
+    slot.t = sample.t;
+    slot.fields[0] = mean;
+    emitter.emit(0);
+  }
+
+ protected:
+  std::vector<ChannelDeclaration> declared;
+  double gain = 0;
+};
+
+/// For a library that brings them all as they are.
+inline void register_all(Registry& registry) {
+  registry.add<Process>();
+  registry.add<Measurement>();
+  registry.add<Derived>();
+  registry.add<Block>();
+  registry.add<Noise>();
+  registry.add<Source>();
+  registry.add<Transform>();
+}
+
+}  // namespace faulty

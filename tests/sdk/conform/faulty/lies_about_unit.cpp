@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Its kind tells metres, its components tell feet as metres a second.
+// fails: metadata.declared
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Block {
+ public:
+  static binnacle::ComponentSpec spec() {
+    auto spec = Block::spec();
+    spec.kind = "vector:3:m";
+    return spec;
+  }
+  explicit Animal(const binnacle::Binding& binding) : Block(binding) { declared.kind = "vector:3:m"; }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("lies_about_unit", "1.0.0", registry) { registry.add<Animal>(); }

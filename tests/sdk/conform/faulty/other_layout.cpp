@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// A type that crosses the library boundary has another size.
+// fails: load.guard
+#include "faulty.hpp"
+
+namespace {
+constexpr binnacle::abi::Guard made = binnacle::abi::make_guard("other_layout", "1.0.0");
+}
+extern "C" __attribute__((visibility("default"))) const binnacle::abi::Guard binnacle_guard_v1;
+constexpr binnacle::abi::Guard altered() {
+  binnacle::abi::Guard guard = made;
+  guard.types[3].size += 8;
+  return guard;
+}
+const binnacle::abi::Guard binnacle_guard_v1 = altered();
+extern "C" __attribute__((visibility("default"), used)) void binnacle_register_v1(binnacle::Registry& registry) {
+  registry.add<faulty::Process>();
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Uses one scratch array for all calls: two threads overwrite it for each other.
+// fails: life.threads
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Measurement {
+ public:
+  using Measurement::Measurement;
+  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
+                             const double* const* x, const binnacle::Context& context, std::byte* memory,
+                             binnacle::Linearization& out) const override {
+    scratch_[0] = x[0][0] + 300;
+    scratch_[1] = x[0][1] + 200;
+    for (int i = 0; i < 2000; ++i) scratch_[2 + i % 8] = std::hypot(scratch_[0], scratch_[1]);
+    const double range = scratch_[9];
+    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+    if (result) out.residual[0] = sample.fields[0] - range;
+    return result;
+  }
+
+ private:
+  mutable volatile double scratch_[10] = {};
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("racy_scratch", "1.0.0", registry) { registry.add<Animal>(); }

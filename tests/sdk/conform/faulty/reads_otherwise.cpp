@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// What it reads it does not write back.
+// fails: numbers.block.readable
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Block {
+ public:
+  using Block::Block;
+  void read(const double* x, double* outputs) const override {
+    Block::read(x, outputs);
+    outputs[2] += 0.01;
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("reads_otherwise", "1.0.0", registry) { registry.add<Animal>(); }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// All instances share a cache: what one computed for its time another uses for its own.
+// fails: life.interleaved
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Process {
+ public:
+  using Process::Process;
+  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
+                             const binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(step, x, memory, out);
+    static double last_dt = -1, last_q = 0;
+    if (last_dt != step.dt) last_dt = step.dt, last_q = q;
+    for (int i = 0; i < 2; ++i) out.noise[1][i] = last_q * step.dt;
+    return result;
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("shared_state", "1.0.0", registry) { registry.add<Animal>(); }

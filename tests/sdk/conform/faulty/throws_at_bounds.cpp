@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Throws what it should refuse: its own smallest value.
+// fails: robustness.parameters
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Process {
+ public:
+  explicit Animal(const binnacle::Binding& binding) : Process(binding) {
+    if (q == 0) throw std::runtime_error("division by zero");
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("throws_at_bounds", "1.0.0", registry) { registry.add<Animal>(); }

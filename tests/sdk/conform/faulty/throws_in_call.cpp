@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Throws out of linearize().
+// fails: life.calls
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Measurement {
+ public:
+  using Measurement::Measurement;
+  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
+                             const double* const* x, const binnacle::Context& context, std::byte* memory,
+                             binnacle::Linearization& out) const override {
+    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+    if (result) throw std::runtime_error("no more");
+    return result;
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("throws_in_call", "1.0.0", registry) { registry.add<Animal>(); }

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Uses a number in its memory as an index without looking.
+// fails: robustness.memory crash
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Source {
+ public:
+  using Source::Source;
+  binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
+    State state;
+    std::memcpy(&state, memory, sizeof state);
+    static const double table[256] = {};
+    if (state.count >= samples && state.count < 256) return binnacle::SourceStatus::end;
+    const volatile double* at = table + state.count;
+    if (*at > 0) return binnacle::SourceStatus::end;
+    return Source::next(memory, slots, channel);
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("trusts_its_memory", "1.0.0", registry) { registry.add<Animal>(); }
