@@ -142,7 +142,7 @@ Consistency monte_carlo(const std::string& title, const std::shared_ptr<const Co
     run_to_the_end(runtime, run);
     const Engine& engine = runtime.engine(0);
     REQUIRE_FALSE(engine.broken());
-    const Ledger& ledger = engine.ledger(0);
+    const auto& ledger = engine.tally(0);
     REQUIRE(ledger.outcomes[static_cast<int>(Outcome::accepted)] == ledger.offered);
     nis_sum += ledger.nis_sum;
     nis_count += static_cast<double>(ledger.nis_count);
@@ -236,7 +236,7 @@ TEST_CASE("a run's summary tells the NEES and NIS of that run") {
       CHECK(told["dof"] == row[group].dof);
       CHECK(std::abs(told["nees_mean"].get<double>() / row[group].mean() - 1) < 1e-9);
     }
-    const Ledger& ledger = runtime.engine(0).ledger(0);
+    const auto& ledger = runtime.engine(0).tally(0);
     const auto& told = summary["measurements"]["fix"];
     CHECK(told["accepted"] == ledger.nis_count);
     CHECK(told["nis_mean"].get<double>() == ledger.nis_sum / static_cast<double>(ledger.nis_count));

@@ -265,7 +265,7 @@ namespace {
 /// The newest measurement.
 class KeepRecord : public StepObserver {
  public:
-  bool wants_matrices() const override { return true; }
+  Wants wants() const override { return Wants::everything; }
   void offered(const UpdateRecord& record) override {
     S = dense(record.S);
     H = dense(record.H);

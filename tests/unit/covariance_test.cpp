@@ -12,6 +12,7 @@
 #include "filter/van_loan.hpp"
 
 using namespace binnacle;
+using namespace binnacle::filter;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -173,7 +174,8 @@ TEST_CASE("the update equals Joseph's form, also with considered states") {
     project(update.columns, stored.data.data(), n, m, update.work);
     REQUIRE(factor_innovation(m, update.work));
     const double nis = normalized_innovation_squared(m, update.work);
-    correct(considers ? corrected.data() : nullptr, stored.data.data(), n, m, update.work);
+    gain(considers ? corrected.data() : nullptr, n, m, update.work);
+    correct(stored.data.data(), n, m, update.work);
     VectorXd delta(n);
     gain_times_residual(n, m, update.work, delta.data());
 
@@ -223,8 +225,10 @@ TEST_CASE("every instruction set gives the same bits") {
       w.U = U.data();
       return w;
     };
-    base_strip_loops.correct(nullptr, P1.data(), n, m, work(K1, U1));
-    avx2_strip_loops.correct(nullptr, P2.data(), n, m, work(K2, U2));
+    base_strip_loops.gain(n, m, work(K1, U1));
+    avx2_strip_loops.gain(n, m, work(K2, U2));
+    base_strip_loops.correct(P1.data(), n, m, work(K1, U1));
+    avx2_strip_loops.correct(P2.data(), n, m, work(K2, U2));
     REQUIRE(std::memcmp(P1.data(), P2.data(), P1.size() * sizeof(double)) == 0);
     REQUIRE(std::memcmp(K1.data(), K2.data(), K1.size() * sizeof(double)) == 0);
   }

@@ -18,6 +18,8 @@
 
 namespace binnacle {
 
+using namespace filter;
+
 struct SourceHead {
   Time t = no_time;
   Time t0 = no_time;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace binnacle {
+namespace binnacle::filter {
 
 /// A place for `count` objects of T in an arena; the same in every arena of one composition.
 template <class T>
@@ -37,4 +37,4 @@ class Layout {
   std::size_t size_ = 0;
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

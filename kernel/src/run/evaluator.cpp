@@ -192,11 +192,21 @@ class Evaluator::FilterScore : public StepObserver {
     }
   }
 
-  bool wants_covariance() const override { return !pending_.empty() || (next_ && next_->wants_covariance()); }
-  bool wants_matrices() const override { return !implied_states_.empty() || (next_ && next_->wants_matrices()); }
+  Wants wants() const override {
+    Wants all = next_ ? next_->wants() : Wants::nothing;
+    if (!pending_.empty()) all = all | Wants::step_covariance;
+    if (!implied_states_.empty()) all = all | Wants::jacobian | Wants::update_covariance;
+    return all;
+  }
 
   void started(Time t, const double* x, MatrixView P) override {
     if (next_) next_->started(t, x, P);
+  }
+  void restored(Time t, const double* x, MatrixView P) override {
+    if (next_) next_->restored(t, x, P);
+  }
+  void inflated(const InflationRecord& record) override {
+    if (next_) next_->inflated(record);
   }
 
   void stepped(const StepRecord& record) override {
@@ -383,7 +393,7 @@ class Evaluator::FilterScore : public StepObserver {
 
   MetricValue value(const Metric& metric, const TimeSpan& span) const {
     if (metric.quantity == MetricQuantity::nis) {
-      const Ledger& ledger = engine_.ledger(metric.subject);
+      const auto& ledger = engine_.tally(metric.subject);
       const double n = static_cast<double>(ledger.nis_count);
       if (ledger.nis_count == 0) return {not_a_number, 0, 0};
       return {ledger.nis_sum / n, static_cast<double>(ledger.dof_sum) / n, n};
@@ -575,7 +585,7 @@ class Evaluator::FilterScore : public StepObserver {
   }
 
   void keep_noise(const UpdateRecord& record) {
-    if (!record.R) return;
+    if (!record.R || record.outcome == Outcome::rejected) return;
     for (auto& group : noise_) {
       if (group.measurement != record.measurement) continue;
       const auto [first, rows] = rows_of(record, group.group);

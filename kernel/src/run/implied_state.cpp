@@ -31,7 +31,7 @@ MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
 
 }  // namespace
 
-ImpliedState::ImpliedState(const ImpliedStatePlan& plan, const BlockPlan& block)
+ImpliedState::ImpliedState(const filter::ImpliedStatePlan& plan, const filter::BlockPlan& block)
     : plan_(plan),
       block_(block),
       rows_(static_cast<int>(block.active.size())),

@@ -15,20 +15,20 @@ namespace binnacle {
 /// with δ before the update, which does not know v: so its covariance is E P⁻ Eᵀ + B R Bᵀ, E = S_b − B H.
 class ImpliedState {
  public:
-  ImpliedState(const ImpliedStatePlan& plan, const BlockPlan& block);
+  ImpliedState(const filter::ImpliedStatePlan& plan, const filter::BlockPlan& block);
 
   /// P: a priori. False where the sample tells nothing of the block, or has not become part of the estimate.
   bool take(const UpdateRecord& record, MatrixView P);
 
-  const ImpliedStatePlan& plan() const { return plan_; }
+  const filter::ImpliedStatePlan& plan() const { return plan_; }
   Time t() const { return t_; }  // no_time: none yet
   const double* value() const { return value_.data(); }
   /// A row and column per estimated or considered component.
   MatrixView covariance() { return {covariance_.data(), rows_, rows_, rows_}; }
 
  private:
-  const ImpliedStatePlan& plan_;
-  const BlockPlan& block_;
+  const filter::ImpliedStatePlan& plan_;
+  const filter::BlockPlan& block_;
   int rows_;
   Time t_ = no_time;
   std::vector<double> value_, covariance_, delta_;

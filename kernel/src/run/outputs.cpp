@@ -7,13 +7,13 @@
 
 namespace binnacle {
 
-std::size_t output_sigma_scratch(const BlockPlan& block) {
+std::size_t output_sigma_scratch(const filter::BlockPlan& block) {
   const auto outputs = block.declaration().outputs.size();
   const auto dof = static_cast<std::size_t>(block.dof());
   return dof + static_cast<std::size_t>(block.declaration().stored_size) + 2 * outputs + outputs * dof;
 }
 
-void output_sigmas(const BlockPlan& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
+void output_sigmas(const filter::BlockPlan& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
   const auto& declaration = block.declaration();
   const int outputs = static_cast<int>(declaration.outputs.size());
   const int active = static_cast<int>(block.active.size());

@@ -9,10 +9,10 @@
 namespace binnacle {
 
 /// Doubles of scratch that output_sigmas() needs.
-std::size_t output_sigma_scratch(const BlockPlan& block);
+std::size_t output_sigma_scratch(const filter::BlockPlan& block);
 
 /// sqrt(diag(J P Jᵀ)) with J = ∂outputs/∂δ by central differences on the block's manifold. x: the block's stored
 /// state; P: the filter's covariance.
-void output_sigmas(const BlockPlan& block, const double* x, MatrixView P, double* scratch, double* sigmas);
+void output_sigmas(const filter::BlockPlan& block, const double* x, MatrixView P, double* scratch, double* sigmas);
 
 }  // namespace binnacle

@@ -234,24 +234,18 @@ void Runtime::run_filter(int index, Time t) {
   const auto accepted = [&] {
     std::int64_t count = 0;
     for (std::size_t m = 0; m < plan.measurements.size(); ++m)
-      count += engine.ledger(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
+      count += engine.tally(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
     return count;
   };
   const std::int64_t before = routes.output_is_heard ? accepted() : 0;
-  // What a plugin throws ends at the library boundary: its filter stops, named, and the others go on.
-  try {
-    feed_filter(engine, routes, t);
-  } catch (const std::exception& error) {
-    engine.stop_for_exception(error.what());
-  } catch (...) {
-    engine.stop_for_exception("something that is no std::exception");
-  }
+  feed_filter(engine, routes, t);
   if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) {
     auto& output = channels_[as_size(plan.output_channel)];
     SampleSlot& slot = output_slots_[as_size(plan.output_channel)];
-    engine.write_estimates(slot);
-    output.view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
-    output.is_present = true;
+    if (engine.write_estimates(slot)) {
+      output.view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
+      output.is_present = true;
+    }
   }
   filter_seconds_[as_size(index)] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -346,15 +340,7 @@ bool Runtime::next_instant() {
 }
 
 void Runtime::finish() {
-  for (auto& engine : engines_) {
-    try {
-      engine->finish();
-    } catch (const std::exception& error) {
-      engine->stop_for_exception(error.what());
-    } catch (...) {
-      engine->stop_for_exception("something that is no std::exception");
-    }
-  }
+  for (auto& engine : engines_) engine->finish();
 }
 
 }  // namespace binnacle

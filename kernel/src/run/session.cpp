@@ -139,7 +139,7 @@ std::span<const double> Session::state(int filter) const {
 }
 
 MeasurementCounts Session::counts(int filter, int measurement) const {
-  const Ledger& ledger = runtime_->engine(filter).ledger(measurement);
+  const auto& ledger = runtime_->engine(filter).tally(measurement);
   MeasurementCounts counts;
   counts.offered = ledger.offered;
   std::copy(std::begin(ledger.outcomes), std::end(ledger.outcomes), counts.by_outcome);
@@ -181,6 +181,8 @@ void Session::restore(std::span<const std::byte> from) {
   if (head.size != runtime_->arena_size() || from.size() != snapshot_size())
     refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(snapshot_size()));
   std::memcpy(runtime_->arena(), from.data() + sizeof head, runtime_->arena_size());
+  for (std::size_t f = 0; f < composition_->plan().filters.size(); ++f)
+    runtime_->engine(static_cast<int>(f)).restored();
 }
 
 }  // namespace binnacle
