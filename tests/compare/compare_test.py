@@ -171,6 +171,12 @@ class Differences(unittest.TestCase):
         self.assertTrue(allowed.explains("land/base.json", "run", self.difference))
         self.assertEqual(allowed.idle(), [])
 
+    def test_place_as_printed(self):
+        column = figures.Difference("ins.csv#position.lat[rad]", "1", "2", 0.5)
+        entry = {"config": "land/*", "place": column.place, "reason": "a defect"}
+        self.assertTrue(Allowed([entry]).explains("land/base.json", "run", column))
+        self.assertFalse(Allowed([{**entry, "place": "ins.csv#position"}]).explains("land/base.json", "run", column))
+
     def test_others_are_not(self):
         allowed = Allowed([self.entry])
         self.assertFalse(allowed.explains("drives/base.json", "run", self.difference))

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table of old and new names, renames.json, and how it applies to paths, words of a command line, keys and columns."""
-import fnmatch
 import json
 import re
 
@@ -28,6 +27,11 @@ def pointer_of(tokens):
     return "".join("/" + str(token).replace("~", "~0").replace("/", "~1") for token in tokens)
 
 
+def fits(text, pattern):
+    """* is any text, and nothing else is special: a column is called position.lat[rad]."""
+    return re.fullmatch(".*".join(re.escape(piece) for piece in pattern.split("*")), text, re.DOTALL) is not None
+
+
 class Renames:
     """Old names to new ones. `used` collects the entries that applied to something."""
 
@@ -53,7 +57,7 @@ class Renames:
         """With the tables that hold for this config only merged in."""
         merged = {kind: dict(self.table[kind]) for kind in TABLES}
         for entry in self.only:
-            if fnmatch.fnmatchcase(config, entry["config"]):
+            if fits(config, entry["config"]):
                 for kind in TABLES:
                     merged[kind].update(entry.get(kind, {}))
         return Renames(merged, self.used)
@@ -144,7 +148,7 @@ class Allowed:
         return cls(read_json(path))
 
     def _holds_for(self, entry, config, verb):
-        return fnmatch.fnmatchcase(config, entry["config"]) and fnmatch.fnmatchcase(verb, entry.get("verb", "*"))
+        return fits(config, entry["config"]) and fits(verb, entry.get("verb", "*"))
 
     def judge(self, config, verb):
         """The numbers of this config were compared: entries for it have their chance now."""
@@ -154,7 +158,7 @@ class Allowed:
     def explains(self, config, verb, difference):
         found = False
         for at, entry in enumerate(self.entries):
-            if not self._holds_for(entry, config, verb) or not fnmatch.fnmatchcase(difference.place, entry["place"]):
+            if not self._holds_for(entry, config, verb) or not fits(difference.place, entry["place"]):
                 continue
             if "at_most" in entry and not (difference.relative is not None and difference.relative <= entry["at_most"]):
                 continue
