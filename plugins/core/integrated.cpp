@@ -23,8 +23,8 @@ ComponentSpec Integrated::spec() {
   return spec;
 }
 
-Integrated::Integrated(const Binding& binding) : dof_(binding.port("x").dof) {
-  const int rates = binding.port("rate").dof;
+Integrated::Integrated(const Binding& binding) : dof_(binding.block("x").dof) {
+  const int rates = binding.block("rate").dof;
   if (rates != dof_)
     throw ComponentError("the rate has " + std::to_string(rates) + " components, the integral " + std::to_string(dof_),
                          "/blocks/rate");

@@ -56,7 +56,7 @@ ComponentSpec Linear::spec() {
 
 Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
   const Parameters& parameters = binding.parameters();
-  const Eigen::Index dof = binding.port("x").dof;
+  const Eigen::Index dof = binding.block("x").dof;
   if (F_.rows() != dof || F_.cols() != dof)
     throw ComponentError("F must have as many rows and columns as the block has components, " + std::to_string(dof),
                          "/F");

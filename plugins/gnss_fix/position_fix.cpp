@@ -33,7 +33,7 @@ ComponentSpec PositionFix::spec() {
 
 PositionFix::PositionFix(const Binding& binding) : sigma_(binding, first_sigma) {
   declaration_.max_rows = 3;
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
   declaration_.groups = {{"position", 0, 3, "m", 0}};
 }
 

@@ -53,7 +53,7 @@ ComponentSpec PvFix::spec() {
 
 PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("inflate")) {
   declaration_.max_rows = 6;
-  declaration_.reads = {0, 1};
+  declaration_.read_ports = {0, 1};
   declaration_.groups = {{"position", 0, 3, "m", 0}, {"velocity", 3, 3, "m/s", 1}};
 
   const auto& there = binding.covariance();

@@ -28,7 +28,7 @@ ComponentSpec VelocityFix::spec() {
 
 VelocityFix::VelocityFix(const Binding& binding) : sigma_(binding, first_sigma) {
   declaration_.max_rows = 3;
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
   declaration_.groups = {{"velocity", 0, 3, "m/s", 0}};
 }
 

@@ -40,7 +40,7 @@ GeodeticPosition::GeodeticPosition(const Binding& /*binding*/) {
   declaration_.kind = "position";
   declaration_.stored_size = 3;
   declaration_.error = {{"north", "m"}, {"east", "m"}, {"down", "m"}};
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
 }
 
 Result GeodeticPosition::evaluate(const double* const* x, const Context& /*context*/, double* value,
@@ -69,7 +69,7 @@ NedVelocity::NedVelocity(const Binding& /*binding*/) {
   declaration_.kind = "velocity.ned";
   declaration_.stored_size = 3;
   declaration_.error = {{"north", "m/s"}, {"east", "m/s"}, {"down", "m/s"}};
-  declaration_.reads = {0, 1};
+  declaration_.read_ports = {0, 1};
 }
 
 Result NedVelocity::evaluate(const double* const* x, const Context& /*context*/, double* value,

@@ -24,7 +24,7 @@ ComponentSpec RangeRateModel::spec() {
 
 RangeRateModel::RangeRateModel(const Binding& binding)
     : RangeModel(binding), noise_(binding.parameters(), false), velocity_(binding) {
-  declaration_.reads = {antenna_.port(), velocity_.port(), clock_port_};
+  declaration_.read_ports = {antenna_.port(), velocity_.port(), clock_port_};
   declaration_.groups = {{"range_rate", 0, 0, "m/s", -1}};
 }
 

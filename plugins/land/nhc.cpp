@@ -59,7 +59,7 @@ Nhc::Nhc(const Binding& binding)
   rows_ = axes == "yz" ? 2 : 1;
   if (binding.parameters().has("max_turn_rate")) max_turn_rate_ = binding.parameters().number("max_turn_rate");
   declaration_.max_rows = rows_;
-  declaration_.reads = velocity_.read_ports();
+  declaration_.read_ports = velocity_.read_ports();
   declaration_.groups = {{"across", 0, rows_, "m/s", -1}};
   declaration_.memory_bytes = spacing_.memory_bytes();
 }

@@ -49,8 +49,8 @@ ZeroRate::ZeroRate(const Binding& binding)
   if (binding.is_bound("attitude") != binding.is_bound("position"))
     throw ComponentError("the earth's rate needs both 'attitude' and 'position'", "/blocks");
   declaration_.max_rows = 3;
-  declaration_.reads = {gyro_bias};
-  if (has_earth_) declaration_.reads = {gyro_bias, attitude, position};
+  declaration_.read_ports = {gyro_bias};
+  if (has_earth_) declaration_.read_ports = {gyro_bias, attitude, position};
   declaration_.groups = {{"rate", 0, 3, "rad/s", -1}};
   declaration_.memory_bytes = spacing_.memory_bytes();
 }

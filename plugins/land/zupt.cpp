@@ -23,7 +23,7 @@ ComponentSpec Zupt::spec() {
 
 Zupt::Zupt(const Binding& binding) : spacing_(binding), variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
   declaration_.max_rows = 3;
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
   declaration_.groups = {{"velocity", 0, 3, "m/s", 0}};
   declaration_.memory_bytes = spacing_.memory_bytes();
 }

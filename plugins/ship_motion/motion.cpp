@@ -24,7 +24,7 @@ ComponentSpec Motion::spec() {
 }
 
 Motion::Motion(const Binding& binding) {
-  const ShapingFilter filter = read_motion(binding, binding.port("angle").components.front().unit);
+  const ShapingFilter filter = read_motion(binding, binding.block("angle").components.front().unit);
   const bool is_fourth = filter.order() == 4;
   for (const char* name : {"forcing", "forcing_rate"})
     if (binding.is_bound(name) != is_fourth)

@@ -50,7 +50,7 @@ DcmMatch::DcmMatch(const Binding& binding)
     : is_chord_(binding.parameters().text("jacobian") == "chord"),
       variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
   declaration_.max_rows = 3;
-  declaration_.reads = {attitude, mounting};
+  declaration_.read_ports = {attitude, mounting};
   declaration_.groups = {{"attitude", 0, 3, "rad", attitude}};
 }
 

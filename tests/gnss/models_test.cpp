@@ -291,7 +291,7 @@ TEST_CASE("what cannot be measured is refused with a reason") {
   const auto reason = [&] {
     Complaints out;
     const Measured m = linearize(*model, scene.sample, ports, {}, out, scene.auxiliary);
-    REQUIRE(m.result.verdict == Verdict::unsupported);
+    REQUIRE(m.result.refusal == Refusal::unsupported);
     return std::string(m.result.reason);
   };
   scene.auxiliary[1].available = false;

@@ -96,7 +96,7 @@ TEST_CASE("lever arm: the lever_arm is a parameter, a block or both, but not not
   REQUIRE(std::abs(height({{{"lever_arm", {0, 0, -2}}}, two, {}}, {}) - 2) < 1e-12);
   REQUIRE(std::abs(height({{}, three, {}}, {&lever_arm, {0, 0, -1}}) - 1) < 1e-12);
   REQUIRE(std::abs(height({{{"lever_arm", {0, 0, -2}}}, three, {}}, {&lever_arm, {0, 0, -1}}) - 3) < 1e-12);
-  REQUIRE(bind<LeverArm>({{{"lever_arm", {0, 0, -2}}}, two, {}})->declaration().reads.size() == 2);
+  REQUIRE(bind<LeverArm>({{{"lever_arm", {0, 0, -2}}}, two, {}})->declaration().read_ports.size() == 2);
   REQUIRE_THROWS_AS(bind<LeverArm>({{}, two, {}}), ComponentError);
   REQUIRE_THROWS_AS(bind<LeverArmVelocity>({{}, {{"velocity", &lever_arm}, {"attitude", &attitude}}, {}}),
                     ComponentError);
@@ -129,7 +129,7 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
                        {&scale, {0.01, -0.02, 0.03}, 1e-2, 1e-16},
                        {&lever_arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
       const auto model = bind<LeverArmVelocity>(all);
-      REQUIRE(model->declaration().reads.size() == 6);
+      REQUIRE(model->declaration().read_ports.size() == 6);
       REQUIRE_NO_COMPLAINTS(check_derived(*model, LeverArmVelocity::spec(), velocity, ports, context, {2e-5}, 4e-14));
       ports[2] = ports[3] = ports[4] = ports[5] = {};
       REQUIRE_NO_COMPLAINTS(check_derived(*bind<LeverArmVelocity>(least), LeverArmVelocity::spec(), velocity, ports,
@@ -147,7 +147,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
                     {}};
   const auto model = bind<LeverArmVelocity>(setup);
   const PortState none{};
-  REQUIRE(model->evaluate(nullptr, {}, nullptr, nullptr).verdict == Verdict::unsupported);
+  REQUIRE(model->evaluate(nullptr, {}, nullptr, nullptr).refusal == Refusal::unsupported);
 
   for (const Place& place : places) {
     INFO(place.name);

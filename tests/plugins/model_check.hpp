@@ -446,9 +446,9 @@ inline Measured linearize(const MeasurementModel& model, const SampleView& sampl
   const int rows = declared.max_rows;
   std::vector<detail::Guarded> H;
   std::vector<MatrixView> views;
-  for (const int port : declared.reads) H.emplace_back(rows * ports[static_cast<std::size_t>(port)].dof(), 0.0);
+  for (const int port : declared.read_ports) H.emplace_back(rows * ports[static_cast<std::size_t>(port)].dof(), 0.0);
   for (std::size_t i = 0; i < H.size(); ++i)
-    views.push_back({H[i].data(), rows, ports[static_cast<std::size_t>(declared.reads[i])].dof(), rows});
+    views.push_back({H[i].data(), rows, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), rows});
   detail::Guarded residual(rows), R(rows * rows, 0.0);
   std::vector<std::int64_t> keys(static_cast<std::size_t>(rows));
   std::vector<std::byte> memory(declared.memory_bytes);
@@ -480,7 +480,7 @@ inline Complaints check_measurement(const MeasurementModel& model, const Compone
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> R(nominal.R, Eigen::EigenvaluesOnly);
   if (nominal.R != nominal.R.transpose() || !(R.eigenvalues().minCoeff() > 0)) out.add("R is no covariance");
-  const auto& reads = model.declaration().reads;
+  const auto& reads = model.declaration().read_ports;
   for (std::size_t port = 0; port < ports.size(); ++port) {
     if (!ports[port].block) continue;
     const auto predicted = [&](const PortStates& at) -> Eigen::VectorXd {
@@ -515,9 +515,9 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
   };
   std::vector<detail::Guarded> J;
   std::vector<MatrixView> views;
-  for (const int port : declared.reads) J.emplace_back(dof * ports[static_cast<std::size_t>(port)].dof(), 0.0);
+  for (const int port : declared.read_ports) J.emplace_back(dof * ports[static_cast<std::size_t>(port)].dof(), 0.0);
   for (std::size_t i = 0; i < J.size(); ++i)
-    views.push_back({J[i].data(), dof, ports[static_cast<std::size_t>(declared.reads[i])].dof(), dof});
+    views.push_back({J[i].data(), dof, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), dof});
   const std::vector<double> nominal = value(ports, views.data());
   if (nominal != value(ports, nullptr)) out.add("without Jacobians the value is another");
   for (std::size_t port = 0; port < ports.size(); ++port) {
@@ -527,10 +527,10 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
       yields.minus(value(at, nullptr).data(), nominal.data(), delta.data());
       return delta;
     };
-    const auto found = std::find(declared.reads.begin(), declared.reads.end(), static_cast<int>(port));
-    const bool is_read = found != declared.reads.end();
+    const auto found = std::find(declared.read_ports.begin(), declared.read_ports.end(), static_cast<int>(port));
+    const bool is_read = found != declared.read_ports.end();
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(dof, ports[port].dof());
-    if (is_read) block = views[static_cast<std::size_t>(found - declared.reads.begin())].as();
+    if (is_read) block = views[static_cast<std::size_t>(found - declared.read_ports.begin())].as();
     detail::compare("J of " + spec.ports[port].name, detail::differences(ports, port, change), block, is_read, false,
                     detail::roundoff(resolution, ports[port].step), 0, tolerance, out);
   }

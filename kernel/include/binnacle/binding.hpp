@@ -67,8 +67,8 @@ class Binding {
       if (ports_[i].name == name) return static_cast<int>(i);
     throw std::logic_error("port '" + std::string(name) + "' is not declared in the spec");
   }
-  const PortBinding& port(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
-  bool is_bound(std::string_view port_name) const { return port(port_name).bound; }
+  const PortBinding& block(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
+  bool is_bound(std::string_view port_name) const { return block(port_name).bound; }
   /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
   bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
   /// The error components of SampleView::covariance: of a transform's i-th input, of a measurement's channel (0). Empty

@@ -15,7 +15,7 @@ struct DerivedDeclaration {
   std::string kind;  // of what it yields: "position"
   int stored_size = 0;
   std::vector<NamedUnit> error;  // error components, those of the kind
-  std::vector<int> reads;        // ports with a Jacobian block, by index in the spec's order; only bound ones
+  std::vector<int> read_ports;        // ports with a Jacobian block, by index in the spec's order; only bound ones
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
 };
@@ -27,7 +27,7 @@ class DerivedBlock {
   virtual ~DerivedBlock() = default;
 
   virtual const DerivedDeclaration& declaration() const noexcept = 0;
-  /// value: stored_size. J: per entry of `reads`, dof × dof(port), zeroed by the kernel; null when no Jacobian is
+  /// value: stored_size. J: per entry of `read_ports`, dof × dof(port), zeroed by the kernel; null when no Jacobian is
   /// wanted, and then the value must be the same to the bit.
   virtual Result evaluate(const double* const* x, const Context& context, double* value, const MatrixView* J) const = 0;
 };

@@ -36,7 +36,7 @@ struct ResidualGroup {
 
 struct MeasurementDeclaration {
   int max_rows = 0;
-  std::vector<int> reads;  // ports with a Jacobian block, by index in the spec's order; only bound ones
+  std::vector<int> read_ports;  // ports with a Jacobian block, by index in the spec's order; only bound ones
   std::vector<ResidualGroup> groups;
   std::size_t memory_bytes = 0;  // in the arena; zeroed, then initialised by start()
 };
@@ -45,7 +45,7 @@ struct MeasurementDeclaration {
 struct Linearization {
   int rows = 0;                      // set by the model: 0…max_rows; 0: none of this sample's
   double* residual = nullptr;        // r = z ⊟ h(x̂), max_rows
-  const MatrixView* H = nullptr;     // per entry of `reads`: ∂h/∂δ of that port, max_rows × dof(port)
+  const MatrixView* H = nullptr;     // per entry of `read_ports`: ∂h/∂δ of that port, max_rows × dof(port)
   MatrixView R;                      // nominal noise covariance, max_rows × max_rows, both triangles
   std::int64_t* row_keys = nullptr;  // who a row is (a satellite); 0…rows−1 on entry
 };

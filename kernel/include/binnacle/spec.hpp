@@ -156,7 +156,7 @@ struct PortSpec {
   std::string name;
   std::string kind;
   PortAccess access = PortAccess::reads;
-  bool optional = false;
+  bool is_optional = false;
   std::string text;
   std::string former_name = {};  // "" = it was never renamed
 
@@ -191,8 +191,8 @@ struct FieldSpec {
   std::string name;
   std::string unit;
   FieldKind kind = FieldKind::level;
-  bool optional = false;
-  bool per_row = false;  // one value per row of the sample instead of one per sample
+  bool is_optional = false;
+  bool is_per_row = false;  // one value per row of the sample instead of one per sample
   std::string text;
 };
 
@@ -201,7 +201,7 @@ struct FieldSpec {
 struct ChannelPort {
   std::string name;
   std::vector<FieldSpec> fields;
-  bool optional = false;
+  bool is_optional = false;
   std::string text;
 };
 

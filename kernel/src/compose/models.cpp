@@ -86,7 +86,7 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
           binding.components = info.components;
         }
       }
-    } else if (!port.optional) {
+    } else if (!port.is_optional) {
       std::vector<std::string> fitting;
       for (const auto& info : build.values)
         if (kind_matches(port.kind, info.kind)) fitting.push_back(info.name);
@@ -143,7 +143,7 @@ void Composer::find_input(FilterBuild& build) {
   build.plan.input_fields = channel.epoch_fields;
   build.plan.input_used.assign(as_size(channel.epoch_fields), 0);
   for (const auto& field : channel.declaration.fields)
-    if (!field.per_row) build.plan.input_kinds.push_back(field.kind);
+    if (!field.is_per_row) build.plan.input_kinds.push_back(field.kind);
 }
 
 bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
@@ -151,7 +151,7 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
   if (type.spec.driving_rates.empty()) return true;
   if (build.plan.input_channel < 0) {
     const bool all_optional = std::all_of(type.spec.driving_rates.begin(), type.spec.driving_rates.end(),
-                                          [](const FieldSpec& field) { return field.optional; });
+                                          [](const FieldSpec& field) { return field.is_optional; });
     if (!all_optional && build.is_complete)
       error("B021", pointer, "'" + type.spec.type + "' needs the rates of the filter's driving input, which has none");
     return all_optional;
@@ -162,7 +162,7 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
     int index = -1;
     for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
       if (channel.declaration.fields[i].name == wanted.name) index = channel.position[i];
-    if (index < 0 && !wanted.optional)
+    if (index < 0 && !wanted.is_optional)
       error("B021", pointer,
             "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + type.spec.type +
                 "' needs");
@@ -228,7 +228,7 @@ void Composer::add_derived(FilterBuild& build) {
       const int dof = plan.dof();
       plan.value = build.reserve(as_size(declaration.stored_size));
       std::set<int> blocks;
-      const bool reads_are_bound = std::all_of(declaration.reads.begin(), declaration.reads.end(), [&](int port) {
+      const bool reads_are_bound = std::all_of(declaration.read_ports.begin(), declaration.read_ports.end(), [&](int port) {
         return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
       });
       if (!reads_are_bound) {
@@ -237,7 +237,7 @@ void Composer::add_derived(FilterBuild& build) {
         build.is_complete = false;
         continue;
       }
-      for (const int port : declaration.reads) {
+      for (const int port : declaration.read_ports) {
         const int value = plan.ports[as_size(port)];
         const int columns = build.values[as_size(value)].dof;
         plan.reads.push_back({value, build.reserve(as_size(dof * columns))});
@@ -519,7 +519,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
     error("B030", pointer, "'" + type->spec.type + "' declares no rows");
     return false;
   }
-  for (const int port : declaration.reads) {
+  for (const int port : declaration.read_ports) {
     if (port < 0 || as_size(port) >= part.ports.size() || part.ports[as_size(port)] < 0) {
       error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
       return false;

@@ -12,10 +12,10 @@ namespace {
 
 std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
-Outcome outcome_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::unsupported: return Outcome::unsupported;
-    case Verdict::invalid: return Outcome::invalid;
+Outcome outcome_of(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::unsupported: return Outcome::unsupported;
+    case Refusal::invalid: return Outcome::invalid;
     default: return Outcome::rejected;
   }
 }
@@ -161,7 +161,7 @@ void Engine::process(int measurement, const SampleView& sample) {
   if (result) result = linearize(plan, sample, m);
   if (!result) {
     roll_back_models();
-    conclude(measurement, sample.t, outcome_of(result.verdict), result.reason, 0, 0, false, nullptr);
+    conclude(measurement, sample.t, outcome_of(result.refusal), result.reason, 0, 0, false, nullptr);
     return;
   }
   project(plan.columns, P(), plan_.n, m, work_);

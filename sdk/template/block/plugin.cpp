@@ -68,7 +68,7 @@ class Compass final : public MeasurementModel {
 
   explicit Compass(const Binding& b) : sigma_(b.parameters().number("sigma")) {
     declaration_.max_rows = 1;
-    declaration_.reads = {0};
+    declaration_.read_ports = {0};
     declaration_.groups = {{"heading", 0, 1, "rad", 0}};
   }
 

@@ -22,13 +22,13 @@ class Difference final : public DerivedBlock {
   }
 
   explicit Difference(const Binding& b) : offset_(b.parameters().vector("offset")) {
-    const PortBinding& from = b.port("from");
-    const PortBinding& to = b.port("to");
+    const PortBinding& from = b.block("from");
+    const PortBinding& to = b.block("to");
     if (from.kind != to.kind) throw ComponentError("'from' is a " + from.kind + ", 'to' a " + to.kind, "/blocks/from");
     declaration_.kind = to.kind;
     declaration_.stored_size = to.stored_size;
     declaration_.error = to.components;
-    declaration_.reads = {0, 1};
+    declaration_.read_ports = {0, 1};
   }
 
   const DerivedDeclaration& declaration() const noexcept override { return declaration_; }

@@ -26,7 +26,7 @@ class Range final : public MeasurementModel {
   explicit Range(const Binding& b)
       : beacon_(b.parameters().vector("beacon")), variance_(std::pow(b.parameters().number("sigma"), 2)) {
     declaration_.max_rows = 1;
-    declaration_.reads = {0};  // H has one block, with respect to the first port
+    declaration_.read_ports = {0};  // H has one block, with respect to the first port
     declaration_.groups = {{"range", 0, 1, "m", -1}};
   }
 

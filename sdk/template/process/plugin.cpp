@@ -19,7 +19,7 @@ class RandomWalk final : public ProcessModel {
     return spec;
   }
 
-  explicit RandomWalk(const Binding& b) : size_(b.port("x").dof), q_(b.parameters().number("q")) {
+  explicit RandomWalk(const Binding& b) : size_(b.block("x").dof), q_(b.parameters().number("q")) {
     declaration_.noise = {{0, 0, Structure::diagonal}};
   }
 

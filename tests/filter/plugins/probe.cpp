@@ -76,7 +76,7 @@ class Breaking : public ProcessModel {
   explicit Breaking(const Binding& binding)
       : after_(binding.parameters().time("after")),
         politely_(binding.parameters().boolean("politely")),
-        dof_(binding.port("x").dof) {
+        dof_(binding.block("x").dof) {
     binding.tell("breaks after", seconds(after_), "s");
     if (!politely_) binding.note("it breaks without a word");
   }
@@ -109,7 +109,7 @@ class Picky : public MeasurementModel {
   }
   explicit Picky(const Binding&) {
     declaration_.max_rows = 1;
-    declaration_.reads = {0};
+    declaration_.read_ports = {0};
     declaration_.memory_bytes = sizeof(double);
   }
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
@@ -144,7 +144,7 @@ class Rows : public MeasurementModel {
   }
   explicit Rows(const Binding&) {
     declaration_.max_rows = 8;
-    declaration_.reads = {0};
+    declaration_.read_ports = {0};
     declaration_.groups = {{"seen", 0, 0, "m", -1}};
   }
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }

@@ -66,7 +66,7 @@ class Measurement : public MeasurementModel {
   }
   explicit Measurement(const Binding& binding) : sigma(binding.parameters().number("sigma")) {
     declared.max_rows = 1;
-    declared.reads = {0};
+    declared.read_ports = {0};
     declared.groups = {{"range", 0, 1, "m", -1}};
   }
   const MeasurementDeclaration& declaration() const noexcept override { return declared; }
@@ -104,7 +104,7 @@ class Derived : public DerivedBlock {
     declared.kind = "vector:2:m";
     declared.stored_size = 2;
     declared.error = {{"x", "m"}, {"y", "m"}};
-    declared.reads = {0};
+    declared.read_ports = {0};
   }
   const DerivedDeclaration& declaration() const noexcept override { return declared; }
   Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
