@@ -38,7 +38,7 @@ Integrated::Integrated(const Binding& binding) : dof_(binding.block("x").dof) {
   declaration_.is_time_invariant = true;
 }
 
-void Integrated::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void Integrated::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   std::fill_n(out.dynamics[0], dof_, 1.0);
   if (!density_.empty()) std::copy(density_.begin(), density_.end(), out.noise[0]);
 }

@@ -97,7 +97,8 @@ LinearMeasurement::LinearMeasurement(const Binding& binding)
 }
 
 Result LinearMeasurement::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                                    const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                                    const legacy::Context& /*context*/, std::byte* /*memory*/,
+                                    legacy::Linearization& out) const {
   const int rows = static_cast<int>(H_.rows());
   const auto z = vector_at(sample.fields, rows);
   if (!z.allFinite()) return Result::invalid("a measured value is not finite");

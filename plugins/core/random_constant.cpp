@@ -26,7 +26,7 @@ RandomConstant::RandomConstant(const Binding& binding) : stored_size_(binding.bl
 }
 
 Result RandomConstant::propagate(const Step& /*step*/, const double* const* x, std::byte* /*memory*/,
-                                 const ProcessOutput& out) const {
+                                 const legacy::ProcessOutput& out) const {
   std::copy_n(x[0], stored_size_, out.x_plus[0]);
   return Result::ok();
 }

@@ -41,7 +41,7 @@ LeverArm::LeverArm(const Binding& binding)
   if (has_arm_port_) declaration_.read_ports.push_back(arm_block_port);
 }
 
-Result LeverArm::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result LeverArm::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                           const MatrixView* J) const {
   const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
   Eigen::Vector3d lever_arm = lever_arm_;

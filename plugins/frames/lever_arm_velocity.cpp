@@ -70,7 +70,7 @@ LeverArmVelocity::LeverArmVelocity(const Binding& binding) : lever_arm_(fixed_le
     if (binding.ports()[static_cast<std::size_t>(port)].bound) declaration_.read_ports.push_back(port);
 }
 
-Result LeverArmVelocity::evaluate(const double* const* x, const Context& context, double* value,
+Result LeverArmVelocity::evaluate(const double* const* x, const legacy::Context& context, double* value,
                                   const MatrixView* J) const {
   if (!context.driving_rates) return Result::unsupported("the angular rate is not known before the first input sample");
   const Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));

@@ -39,7 +39,7 @@ MountedAttitude::MountedAttitude(const Binding& binding)
   if (has_misalignment_) declaration_.read_ports.push_back(misalignment_port);
 }
 
-Result MountedAttitude::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result MountedAttitude::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                                  const MatrixView* J) const {
   using namespace strapdown;
   const Eigen::Vector4d nominal = quaternion_product(vector_at<4>(x[attitude_port]), q_bv_);

@@ -38,7 +38,8 @@ PositionFix::PositionFix(const Binding& binding) : sigma_(binding, first_sigma) 
 }
 
 Result PositionFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                              const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                              const legacy::Context& /*context*/, std::byte* /*memory*/,
+                              legacy::Linearization& out) const {
   const auto z = vector_at<3>(sample.fields);
   if (!z.allFinite()) return Result::invalid("latitude, longitude or height is not finite");
   if (std::abs(z[lat]) > std::numbers::pi / 2) return Result::invalid("the latitude lies beyond a pole");

@@ -76,7 +76,7 @@ PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("infla
 }
 
 Result PvFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                        const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                        const legacy::Context& /*context*/, std::byte* /*memory*/, legacy::Linearization& out) const {
   const auto z = vector_at<6>(sample.fields);
   if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
   if (!sample.covariance) return Result::unsupported("the sample comes without a covariance");

@@ -33,7 +33,8 @@ VelocityFix::VelocityFix(const Binding& binding) : sigma_(binding, first_sigma) 
 }
 
 Result VelocityFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                              const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                              const legacy::Context& /*context*/, std::byte* /*memory*/,
+                              legacy::Linearization& out) const {
   const auto z = vector_at<3>(sample.fields);
   if (!z.allFinite()) return Result::invalid("a velocity is not finite");
   if (const Result result = sigma_.write_variances(sample.fields, out.R); !result) return result;

@@ -43,7 +43,7 @@ GeodeticPosition::GeodeticPosition(const Binding& /*binding*/) {
   declaration_.read_ports = {0};
 }
 
-Result GeodeticPosition::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result GeodeticPosition::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                                   const MatrixView* J) const {
   if (!is_near_earth(x[0])) return Result::unsupported(not_near);
   const gnss::AntennaPlace place = gnss::place_from_ecef(vector_at<3>(x[0]));
@@ -72,7 +72,7 @@ NedVelocity::NedVelocity(const Binding& /*binding*/) {
   declaration_.read_ports = {0, 1};
 }
 
-Result NedVelocity::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result NedVelocity::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                              const MatrixView* J) const {
   if (!is_near_earth(x[0])) return Result::unsupported(not_near);
   const gnss::AntennaPlace place = gnss::place_from_ecef(vector_at<3>(x[0]));

@@ -32,7 +32,8 @@ Pseudorange::Pseudorange(const Binding& binding)
 }
 
 Result Pseudorange::linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                              const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                              const legacy::Context& /*context*/, std::byte* /*memory*/,
+                              legacy::Linearization& out) const {
   gnss::AntennaPlace place;
   Sightings sightings;
   int count = 0;

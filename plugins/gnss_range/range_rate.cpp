@@ -29,7 +29,8 @@ RangeRateModel::RangeRateModel(const Binding& binding)
 }
 
 Result RangeRateModel::linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                                 const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                                 const legacy::Context& /*context*/, std::byte* /*memory*/,
+                                 legacy::Linearization& out) const {
   gnss::AntennaPlace place;
   Sightings sightings;
   int count = 0;

@@ -65,7 +65,7 @@ Nhc::Nhc(const Binding& binding)
 }
 
 Result Nhc::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                      const Context& context, std::byte* memory, Linearization& out) const {
+                      const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const {
   if (const Result result = spacing_.pass(sample.t, memory); !result) return result;
   const auto value = velocity_.at(x);
   const double speed = value.v_v.norm();

@@ -55,7 +55,8 @@ Odometer::Odometer(const Binding& binding)
 }
 
 Result Odometer::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                           const legacy::Context& /*context*/, std::byte* /*memory*/,
+                           legacy::Linearization& out) const {
   const double speed = sample.fields[0];
   if (!std::isfinite(speed)) return Result::invalid("the speed is not finite");
   if (std::abs(speed) < min_speed_) return Result::unsupported("slower than 'min_speed'");

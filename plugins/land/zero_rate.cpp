@@ -56,7 +56,7 @@ ZeroRate::ZeroRate(const Binding& binding)
 }
 
 Result ZeroRate::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const Context& /*context*/, std::byte* memory, Linearization& out) const {
+                           const legacy::Context& /*context*/, std::byte* memory, legacy::Linearization& out) const {
   const Vector3d measured = vector_at<3>(sample.fields);
   if (!measured.allFinite()) return Result::invalid("an angular rate is not finite");
   if (const Result result = spacing_.pass(sample.t, memory); !result) return result;

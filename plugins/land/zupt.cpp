@@ -29,7 +29,7 @@ Zupt::Zupt(const Binding& binding) : spacing_(binding), variance_(binding.parame
 }
 
 Result Zupt::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                       const Context& /*context*/, std::byte* memory, Linearization& out) const {
+                       const legacy::Context& /*context*/, std::byte* memory, legacy::Linearization& out) const {
   if (const Result result = spacing_.pass(sample.t, memory); !result) return result;
   out.rows = 3;
   vector_at<3>(out.residual) = -vector_at<3>(x[0]);

@@ -92,7 +92,7 @@ Gyro::Gyro(const Binding& binding) {
 }
 
 Result Gyro::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                       const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                       const legacy::Context& /*context*/, std::byte* /*memory*/, legacy::Linearization& out) const {
   out.rows = static_cast<int>(axes_.size());
   for (int row = 0; row < out.rows; ++row) {
     const Axis& axis = axes_[static_cast<std::size_t>(row)];

@@ -43,7 +43,7 @@ Motion::Motion(const Binding& binding) {
   declaration_.is_time_invariant = true;
 }
 
-void Motion::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void Motion::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   for (std::size_t k = 0; k < declaration_.transition.size(); ++k)
     out.dynamics[k][0] = F_(declaration_.transition[k].to, declaration_.transition[k].from);
   out.noise[0][0] = density_;

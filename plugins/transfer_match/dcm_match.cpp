@@ -55,7 +55,8 @@ DcmMatch::DcmMatch(const Binding& binding)
 }
 
 Result DcmMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                           const legacy::Context& /*context*/, std::byte* /*memory*/,
+                           legacy::Linearization& out) const {
   const auto angles = vector_at<3>(sample.fields);
   if (!angles.allFinite()) return Result::invalid("an angle of the master is not finite");
   const Matrix3d C_M = dcm_from_quaternion(strapdown::quaternion_from_euler(angles));

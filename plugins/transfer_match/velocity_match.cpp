@@ -92,7 +92,8 @@ Vector3d VelocityMatch::earth_rate(const SampleView& sample) const {
 }
 
 Result VelocityMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                                const Context& context, std::byte* /*memory*/, Linearization& out) const {
+                                const legacy::Context& context, std::byte* /*memory*/,
+                                legacy::Linearization& out) const {
   const double* z = sample.fields;
   for (int row = 0; row < rows_; ++row) {
     if (!std::isfinite(z[row])) return Result::invalid("a velocity of the master is not finite");

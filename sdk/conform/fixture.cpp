@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "allocations.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle::conform {
@@ -241,13 +242,13 @@ Propagated ProcessFixture::call(const PortStates& ports, const ProcessInput& inp
   if (declared.has_closed_form) {
     trial_.stage("propagate");
     out.answer.result = metered([&] {
-      return part.model->propagate(step, x.data(), memory,
-                                   ProcessOutput{x_at.data(), transition_at.data(), noise_at.data()});
+      return legacy::propagate(*part.model, step, x.data(), memory,
+                               legacy::ProcessOutput{x_at.data(), transition_at.data(), noise_at.data()});
     });
   } else {
     trial_.stage("linearized");
     metered([&] {
-      part.model->linearized(x.data(), ContinuousOutput{transition_at.data(), noise_at.data()});
+      legacy::linearized(*part.model, x.data(), legacy::ContinuousOutput{transition_at.data(), noise_at.data()});
       return 0;
     });
     x_plus.assign(ports.size(), Guarded(0, fill));
@@ -332,23 +333,23 @@ Measured MeasurementFixture::call(const PortStates& ports, const std::vector<dou
     H.emplace_back(rows * static_cast<std::size_t>(dof), 0.0);
   }
   for (std::size_t i = 0; i < H.size(); ++i)
-    views.push_back(
-        {H[i].data(), declared.max_rows, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), declared.max_rows});
+    views.push_back({H[i].data(), declared.max_rows, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(),
+                     declared.max_rows});
   std::vector<std::int64_t> keys(rows);
   for (std::size_t i = 0; i < rows; ++i) keys[i] = static_cast<std::int64_t>(i);
   std::vector<SampleView> auxiliary(part.type->spec.inputs.size());
-  const Context context{sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()};
-  Linearization at{0,
-                   residual.data(),
-                   views.data(),
-                   {R.data(), declared.max_rows, declared.max_rows, declared.max_rows},
-                   keys.data()};
+  const legacy::Context context{sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()};
+  legacy::Linearization at{0,
+                           residual.data(),
+                           views.data(),
+                           {R.data(), declared.max_rows, declared.max_rows, declared.max_rows},
+                           keys.data()};
   const auto x = pointers(ports);
 
   Measured out;
   trial_.stage("linearize");
   out.answer.result =
-      metered([&] { return part.model->linearize(sample, auxiliary.data(), x.data(), context, memory, at); });
+      metered([&] { return legacy::linearize(*part.model, sample, auxiliary.data(), x.data(), context, memory, at); });
   trial_.stage("");
   std::string& damage = out.answer.damage;
   out.answer.memory.assign(memory, memory + declared.memory_bytes);
@@ -452,12 +453,13 @@ DerivedFixture::Evaluated DerivedFixture::call(const PortStates& ports, double f
   for (std::size_t i = 0; i < J.size(); ++i)
     views.push_back(
         {J[i].data(), declared.dof(), ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), declared.dof()});
-  const Context context{2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()};
+  const legacy::Context context{2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()};
   const auto x = pointers(ports);
   Evaluated out;
   trial_.stage("evaluate");
-  out.answer.result = metered(
-      [&] { return part.model->evaluate(x.data(), context, value.data(), with_jacobian ? views.data() : nullptr); });
+  out.answer.result = metered([&] {
+    return legacy::evaluate(*part.model, x.data(), context, value.data(), with_jacobian ? views.data() : nullptr);
+  });
   trial_.stage("");
   if (!out.answer.result) return out;
   examine(value, "value", fill, out.answer.damage);

@@ -443,7 +443,7 @@ TEST_CASE("blocks, and an ECEF antenna as geodetic blocks") {
   const std::vector<double> r = scene.ecef(), v = scene.ecef_velocity();
   const double* x[] = {r.data(), v.data()};
   double value[3];
-  REQUIRE(model->evaluate(x, {}, value, nullptr));
+  REQUIRE(legacy::evaluate(*model, x, {}, value, nullptr));
   CHECK((vector_at<3>(static_cast<const double*>(value)) - scene.v_n).norm() < 1e-9);
 }
 

@@ -142,7 +142,7 @@ TEST_CASE("integrated: with the process of its rate it has the cross terms of Qd
   const auto integral = bind<Integrated>({{{"q", 0.3}}, {{"x", &angle}, {"rate", &drift}}, {}});
   const auto process = bind<GaussMarkov>({{{"tau", 2.0}, {"sigma", 0.5}}, {{"x", &drift}}, {}});
   REQUIRE_FALSE(integral->declaration().has_closed_form);
-  REQUIRE(integral->propagate(step_of(1), nullptr, nullptr, {}).refusal == Refusal::failed);
+  REQUIRE(legacy::propagate(*integral, step_of(1), nullptr, nullptr, {}).refusal == Refusal::failed);
   Complaints out;
   const auto [F1, Q1] = ProcessCheck(*integral, Integrated::spec()).continuous({{&angle, {1.0}}, {&drift, {2.0}}}, out);
   const auto [F2, Q2] = ProcessCheck(*process, GaussMarkov::spec()).continuous({{&drift, {2.0}}}, out);

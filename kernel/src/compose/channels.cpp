@@ -56,7 +56,8 @@ void Composer::add_sources() {
                                                pointer, {"type"}, {}, diagnostics_);
       if (error_count() == errors)
         guarded(pointer, [&](Findings& findings) {
-          source.source = source.type->create_source(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+          source.source = source.type->create_source(
+              Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
           add_channels(name, pointer, source.source->channels(), source.channels);
         });
     }
@@ -255,13 +256,14 @@ void Composer::add_transforms() {
         is_bound = read_inputs(transform.type->spec, pointer, transform.inputs);
         if (error_count() == errors && is_bound) {
           std::vector<PortBinding> inputs;
-          std::vector<bool> fields_bound;
+          std::vector<bool> fields_bound, inputs_bound;
           std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
           for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
             PortBinding input;
             input.name = transform.type->spec.inputs[i].name;
             input.bound = transform.inputs[i].channel >= 0;
             inputs.push_back(input);
+            inputs_bound.push_back(input.bound);
             if (input.bound)
               covariances[i] =
                   plan_->channels[static_cast<std::size_t>(transform.inputs[i].channel)].declaration.covariance;
@@ -273,7 +275,9 @@ void Composer::add_transforms() {
           }
           guarded(pointer, [&](Findings& findings) {
             transform.transform = transform.type->create_transform(
-                Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances).telling(findings));
+                Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances)
+                    .of(transform.type->spec, inputs_bound)
+                    .telling(findings));
             add_channels(name, pointer, transform.transform->channels(), transform.channels);
           });
         }
@@ -309,7 +313,8 @@ void Composer::add_sinks() {
     const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
     if (error_count() != errors || !is_bound) continue;
     guarded(pointer, [&](Findings& findings) {
-      sink.sink = sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+      sink.sink =
+          sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
     });
     if (sink.sink) plan_->sinks.push_back(std::move(sink));
   }

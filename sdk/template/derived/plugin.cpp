@@ -5,7 +5,7 @@
 using namespace binnacle;
 
 /// y = to − from + offset, so J = I with respect to `to` and −I with respect to `from`.
-class Difference final : public DerivedBlock {
+class Difference final : public legacy::DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -33,7 +33,7 @@ class Difference final : public DerivedBlock {
 
   const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
 
-  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
     const int size = declaration_.stored_size;
     vector_at(value, size) = vector_at(x[1], size) - vector_at(x[0], size) + offset_;
     if (J) {
