@@ -128,9 +128,10 @@ void tell_warnings(const Composition& composition, const RunResult& result) {
 
 int run_config(const Options& options) {
   const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
-  watch_signals();
+  watch_signals("nothing was written");
   auto outputs = std::make_unique<Outputs>(options, *composition);
   const RunResult result = watched_run(composition, options, outputs->recorder.get());
+  stand_down();
   if (interrupted_by() != 0) {
     outputs.reset();
     print_error("interrupted; nothing was written");

@@ -6,7 +6,7 @@
 #include "binnacle/session.hpp"
 #include "filter/residual_rows.hpp"
 #include "run/evaluator.hpp"
-#include "run/guard_sink.hpp"
+#include "run/guard_call.hpp"
 #include "run/outputs.hpp"
 #include "run/runtime.hpp"
 
@@ -215,7 +215,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   if (records)
     recorder = std::make_unique<Recorder>(runtime, evaluator, *options.observer, composition->record_every());
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) guard_sink(plan, sink, "open", [&] { sink.sink->open(); });
+    for (const auto& sink : plan.sinks) guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.sink->open(); });
 
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     if (recorder) recorder->after_instant();
@@ -226,7 +226,8 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   evaluator.finish();
   if (records) evaluator.tell_errors(*options.observer);
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) guard_sink(plan, sink, "close", [&] { sink.sink->close(); });
+    for (const auto& sink : plan.sinks)
+      guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.sink->close(); });
 
   nlohmann::ordered_json filters = nlohmann::ordered_json::object();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
