@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 Corrector::Corrector(const FilterPlan& plan, ModelCalls& calls)

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 namespace {
@@ -58,15 +56,17 @@ Result evaluate_derived(const FilterPlan& plan, const std::vector<int>& values, 
   for (const int index : values) {
     const auto& derived = derived_of(plan, index);
     const int dof = derived.dof();
-    for (std::size_t r = 0; r < derived.reads.size(); ++r) {
-      const auto& read = derived.reads[r];
+    std::fill_n(workspace.jacobians.begin(), derived.ports.size(), MatrixView{});
+    for (const auto& read : derived.reads) {
       const int columns = dof_of(plan, read.value);
-      workspace.jacobians[r] = MatrixView{workspace.at(read.jacobian), dof, columns, dof};
+      workspace.jacobians[as_size(read.port)] = MatrixView{workspace.at(read.jacobian), dof, columns, dof};
       std::fill_n(workspace.at(read.jacobian), dof * columns, 0.0);
     }
+    DerivedOutput out{{workspace.at(derived.value), derived.derived->declaration().stored_size},
+                      PortJacobians(workspace.jacobians.data())};
     const Result result =
-        calls.evaluate(derived, workspace.values_of(derived.ports), workspace.context(now, derived.driving_rates),
-                       workspace.at(derived.value), workspace.jacobians.data());
+        calls.evaluate(derived, {workspace.values_of(derived.ports), workspace.driving(now, derived.driving_rates)},
+                       out);
     if (!result) return result;
     chain(plan, derived, workspace);
   }

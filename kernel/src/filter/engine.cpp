@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 namespace {
@@ -13,10 +11,10 @@ namespace {
 constexpr const char* broken_reason = "the filter is broken";
 constexpr const char* thrown_reason = "a plugin threw";
 
-Outcome outcome_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::unsupported: return Outcome::unsupported;
-    case Verdict::invalid: return Outcome::invalid;
+Outcome outcome_of(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::unsupported: return Outcome::unsupported;
+    case Refusal::invalid: return Outcome::invalid;
     default: return Outcome::rejected;
   }
 }
@@ -189,7 +187,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
   const Result seen = estimator_.linearize(plan, sample, moment());
   if (!seen) {
     estimator_.roll_back(plan);
-    refuse(outcome_of(seen.verdict), seen.reason);
+    refuse(outcome_of(seen.refusal), seen.reason);
     return;
   }
   const double dt = tally.last_accepted == no_time ? 0.0 : seconds(sample.t - tally.last_accepted);

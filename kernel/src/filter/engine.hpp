@@ -50,6 +50,8 @@ class Engine final : private TimeLine::Work {
   bool has_heard(const LatestPlan& initial) const { return latest_of(initial).available; }
   /// "'velocity.north' has the variance -1 at 12.3 s"; empty while the filter is well.
   const char* diagnosis() const { return ledger_.diagnosis(); }
+  /// Which plugin's call is under way, for other threads.
+  const CallSite& call_site() const { return calls_.site(); }
   /// Places without a count are free.
   std::span<const LeftOut> left_out(int measurement) const { return ledger_.left_out(measurement); }
   const Tally& tally(int measurement) const { return ledger_.tally(measurement); }

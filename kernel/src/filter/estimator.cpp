@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "filter/fields.hpp"
-#include "filter/index.hpp"
 #include "filter/joseph.hpp"
 
 namespace binnacle::filter {

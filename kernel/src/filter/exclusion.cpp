@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "filter/index.hpp"
+#include "filter/layout.hpp"
 
 namespace binnacle::filter {
 

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "filter/joseph.hpp"
 
-#include "filter/index.hpp"
 #include "filter/layout.hpp"
 
 namespace binnacle::filter {

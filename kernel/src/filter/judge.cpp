@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "filter/index.hpp"
 #include "filter/noise_check.hpp"
 
 namespace binnacle::filter {

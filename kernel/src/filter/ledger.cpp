@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 void Ledger::reset() {

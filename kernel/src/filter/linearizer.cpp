@@ -5,7 +5,6 @@
 
 #include "filter/derived_values.hpp"
 #include "filter/fields.hpp"
-#include "filter/index.hpp"
 #include "filter/noise_check.hpp"
 
 namespace binnacle::filter {
@@ -116,20 +115,20 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   read_auxiliary(part);
 
   const int most = part.model->declaration().max_rows, m_max = rows.work.m_max;
-  for (std::size_t k = 0; k < part.reads.size(); ++k) {
-    const auto& read = part.reads[k];
-    workspace_.jacobians[k] = MatrixView{workspace_.at(read.jacobian), most, read.dof, most};
+  std::fill_n(workspace_.jacobians.begin(), part.ports.size(), MatrixView{});
+  for (const auto& read : part.reads) {
+    workspace_.jacobians[as_size(read.port)] = MatrixView{workspace_.at(read.jacobian), most, read.dof, most};
     std::fill_n(workspace_.at(read.jacobian), most * read.dof, 0.0);
   }
   for (int i = 0; i < most; ++i) rows.keys[as_size(rows.m + i)] = i;
 
-  Linearization out;
-  out.residual = rows.work.r + rows.m;
+  MeasurementOutput out;
+  out.residual = {rows.work.r + rows.m, most};
   out.H = workspace_.jacobians.data();
   out.R = MatrixView{rows.R_nominal.data() + rows.m + rows.m * m_max, most, most, m_max};
-  out.row_keys = rows.keys.data() + rows.m;
+  out.row_keys = {rows.keys.data() + rows.m, as_size(most)};
   const Result result = calls_.linearize(part, seen, auxiliary_.data(), workspace_.values_of(part.ports),
-                                         workspace_.context(now, part.driving_rates), out);
+                                         workspace_.driving(now, part.driving_rates), out);
   if (!result) return result;
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
   for (int j = 0; j < most; ++j)  // what a model wrote beyond its rows is not the next part's

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 void LogRecords::allocate() {

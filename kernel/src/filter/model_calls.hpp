@@ -8,6 +8,7 @@
 #include <string>
 #include <type_traits>
 
+#include "binnacle/plugin_call.hpp"
 #include "filter/plan.hpp"
 
 namespace binnacle::filter {
@@ -27,13 +28,21 @@ class ModelCalls {
   explicit ModelCalls(std::byte* arena) : arena_(arena) {}
 
   /// The time of the sample or step at work; no_time: none yet.
-  void set_time(Time t) { t_ = t; }
+  void set_time(Time t) {
+    t_ = t;
+    site_.set_time(t);
+  }
   Time time() const { return t_; }
   bool is_under_way() const { return call_ != nullptr; }
   /// call_text() of the call under way.
   std::string text() const { return call_text(*type_, *pointer_, call_, t_); }
   /// Forgets a call that threw.
-  void leave() { call_ = nullptr; }
+  void leave() {
+    call_ = nullptr;
+    site_.leave();
+  }
+  /// The call under way, for other threads and for a handler at exit.
+  const CallSite& site() const { return site_; }
 
   void start(const ProcessPlan& plan) {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
@@ -61,21 +70,20 @@ class ModelCalls {
     return during(plan.type, plan.pointer, "reset_jacobian", [&] { return plan.block->reset_jacobian(delta, G); });
   }
 
-  Result evaluate(const DerivedPlan& plan, const double* const* x, const Context& u, double* value,
-                  const MatrixView* J) {
-    return during(plan.type, plan.pointer, "evaluate", [&] { return plan.derived->evaluate(x, u, value, J); });
+  Result evaluate(const DerivedPlan& plan, const DerivedInput& in, DerivedOutput& out) {
+    return during(plan.type, plan.pointer, "evaluate", [&] { return plan.derived->evaluate(in, out); });
   }
-  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, const ProcessOutput& out) {
-    return during(plan.type, plan.pointer, "propagate",
-                  [&] { return plan.model->propagate(step, x, memory_of(plan.memory), out); });
+  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, ProcessOutput& out) {
+    const ProcessInput in{step, x, {}, memory_of(plan.memory), {}};
+    return during(plan.type, plan.pointer, "propagate", [&] { return plan.model->propagate(in, out); });
   }
-  void linearized(const ProcessPlan& plan, const double* const* x, const ContinuousOutput& out) {
-    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(x, out); });
+  void linearized(const ProcessPlan& plan, const double* const* x, ContinuousOutput& out) {
+    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(ContinuousInput{x}, out); });
   }
   Result linearize(const PartPlan& plan, const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& u, Linearization& out) {
-    return during(plan.type, plan.pointer, "linearize",
-                  [&] { return plan.model->linearize(sample, auxiliary, x, u, memory_of(plan.memory), out); });
+                   const Driving& u, MeasurementOutput& out) {
+    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), {}, {}};
+    return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
   }
   void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {
     during(plan.noise_type, plan.pointer, "estimate",
@@ -94,6 +102,7 @@ class ModelCalls {
     type_ = &type;
     pointer_ = &pointer;
     call_ = name;
+    site_.enter(nullptr, type, name);
     if constexpr (std::is_void_v<std::invoke_result_t<Call&>>) {
       call();
       leave();
@@ -110,6 +119,7 @@ class ModelCalls {
   const std::string* pointer_ = nullptr;
   const char* call_ = nullptr;
   Time t_ = no_time;
+  CallSite site_;
 };
 
 }  // namespace binnacle::filter

@@ -8,7 +8,6 @@
 
 #include "filter/derived_values.hpp"
 #include "filter/fields.hpp"
-#include "filter/index.hpp"
 
 namespace binnacle::filter {
 
@@ -109,8 +108,8 @@ void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSam
       discretized_for_[as_size(process.van_loan_group)] = std::numeric_limits<double>::quiet_NaN();
       linearize(process);
     } else {
-      const ProcessOutput out{outputs_of(p), workspace_.phi.data() + process.first_transition,
-                              workspace_.noise.data() + process.first_noise};
+      ProcessOutput out{outputs_of(p), workspace_.phi.data() + process.first_transition,
+                        workspace_.noise.data() + process.first_noise};
       const Result result =
           calls_.propagate(process, step_for(process, now.t, t1, samples), workspace_.values_of(process.ports), out);
       if (!result) throw Stop("process '" + process.name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
@@ -129,9 +128,8 @@ void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSam
 
 /// The discretization of what is not finite would not end.
 void Propagator::linearize(const ProcessPlan& process) {
-  calls_.linearized(process, workspace_.values_of(process.ports),
-                    ContinuousOutput{workspace_.phi.data() + process.first_transition,
-                                     workspace_.noise.data() + process.first_noise});
+  ContinuousOutput out{workspace_.phi.data() + process.first_transition, workspace_.noise.data() + process.first_noise};
+  calls_.linearized(process, workspace_.values_of(process.ports), out);
   const auto& transition = process.model->declaration().transition;
   for (std::size_t k = 0; k < transition.size(); ++k)
     if (!is_finite(workspace_.phi[as_size(process.first_transition) + k],

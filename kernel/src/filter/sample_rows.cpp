@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 SampleRows::SampleRows(const FilterPlan& plan) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "filter/index.hpp"
 #include "filter/model_calls.hpp"
 
 namespace binnacle::filter {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "filter/index.hpp"
-
 namespace binnacle::filter {
 
 Workspace::Workspace(const FilterPlan& plan, double* x) : doubles_(plan.workspace) {
@@ -13,18 +11,17 @@ Workspace::Workspace(const FilterPlan& plan, double* x) : doubles_(plan.workspac
   for (const auto& derived : plan.derived) values_.push_back(doubles_.data() + derived.value);
   for (const auto offset : plan.transition_blocks) phi.push_back(doubles_.data() + offset);
   for (const auto offset : plan.noise_blocks) noise.push_back(doubles_.data() + offset);
-  std::size_t ports = 1, reads = 1, rates = 1;
+  std::size_t ports = 1, rates = 1;
   for (const auto& process : plan.processes) ports = std::max(ports, process.ports.size());
   const auto widen = [&](const auto& component) {
     ports = std::max(ports, component.ports.size());
-    reads = std::max(reads, component.reads.size());
     rates = std::max(rates, component.driving_rates.size());
   };
   for (const auto& derived : plan.derived) widen(derived);
   for (const auto& measurement : plan.measurements)
     for (const auto& part : measurement.parts) widen(part);
   port_values_.resize(ports);
-  jacobians.resize(reads);
+  jacobians.resize(ports);
   driving_rates_.resize(rates);
 }
 
@@ -33,15 +30,15 @@ const double* const* Workspace::values_of(const std::vector<int>& ports) {
   return port_values_.data();
 }
 
-Context Workspace::context(const Moment& now, const std::vector<int>& driving_rates) {
-  Context context;
-  context.t = now.t;
+Driving Workspace::driving(const Moment& now, const std::vector<int>& driving_rates) {
+  Driving u;
+  u.t = now.t;
   if (!driving_rates.empty() && now.driving_rates) {
     for (std::size_t i = 0; i < driving_rates.size(); ++i)
       driving_rates_[i] = now.driving_rates[as_size(driving_rates[i])];
-    context.driving_rates = driving_rates_.data();
+    u.rates = driving_rates_.data();
   }
-  return context;
+  return u;
 }
 
 }  // namespace binnacle::filter

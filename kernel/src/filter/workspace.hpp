@@ -27,10 +27,10 @@ class Workspace {
   /// The ports of a model: null where one is open.
   const double* const* values_of(const std::vector<int>& ports);
   /// What a component that reads these driving rates may know.
-  Context context(const Moment& now, const std::vector<int>& driving_rates);
+  Driving driving(const Moment& now, const std::vector<int>& driving_rates);
 
   std::vector<double*> phi, noise;    // tables of blocks
-  std::vector<MatrixView> jacobians;  // per entry of a component's `reads`
+  std::vector<MatrixView> jacobians;  // per port of the component being called
 
  private:
   std::vector<double> doubles_;
