@@ -16,6 +16,7 @@
 #include "browser.hpp"
 #include "fixture.hpp"
 #include "report/page.hpp"
+#include "skip.hpp"
 
 using namespace binnacle;
 using namespace binnacle::test;
@@ -48,12 +49,12 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Null, with a word about it, where there is none; in CI there is one.
+/// Null, and the test is skipped, where there is none; in CI there is one.
 std::unique_ptr<Browser> browser() {
   auto browser = Browser::start();
   const char* const ci = std::getenv("CI");
   if (!browser && ci && std::string(ci) == "true") FAIL("there is no chromium: apt-get install chromium");
-  if (!browser) WARN("SKIPPED: no chromium");
+  if (!browser) binnacle::test::skip("no chromium");
   if (browser) browser->size(1400, 1000);
   return browser;
 }

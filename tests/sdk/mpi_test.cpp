@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // binnacle study under mpirun: the files are those of one process, whatever dies on the way. Without mpirun, or where
-// the command was built without MPI, these say SKIPPED.
+// the command was built without MPI, these are skipped.
 #include "catch.hpp"
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 #include <thread>
 
 #include "command.hpp"
 #include "drive_study.hpp"
+#include "skip.hpp"
 
 using namespace binnacle::test;
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ bool has_mpi() {
   const bool has = fs::exists(BINNACLE_TEST_PLUGINS "/mpi/binnacle_mpi.so") && is_on_path("mpirun");
   if (const char* ci = std::getenv("CI"); !has && ci && std::string(ci) == "true")
     FAIL("no MPI, though CI installs it");
-  if (!has) std::cout << "SKIPPED: no MPI (Debian packages libopenmpi-dev, openmpi-bin)\n";
+  if (!has) binnacle::test::skip("no MPI (Debian packages libopenmpi-dev, openmpi-bin)");
   return has;
 }
 

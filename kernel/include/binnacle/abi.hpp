@@ -32,6 +32,7 @@ struct TypeLayout {
 };
 
 /// The types that cross, in the order of TypeLayouts. Names for messages; the guard carries the numbers only.
+// clang-format off
 #define BINNACLE_ABI_TYPES(X)                                                                                          \
   X(std::string)                                                                                                       \
   X(std::vector<double>)                                                                                               \
@@ -44,6 +45,7 @@ struct TypeLayout {
                   X(Innovation) X(ChannelDeclaration) X(SampleView) X(SampleSlot) X(StateBlock) X(ProcessModel)        \
                       X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator) X(Source) X(Transform) X(Sink) X(Registry) \
                           X(Reporter) X(Emitter)
+// clang-format on
 
 #define BINNACLE_ABI_COUNT(...) +1
 inline constexpr std::uint32_t type_count = 0 BINNACLE_ABI_TYPES(BINNACLE_ABI_COUNT);
