@@ -65,6 +65,8 @@ format() {
     sed -n 's/^\(\.\/\)\?\([^:]*:[0-9]*\):[0-9]*: warning: .*/\2: not as clang-format lays it out/p' | sort -u
 }
 
+vocabulary() { python3 "$here/vocabulary.py" . | grep -E '^[^:]+:[0-9]+: '; }
+
 # Writable objects that are no state of the plugin's: what crt files bring, pointers to exception types, guards of
 # constants made at first use, what <iostream> (which Boost.Random includes) leaves in every file, and the table of
 # cache sizes that Eigen's products keep.
@@ -92,7 +94,7 @@ libraries() {
 
 case $rule in
   libraries) found=$(libraries "$@" || true) ;;
-  includes | links | state | words | paths | license | format)
+  includes | links | state | words | paths | license | format | vocabulary)
     if [ "$rule" = format ] && ! $formatter --version 2>/dev/null | grep -q 'version 14[.]'; then
       echo "SKIPPED: no clang-format 14 (Debian package clang-format)"
       if [ "${CI:-}" = true ]; then exit 1; else exit 77; fi
