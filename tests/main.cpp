@@ -15,13 +15,13 @@ int ran = 0, skipped = 0;
 bool has_failed = false;
 
 #if __has_include(<catch2/catch_all.hpp>)
-using Listener = Catch::EventListenerBase;
+using Events = Catch::EventListenerBase;
 #else
-using Listener = Catch::TestEventListenerBase;
+using Events = Catch::TestEventListenerBase;
 #endif
 
-struct Counter : Listener {
-  using Listener::Listener;
+struct Counter : Events {
+  using Events::Events;
   void testCaseStarting(const Catch::TestCaseInfo&) override { is_skipped = false; }
   void testCaseEnded(const Catch::TestCaseStats& stats) override {
     ++ran;

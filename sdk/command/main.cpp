@@ -109,7 +109,8 @@ int carry_out(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace binnacle::command;
-  std::signal(SIGXFSZ, SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is told like a full disk
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is reported like a full disk
   try {
     return carry_out(argc, argv);
   } catch (const binnacle::Error& error) {

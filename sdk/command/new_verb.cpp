@@ -169,7 +169,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-/// How CMake is told where Binnacle is; nothing where it looks by itself.
+/// How CMake finds Binnacle; nothing where it looks by itself.
 std::string prefix_option() {
   const fs::path prefix = template_folder().parent_path().parent_path().parent_path();
   if (prefix == "/usr" || prefix == "/usr/local") return "";

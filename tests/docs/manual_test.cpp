@@ -110,14 +110,14 @@ TEST_CASE("every verb has a page, which names its options and no others") {
   for (const auto& verb : verbs) {
     INFO(verb);
     REQUIRE(std::count(pages.begin(), pages.end(), verb) == 1);
-    const auto there_are = options_of(help_of(root, verb)), told = options_in(page_of(verb).text());
+    const auto there_are = options_of(help_of(root, verb)), listed = options_in(page_of(verb).text());
     REQUIRE_FALSE(there_are.empty());
     for (const auto& option : there_are) {
-      INFO(option << " is an option, and the page does not tell it");
-      CHECK(told.count(option) == 1);
+      INFO(option << " is an option, and the page does not list it");
+      CHECK(listed.count(option) == 1);
     }
-    for (const auto& option : told) {
-      INFO("the page tells " << option << ", which is no option");
+    for (const auto& option : listed) {
+      INFO("the page lists " << option << ", which is no option");
       CHECK(there_are.count(option) == 1);
     }
   }

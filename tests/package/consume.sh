@@ -55,7 +55,7 @@ fi
 PATH=$prefix/bin:$(dirname -- "$cmake"):$PATH
 mkdir "$scratch/home" && cd "$scratch/home"
 
-# ---- a plugin, as the guide tells it: CMake finds the package by the command's place on the PATH
+# ---- a plugin, as the guide describes it: CMake finds the package by the command's place on the PATH
 
 step "binnacle new plugin my_walk" binnacle new plugin my_walk
 code=$(sed -e 's,//.*,,' -e '/^[[:space:]]*$/d' my_walk/plugin.cpp | wc -l)
