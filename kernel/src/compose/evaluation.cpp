@@ -170,7 +170,7 @@ void Composer::add_reference(const std::string& pointer) {
     reference.label = *channel_name;
     std::vector<std::string> names;
     bool is_found = false;
-    const auto look_at = [&](std::size_t filter, const std::string& name, int block, int implied_state) {
+    const auto look_at = [&, &key = key](std::size_t filter, const std::string& name, int block, int implied_state) {
       names.push_back(plan_->filters[filter].name + "/" + name);
       if (names.back() != key) return;
       is_found = true;
@@ -186,7 +186,7 @@ void Composer::add_reference(const std::string& pointer) {
     }
     if (!is_found) {
       const auto slash = key.find('/');
-      const bool has_failed = std::any_of(builds_.begin(), builds_.end(), [&](const FilterBuild& build) {
+      const bool has_failed = std::any_of(builds_.begin(), builds_.end(), [&, &key = key](const FilterBuild& build) {
         return slash != std::string::npos && build.failed_values.contains(key.substr(slash + 1));
       });
       if (!has_failed)
@@ -197,7 +197,8 @@ void Composer::add_reference(const std::string& pointer) {
     }
     const auto& declaration = plan_->filters[as_size(reference.filter)].blocks[as_size(reference.block)].declaration();
     reference.fields.assign(declaration.outputs.size(), -1);
-    const auto find_field = [&](std::size_t output, const std::string& field, const std::string& at_pointer) {
+    const auto find_field = [&, &key = key](std::size_t output, const std::string& field,
+                                            const std::string& at_pointer) {
       std::vector<std::string> fields;
       for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i) {
         fields.push_back(channel.declaration.fields[i].name);
