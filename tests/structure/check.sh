@@ -59,7 +59,7 @@ formatter=clang-format-14
 command -v $formatter >/dev/null || formatter=clang-format
 
 format() {
-  find . \( -name build -o -name .git -o -name .cache -o -path ./tests/structure/bad/format \) -prune -o -type f \
+  find . \( -name build -o -name .git -o -name .cache -o -path ./tests/structure/bad \) -prune -o -type f \
     \( -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.inc' \) -print0 |
     xargs -0r -n 50 $formatter --style="file:$here/../../.clang-format" --dry-run 2>&1 |
     sed -n 's/^\(\.\/\)\?\([^:]*:[0-9]*\):[0-9]*: warning: .*/\2: not as clang-format lays it out/p' | sort -u
