@@ -95,7 +95,7 @@ Json provenance_of(const Options& options, const Composition& composition) {
   return all;
 }
 
-/// What a run leaves behind. Both are opened before the run, so that a bad name is told at once.
+/// What a run leaves behind. Both are opened before the run, so that a bad name is reported at once.
 struct Outputs {
   Outputs(const Options& options, const Composition& composition) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
