@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one table of diagnostic codes: B00x-B03x config, B04x plugins, B06x data, B08x filters,
 // B09x studies.
-#include "config/codes.hpp"
+#include "document/codes.hpp"
 
-namespace binnacle::config {
+namespace binnacle::document {
 
 namespace {
 
@@ -139,4 +139,4 @@ constexpr CodeEntry entries[] = {
 
 std::span<const CodeEntry> diagnostic_codes() { return entries; }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::document
