@@ -22,8 +22,8 @@ constexpr double settled_before = 0.9;   // of the duration; what comes to rest 
 /// Channels fed the same values at fixed rates, as a program would push them.
 void feed(const Plan& plan, Follower& follower) {
   Session filter(plan.composition);
-  filter.attach(plan.filter, follower.model_log());
-  if (follower.true_log()) filter.attach(plan.truth, follower.true_log());
+  filter.attach({plan.filter}, follower.model_log());
+  if (follower.true_log()) filter.attach({plan.truth}, follower.true_log());
   std::vector<Time> next;
   for (const auto& feed : plan.feeds) next.push_back(feed.is_of_intervals ? feed.interval : 0);
   while (!follower.is_over()) {
@@ -40,7 +40,7 @@ void feed(const Plan& plan, Follower& follower) {
       next[i] += feed.interval;
     }
     filter.commit(t);
-    for (const int f : {plan.filter, plan.truth})
+    for (const FilterId f : {FilterId{plan.filter}, FilterId{plan.truth}})
       if (!filter.healthy(f)) throw Broken(filter.diagnosis(f));
   }
 }

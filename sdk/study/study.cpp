@@ -94,6 +94,15 @@ std::vector<Variant> load_variants(const std::filesystem::path& path, const Load
     }
   }
   if (failure.status()) throw Error(failure.status(), errors.told(wanted.size()));
+  std::vector<std::shared_ptr<const Composition>> compositions;
+  for (const auto& variant : variants) compositions.push_back(variant.composition);
+  for (const auto& variant : variants) {
+    const Diagnostics misspelt = misspelt_metrics(*variant.composition, compositions);
+    if (!misspelt.has_errors()) continue;
+    errors.add(variant.name, misspelt);
+    failure.add(ConfigError(misspelt));
+  }
+  if (failure.status()) throw Error(failure.status(), errors.told(wanted.size()));
   warnings.merge(notes.told(wanted.size()));
   return variants;
 }

@@ -24,7 +24,7 @@ using namespace binnacle;
 TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   Session filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json"));
-  const int imu = filter.channel("imu"), gnss = filter.channel("gnss");
+  const auto imu = filter.channel("imu"), gnss = filter.channel("gnss");
   const auto position = filter.block("ins/position");
   const double still[] = {0, 0, 0, 0, 0, -0.0981};
   double fix[] = {0.8377580409572782, 0.19198621771937624, 500};
@@ -51,7 +51,7 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
     faults((s + 1) * 1000 * ms);
   }
   REQUIRE(allocations - before == 0);
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 19);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::gated)] == 19);
   REQUIRE(counts.before_start == 1);
@@ -72,7 +72,7 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
       "measurements": {"see": {"channel": "z", "gate": {"probability": 0.999, "by": "key"},
         "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})",
                                     "test.json", options));
-  const int channel = filter.channel("z");
+  const auto channel = filter.channel("z");
   double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1},
                        {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};
   const auto offer = [&](Time t) {
@@ -90,5 +90,5 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
     offer(s * 1'000'000'000);
   }
   REQUIRE(allocations - before == 0);
-  REQUIRE(filter.counts(0, 0).rows_left_out == 2 * (16 + 8));
+  REQUIRE(filter.counts({{0}, 0}).rows_left_out == 2 * (16 + 8));
 }

@@ -59,6 +59,13 @@ struct ChannelInfo {
   const ChannelDeclaration* declaration = nullptr;
 };
 
+/// A metric of "evaluate" that means nothing where patches were merged over the config: what it is of may be gone with
+/// them, or it is misspelt, which who knows the other variants can find out.
+struct UnknownMetric {
+  std::string name;
+  Diagnostic error;  // B027, with the nearest name
+};
+
 /// Immutable; share it between threads. Holds the plugins' libraries for as long as it lives.
 class Composition {
  public:
@@ -76,6 +83,8 @@ class Composition {
   const Catalog& catalog() const;
   /// What is suspicious but no error: channels that nothing listens to (B031), notes of components (B032).
   const Diagnostics& warnings() const;
+  /// Of a patched config (a study's variant); without patches an unknown metric is an error.
+  const std::vector<UnknownMetric>& unknown_metrics() const;
   /// Identifies the composition: config as resolved, plugins and their versions, this kernel's version.
   std::uint64_t hash() const;
   /// The config as resolved: extends merged, variables and --set applied.

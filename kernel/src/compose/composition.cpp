@@ -310,6 +310,7 @@ const std::vector<FilterInfo>& Composition::filters() const { return filters_; }
 const std::vector<ChannelInfo>& Composition::channels() const { return channels_; }
 const Catalog& Composition::catalog() const { return plan_->catalog; }
 const Diagnostics& Composition::warnings() const { return warnings_; }
+const std::vector<UnknownMetric>& Composition::unknown_metrics() const { return plan_->evaluation.unknown_metrics; }
 std::uint64_t Composition::hash() const { return plan_->hash; }
 const nlohmann::ordered_json& Composition::config() const { return plan_->document.root(); }
 Time Composition::record_every() const { return plan_->record_every; }

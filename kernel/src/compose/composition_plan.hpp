@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "binnacle/catalog.hpp"
+#include "binnacle/composition.hpp"
 #include "binnacle/metric.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
@@ -90,6 +91,7 @@ struct EvaluationPlan {
   TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
   std::vector<NamedWindow> windows;
   std::vector<Metric> metrics;
+  std::vector<UnknownMetric> unknown_metrics;
 };
 
 /// Sources are opened by the first run of a composition, whichever thread that is, and stay open.

@@ -70,8 +70,8 @@ void Composer::read_evaluation() {
   }
 }
 
-// A name, or {"metric": name, "unit": "mil"}, or a list of these. Where variants of a study lack what others have, their
-// metrics go without saying.
+// A name, or {"metric": name, "unit": "mil"}, or a list of these. A variant of a study may lack what others have, so that
+// an unknown metric of a patched config is kept for whoever sees all of them.
 void Composer::read_metrics() {
   const auto* metrics = at("/evaluate/metrics");
   if (!metrics) return;
@@ -86,7 +86,11 @@ void Composer::read_metrics() {
     if (!name) return;
     auto metric = read_metric(*plan_, *name);
     if (!metric) {
-      if (!document().is_patched()) error("B027", name_pointer, metric.error());
+      if (document().is_patched())
+        plan_->evaluation.unknown_metrics.push_back(
+            {*name, {Severity::error, "B027", document().origin(name_pointer), name_pointer, metric.error()}});
+      else
+        error("B027", name_pointer, metric.error());
       return;
     }
     Metric shown = *metric;

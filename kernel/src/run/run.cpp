@@ -8,6 +8,7 @@
 #include "run/evaluator.hpp"
 #include "run/guard_call.hpp"
 #include "run/outputs.hpp"
+#include "run/record_epochs.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -49,11 +50,10 @@ void open_sources(const CompositionPlan& plan, Diagnostics& warnings) {
 class Recorder {
  public:
   Recorder(const Runtime& runtime, const Evaluator& evaluator, RunObserver& observer, Time every)
-      : runtime_(runtime), evaluator_(evaluator), observer_(observer), every_(every) {
+      : runtime_(runtime), evaluator_(evaluator), observer_(observer) {
     const auto& filters = runtime.plan().filters;
-    next_.assign(filters.size(), no_time);
-    last_.assign(filters.size(), no_time);
-    std::size_t scratch = 1, width = 1;
+    tracks_.assign(filters.size(), Track{RecordEpochs(every), no_time, no_time, {}, 0});
+    std::size_t scratch = 1;
     for (std::size_t f = 0; f < filters.size(); ++f) {
       std::vector<RecordColumn> columns, sigmas;
       for (const auto& block : filters[f].blocks) {
@@ -66,50 +66,82 @@ class Recorder {
       columns.insert(columns.end(), sigmas.begin(), sigmas.end());
       const auto implied_states = evaluator.implied_state_columns(static_cast<int>(f));
       columns.insert(columns.end(), implied_states.begin(), implied_states.end());
-      implied_state_columns_.push_back(implied_states.size());
       const auto noise = evaluator.noise_columns(static_cast<int>(f));
       columns.insert(columns.end(), noise.begin(), noise.end());
-      noise_columns_.push_back(noise.size());
-      width = std::max(width, columns.size());
+      tracks_[f].implied_state_columns = implied_states.size();
+      tracks_[f].kept.assign(columns.size(), 0.0);
+      values_.resize(std::max(values_.size(), columns.size()));
       observer.begin(static_cast<int>(f), filters[f].name, columns);
     }
     scratch_.resize(scratch);
-    values_.resize(width);
   }
 
   void after_instant() {
-    for (std::size_t f = 0; f < next_.size(); ++f) {
+    using enum RecordEpochs::Verdict;
+    for (std::size_t f = 0; f < tracks_.size(); ++f) {
       const auto& engine = runtime_.engine(static_cast<int>(f));
-      if (!engine.started() || engine.broken()) continue;
-      const Time t = engine.status().t;
-      if (t == last_[f] || (next_[f] != no_time && t < next_[f])) continue;
-      last_[f] = t;
-      if (every_ > 0) next_[f] = next_[f] == no_time ? t + every_ : next_[f] + (1 + (t - next_[f]) / every_) * every_;
-      std::size_t at = 0;
-      for (const auto& block : engine.plan().blocks) {
-        block.block->read(engine.state() + block.stored_offset, values_.data() + at);
-        at += block.declaration().outputs.size();
+      Track& track = tracks_[f];
+      if (!engine.started() || engine.broken() || engine.status().t == track.last) continue;
+      const Time t = track.last = engine.status().t;
+      const auto verdict = track.epochs.on(t);
+      if (verdict == release || verdict == release_and_take || verdict == release_and_keep) write_kept(f);
+      if (verdict == take || verdict == release_and_take) {
+        read(f, t, values_.data());
+        observer_.record(static_cast<int>(f), t, {values_.data(), track.kept.size()});
+      } else if (verdict == keep || verdict == release_and_keep) {
+        read(f, t, track.kept.data());
+        track.kept_at = t;
       }
-      for (const auto& block : engine.plan().blocks) {
-        output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(),
-                      values_.data() + at);
-        at += block.declaration().outputs.size();
-      }
-      evaluator_.latest_implied_states(static_cast<int>(f), t, values_.data() + at);
-      at += implied_state_columns_[f];
-      evaluator_.latest_noise(static_cast<int>(f), values_.data() + at);
-      at += noise_columns_[f];
-      observer_.record(static_cast<int>(f), t, {values_.data(), at});
     }
   }
 
+  void finish() {
+    after_instant();
+    for (std::size_t f = 0; f < tracks_.size(); ++f)
+      if (tracks_[f].epochs.finish()) write_kept(f);
+  }
+
  private:
+  struct Track {
+    RecordEpochs epochs;
+    Time last, kept_at;
+    std::vector<double> kept;  // a row that is written unless one nearer to its epoch comes
+    std::size_t implied_state_columns;
+  };
+
+  void write_kept(std::size_t f) {
+    observer_.record(static_cast<int>(f), tracks_[f].kept_at, tracks_[f].kept);
+  }
+
+  void read(std::size_t f, Time t, double* values) {
+    const auto& engine = runtime_.engine(static_cast<int>(f));
+    CallSite site;
+    site.set_time(t);
+    const CallScope scope(site);
+    try {
+      for (const auto& block : engine.plan().blocks) {
+        site.enter(nullptr, block.type, "read");
+        block.block->read(engine.state() + block.stored_offset, values);
+        values += block.declaration().outputs.size();
+      }
+      for (const auto& block : engine.plan().blocks) {
+        site.enter(nullptr, block.type, "plus and read, for its 1-sigma");
+        output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(), values);
+        values += block.declaration().outputs.size();
+      }
+    } catch (const std::exception& error) {
+      const auto& pointer = engine.plan().pointer;
+      throw FilterError(Diagnostic{Severity::error, "B045", runtime_.plan().document.origin(pointer), pointer,
+                                   site.text() + " threw: " + error.what()});
+    }
+    evaluator_.latest_implied_states(static_cast<int>(f), t, values);
+    evaluator_.latest_noise(static_cast<int>(f), values + tracks_[f].implied_state_columns);
+  }
+
   const Runtime& runtime_;
   const Evaluator& evaluator_;
   RunObserver& observer_;
-  Time every_;
-  std::vector<std::size_t> implied_state_columns_, noise_columns_;
-  std::vector<Time> next_, last_;
+  std::vector<Track> tracks_;  // by filter
   std::vector<double> scratch_, values_;
 };
 
@@ -219,10 +251,10 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
 
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     if (recorder) recorder->after_instant();
-    if (options.observer && instants % 256 == 0 && !options.observer->progress(runtime.time())) break;
+    if (options.observer && instants % 32 == 0 && !options.observer->progress(runtime.time())) break;
   }
   runtime.finish();
-  if (recorder) recorder->after_instant();
+  if (recorder) recorder->finish();
   evaluator.finish();
   if (records) evaluator.tell_errors(*options.observer);
   if (options.feeds_sinks)

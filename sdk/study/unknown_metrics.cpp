@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A metric that one variant lacks and another has goes without saying; one that none of them has is misspelt.
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "study/section.hpp"
+#include "study/study.hpp"
+
+namespace binnacle::study {
+
+namespace {
+
+bool is_entry(const Json& entry, const std::string& name) {
+  return entry == Json(name) || (entry.is_object() && entry.contains("metric") && entry.at("metric") == Json(name));
+}
+
+/// Whether the variant's "evaluate" has the metric, misspelt or not.
+bool lists(const Composition& composition, const std::string& name) {
+  const Json::json_pointer place("/evaluate/metrics");
+  if (!composition.config().contains(place)) return false;
+  const Json& metrics = composition.config().at(place);
+  if (!metrics.is_array()) return is_entry(metrics, name);
+  return std::any_of(metrics.begin(), metrics.end(), [&](const Json& entry) { return is_entry(entry, name); });
+}
+
+bool knows(const Composition& composition, const std::string& name) {
+  const auto& unknown = composition.unknown_metrics();
+  return lists(composition, name) && std::none_of(unknown.begin(), unknown.end(), [&](const UnknownMetric& metric) {
+           return metric.name == name;
+         });
+}
+
+}  // namespace
+
+Diagnostics misspelt_metrics(const Composition& variant,
+                             const std::vector<std::shared_ptr<const Composition>>& variants) {
+  Diagnostics errors;
+  for (const auto& metric : variant.unknown_metrics())
+    if (std::none_of(variants.begin(), variants.end(),
+                     [&](const auto& other) { return knows(*other, metric.name); }))
+      errors.add(metric.error);
+  return errors;
+}
+
+void refuse_misspelt_metrics(const Composition& variant, const std::filesystem::path& path,
+                             const LoadOptions& options) {
+  if (variant.unknown_metrics().empty()) return;
+  LoadOptions load = options;
+  load.patches.clear();
+  Diagnostics ignored;
+  std::vector<std::shared_ptr<const Composition>> variants;
+  for (const auto& entry : variants_of(Config::load(path, load), ignored)) {
+    load.patches = entry.patches;
+    try {
+      variants.push_back(Composition::load(path, load));
+    } catch (const Error&) {
+      // Another variant's mistakes are for `check`.
+    }
+  }
+  const Diagnostics errors = misspelt_metrics(variant, variants);
+  if (errors.has_errors()) throw ConfigError(errors);
+}
+
+}  // namespace binnacle::study
