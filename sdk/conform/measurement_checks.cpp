@@ -143,7 +143,8 @@ void consistency(Trial& trial) {
         Trial::skip("no sample is found that shows a wanted residual");
       push(fields, 1'100'000'000 + k * 100'000'000);
     }
-    if (!trial.expect(filter.healthy(FilterId{0}), "the miniature filter breaks: ", filter.diagnosis(FilterId{0}))) return;
+    if (!trial.expect(filter.healthy(FilterId{0}), "the miniature filter breaks: ", filter.diagnosis(FilterId{0})))
+      return;
     const auto counts = filter.counts({{0}, 0});
     const auto accepted = counts.by_outcome[0] - before.by_outcome[0];
     if (accepted < 5) {

@@ -401,7 +401,8 @@ void consistency(Trial& trial) {
         push(z);
       }
     }
-    if (!trial.expect(filter.healthy(FilterId{0}), "the miniature filter breaks: ", filter.diagnosis(FilterId{0}))) return;
+    if (!trial.expect(filter.healthy(FilterId{0}), "the miniature filter breaks: ", filter.diagnosis(FilterId{0})))
+      return;
     for (std::size_t i = 0; i < truth.size(); ++i) {
       if (!process.advances(i) || truth[i].is_open()) continue;
       for (const auto& block : info.blocks) {

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "score/metric.hpp"
+#include "score/sections.hpp"
 #include "study/section.hpp"
 #include "study/study.hpp"
 
@@ -25,40 +27,42 @@ bool lists(const Composition& composition, const std::string& name) {
 }
 
 bool knows(const Composition& composition, const std::string& name) {
-  const auto& unknown = composition.unknown_metrics();
-  return lists(composition, name) && std::none_of(unknown.begin(), unknown.end(), [&](const UnknownMetric& metric) {
-           return metric.name == name;
-         });
+  const auto unknown = score::unknown_metrics(composition);
+  return lists(composition, name) &&
+         std::none_of(unknown.begin(), unknown.end(), [&](const auto& metric) { return metric.name == name; });
 }
 
 }  // namespace
 
 Diagnostics misspelt_metrics(const Composition& variant,
-                             const std::vector<std::shared_ptr<const Composition>>& variants) {
+                             const std::vector<std::shared_ptr<const Composition>>& variants,
+                             const std::filesystem::path& path, const LoadOptions& options) {
   Diagnostics errors;
-  for (const auto& metric : variant.unknown_metrics())
-    if (std::none_of(variants.begin(), variants.end(),
-                     [&](const auto& other) { return knows(*other, metric.name); }))
-      errors.add(metric.error);
+  const auto unknown = score::unknown_metrics(variant);
+  if (unknown.empty()) return errors;
+  const Config config = score::load_config(path, options);
+  for (const auto& metric : unknown)
+    if (std::none_of(variants.begin(), variants.end(), [&](const auto& other) { return knows(*other, metric.name); }))
+      errors.error("B027", config.origin(metric.pointer), metric.pointer, metric.error);
   return errors;
 }
 
 void refuse_misspelt_metrics(const Composition& variant, const std::filesystem::path& path,
                              const LoadOptions& options) {
-  if (variant.unknown_metrics().empty()) return;
+  if (score::unknown_metrics(variant).empty()) return;
   LoadOptions load = options;
   load.patches.clear();
   Diagnostics ignored;
   std::vector<std::shared_ptr<const Composition>> variants;
-  for (const auto& entry : variants_of(Config::load(path, load), ignored)) {
+  for (const auto& entry : variants_of(score::load_config(path, load), ignored)) {
     load.patches = entry.patches;
     try {
-      variants.push_back(Composition::load(path, load));
+      variants.push_back(score::load(path, load));
     } catch (const Error&) {
       // Another variant's mistakes are for `check`.
     }
   }
-  const Diagnostics errors = misspelt_metrics(variant, variants);
+  const Diagnostics errors = misspelt_metrics(variant, variants, path, options);
   if (errors.has_errors()) throw ConfigError(errors);
 }
 

@@ -191,7 +191,8 @@ void imu_step_first_order(benchmark::State& state) {
 void fix_update(benchmark::State& state) {
   Ins ins(static_cast<int>(state.range(0)));
   for (auto _ : state) ins.fix();
-  if (ins.filter.counts({{0}, 0}).offered != ins.filter.counts({{0}, 0}).by_outcome[0]) state.SkipWithError("not accepted");
+  if (ins.filter.counts({{0}, 0}).offered != ins.filter.counts({{0}, 0}).by_outcome[0])
+    state.SkipWithError("not accepted");
 }
 
 void assembly(benchmark::State& state) {

@@ -438,7 +438,8 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
   split.push(b.imu, 100 * ms, 104 * ms, fields);
   b.fix(104 * ms);
   split.push(b.imu, 104 * ms, 110 * ms, fields);
-  REQUIRE((dense(ahead.covariance(FilterId{0})) - dense(split.covariance(FilterId{0}))).norm() < 1e-6 * dense(split.covariance(FilterId{0})).norm());
+  REQUIRE((dense(ahead.covariance(FilterId{0})) - dense(split.covariance(FilterId{0}))).norm() <
+          1e-6 * dense(split.covariance(FilterId{0})).norm());
   double pa[3], pb[3];
   ahead.read(ahead.block("position"), pa);
   split.read(split.block("position"), pb);
@@ -467,7 +468,8 @@ TEST_CASE("samples of one instant may come in any order") {
   REQUIRE(first.counts({{0}, 0}).by_outcome[0] == 10);
   REQUIRE(last.counts({{0}, 0}).by_outcome[0] == 10);
   REQUIRE((dense(first.covariance(FilterId{0})).array() == dense(last.covariance(FilterId{0})).array()).all());
-  REQUIRE(std::memcmp(first.state(FilterId{0}).data(), last.state(FilterId{0}).data(), first.state(FilterId{0}).size_bytes()) == 0);
+  REQUIRE(std::memcmp(first.state(FilterId{0}).data(), last.state(FilterId{0}).data(),
+                      first.state(FilterId{0}).size_bytes()) == 0);
 }
 
 TEST_CASE("restored and continued equals uninterrupted, bit for bit") {

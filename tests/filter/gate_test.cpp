@@ -86,9 +86,10 @@ TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as i
   REQUIRE(std::abs(kept.nis - expected.nis) < 1e-12);
   REQUIRE((kept.S - expected.S).norm() < 1e-12);
   for (int i = 0; i < 2; ++i)
-    REQUIRE(std::abs(gated.state(FilterId{0})[static_cast<std::size_t>(i)] - clean.state(FilterId{0})[static_cast<std::size_t>(i)]) <
-            1e-12);
-  REQUIRE((Eigen::MatrixXd(gated.covariance(FilterId{0}).as()) - Eigen::MatrixXd(clean.covariance(FilterId{0}).as())).norm() < 1e-13);
+    REQUIRE(std::abs(gated.state(FilterId{0})[static_cast<std::size_t>(i)] -
+                     clean.state(FilterId{0})[static_cast<std::size_t>(i)]) < 1e-12);
+  REQUIRE((Eigen::MatrixXd(gated.covariance(FilterId{0}).as()) - Eigen::MatrixXd(clean.covariance(FilterId{0}).as()))
+              .norm() < 1e-13);
   REQUIRE(gated.counts({{0}, 0}).rows_left_out == 1);
   REQUIRE(clean.counts({{0}, 0}).rows_left_out == 0);
 }
@@ -187,7 +188,8 @@ TEST_CASE("a noise estimator learns once from a sample whose outliers are left o
   push(without, 0, clean_rows);
   for (Session* filter : {&with, &without}) push(*filter, 1, good);
   REQUIRE(with.counts({{0}, 0}).rows_left_out == 1);
-  REQUIRE((Eigen::MatrixXd(with.covariance(FilterId{0}).as()) - Eigen::MatrixXd(without.covariance(FilterId{0}).as())).norm() < 1e-13);
+  REQUIRE((Eigen::MatrixXd(with.covariance(FilterId{0}).as()) - Eigen::MatrixXd(without.covariance(FilterId{0}).as()))
+              .norm() < 1e-13);
 }
 
 TEST_CASE("a sample gated for want of a majority tells what was left out before, and the NIS of all its rows") {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // record.every: one instant for every point of the grid, the nearest.
-#include "run/record_epochs.hpp"
+#include "../../sdk/score/record_epochs.hpp"
 
 #include <vector>
 
 #include "catch.hpp"
 
 using namespace binnacle;
+using score::RecordEpochs;
 
 namespace {
 
@@ -14,7 +15,7 @@ constexpr Time ms = 1'000'000;
 
 /// The times that a record of `every` takes of these.
 std::vector<Time> taken(Time every, const std::vector<Time>& instants) {
-  using enum RecordEpochs::Verdict;
+  using enum RecordEpochs::Choice;
   RecordEpochs epochs(every);
   std::vector<Time> record;
   Time kept = no_time;
@@ -51,7 +52,7 @@ TEST_CASE("data that hit the grid are taken there, and nothing is kept for later
   RecordEpochs epochs(200 * ms);
   for (Time t = 0; t <= 1000; t += 10) {
     const auto verdict = epochs.on(t * ms);
-    CHECK(verdict == (t % 200 == 0 ? RecordEpochs::Verdict::take : RecordEpochs::Verdict::skip));
+    CHECK(verdict == (t % 200 == 0 ? RecordEpochs::Choice::take : RecordEpochs::Choice::skip));
   }
 }
 

@@ -18,7 +18,9 @@
 
 namespace binnacle {
 
+namespace runtime {
 class Runtime;
+}
 
 /// Counts of what became of a measurement's samples since the start.
 struct MeasurementCounts {
@@ -28,6 +30,7 @@ struct MeasurementCounts {
   std::int64_t recoveries = 0;
   std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
   double nis_mean = 0;             // of accepted samples; NaN when there is none
+  std::int64_t nis_count = 0;      // of them
   double dof_mean = 0;             // rows per accepted sample
   std::string last_reason;         // of the newest sample that was not accepted
 };
@@ -62,7 +65,8 @@ struct MeasurementId {
 /// Look up names once, before the loop; inside it push() and the readers neither allocate nor search. Not thread safe;
 /// any number of Sessions may share one Composition across threads. What is wrong in a call is refused before anything
 /// changes: std::out_of_range for an id that the composition does not have, std::invalid_argument for a span of another
-/// size or times out of order.
+/// size or an interval that does not end after it began. What a plugin throws breaks its filter, or is a FilterError that
+/// names plugin, component, call and time.
 ///
 ///     auto composition = binnacle::Composition::load("ins.json");
 ///     binnacle::Session session(composition);
@@ -72,7 +76,8 @@ struct MeasurementId {
 ///     session.read(position, outputs);
 class Session {
  public:
-  explicit Session(std::shared_ptr<const Composition> composition);
+  /// As after reset(seed, run).
+  explicit Session(std::shared_ptr<const Composition> composition, std::uint64_t seed = 0, int run = 0);
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -104,6 +109,9 @@ class Session {
   /// Of the filter's estimates; no_time before it has started.
   Time time(FilterId filter) const;
 
+  /// When it started; no_time before.
+  Time start_time(FilterId filter) const;
+
   /// The block's readable outputs (roll, pitch, yaw), in the order of its declaration [SI]; the span has as many.
   void read(BlockId block, std::span<double> outputs) const;
   /// Standard deviations of those outputs, to first order [SI]; the span has as many.
@@ -128,7 +136,7 @@ class Session {
   void reset(std::uint64_t seed = 0, int run = 0);
 
   const Composition& composition() const { return *composition_; }
-  Runtime& runtime() { return *runtime_; }  // the kernel's own
+  runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
 
  private:
   struct Intake;
@@ -136,9 +144,11 @@ class Session {
   void check(BlockId block, const std::span<double>* outputs) const;
   const Intake& intake(ChannelId channel) const;
   void take(ChannelId channel, const SampleView& sample);
+  template <class Call>
+  void guarded(BlockId block, const char* call_name, Call&& call) const;
 
   std::shared_ptr<const Composition> composition_;
-  std::unique_ptr<Runtime> runtime_;
+  std::unique_ptr<runtime::Runtime> runtime_;
   std::vector<Intake> intake_;  // by channel
   Time instant_ = no_time;      // of what was added and is not committed
   mutable std::vector<double> scratch_;

@@ -9,7 +9,7 @@
 #include "binnacle/diagnostic.hpp"
 #include "compose/composition_plan.hpp"
 
-namespace binnacle {
+namespace binnacle::runtime {
 
 /// "plugin 'csv', component 'csv': next at 12.3 s", for faults that are no exception.
 inline std::string call_text(const ComponentType& type, const char* call_name, Time t) {
@@ -21,7 +21,7 @@ inline std::string call_text(const ComponentType& type, const char* call_name, T
 
 /// `component`: a SourcePlan, TransformPlan or SinkPlan. Throws RunError (DataError, FilterError): the run ends.
 template <class RunError, class ComponentPlan, class Call>
-auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, const char* call_name, Time t,
+auto guard_call(const compose::CompositionPlan& plan, const ComponentPlan& component, const char* call_name, Time t,
                 Call&& call) {
   try {
     return component.type->guarded(call_name, std::forward<Call>(call), t);
@@ -38,4 +38,4 @@ auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, con
   }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::runtime

@@ -8,14 +8,18 @@
 #include <stdexcept>
 #include <utility>
 
-#include "run/outputs.hpp"
+#include "base/index.hpp"
+#include "base/text.hpp"
+#include "binnacle/outputs.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
 
 namespace {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using namespace runtime;
+
+using base::as_size;
 
 struct SnapshotHead {
   char magic[8] = {'b', 'i', 'n', 's', 'n', 'a', 'p', '1'};
@@ -25,13 +29,11 @@ struct SnapshotHead {
 
 [[noreturn]] void no_such(const char* code, const std::string& what, std::string_view name,
                           const std::vector<std::string>& names) {
-  const std::string nearest = closest(name, names);
   throw ConfigError(Diagnostic{Severity::error,
                                code,
                                {},
                                "",
-                               "there is no " + what + " '" + std::string(name) + "'" +
-                                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?")});
+                               "there is no " + what + " '" + std::string(name) + "'" + base::suggestion(name, names)});
 }
 
 }  // namespace
@@ -42,13 +44,14 @@ struct Session::Intake {
   ChannelCounts counts;
 };
 
-Session::Session(std::shared_ptr<const Composition> composition) : composition_(std::move(composition)) {
+Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run)
+    : composition_(std::move(composition)) {
   runtime_ = std::make_unique<Runtime>(composition_->plan());
   std::size_t scratch = 1;
-  for (const auto& filter : composition_->plan().filters)
+  for (const auto& filter : composition_->filters())
     for (const auto& block : filter.blocks) scratch = std::max(scratch, output_sigma_scratch(block));
   scratch_.assign(scratch, 0.0);
-  reset();
+  reset(seed, run);
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
@@ -212,23 +215,46 @@ std::string Session::diagnosis(FilterId filter) const {
   return runtime_->engine(filter.index).diagnosis();
 }
 
+Time Session::start_time(FilterId filter) const {
+  check(filter);
+  return runtime_->engine(filter.index).status().start;
+}
+
 Time Session::time(FilterId filter) const {
   check(filter);
   return runtime_->engine(filter.index).status().t;
 }
 
-void Session::read(BlockId block, std::span<double> outputs) const {
-  check(block, &outputs);
+template <class Call>
+void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
   const auto& engine = runtime_->engine(block.filter.index);
   const auto& plan = engine.plan().blocks[as_size(block.index)];
-  plan.block->read(engine.state() + plan.stored_offset, outputs.data());
+  CallSite site;
+  site.enter(nullptr, plan.type, call_name);
+  site.set_time(engine.status().t);
+  const CallScope scope(site);
+  try {
+    std::forward<Call>(call)(engine);
+  } catch (const std::exception& error) {
+    throw FilterError(Diagnostic{Severity::error, "B045", composition_->plan().document.origin(plan.pointer),
+                                 plan.pointer, site.text() + " threw: " + error.what()});
+  }
+}
+
+void Session::read(BlockId block, std::span<double> outputs) const {
+  check(block, &outputs);
+  guarded(block, "read", [&](const auto& engine) {
+    const auto& plan = engine.plan().blocks[as_size(block.index)];
+    plan.block->read(engine.state() + plan.stored_offset, outputs.data());
+  });
 }
 
 void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
   check(block, &sigmas);
-  const auto& engine = runtime_->engine(block.filter.index);
-  const auto& plan = engine.plan().blocks[as_size(block.index)];
-  output_sigmas(plan, engine.state() + plan.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
+  guarded(block, "plus and read, for its 1-sigma", [&](const auto& engine) {
+    const BlockInfo& info = composition_->filters()[as_size(block.filter.index)].blocks[as_size(block.index)];
+    output_sigmas(info, engine.state() + info.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
+  });
 }
 
 MatrixView Session::covariance(BlockId block) const {
@@ -264,6 +290,7 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   counts.before_start = ledger.before_start;
   counts.recoveries = ledger.recoveries;
   counts.rows_left_out = ledger.rows_left_out;
+  counts.nis_count = ledger.nis_count;
   const double n = static_cast<double>(ledger.nis_count);
   counts.nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // JSON Schema (draft-07) of a config: what the checker accepts, as far as it shows without plugging blocks together.
+#include "document/document.hpp"
+
 #include <cmath>
 #include <map>
 
 #include <nlohmann/json.hpp>
 
 #include "binnacle/catalog.hpp"
-#include "spec/check.hpp"
-#include "spec/spec_text.hpp"
 
-namespace binnacle {
+namespace binnacle::document {
 
 using Json = nlohmann::ordered_json;
 
@@ -106,7 +106,7 @@ Json shape_of(const ParameterSpec& spec) {
 
 Json parameter_schema(const ParameterSpec& spec) {
   Json schema = shape_of(spec);
-  schema["description"] = (spec.text.empty() ? "" : spec.text + " ") + "(" + describe_short(spec) + ")";
+  schema["description"] = (spec.text.empty() ? "" : spec.text + " ") + "(" + requirement_text(spec) + ")";
   if (!spec.default_json.empty()) schema["default"] = Json::parse(spec.default_json, nullptr, false);
   return schema;
 }
@@ -385,9 +385,10 @@ Json sections() {
           {"reference",
            told("what the filters are scored against", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
           {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
-          {"record",
-           told("what --out records",
-                closed_object({{"every", told("one record for every multiple of this after the first, of the instant nearest to it; else every step", ref("quantity"))}}))},
+          {"record", told("what --out records",
+                          closed_object({{"every", told("one record for every multiple of this after the first, of the "
+                                                        "instant nearest to it; else every step",
+                                                        ref("quantity"))}}))},
           {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
           {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
           {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
@@ -411,4 +412,4 @@ Json schema(const Catalog& catalog) {
           {"definitions", std::move(definitions)}};
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::document

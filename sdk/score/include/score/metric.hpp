@@ -4,13 +4,16 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "binnacle/time.hpp"
 #include "binnacle/unit.hpp"
 
 namespace binnacle {
-
 class Composition;
+}
+
+namespace binnacle::score {
 
 /// What is looked at: an error (truth minus estimate by the block's ⊟) or norm of errors, the filter's own 1-σ of it, how
 /// well the two agree (NEES: of a block, or of one error component), or a measurement's mean NIS.
@@ -27,7 +30,7 @@ struct Metric {
   int filter = 0;
   MetricQuantity quantity = MetricQuantity::error;
   MetricStatistic statistic = MetricStatistic::rms;
-  int subject = 0;        // the kernel's own: which error, block or measurement
+  int subject = 0;        // its reader's own: which error, block or measurement
   bool of_block = false;  // nees of a whole block
   Time at = 0;
   bool at_is_from_start = false;
@@ -43,6 +46,17 @@ struct MetricValue {
   double n = 0;
 };
 
+/// A metric of "evaluate" that means nothing where patches were merged over the config: what it is of may be gone with
+/// them, or it is misspelt, which who knows the other variants can find out.
+struct UnknownMetric {
+  std::string name;
+  std::string pointer;
+  std::string error;  // one line, with the nearest name
+};
+
+/// Of a composition whose config was patched (a study's variant); without patches an unknown metric is an error.
+std::vector<UnknownMetric> unknown_metrics(const Composition& composition);
+
 /// Reads `FILTER/BLOCK.OUTPUT/STATISTIC` against what the composition's references score. Statistics: `mean`, `rms`,
 /// `max`, `final`, `drift`, `p50`, `p95`, `at 100 s`, `at start+100 s`; `sigma`: 1-σ where `final` is taken; `sigma at 100 s`;
 /// FILTER/BLOCK/nees: its mean over time; `nees at 100 s`; FILTER/MEASUREMENT/nis: the mean of the accepted samples. The
@@ -52,4 +66,4 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
 /// Shows the metric in this unit. Empty, or one line that says why it cannot be.
 std::string show_in(Metric& metric, std::string_view unit);
 
-}  // namespace binnacle
+}  // namespace binnacle::score

@@ -6,7 +6,7 @@
 
 #include "binnacle/time.hpp"
 
-namespace binnacle {
+namespace binnacle::score {
 
 /// Points of a grid at first + k · every, first being the first instant. Of each point that instant is taken which is
 /// nearest to it among the first at or after it and those before it by at most a tenth of `every` and half the time to
@@ -14,7 +14,7 @@ namespace binnacle {
 /// near is skipped. every = 0: every instant.
 class RecordEpochs {
  public:
-  enum class Verdict {
+  enum class Choice {
     skip,     // not this one
     take,     // this one; what was kept for later is void
     keep,     // perhaps this one: remember it, and forget what was kept before
@@ -26,29 +26,29 @@ class RecordEpochs {
   explicit RecordEpochs(Time every = 0) : every_(every) {}
 
   /// Instants come in order of time.
-  Verdict on(Time t) {
+  Choice on(Time t) {
     const Time tolerance = previous_ == no_time ? 0 : std::min(every_ / 10, (t - previous_) / 2);
     previous_ = t;
-    if (every_ <= 0) return Verdict::take;
+    if (every_ <= 0) return Choice::take;
     if (point_ == no_time) {
       point_ = t + every_;
-      return Verdict::take;
+      return Choice::take;
     }
-    if (kept_ == no_time) return fresh(t, tolerance, Verdict::take, Verdict::keep, Verdict::skip);
+    if (kept_ == no_time) return fresh(t, tolerance, Choice::take, Choice::keep, Choice::skip);
     if (point_ - kept_ > (t > point_ ? t - point_ : point_ - t)) {  // nearer than what was kept
       kept_ = no_time;
-      return fresh(t, every_, Verdict::take, Verdict::keep, Verdict::skip);
+      return fresh(t, every_, Choice::take, Choice::keep, Choice::skip);
     }
     kept_ = no_time;
     point_ += every_;
-    return fresh(t, tolerance, Verdict::release_and_take, Verdict::release_and_keep, Verdict::release);
+    return fresh(t, tolerance, Choice::release_and_take, Choice::release_and_keep, Choice::release);
   }
 
   /// At the end: whether what was kept is taken.
   bool finish() { return kept_ != no_time; }
 
  private:
-  Verdict fresh(Time t, Time tolerance, Verdict take, Verdict keep, Verdict skip) {
+  Choice fresh(Time t, Time tolerance, Choice take, Choice keep, Choice skip) {
     if (t >= point_) {
       point_ += (1 + (t - point_) / every_) * every_;
       return take;
@@ -64,4 +64,4 @@ class RecordEpochs {
   Time kept_ = no_time;  // before point_
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::score

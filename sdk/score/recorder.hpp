@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records of a run: each filter's outputs, their 1-σ, implied states, and what noise estimators made of R.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "binnacle/session.hpp"
+#include "filter_score.hpp"
+#include "record_epochs.hpp"
+#include "score/run.hpp"
+
+namespace binnacle::score {
+
+using Scores = std::vector<std::unique_ptr<FilterScore>>;
+
+class Recorder {
+ public:
+  /// Shows the columns to the observer. `every`: RecordEpochs; 0: after every step.
+  Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every);
+  void after_instant();
+  void finish();
+
+ private:
+  struct Filter {
+    std::size_t implied_state_columns = 0;
+    RecordEpochs epochs;
+    Time last = no_time, kept_at = no_time;
+    std::vector<double> kept;  // a row that is written unless one nearer to its epoch comes
+  };
+  void read(std::size_t filter, Time t, std::span<double> values);
+  void write_kept(std::size_t filter);
+
+  const Session& session_;
+  const Scores& scores_;
+  RunObserver& observer_;
+  std::vector<Filter> filters_;
+  std::vector<double> values_;
+};
+
+}  // namespace binnacle::score
