@@ -99,7 +99,7 @@ struct PassedOver {
 };
 
 std::string name_in(const fs::path& file) {
-  const LibraryFile library = inspect_library(file);
+  const plugin::LibraryFile library = plugin::inspect_library(file);
   return library.guard ? abi::text_of(library.guard->name) : "";
 }
 
