@@ -398,9 +398,10 @@ Json sections() {
           {"reference",
            told("what the filters are scored against", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
           {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
-          {"record",
-           told("what --out records",
-                closed_object({{"every", told("least time between two records; else every step", ref("quantity"))}}))},
+          {"record", told("what --out records",
+                          closed_object({{"every", told("one record for every multiple of this after the first, of the "
+                                                        "instant nearest to it; else every step",
+                                                        ref("quantity"))}}))},
           {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
           {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
           {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
