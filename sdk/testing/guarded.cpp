@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guarded.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace binnacle::testing {
+
+namespace {
+
+constexpr double canary = 8.251e77;
+CallObserver* current_observer = nullptr;
+
+}  // namespace
+
+double unwritten() { return std::bit_cast<double>(std::uint64_t{0x7ff8'b1a0'0000'c1e5}); }
+
+Guarded::Guarded(std::size_t size, double fill) : values_(size + 2 * margin, fill), fill_(fill) {
+  for (std::size_t i = 0; i < margin; ++i) values_[i] = values_[values_.size() - 1 - i] = canary;
+}
+bool Guarded::is_intact() const {
+  for (std::size_t i = 0; i < margin; ++i)
+    if (!same_bits(values_[i], canary) || !same_bits(values_[values_.size() - 1 - i], canary)) return false;
+  return true;
+}
+bool Guarded::has_unwritten() const {
+  return std::any_of(data(), data() + size(), [&](double v) { return same_bits(v, fill_); });
+}
+
+void examine(const Guarded& block, const std::string& what, double fill, std::string& damage) {
+  if (!damage.empty()) return;
+  if (!block.is_intact())
+    damage = what + ": written beyond its end";
+  else if (std::isnan(fill) && block.has_unwritten())
+    damage = what + ": not written completely";
+}
+
+const double* Inputs::keep(std::string name, const double* values, std::size_t count) {
+  if (!values) return nullptr;
+  Kept& kept = all_.emplace_back(Kept{std::move(name), {values, values + count}, Guarded(count, 0.0)});
+  std::copy(values, values + count, kept.copy.data());
+  return kept.copy.data();
+}
+
+std::string Inputs::damage() const {
+  for (const auto& kept : all_)
+    if (!kept.copy.is_intact() || !std::equal(kept.original.begin(), kept.original.end(), kept.copy.data(), same_bits))
+      return kept.name + " is an input, and was written to";
+  return "";
+}
+
+std::vector<const double*> pointers(const PortStates& ports, const ComponentSpec& spec, Inputs& inputs) {
+  std::vector<const double*> x;
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    x.push_back(ports[i].is_open() ? nullptr : inputs.keep("x of port '" + spec.ports.at(i).name + "'", ports[i].x));
+  return x;
+}
+
+void observe_calls(CallObserver* observer) { current_observer = observer; }
+CallObserver* call_observer() { return current_observer; }
+
+}  // namespace binnacle::testing
