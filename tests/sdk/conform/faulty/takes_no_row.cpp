@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Breaks no rule: of a negative range it takes no row, which is not a refusal.
+// fails: nothing
+#include "faulty.hpp"
+
+namespace {
+
+class Animal final : public faulty::Measurement {
+ public:
+  using Measurement::Measurement;
+  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
+                             const double* const* x, const binnacle::Context& context, std::byte* memory,
+                             binnacle::Linearization& out) const override {
+    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+    if (result && !(sample.fields[0] > 0)) out.rows = 0;
+    return result;
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("takes_no_row", "1.0.0", registry) { registry.add<Animal>(); }
