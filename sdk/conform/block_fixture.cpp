@@ -56,7 +56,7 @@ class CallsBlock final : public Fixture {
     const Result result = called("write", [&] { return block.write(outputs, written.data()); });
     const bool has_reset = called("reset_jacobian", [&] { return block.reset_jacobian(delta, G.data()); });
     Answer answer;
-    answer.damage = inputs.damage();
+    answer.damage = inputs.damage("a call of the block");
     examine(y, "plus", fill, answer.damage);
     examine(back, "minus", fill, answer.damage);
     examine(read, "read", fill, answer.damage);

@@ -146,20 +146,22 @@ void use(Trial& trial, const ComponentType& type, const Catalog& catalog, const 
   }
 }
 
-void own_words(Trial& trial, const Json& settings, const std::string& message) {
-  trial.expect(message.find(" threw: ") == std::string::npos, "with ", settings.dump(), ": ", message,
+bool own_words(Trial& trial, const Json& settings, const std::string& message) {
+  return trial.expect(message.find(" threw: ") == std::string::npos, "with ", settings.dump(), ": ", message,
                "; throw ComponentError for what is refused");
 }
 
 /// Parameters may exclude each other: then they are refused with a pointer at the component, and by its own words.
-void examine(Trial& trial, const Json& settings, const Error& refusal) {
+bool examine(Trial& trial, const Json& settings, const Error& refusal) {
   const std::string pointer = component_pointer(trial.role);
   for (const auto& item : refusal.diagnostics().items()) {
     if (item.severity != Severity::error) continue;  // such as the guard's, that the library was built otherwise
-    trial.expect(item.pointer.rfind(pointer, 0) == 0 || item.pointer.rfind("/filters", 0) == 0, "with ",
-                 settings.dump(), " the refusal points at '", item.pointer, "': ", item.message);
-    own_words(trial, settings, item.message);
+    if (!trial.expect(item.pointer.rfind(pointer, 0) == 0 || item.pointer.rfind("/filters", 0) == 0, "with ",
+                      settings.dump(), " the refusal points at '", item.pointer, "': ", item.message) ||
+        !own_words(trial, settings, item.message))
+      return false;
   }
+  return true;
 }
 
 void parameters(Trial& trial) {
@@ -178,10 +180,10 @@ void parameters(Trial& trial) {
       use(trial, type, catalog, settings);
       ++accepted;
     } catch (const Error& refusal) {
-      examine(trial, settings, refusal);
+      if (!examine(trial, settings, refusal)) return;
       last = refusal.what();
     } catch (const OpenRefused& refusal) {
-      own_words(trial, settings, refusal.what());
+      if (!own_words(trial, settings, refusal.what())) return;
       last = refusal.what();
     }
   }

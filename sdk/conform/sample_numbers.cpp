@@ -120,7 +120,8 @@ SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bo
       columns.push_back(given.get<std::vector<double>>());
     } else {
       columns.emplace_back();
-      for (int r = 0; r < numbers.rows; ++r) columns.back().push_back(value * (1 + 0.01 * r));
+      const double change = given.is_number() ? 0 : 0.01;  // a number that was told stands for all rows
+      for (int r = 0; r < numbers.rows; ++r) columns.back().push_back(value * (1 + change * r));
     }
   }
   for (int r = 0; r < numbers.rows; ++r)

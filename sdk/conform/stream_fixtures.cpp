@@ -72,7 +72,7 @@ class CallsNoise final : public Fixture {
       called("after", [&] { return noise_.estimator->after(Outcome::accepted, post, innovation.HPHt, memory), 0; });
     }
     Answer answer;
-    answer.damage = inputs.damage();
+    answer.damage = inputs.damage("estimate");
     if (!R.is_intact()) answer.damage = "R: written beyond its end";
     answer.numbers = R.values();
     answer.memory.assign(memory, memory + memory_bytes());
@@ -230,7 +230,7 @@ class CallsTransform final : public Fixture {
     sample.row_fields = inputs.keep("the sample (its rows)", numbers.row);
     called("on", [&] { return transform_.model->on(static_cast<int>(input), sample, memory, collector), 0; });
     Answer answer;
-    answer.damage = inputs.damage();
+    answer.damage = inputs.damage("on");
     if (*collector.damage) answer.damage = collector.damage;
     if (!collector.slots.is_intact()) answer.damage = "a slot: written beyond its end";
     answer.numbers = collector.numbers();

@@ -38,9 +38,9 @@ class Laws {
 
  private:
   void complain(const char* call, const Guarded& output, const Inputs& inputs) const {
-    std::string damage = inputs.damage();
+    std::string damage = inputs.damage(call);
     examine(output, call, unwritten(), damage);
-    if (!damage.empty()) out_.add(call, "(): ", damage);
+    if (!damage.empty()) out_.add(damage);
   }
 
   const PortState& at_;

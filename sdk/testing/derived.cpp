@@ -27,7 +27,7 @@ Evaluated DerivedCaller::evaluate(const PortStates& ports, const Context& contex
   out.result = called("evaluate", [&] {
     return model_->evaluate(x.data(), drive, value.data(), with_jacobian ? views.data() : nullptr);
   });
-  out.damage = inputs.damage();
+  out.damage = inputs.damage("evaluate");
   if (!out.result) return out;
   examine(value, "value", fill, out.damage);
   for (const auto& block : J) examine(block, "J", 0.0, out.damage);

@@ -42,10 +42,10 @@ const double* Inputs::keep(std::string name, const double* values, std::size_t c
   return kept.copy.data();
 }
 
-std::string Inputs::damage() const {
+std::string Inputs::damage(const char* call) const {
   for (const auto& kept : all_)
     if (!kept.copy.is_intact() || !std::equal(kept.original.begin(), kept.original.end(), kept.copy.data(), same_bits))
-      return kept.name + " is an input, and was written to";
+      return std::string(call) + "() writes to " + kept.name + ", which is an input";
   return "";
 }
 

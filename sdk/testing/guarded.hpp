@@ -49,8 +49,8 @@ class Inputs {
   const double* keep(std::string name, const std::vector<double>& values) {
     return keep(std::move(name), values.data(), values.size());
   }
-  /// What was written to all the same; "" when nothing.
-  std::string damage() const;
+  /// What `call` wrote to all the same; "" when nothing.
+  std::string damage(const char* call) const;
 
  private:
   struct Kept {

@@ -95,7 +95,7 @@ Measured MeasurementCaller::linearize(const SampleView& sample, std::span<const 
   out.result = called("linearize", [&] {
     return model_->linearize(own, others.data(), x.data(), drive, out.memory.data(), outputs.at);
   });
-  out.damage = inputs.damage();
+  out.damage = inputs.damage("linearize");
   outputs.examine_ends(out.damage);
   if (out.result) collect(outputs, fill, out);
   return out;

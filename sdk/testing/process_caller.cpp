@@ -79,7 +79,7 @@ Propagated ProcessCaller::propagate(const PortStates& ports, const Step& step, c
   out.result =
       called("propagate", [&] { return model_->propagate(guarded.step, x.data(), out.memory.data(), output); });
 
-  out.damage = inputs.damage();
+  out.damage = inputs.damage("propagate");
   for (std::size_t i = 0; i < x_plus.size(); ++i) {
     if (out.result) examine(x_plus[i], "x_plus of port " + std::to_string(i), fill, out.damage);
     append(out.numbers, x_plus[i].values());
@@ -97,7 +97,7 @@ Propagated ProcessCaller::linearized(const PortStates& ports, double fill) const
   Inputs inputs;
   const auto x = pointers(ports, *spec_, inputs);
   called("linearized", [&] { return model_->linearized(x.data(), {dynamics.at(), noise.at()}), 0; });
-  out.damage = inputs.damage();
+  out.damage = inputs.damage("linearized");
   out.x_plus.resize(ports.size());
   dynamics.collect(out, out.transition);
   noise.collect(out, out.noise);

@@ -10,7 +10,7 @@ class Animal final : public faulty::Measurement {
   static binnacle::ComponentSpec spec() {
     auto spec = Measurement::spec();
     spec.parameters.push_back(
-        binnacle::parameter::number("blur", "m*s").at_least(0).at_most(9).defaults("1 m*s").about("made up"));
+        binnacle::parameter::number("blur", "m*s").at_least(0).at_most(9).defaults("\"1 m*s\"").about("made up"));
     return spec;
   }
   explicit Animal(const binnacle::Binding& binding) : Measurement(binding) {
