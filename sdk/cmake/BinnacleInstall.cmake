@@ -36,6 +36,10 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/kernel/include/binnacle" "${PROJECT_BIN
 
 # Whoever writes plugins needs no Boost: the kernel's library is an export set of its own.
 install(TARGETS binnacle_headers EXPORT BinnacleTargets INCLUDES DESTINATION include)
+# The suite's checkers, for a plugin's own tests.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/testing/include/binnacle" DESTINATION include COMPONENT dev
+  FILES_MATCHING PATTERN "*.hpp")
+install(TARGETS binnacle_testing EXPORT BinnacleTargets ARCHIVE DESTINATION lib COMPONENT dev INCLUDES DESTINATION include)
 install(TARGETS binnacle_kernel EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)

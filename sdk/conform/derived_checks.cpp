@@ -15,9 +15,9 @@ void jacobian(Trial& trial) {
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(600 + static_cast<std::uint64_t>(repeat));
     const PortStates ports = derived.ports(random, 0.3);
-    const auto nominal = derived.caller.evaluate(ports, derived.context());
+    const auto nominal = derived.caller.evaluate(ports, derived.u());
     if (!nominal.result) Trial::skip(std::string("it refuses ordinary values: ") + nominal.result.reason);
-    if (!trial.expect_none(testing::check_derived(derived.caller, *derived.yields, scale, ports, derived.context(),
+    if (!trial.expect_none(testing::check_derived(derived.caller, *derived.yields, scale, ports, derived.u(),
                                                   {1e-3, 1e-6, testing::step_sweep})))
       return;
   }
@@ -28,7 +28,7 @@ void value(Trial& trial) {
   const DerivedFixture derived(trial, *composition);
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     auto random = trial.random(700 + static_cast<std::uint64_t>(repeat));
-    if (!trial.expect_none(testing::check_derived_value(derived.caller, derived.ports(random, 0.3), derived.context())))
+    if (!trial.expect_none(testing::check_derived_value(derived.caller, derived.ports(random, 0.3), derived.u())))
       return;
   }
 }

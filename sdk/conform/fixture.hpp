@@ -81,6 +81,19 @@ Eigen::VectorXd draw(const Eigen::MatrixXd& covariance, std::mt19937_64& random)
 /// Of the chi-squared distribution.
 double quantile(double dof, double p);
 
+/// The samples of the auxiliary channels: what the surroundings tell, and where they tell nothing what is plausible.
+/// settings: those of the component, with the inputs that are connected.
+class AuxiliaryNumbers {
+ public:
+  AuxiliaryNumbers(Trial& trial, const ComponentSpec& spec, const Json& settings);
+  AuxiliaryNumbers(const AuxiliaryNumbers&) = delete;
+  const std::vector<SampleView>& views() const { return views_; }
+
+ private:
+  std::vector<SampleNumbers> numbers_;  // per input of the spec
+  std::vector<SampleView> views_;
+};
+
 /// One step of a process model, with one sample where it takes input.
 class DrivenStep {
  public:
@@ -110,6 +123,11 @@ class ProcessFixture {
   bool is_closed() const { return part.model->declaration().has_closed_form; }
 
   parts::Part<ProcessModel> part;
+
+ private:
+  AuxiliaryNumbers auxiliary_;
+
+ public:
   testing::ProcessCaller caller;
 };
 
@@ -131,19 +149,17 @@ class MeasurementFixture {
  private:
   Eigen::VectorXd residual(const PortStates& ports, const SampleNumbers& sample) const;
   SampleNumbers first_guess(const PortStates& ports, std::mt19937_64& random) const;
-  void fill_auxiliary(Trial& trial, const Json& settings);
 
   Surroundings around_;
+  AuxiliaryNumbers auxiliary_;
   std::vector<double> driving_rates_;
-  std::vector<SampleNumbers> auxiliary_;  // per input of the spec
-  std::vector<SampleView> auxiliary_views_;
 };
 
 class DerivedFixture {
  public:
   DerivedFixture(Trial& trial, const Composition& composition);
   PortStates ports(std::mt19937_64& random, double spread) const { return port_states(part.ports, random, spread); }
-  Context context() const { return {2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()}; }
+  Driving u() const { return {2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()}; }
 
   parts::Part<DerivedBlock> part;
   testing::DerivedCaller caller;

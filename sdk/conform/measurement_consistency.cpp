@@ -68,7 +68,7 @@ Eigen::MatrixXd prior_of(const Subject& subject, const PortStates& ports, const 
 }
 
 Eigen::MatrixXd H_of(const Subject& subject, const PortStates& ports, const testing::Measured& m) {
-  const auto& reads = subject.measurement.part.model->declaration().reads;
+  const auto& reads = subject.measurement.part.model->declaration().read_ports;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(m.residual.size(), testing::offset(ports, ports.size()));
   for (std::size_t i = 0; i < reads.size(); ++i)
     H.middleCols(testing::offset(ports, static_cast<std::size_t>(reads[i])), m.H[i].cols()) = m.H[i];
@@ -200,7 +200,7 @@ class Run {
 /// Whether one push of fields is all that the miniature filter needs.
 bool is_plain(const ComponentSpec& spec) {
   return spec.driving_rates.empty() && spec.inputs.empty() &&
-         std::none_of(spec.fields.begin(), spec.fields.end(), [](const auto& field) { return field.per_row; });
+         std::none_of(spec.fields.begin(), spec.fields.end(), [](const auto& field) { return field.is_per_row; });
 }
 
 std::string text_of(const Sum& sum, int runs) {

@@ -18,8 +18,9 @@ std::vector<double> driving_rates_of(const ComponentSpec& spec, std::mt19937_64&
   return rates;
 }
 
-const Json& settings_of_measurement(const Composition& composition) {
-  return composition.config().at("filters").at(filter_name).at("measurements").at(component_name);
+/// section: "process" or "measurements".
+const Json& settings_in(const Composition& composition, const char* section) {
+  return composition.config().at("filters").at(filter_name).at(section).at(component_name);
 }
 
 /// Per field of the spec, whether the channel in the miniature carries it, under its own name or another.
@@ -40,6 +41,24 @@ std::vector<bool> fields_carried(const Composition& composition, const Component
 
 }  // namespace
 
+AuxiliaryNumbers::AuxiliaryNumbers(Trial& trial, const ComponentSpec& spec, const Json& settings) {
+  const Surroundings around(spec);
+  auto random = trial.random(79);
+  for (const auto& input : spec.inputs) {
+    const Json told = around.input(input.name);
+    // The miniature's channel leaves out optional fields; their numbers are NaN then, as the kernel hands them out.
+    const bool all_optional =
+        std::all_of(input.fields.begin(), input.fields.end(), [](const auto& field) { return field.is_optional; });
+    std::vector<bool> has;
+    for (const auto& field : input.fields)
+      has.push_back(!field.is_optional || all_optional || told.contains(field.name));
+    SampleNumbers numbers = made_up(input.fields, has, told, around.time() - 500'000'000, random);
+    numbers.is_available = settings.contains("inputs") && settings.at("inputs").contains(input.name);
+    numbers_.push_back(std::move(numbers));
+  }
+  for (const auto& numbers : numbers_) views_.push_back(numbers.view());
+}
+
 // ---- process models
 
 DrivenStep::DrivenStep(double dt, std::vector<double> fields, bool takes_input) : fields_(std::move(fields)) {
@@ -49,8 +68,10 @@ DrivenStep::DrivenStep(double dt, std::vector<double> fields, bool takes_input) 
   step_ = {t0, t1, dt, takes_input ? std::span(&sample_, 1) : std::span<const InputSample>()};
 }
 
-ProcessFixture::ProcessFixture(Trial& /*trial*/, const Composition& composition)
-    : part(parts::process(composition, filter_name, component_name)), caller(*part.model, part.type->spec) {}
+ProcessFixture::ProcessFixture(Trial& trial, const Composition& composition)
+    : part(parts::process(composition, filter_name, component_name)),
+      auxiliary_(trial, part.type->spec, settings_in(composition, "process")),
+      caller(*part.model, part.type->spec, auxiliary_.views()) {}
 
 DrivenStep ProcessFixture::step(std::mt19937_64& random, double dt) const {
   std::vector<double> fields;
@@ -83,40 +104,20 @@ testing::Propagated ProcessFixture::call(const PortStates& ports, const DrivenSt
 MeasurementFixture::MeasurementFixture(Trial& trial, const Composition& composition)
     : part(parts::measurement(composition, filter_name, component_name)),
       caller(*part.model, part.type->spec),
-      around_(part.type->spec) {
+      around_(part.type->spec),
+      auxiliary_(trial, part.type->spec, settings_in(composition, "measurements")) {
   auto random = trial.random(77);
   driving_rates_ = driving_rates_of(part.type->spec, random);
-  const Json& settings = settings_of_measurement(composition);
-  has_field = fields_carried(composition, part.type->spec, settings);
-  fill_auxiliary(trial, settings);
-}
-
-/// What the surroundings tell of the auxiliary channels, and where they tell nothing what is plausible.
-void MeasurementFixture::fill_auxiliary(Trial& trial, const Json& settings) {
-  auto random = trial.random(79);
-  for (const auto& input : part.type->spec.inputs) {
-    const Json told = around_.input(input.name);
-    // The miniature's channel leaves out optional fields; their numbers are NaN then, as the kernel hands them out.
-    const bool all_optional =
-        std::all_of(input.fields.begin(), input.fields.end(), [](const auto& field) { return field.optional; });
-    std::vector<bool> has;
-    for (const auto& field : input.fields) has.push_back(!field.optional || all_optional || told.contains(field.name));
-    SampleNumbers numbers = made_up(input.fields, has, told, around_.time() - 500'000'000, random);
-    numbers.is_available =
-        settings.contains("input") || (settings.contains("inputs") && settings.at("inputs").contains(input.name));
-    auxiliary_.push_back(std::move(numbers));
-  }
-  for (const auto& numbers : auxiliary_) auxiliary_views_.push_back(numbers.view());
+  has_field = fields_carried(composition, part.type->spec, settings_in(composition, "measurements"));
 }
 
 testing::Told MeasurementFixture::told(const SampleNumbers& sample) const {
-  return {sample.view(), auxiliary_views_, {sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()}};
+  return {sample.view(), auxiliary_.views(), {sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()}};
 }
 
 testing::Measured MeasurementFixture::call(const PortStates& ports, const SampleNumbers& sample,
                                            const std::vector<std::byte>& memory, double fill) const {
-  const testing::Told all = told(sample);
-  return caller.linearize(all.sample, all.auxiliary, ports, all.context, memory, fill);
+  return caller.linearize(told(sample), ports, memory, fill);
 }
 
 Eigen::VectorXd MeasurementFixture::residual(const PortStates& ports, const SampleNumbers& sample) const {
@@ -280,7 +281,7 @@ class CallsDerived final : public Fixture {
   void start(std::byte*) const override {}
   Answer turn(std::uint64_t k, std::byte*, double fill) const override {
     auto random = trial_.random(4000 + k);
-    const auto evaluated = derived_.caller.evaluate(derived_.ports(random, 0.3), derived_.context(), true, fill);
+    const auto evaluated = derived_.caller.evaluate(derived_.ports(random, 0.3), derived_.u(), true, fill);
     return {evaluated.result, evaluated.numbers, {}, evaluated.damage};
   }
 

@@ -148,7 +148,7 @@ void use(Trial& trial, const ComponentType& type, const Catalog& catalog, const 
 
 bool own_words(Trial& trial, const Json& settings, const std::string& message) {
   return trial.expect(message.find(" threw: ") == std::string::npos, "with ", settings.dump(), ": ", message,
-               "; throw ComponentError for what is refused");
+                      "; throw ComponentError for what is refused");
 }
 
 /// Parameters may exclude each other: then they are refused with a pointer at the component, and by its own words.

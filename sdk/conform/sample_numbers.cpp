@@ -30,7 +30,7 @@ std::string wrong_numbers(const Json& told, const std::vector<FieldSpec>& fields
     const std::string at = where + "." + name;
     if (field == fields.end()) return at + ": the spec has no such field";
     if (value.is_number()) continue;
-    if (!field->per_row) return at + " is to be a number in SI, and is " + value.dump();
+    if (!field->is_per_row) return at + " is to be a number in SI, and is " + value.dump();
     if (!is_numbers(value)) return at + " is to be a number in SI or a list of one per row, and is " + value.dump();
     if (rows != 0 && value.size() != rows)
       return at + " has " + std::to_string(value.size()) + " rows, and another field " + std::to_string(rows);
@@ -40,7 +40,7 @@ std::string wrong_numbers(const Json& told, const std::vector<FieldSpec>& fields
 }
 
 int rows_of(const std::vector<FieldSpec>& fields, const Json& told) {
-  const bool has_rows = std::any_of(fields.begin(), fields.end(), [](const auto& f) { return f.per_row; });
+  const bool has_rows = std::any_of(fields.begin(), fields.end(), [](const auto& f) { return f.is_per_row; });
   for (const auto& value : told)
     if (value.is_array()) return static_cast<int>(value.size());
   return has_rows ? rows_made_up : 0;
@@ -114,7 +114,7 @@ SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bo
     double value = has[i] ? made : std::numeric_limits<double>::quiet_NaN();
     const Json given = told.value(fields[i].name, Json());
     if (given.is_number()) value = given.get<double>();
-    if (!fields[i].per_row) {
+    if (!fields[i].is_per_row) {
       numbers.epoch.push_back(value);
     } else if (given.is_array()) {
       columns.push_back(given.get<std::vector<double>>());

@@ -89,7 +89,7 @@ class Slots {
   Slots(const std::vector<ChannelDeclaration>& channels, double fill) {
     for (const auto& channel : channels) {
       std::size_t epoch = 0, row = 0;
-      for (const auto& field : channel.fields) (field.per_row ? row : epoch) += 1;
+      for (const auto& field : channel.fields) (field.is_per_row ? row : epoch) += 1;
       fields_.emplace_back(epoch, fill);
       rows_.emplace_back(row * static_cast<std::size_t>(channel.max_rows), fill);
       covariance_.emplace_back(channel.covariance.size() * channel.covariance.size(), fill);

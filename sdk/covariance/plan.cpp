@@ -76,7 +76,7 @@ std::vector<Feed> read_feeds(const Section& section, const Composition& composit
     const auto& fields = composition.channels()[static_cast<std::size_t>(found - names.begin())].declaration->fields;
     std::vector<std::string> known;
     for (const auto& field : fields) {
-      if (field.per_row) continue;
+      if (field.is_per_row) continue;
       known.push_back(field.name);
       feed.is_of_intervals |= field.kind != FieldKind::level;
       const std::string value = join_pointer(join_pointer(at, "values"), field.name);

@@ -49,11 +49,31 @@ std::string Inputs::damage(const char* call) const {
   return "";
 }
 
-std::vector<const double*> pointers(const PortStates& ports, const ComponentSpec& spec, Inputs& inputs) {
+std::vector<const double*> pointers(const PortStates& ports, const ComponentSpec* spec, Inputs& inputs) {
+  const auto name_of = [&](std::size_t i) {
+    return "x of port " + (spec ? "'" + spec->ports.at(i).name + "'" : std::to_string(i));
+  };
   std::vector<const double*> x;
   for (std::size_t i = 0; i < ports.size(); ++i)
-    x.push_back(ports[i].is_open() ? nullptr : inputs.keep("x of port '" + spec.ports.at(i).name + "'", ports[i].x));
+    x.push_back(ports[i].is_open() ? nullptr : inputs.keep(name_of(i), ports[i].x));
   return x;
+}
+
+SampleView guarded_sample(const SampleView& sample, const std::vector<FieldSpec>& fields, const std::string& name,
+                          Inputs& inputs) {
+  const auto per_row =
+      static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), [](const auto& f) { return f.is_per_row; }));
+  SampleView copy = sample;
+  copy.fields = inputs.keep(name, sample.fields, fields.size() - per_row);
+  copy.row_fields = inputs.keep(name + " (its rows)", sample.row_fields, as_size(sample.rows) * per_row);
+  return copy;
+}
+
+std::vector<SampleView> guarded_inputs(std::span<const SampleView> given, const ComponentSpec& spec, Inputs& inputs) {
+  std::vector<SampleView> all(spec.inputs.size());
+  for (std::size_t i = 0; i < std::min(all.size(), given.size()); ++i)
+    all[i] = guarded_sample(given[i], spec.inputs[i].fields, "the sample on '" + spec.inputs[i].name + "'", inputs);
+  return all;
 }
 
 void observe_calls(CallObserver* observer) { current_observer = observer; }

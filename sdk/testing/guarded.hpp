@@ -61,8 +61,14 @@ class Inputs {
   std::deque<Kept> all_;
 };
 
-/// Stored values of the ports, null where open.
-std::vector<const double*> pointers(const PortStates& ports, const ComponentSpec& spec, Inputs& inputs);
+/// Stored values of the ports, null where open. spec: for their names, may be null.
+std::vector<const double*> pointers(const PortStates& ports, const ComponentSpec* spec, Inputs& inputs);
+
+/// The same sample on guarded copies of its numbers.
+SampleView guarded_sample(const SampleView& sample, const std::vector<FieldSpec>& fields, const std::string& name,
+                          Inputs& inputs);
+/// One per input of the spec; those that are not given have emitted nothing yet.
+std::vector<SampleView> guarded_inputs(std::span<const SampleView> given, const ComponentSpec& spec, Inputs& inputs);
 
 /// Who is told of each call: where a crash was, how long it took.
 class CallObserver {

@@ -14,42 +14,52 @@ namespace binnacle::testing {
 
 namespace {
 
-/// The same sample on guarded copies of its numbers.
-SampleView guarded(const SampleView& sample, const std::vector<FieldSpec>& fields, const std::string& name,
-                   Inputs& inputs) {
-  const auto per_row =
-      static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), [](const auto& f) { return f.per_row; }));
-  SampleView copy = sample;
-  copy.fields = inputs.keep(name, sample.fields, fields.size() - per_row);
-  copy.row_fields = inputs.keep(name + " (its rows)", sample.row_fields, as_size(sample.rows) * per_row);
-  return copy;
-}
-
 /// What a call writes, between canaries. H and R are zero on entry, as the kernel leaves them.
 struct Outputs {
   Outputs(const MeasurementDeclaration& declared, const PortStates& ports, double fill)
       : rows(declared.max_rows),
         residual(as_size(rows), fill),
         R(as_size(rows) * as_size(rows), 0.0),
+        by_port(ports.size()),
         keys(as_size(rows)) {
-    for (const int port : declared.reads) H.emplace_back(as_size(rows) * as_size(ports.at(as_size(port)).dof()), 0.0);
-    for (std::size_t i = 0; i < H.size(); ++i)
-      views.push_back({H[i].data(), rows, ports[as_size(declared.reads[i])].dof(), rows});
+    for (const int port : declared.read_ports)
+      H.emplace_back(as_size(rows) * as_size(ports.at(as_size(port)).dof()), 0.0);
+    for (std::size_t i = 0; i < H.size(); ++i) {
+      const auto port = as_size(declared.read_ports[i]);
+      views.push_back({H[i].data(), rows, ports[port].dof(), rows});
+      by_port[port] = views.back();
+    }
     std::iota(keys.begin(), keys.end(), 0);
-    at = {0, residual.data(), views.data(), {R.data(), rows, rows, rows}, keys.data()};
+    at = {0, {residual.data(), rows}, by_port.data(), {R.data(), rows, rows, rows}, keys};
   }
   int rows;
   Guarded residual, R;
   std::vector<Guarded> H;
-  std::vector<MatrixView> views;
+  std::vector<MatrixView> views, by_port;  // per entry of read_ports; per port
   std::vector<std::int64_t> keys;
-  Linearization at;
+  MeasurementOutput at;
 
   void examine_ends(std::string& damage) const {
     examine(residual, "residual", 0.0, damage);
     examine(R, "R", 0.0, damage);
     for (const auto& block : H) examine(block, "H", 0.0, damage);
   }
+};
+
+/// Independent errors of the ports' scales.
+struct Covariance {
+  Covariance(const PortStates& ports, Inputs& inputs) {
+    const int n = offset(ports, ports.size());
+    Eigen::VectorXd variances(n);
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+      first_row.push_back(ports[i].is_open() ? -1 : offset(ports, i));
+      if (!ports[i].is_open()) variances.segment(offset(ports, i), ports[i].dof()) = ports[i].scale.cwiseAbs2();
+    }
+    const Eigen::MatrixXd P = variances.asDiagonal();
+    at = {inputs.keep("P", P.data(), static_cast<std::size_t>(P.size())), n, first_row.data()};
+  }
+  std::vector<int> first_row;
+  PortCovariance at;
 };
 
 void collect(const Outputs& outputs, double fill, Measured& out) {
@@ -78,23 +88,30 @@ std::vector<std::byte> MeasurementCaller::fresh_memory() const {
   return memory;
 }
 
-Measured MeasurementCaller::linearize(const SampleView& sample, std::span<const SampleView> auxiliary,
-                                      const PortStates& ports, const Context& context,
-                                      const std::vector<std::byte>& memory, double fill) const {
+Measured MeasurementCaller::linearize(const Told& told, const PortStates& ports, const std::vector<std::byte>& memory,
+                                      double fill) const {
   Inputs inputs;
-  const SampleView own = guarded(sample, spec_->fields, "the sample", inputs);
-  std::vector<SampleView> others(spec_->inputs.size());
-  for (std::size_t i = 0; i < std::min(others.size(), auxiliary.size()); ++i)
-    others[i] = guarded(auxiliary[i], spec_->inputs[i].fields, "the sample on '" + spec_->inputs[i].name + "'", inputs);
-  Context drive = context;
-  drive.driving_rates = inputs.keep("the driving rates", context.driving_rates, spec_->driving_rates.size());
-  const auto x = pointers(ports, *spec_, inputs);
+  SampleView sample = told.sample;
+  std::vector<SampleView> auxiliary(told.auxiliary.begin(), told.auxiliary.end());
+  if (spec_) {
+    sample = guarded_sample(told.sample, spec_->fields, "the sample", inputs);
+    auxiliary = guarded_inputs(told.auxiliary, *spec_, inputs);
+  }
+  const double* rates =
+      spec_ ? inputs.keep("the driving rates", told.u.rates.data(), spec_->driving_rates.size()) : told.u.rates.data();
+  const auto x = pointers(ports, spec_, inputs);
+  const Covariance P(ports, inputs);
   Outputs outputs(model_->declaration(), ports, fill);
   Measured out;
   out.memory = memory;
-  out.result = called("linearize", [&] {
-    return model_->linearize(own, others.data(), x.data(), drive, out.memory.data(), outputs.at);
-  });
+  const MeasurementInput input{sample,
+                               auxiliary.data(),
+                               x.data(),
+                               {told.u.t, rates},
+                               out.memory.data(),
+                               model_->declaration().needs_covariance ? P.at : PortCovariance(),
+                               {}};
+  out.result = called("linearize", [&] { return model_->linearize(input, outputs.at); });
   out.damage = inputs.damage("linearize");
   outputs.examine_ends(out.damage);
   if (out.result) collect(outputs, fill, out);
@@ -104,9 +121,7 @@ Measured MeasurementCaller::linearize(const SampleView& sample, std::span<const 
 Complaints check_measurement(const MeasurementCaller& measurement, const Told& told, const PortStates& ports,
                              const std::vector<std::byte>& memory, const Tolerance& tolerance, double resolution) {
   Complaints out;
-  const auto call = [&](const PortStates& at) {
-    return measurement.linearize(told.sample, told.auxiliary, at, told.context, memory);
-  };
+  const auto call = [&](const PortStates& at) { return measurement.linearize(told, at, memory); };
   const Measured nominal = call(ports);
   if (!nominal.damage.empty()) out.add(nominal.damage);
   if (!nominal.result) return out.add("refused: ", nominal.result.reason), out;
@@ -115,7 +130,7 @@ Complaints check_measurement(const MeasurementCaller& measurement, const Told& t
     const Measured m = call(at);
     return m.result && m.residual.size() == rows ? Eigen::VectorXd(-m.residual) : Eigen::VectorXd::Constant(rows, NAN);
   };
-  const auto& reads = measurement.model().declaration().reads;
+  const auto& reads = measurement.model().declaration().read_ports;
   for (std::size_t port = 0; port < ports.size(); ++port) {
     if (ports[port].is_open() || rows == 0) continue;
     const auto found = std::find(reads.begin(), reads.end(), static_cast<int>(port));

@@ -72,12 +72,13 @@ Propagated ProcessCaller::propagate(const PortStates& ports, const Step& step, c
   for (std::size_t i = 0; i < ports.size(); ++i) x_plus.emplace_back(moves(ports, i) ? ports[i].x.size() : 0, fill);
   for (std::size_t i = 0; i < ports.size(); ++i) x_at.push_back(moves(ports, i) ? x_plus[i].data() : nullptr);
   Inputs inputs;
-  const auto x = pointers(ports, *spec_, inputs);
+  const auto x = pointers(ports, spec_, inputs);
   const GuardedStep guarded(step, *spec_, inputs);
   out.memory = memory;
-  const ProcessOutput output{x_at.data(), transition.at(), noise.at()};
-  out.result =
-      called("propagate", [&] { return model_->propagate(guarded.step, x.data(), out.memory.data(), output); });
+  const std::vector<SampleView> auxiliary = guarded_inputs(auxiliary_, *spec_, inputs);
+  const ProcessInput input{guarded.step, x.data(), auxiliary.data(), out.memory.data(), {}};
+  ProcessOutput output{x_at.data(), transition.at(), noise.at()};
+  out.result = called("propagate", [&] { return model_->propagate(input, output); });
 
   out.damage = inputs.damage("propagate");
   for (std::size_t i = 0; i < x_plus.size(); ++i) {
@@ -95,8 +96,9 @@ Propagated ProcessCaller::linearized(const PortStates& ports, double fill) const
   Propagated out;
   Blocks dynamics("dynamics", declared().transition, ports, fill), noise("noise", declared().noise, ports, fill);
   Inputs inputs;
-  const auto x = pointers(ports, *spec_, inputs);
-  called("linearized", [&] { return model_->linearized(x.data(), {dynamics.at(), noise.at()}), 0; });
+  const auto x = pointers(ports, spec_, inputs);
+  ContinuousOutput output{dynamics.at(), noise.at()};
+  called("linearized", [&] { return model_->linearized({x.data()}, output), 0; });
   out.damage = inputs.damage("linearized");
   out.x_plus.resize(ports.size());
   dynamics.collect(out, out.transition);

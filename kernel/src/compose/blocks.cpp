@@ -63,7 +63,8 @@ void Composer::add_block(FilterBuild& build, const std::string& name, const std:
                          {"type", "init", "sigma", "estimate", "consider", "hold"}, {}, diagnostics_);
     if (error_count() == errors)
       guarded(pointer, [&](Findings& findings) {
-        block.block = type->create_state_block(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+        block.block =
+            type->create_state_block(Binding(name, Parameters(parameters), {}, {}).of(type->spec).telling(findings));
       });
   }
   if (!block.block) {

@@ -268,7 +268,7 @@ Json Composition::explain() const {
     Json fields = Json::array();
     for (const auto& field : channel.declaration.fields)
       fields.push_back(
-          {{"name", field.name}, {"unit", field.unit}, {"kind", kind_name(field.kind)}, {"per_row", field.per_row}});
+          {{"name", field.name}, {"unit", field.unit}, {"kind", kind_name(field.kind)}, {"per_row", field.is_per_row}});
     channels.push_back(
         {{"name", channel.name}, {"from", channel.pointer}, {"fields", std::move(fields)}, {"heard_by", heard[c]}});
     if (heard[c].empty() && !is_filter_output(*plan_, c)) unused.push_back(channel.name);

@@ -86,7 +86,7 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
           binding.components = info.components;
         }
       }
-    } else if (!port.optional) {
+    } else if (!port.is_optional) {
       std::vector<std::string> fitting;
       for (const auto& info : build.values)
         if (kind_matches(port.kind, info.kind)) fitting.push_back(info.name);
@@ -143,7 +143,7 @@ void Composer::find_input(FilterBuild& build) {
   build.plan.input_fields = channel.epoch_fields;
   build.plan.input_used.assign(as_size(channel.epoch_fields), 0);
   for (const auto& field : channel.declaration.fields)
-    if (!field.per_row) build.plan.input_kinds.push_back(field.kind);
+    if (!field.is_per_row) build.plan.input_kinds.push_back(field.kind);
 }
 
 bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
@@ -151,7 +151,7 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
   if (type.spec.driving_rates.empty()) return true;
   if (build.plan.input_channel < 0) {
     const bool all_optional = std::all_of(type.spec.driving_rates.begin(), type.spec.driving_rates.end(),
-                                          [](const FieldSpec& field) { return field.optional; });
+                                          [](const FieldSpec& field) { return field.is_optional; });
     if (!all_optional && build.is_complete)
       error("B021", pointer, "'" + type.spec.type + "' needs the rates of the filter's driving input, which has none");
     return all_optional;
@@ -162,7 +162,7 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
     int index = -1;
     for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
       if (channel.declaration.fields[i].name == wanted.name) index = channel.position[i];
-    if (index < 0 && !wanted.optional)
+    if (index < 0 && !wanted.is_optional)
       error("B021", pointer,
             "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + type.spec.type +
                 "' needs");
@@ -215,8 +215,9 @@ void Composer::add_derived(FilterBuild& build) {
         const bool has_drive = find_driving_rates(build, *type, pointer, plan.driving_rates);
         if (is_bound && has_drive && error_count() == errors)
           guarded(pointer, [&](Findings& findings) {
-            plan.derived =
-                type->create_derived_block(Binding(name, Parameters(parameters), bindings, {}).telling(findings));
+            plan.derived = type->create_derived_block(Binding(name, Parameters(parameters), bindings, {})
+                                                          .of(type->spec, {}, !plan.driving_rates.empty())
+                                                          .telling(findings));
           });
       }
       if (!plan.derived) {
@@ -228,19 +229,20 @@ void Composer::add_derived(FilterBuild& build) {
       const int dof = plan.dof();
       plan.value = build.reserve(as_size(declaration.stored_size));
       std::set<int> blocks;
-      const bool reads_are_bound = std::all_of(declaration.reads.begin(), declaration.reads.end(), [&](int port) {
-        return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
-      });
+      const bool reads_are_bound =
+          std::all_of(declaration.read_ports.begin(), declaration.read_ports.end(), [&](int port) {
+            return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
+          });
       if (!reads_are_bound) {
         error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
         build.failed_values.insert(name);
         build.is_complete = false;
         continue;
       }
-      for (const int port : declaration.reads) {
+      for (const int port : declaration.read_ports) {
         const int value = plan.ports[as_size(port)];
         const int columns = build.values[as_size(value)].dof;
-        plan.reads.push_back({value, build.reserve(as_size(dof * columns))});
+        plan.reads.push_back({value, build.reserve(as_size(dof * columns)), port});
         if (value < static_cast<int>(build.plan.blocks.size())) {
           blocks.insert(value);
         } else {
@@ -339,8 +341,10 @@ void Composer::add_processes(FilterBuild& build) {
         continue;
       }
       guarded(pointer, [&](Findings& findings) {
-        plan.model = type->create_process_model(
-            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).telling(findings));
+        plan.model =
+            type->create_process_model(Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step)
+                                           .of(type->spec)
+                                           .telling(findings));
       });
       if (!plan.model) {
         is_whole = false;
@@ -489,6 +493,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   }
   build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(part.fields.epoch.size()));
 
+  std::vector<bool> inputs_bound;
   if (!type->spec.inputs.empty()) {
     std::vector<NodeInput> inputs;
     is_whole = read_inputs(type->spec, pointer, inputs) && is_whole;
@@ -503,6 +508,11 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
         }
       }
       part.auxiliary.push_back(index);
+      inputs_bound.push_back(index >= 0);
+      const auto first = fields_bound.size();
+      fields_bound.resize(first + type->spec.inputs[inputs_bound.size() - 1].fields.size(), false);
+      for (const auto* items : {&input.fields.epoch, &input.fields.row})
+        for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
       part.auxiliary_fields.push_back(std::move(input.fields));
     }
   }
@@ -511,6 +521,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
         part.model = type->create_measurement_model(
             Binding(name, Parameters(parameters), bindings, fields_bound, 1,
                     {plan_->channels[as_size(measurement.channel)].declaration.covariance})
+                .of(type->spec, inputs_bound, !part.driving_rates.empty())
                 .telling(findings));
       }))
     return false;
@@ -519,14 +530,14 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
     error("B030", pointer, "'" + type->spec.type + "' declares no rows");
     return false;
   }
-  for (const int port : declaration.reads) {
+  for (const int port : declaration.read_ports) {
     if (port < 0 || as_size(port) >= part.ports.size() || part.ports[as_size(port)] < 0) {
       error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
       return false;
     }
     const int value = part.ports[as_size(port)];
     const int dof = build.values[as_size(value)].dof;
-    part.reads.push_back({value, dof, build.reserve(as_size(declaration.max_rows * dof)), {}});
+    part.reads.push_back({value, dof, build.reserve(as_size(declaration.max_rows * dof)), {}, port});
   }
   measurement.max_rows += declaration.max_rows;
   measurement.parts.push_back(std::move(part));
@@ -618,7 +629,10 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
   for (const auto& part : measurement.parts) {
     for (const auto& group : part.model->declaration().groups) {
       binding.group_first_row.push_back(first + group.first_row);
-      binding.groups.push_back({measurement.parts.size() > 1 ? part.name + "." + group.name : group.name, group.unit});
+      const std::string& unit = group.unit.empty() && group.port >= 0
+                                    ? build.values[as_size(part.ports[as_size(group.port)])].components.front().unit
+                                    : group.unit;
+      binding.groups.push_back({measurement.parts.size() > 1 ? part.name + "." + group.name : group.name, unit});
     }
     if (part.model->declaration().groups.empty()) {
       binding.group_first_row.push_back(first);
@@ -628,9 +642,8 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
   }
   measurement.noise_type = type->full_name();
   guarded(noise_pointer, [&](Findings& findings) {
-    measurement.noise =
-        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}).telling(findings),
-                                     binding);
+    measurement.noise = type->create_noise_estimator(
+        Binding(measurement.name, Parameters(parameters), {}, {}).of(type->spec).telling(findings), binding);
   });
 }
 

@@ -83,7 +83,7 @@ class Engine {
   }
 
   Result evaluate_derived(const std::vector<int>& values, bool with_jacobians);
-  Context context(const std::vector<int>& fields, double* storage);
+  Driving driving(const std::vector<int>& fields, double* storage);
   void enqueue(int measurement, const SampleView& sample);
   void process(int measurement, const SampleView& sample);
   void process_or_reject(int measurement, const SampleView& sample);

@@ -87,6 +87,7 @@ struct DerivedPlan {
   struct Read {
     int value = 0;             // index of the value read
     std::size_t jacobian = 0;  // offset in the workspace: dof × dof(value)
+    int port = 0;
   };
   std::string name;
   std::string pointer;
@@ -155,6 +156,7 @@ struct PartPlan {
     int dof = 0;
     std::size_t jacobian = 0;  // offset in the workspace: max_rows of the whole update × dof
     std::vector<Target> targets;
+    int port = 0;
   };
   std::string name;
   std::string pointer;

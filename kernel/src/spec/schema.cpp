@@ -156,7 +156,7 @@ class ReservedKeys {
     std::vector<std::string> needed;
     for (const PortSpec& port : spec_.ports) {
       ports[port.name] = {{"type", "string"}, {"description", port.text + " (" + port.kind + ")"}};
-      if (!port.optional) needed.push_back(port.name);
+      if (!port.is_optional) needed.push_back(port.name);
     }
     if (!needed.empty()) required.push_back("blocks");
     properties["blocks"] = closed_object(std::move(ports), needed);
@@ -194,7 +194,7 @@ class ReservedKeys {
 
   bool needs_named_inputs() const {
     for (const ChannelPort& input : spec_.inputs) {
-      if (!input.optional) return true;
+      if (!input.is_optional) return true;
     }
     return false;
   }

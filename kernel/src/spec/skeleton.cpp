@@ -94,7 +94,7 @@ class Skeleton {
   static Json ports(const ComponentType& type) {
     Json reserved = Json::object();
     for (const PortSpec& port : type.spec.ports) {
-      if (!port.optional) reserved["blocks"][port.name] = "BLOCK";
+      if (!port.is_optional) reserved["blocks"][port.name] = "BLOCK";
     }
     return reserved;
   }
@@ -103,7 +103,7 @@ class Skeleton {
     Json reserved = Json::object();
     if (type.spec.inputs.size() == 1) return {{"input", "CHANNEL"}};
     for (const ChannelPort& input : type.spec.inputs) {
-      if (!input.optional) reserved["inputs"][input.name] = "CHANNEL";
+      if (!input.is_optional) reserved["inputs"][input.name] = "CHANNEL";
     }
     return reserved;
   }

@@ -32,7 +32,7 @@ class RunWriter {
   void close();
 
  private:
-  class Session;
+  class Filter;
   struct Contents;
   std::unique_ptr<Contents> contents_;
 };

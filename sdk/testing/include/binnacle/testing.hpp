@@ -2,7 +2,8 @@
 // The conformance suite's own checkers, in process: for a plugin's own tests, with Catch2 or whatever else.
 //
 //     const auto at = binnacle::testing::PortStates{{&position, {300, 200}, 10.0}};
-//     const auto complaints = binnacle::testing::check_measurement(model, Range::spec(), sample, at, {}, {.relative = 1e-6});
+//     const binnacle::testing::MeasurementCaller range(model, spec);
+//     const auto complaints = check_measurement(range, {sample}, at, range.fresh_memory(), {.relative = 1e-6});
 //     INFO(complaints.text());
 //     REQUIRE(complaints.empty());
 //
@@ -120,8 +121,9 @@ double unwritten();
 
 class ProcessCaller {
  public:
-  /// Both must outlive it.
-  ProcessCaller(const ProcessModel& model, const ComponentSpec& spec) : model_(&model), spec_(&spec) {}
+  /// All must outlive it. auxiliary: a sample per input of the spec, in its order; none may be given where it has none.
+  ProcessCaller(const ProcessModel& model, const ComponentSpec& spec, std::span<const SampleView> auxiliary = {})
+      : model_(&model), spec_(&spec), auxiliary_(auxiliary) {}
 
   std::vector<std::byte> fresh_memory() const;
   /// The closed form. `memory` is copied; the copy the call wrote to is in the answer.
@@ -151,6 +153,7 @@ class ProcessCaller {
                         const std::vector<Eigen::MatrixXd>& blocks, bool identity, bool mirrored) const;
   const ProcessModel* model_;
   const ComponentSpec* spec_;
+  std::span<const SampleView> auxiliary_;
 };
 
 /// Every block of Φ, declared or not, against differences of x⁺ on the manifolds.
@@ -195,27 +198,29 @@ struct Measured {
   std::string damage;
 };
 
+/// What a model may be told besides the state.
+struct Told {
+  SampleView sample;
+  std::span<const SampleView> auxiliary = {};  // one per input of the spec, in its order; none where the spec has none
+  Driving u = {};
+};
+
 class MeasurementCaller {
  public:
   MeasurementCaller(const MeasurementModel& model, const ComponentSpec& spec) : model_(&model), spec_(&spec) {}
+  /// For single calls: without the spec nobody knows how many numbers a sample has, and it is handed out as it is.
+  explicit MeasurementCaller(const MeasurementModel& model) : model_(&model) {}
 
   std::vector<std::byte> fresh_memory() const;
-  /// auxiliary: one per input of the spec, in its order; none may be given where the spec has none.
-  Measured linearize(const SampleView& sample, std::span<const SampleView> auxiliary, const PortStates& ports,
-                     const Context& context, const std::vector<std::byte>& memory, double fill = unwritten()) const;
+  /// Where the model wants the covariance of what it reads, it is given that of independent errors of the ports' scales.
+  Measured linearize(const Told& told, const PortStates& ports, const std::vector<std::byte>& memory,
+                     double fill = unwritten()) const;
   const MeasurementModel& model() const { return *model_; }
   const ComponentSpec& spec() const { return *spec_; }
 
  private:
   const MeasurementModel* model_;
-  const ComponentSpec* spec_;
-};
-
-/// What a model may be told besides the state.
-struct Told {
-  SampleView sample;
-  std::span<const SampleView> auxiliary;
-  Context context;
+  const ComponentSpec* spec_ = nullptr;
 };
 
 /// H, that of ports which are not read included, against −∂r/∂δ. The size of a row is what plausible errors make of it:
@@ -238,7 +243,7 @@ struct Evaluated {
 class DerivedCaller {
  public:
   DerivedCaller(const DerivedBlock& model, const ComponentSpec& spec) : model_(&model), spec_(&spec) {}
-  Evaluated evaluate(const PortStates& ports, const Context& context, bool with_jacobian = true,
+  Evaluated evaluate(const PortStates& ports, const Driving& u, bool with_jacobian = true,
                      double fill = unwritten()) const;
   const DerivedBlock& model() const { return *model_; }
   const ComponentSpec& spec() const { return *spec_; }
@@ -251,10 +256,9 @@ class DerivedCaller {
 /// J against differences of the value on the manifolds. yields: a state block of the kind yielded; scale: a plausible
 /// error of it per component; resolution: of its ⊟.
 Complaints check_derived(const DerivedCaller& derived, const StateBlock& yields, const Eigen::VectorXd& scale,
-                         const PortStates& ports, const Context& context, const Tolerance& tolerance,
-                         double resolution = 0);
+                         const PortStates& ports, const Driving& u, const Tolerance& tolerance, double resolution = 0);
 /// The value is the same to the bit with and without Jacobians.
-Complaints check_derived_value(const DerivedCaller& derived, const PortStates& ports, const Context& context);
+Complaints check_derived_value(const DerivedCaller& derived, const PortStates& ports, const Driving& u);
 
 // ---- state blocks
 

@@ -19,8 +19,8 @@ class Animal final : public faulty::Measurement {
   }
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::Context&, std::byte*,
-                             binnacle::Linearization& out) const override {
+                             const double* const* x, const binnacle::legacy::Context&, std::byte*,
+                             binnacle::legacy::Linearization& out) const override {
     if (!auxiliary[0].available) return binnacle::Result::unsupported("no offset has come");
     if (!std::isfinite(sample.fields[0])) return binnacle::Result::invalid("no reading");
     out.rows = 1;

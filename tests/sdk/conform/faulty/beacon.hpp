@@ -21,8 +21,8 @@ class Beacon : public Measurement {
     return spec;
   }
   using Measurement::Measurement;
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x, const Context&,
-                   std::byte*, Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
+                   const legacy::Context&, std::byte*, legacy::Linearization& out) const override {
     if (!auxiliary[0].available) return Result::unsupported("no beacon has made itself known");
     const double dx = x[0][0] - auxiliary[0].fields[0], dy = x[0][1] - auxiliary[0].fields[1];
     const double range = std::hypot(dx, dy);

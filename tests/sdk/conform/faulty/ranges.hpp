@@ -21,8 +21,8 @@ class Ranges : public Measurement {
     declared.max_rows = 4;
     declared.groups = {{"range", 0, 0, "m", -1}};
   }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
-                   Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
+                   std::byte*, legacy::Linearization& out) const override {
     out.rows = 0;
     for (int i = 0; i < sample.rows && i < 4; ++i) {
       const double* row = sample.row_fields + 3 * i;

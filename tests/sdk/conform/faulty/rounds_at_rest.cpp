@@ -11,7 +11,7 @@ class Animal final : public faulty::Process {
     declared.transition = {{0, 0, binnacle::Structure::diagonal}, {0, 1, binnacle::Structure::diagonal}};
   }
   binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte*,
-                             const binnacle::ProcessOutput& out) const override {
+                             const binnacle::legacy::ProcessOutput& out) const override {
     const double dt = step.dt;
     for (int i = 0; i < 2; ++i) {
       out.x_plus[0][i] = x[0][i] + x[1][i] * dt;
