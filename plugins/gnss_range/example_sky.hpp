@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A made-up sky for the examples of the range models: what the conformance suite tells them besides the state.
+// A made-up sky for the examples of the range models: what the conformance suite gives them besides the state.
 #pragma once
 
 namespace binnacle::gnss_range {

@@ -34,7 +34,7 @@ struct Skip {
   bool applies = true;
 };
 
-/// Thrown where Source::open refuses, which it may: what it had to say, kept by the host.
+/// Thrown where Source::open refuses, which it may: what it reported, kept by the host.
 class OpenRefused : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

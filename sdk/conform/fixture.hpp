@@ -81,7 +81,7 @@ Eigen::VectorXd draw(const Eigen::MatrixXd& covariance, std::mt19937_64& random)
 /// Of the chi-squared distribution.
 double quantile(double dof, double p);
 
-/// The samples of the auxiliary channels: what the surroundings tell, and where they tell nothing what is plausible.
+/// The samples of the auxiliary channels: what the surroundings specify, and where they specify nothing what is plausible.
 /// settings: those of the component, with the inputs that are connected.
 class AuxiliaryNumbers {
  public:
@@ -136,8 +136,8 @@ class MeasurementFixture {
   MeasurementFixture(Trial& trial, const Composition& composition);
   testing::Measured call(const PortStates& ports, const SampleNumbers& sample, const std::vector<std::byte>& memory,
                          double fill = unwritten()) const;
-  /// The sample and what else the model is told, as the kernel hands it out. Valid as long as `sample`.
-  testing::Told told(const SampleNumbers& sample) const;
+  /// The sample and what else the model is given, as the kernel hands it out. Valid as long as `sample`.
+  testing::Given given(const SampleNumbers& sample) const;
   PortStates ports(std::mt19937_64& random, double spread) const { return port_states(part.ports, random, spread); }
   /// A sample near what the state at `ports` would show: residual ≈ `wanted` (zero where that is empty).
   SampleNumbers sample(const PortStates& ports, std::mt19937_64& random, const Eigen::VectorXd& wanted = {}) const;
@@ -177,7 +177,7 @@ struct CallMeter {
 /// Null: calls are not metered.
 void meter_calls(CallMeter* meter);
 
-/// Tells the trial what is being called, and the meter how long it took; for the life of this object.
+/// Reports to the trial what is being called, and the meter how long it took; for the life of this object.
 class CallWatch {
  public:
   explicit CallWatch(Trial& trial);

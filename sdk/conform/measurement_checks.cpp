@@ -24,7 +24,7 @@ void jacobian(Trial& trial) {
     const auto nominal = subject.measurement.call(ports, sample, subject.memory);
     if (!nominal.result) Trial::skip(std::string("it refuses what it should see: ") + nominal.result.reason);
     if (nominal.residual.size() == 0) Trial::skip("it takes no row of what it should see");
-    if (!trial.expect_none(testing::check_measurement(subject.measurement.caller, subject.measurement.told(sample),
+    if (!trial.expect_none(testing::check_measurement(subject.measurement.caller, subject.measurement.given(sample),
                                                       ports, subject.memory, {1e-3, 1e-6, testing::step_sweep})))
       return;
   }

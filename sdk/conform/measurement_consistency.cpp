@@ -48,7 +48,7 @@ struct Sum {
   bool is_inside() const { return dof > 0 && mean() > low() && mean() < high(); }
 };
 
-// ---- an extended Kalman filter of a few lines, that can be told how much it should believe
+// ---- an extended Kalman filter of a few lines, whose prior can be shrunk
 
 /// P over the ports that a filter of the miniature starts with; where it needs more to start than this suite can push,
 /// of the size of the values that other checks try.

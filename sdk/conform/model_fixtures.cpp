@@ -45,14 +45,14 @@ AuxiliaryNumbers::AuxiliaryNumbers(Trial& trial, const ComponentSpec& spec, cons
   const Surroundings around(spec);
   auto random = trial.random(79);
   for (const auto& input : spec.inputs) {
-    const Json told = around.input(input.name);
+    const Json given = around.input(input.name);
     // The miniature's channel leaves out optional fields; their numbers are NaN then, as the kernel hands them out.
     const bool all_optional =
         std::all_of(input.fields.begin(), input.fields.end(), [](const auto& field) { return field.is_optional; });
     std::vector<bool> has;
     for (const auto& field : input.fields)
-      has.push_back(!field.is_optional || all_optional || told.contains(field.name));
-    SampleNumbers numbers = made_up(input.fields, has, told, around.time() - 500'000'000, random);
+      has.push_back(!field.is_optional || all_optional || given.contains(field.name));
+    SampleNumbers numbers = made_up(input.fields, has, given, around.time() - 500'000'000, random);
     numbers.is_available = settings.contains("inputs") && settings.at("inputs").contains(input.name);
     numbers_.push_back(std::move(numbers));
   }
@@ -111,13 +111,13 @@ MeasurementFixture::MeasurementFixture(Trial& trial, const Composition& composit
   has_field = fields_carried(composition, part.type->spec, settings_in(composition, "measurements"));
 }
 
-testing::Told MeasurementFixture::told(const SampleNumbers& sample) const {
+testing::Given MeasurementFixture::given(const SampleNumbers& sample) const {
   return {sample.view(), auxiliary_.views(), {sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()}};
 }
 
 testing::Measured MeasurementFixture::call(const PortStates& ports, const SampleNumbers& sample,
                                            const std::vector<std::byte>& memory, double fill) const {
-  return caller.linearize(told(sample), ports, memory, fill);
+  return caller.linearize(given(sample), ports, memory, fill);
 }
 
 Eigen::VectorXd MeasurementFixture::residual(const PortStates& ports, const SampleNumbers& sample) const {
@@ -125,26 +125,26 @@ Eigen::VectorXd MeasurementFixture::residual(const PortStates& ports, const Samp
   return measured.result ? measured.residual : Eigen::VectorXd();
 }
 
-/// What the surroundings tell; a field that is named as an output of a block is that output.
+/// What the surroundings specify; a field that is named as an output of a block is that output.
 SampleNumbers MeasurementFixture::first_guess(const PortStates& ports, std::mt19937_64& random) const {
   const auto& specs = part.type->spec.fields;
-  Json told = around_.sample();
+  Json given = around_.sample();
   for (std::size_t i = 0; i < specs.size(); ++i)
     for (const auto& port : ports) {
-      if (port.is_open() || !has_field[i] || told.contains(specs[i].name)) continue;
+      if (port.is_open() || !has_field[i] || given.contains(specs[i].name)) continue;
       const auto& outputs = port.block->declaration().outputs;
       std::vector<double> read(outputs.size());
       port.block->read(port.x.data(), read.data());
       for (std::size_t o = 0; o < outputs.size(); ++o)
-        if (outputs[o].name == specs[i].name) told[specs[i].name] = read[o];
+        if (outputs[o].name == specs[i].name) given[specs[i].name] = read[o];
     }
-  return made_up(specs, has_field, told, around_.time(), random);
+  return made_up(specs, has_field, given, around_.time(), random);
 }
 
 SampleNumbers MeasurementFixture::sample(const PortStates& ports, std::mt19937_64& random,
                                          const Eigen::VectorXd& wanted) const {
   SampleNumbers z = first_guess(ports, random);
-  if (z.count() == 0) return z;  // a model that is told nothing but the time
+  if (z.count() == 0) return z;  // a model that is given nothing but the time
   // Gauss and Newton over the fields: r(z) = wanted.
   for (int iteration = 0; iteration < 12; ++iteration) {
     const Eigen::VectorXd r = residual(ports, z);

@@ -127,7 +127,7 @@ std::string to_junit(const Verdict& verdict, const Options& options, bool strict
                          escaped(subject_of(outcome) + (outcome.role.empty() ? "" : " (" + outcome.role + ")")),
                          escaped(outcome.check), outcome.seconds, inside);
   }
-  // A verdict of its own, for it can be bad where no check is: nothing ran, or the components could not be told.
+  // A verdict of its own, for it can be bad where no check is: nothing ran, or the components could not be found out.
   const bool passes = verdict.passes(strict);
   failures += !passes;
   cases += fmt::format("    <testcase classname=\"library\" name=\"verdict\">{}</testcase>\n",

@@ -22,10 +22,10 @@ bool is_numbers(const Json& value) {
 }
 
 /// What is wrong with {field: number or list} under `where`.
-std::string wrong_numbers(const Json& told, const std::vector<FieldSpec>& fields, const std::string& where) {
-  if (!told.is_object()) return where + " is no object of fields and numbers, but " + told.dump();
+std::string wrong_numbers(const Json& given, const std::vector<FieldSpec>& fields, const std::string& where) {
+  if (!given.is_object()) return where + " is no object of fields and numbers, but " + given.dump();
   std::size_t rows = 0;
-  for (const auto& [name, value] : told.items()) {
+  for (const auto& [name, value] : given.items()) {
     const auto field = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
     const std::string at = where + "." + name;
     if (field == fields.end()) return at + ": the spec has no such field";
@@ -39,9 +39,9 @@ std::string wrong_numbers(const Json& told, const std::vector<FieldSpec>& fields
   return "";
 }
 
-int rows_of(const std::vector<FieldSpec>& fields, const Json& told) {
+int rows_of(const std::vector<FieldSpec>& fields, const Json& given) {
   const bool has_rows = std::any_of(fields.begin(), fields.end(), [](const auto& f) { return f.is_per_row; });
-  for (const auto& value : told)
+  for (const auto& value : given)
     if (value.is_array()) return static_cast<int>(value.size());
   return has_rows ? rows_made_up : 0;
 }
@@ -93,34 +93,34 @@ std::string wrong_shape(const ComponentSpec& spec) {
       return wrong;
   if (!all.contains("inputs")) return "";
   if (!all.at("inputs").is_object()) return "its surroundings: inputs is no object of inputs and their fields";
-  for (const auto& [name, told] : all.at("inputs").items()) {
+  for (const auto& [name, given] : all.at("inputs").items()) {
     const auto input =
         std::find_if(spec.inputs.begin(), spec.inputs.end(), [&](const auto& i) { return i.name == name; });
     if (input == spec.inputs.end()) return "its surroundings: inputs." + name + ": the spec has no such input";
-    if (auto wrong = wrong_numbers(told, input->fields, "its surroundings: inputs." + name); !wrong.empty())
+    if (auto wrong = wrong_numbers(given, input->fields, "its surroundings: inputs." + name); !wrong.empty())
       return wrong;
   }
   return "";
 }
 
-SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bool>& has, const Json& told, Time t,
+SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bool>& has, const Json& given, Time t,
                       std::mt19937_64& random, double spread) {
   SampleNumbers numbers;
   numbers.t = t;
-  numbers.rows = rows_of(fields, told);
+  numbers.rows = rows_of(fields, given);
   std::vector<std::vector<double>> columns;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const double made = spread * scale_of(fields[i].unit) * normal(random);
     double value = has[i] ? made : std::numeric_limits<double>::quiet_NaN();
-    const Json given = told.value(fields[i].name, Json());
-    if (given.is_number()) value = given.get<double>();
+    const Json entry = given.value(fields[i].name, Json());
+    if (entry.is_number()) value = entry.get<double>();
     if (!fields[i].is_per_row) {
       numbers.epoch.push_back(value);
-    } else if (given.is_array()) {
-      columns.push_back(given.get<std::vector<double>>());
+    } else if (entry.is_array()) {
+      columns.push_back(entry.get<std::vector<double>>());
     } else {
       columns.emplace_back();
-      const double change = given.is_number() ? 0 : 0.01;  // a number that was told stands for all rows
+      const double change = entry.is_number() ? 0 : 0.01;  // a number that was given stands for all rows
       for (int r = 0; r < numbers.rows; ++r) columns.back().push_back(value * (1 + change * r));
     }
   }

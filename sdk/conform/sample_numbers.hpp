@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of a sample, made up or told by a component's surroundings.
+// The numbers of a sample, made up or given by a component's surroundings.
 #pragma once
 
 #include <random>
@@ -29,7 +29,7 @@ struct SampleNumbers {
   double at(std::size_t i) const { return i < epoch.size() ? epoch[i] : row[i - epoch.size()]; }
 };
 
-/// What ComponentSpec::surroundings tell of samples: "sample": {field: SI number}, "inputs": {input: {field: SI number}},
+/// What ComponentSpec::surroundings specify of samples: "sample": {field: SI number}, "inputs": {input: {field: SI number}},
 /// "time": SI number. A field per row takes a list with a number per row, or one number for all of them.
 class Surroundings {
  public:
@@ -50,10 +50,10 @@ std::string wrong_shape(const ComponentSpec& spec);
 /// A plausible size of an error with this unit.
 double scale_of(const std::string& unit);
 
-/// Plausible numbers for the fields, those told in their place. has[i]: whether the channel carries the i-th field; what
+/// Plausible numbers for the fields, those given in their place. has[i]: whether the channel carries the i-th field; what
 /// it does not carry is NaN, as the kernel hands it out. Rows differ from each
 /// other. spread: of the made-up numbers, in plausible sizes of their units.
-SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bool>& has, const Json& told, Time t,
+SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bool>& has, const Json& given, Time t,
                       std::mt19937_64& random, double spread = 0.1);
 
 }  // namespace binnacle::conform

@@ -106,7 +106,7 @@ class Slots {
     return std::all_of(fields_.begin(), fields_.end(), intact) && std::all_of(rows_.begin(), rows_.end(), intact) &&
            std::all_of(covariance_.begin(), covariance_.end(), intact);
   }
-  void tell(std::size_t channel, std::vector<double>& numbers) const {
+  void report(std::size_t channel, std::vector<double>& numbers) const {
     const SampleSlot& slot = slots[channel];
     numbers.push_back(static_cast<double>(channel));
     numbers.push_back(static_cast<double>(slot.t));
@@ -148,7 +148,7 @@ class CallsSource final : public Fixture {
       if (channel < 0 || channel >= static_cast<int>(slots.slots.size()))
         answer.damage = "there is no channel " + std::to_string(channel);
       else
-        slots.tell(static_cast<std::size_t>(channel), answer.numbers);
+        slots.report(static_cast<std::size_t>(channel), answer.numbers);
     }
     answer.memory.assign(memory, memory + memory_bytes());
     return answer;
@@ -205,7 +205,7 @@ class CallsTransform final : public Fixture {
     /// Afterwards, so that nothing of it is counted as the plugin's.
     std::vector<double> numbers() const {
       std::vector<double> all;
-      for (std::size_t e = 0; e < emitted_count; ++e) slots.tell(emitted[e], all);
+      for (std::size_t e = 0; e < emitted_count; ++e) slots.report(emitted[e], all);
       return all;
     }
     static constexpr std::size_t most = 64;

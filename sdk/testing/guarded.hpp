@@ -70,7 +70,7 @@ SampleView guarded_sample(const SampleView& sample, const std::vector<FieldSpec>
 /// One per input of the spec; those that are not given have emitted nothing yet.
 std::vector<SampleView> guarded_inputs(std::span<const SampleView> given, const ComponentSpec& spec, Inputs& inputs);
 
-/// Who is told of each call: where a crash was, how long it took.
+/// Who learns of each call: where a crash was, how long it took.
 class CallObserver {
  public:
   virtual ~CallObserver() = default;

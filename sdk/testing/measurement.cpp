@@ -88,17 +88,17 @@ std::vector<std::byte> MeasurementCaller::fresh_memory() const {
   return memory;
 }
 
-Measured MeasurementCaller::linearize(const Told& told, const PortStates& ports, const std::vector<std::byte>& memory,
+Measured MeasurementCaller::linearize(const Given& given, const PortStates& ports, const std::vector<std::byte>& memory,
                                       double fill) const {
   Inputs inputs;
-  SampleView sample = told.sample;
-  std::vector<SampleView> auxiliary(told.auxiliary.begin(), told.auxiliary.end());
+  SampleView sample = given.sample;
+  std::vector<SampleView> auxiliary(given.auxiliary.begin(), given.auxiliary.end());
   if (spec_) {
-    sample = guarded_sample(told.sample, spec_->fields, "the sample", inputs);
-    auxiliary = guarded_inputs(told.auxiliary, *spec_, inputs);
+    sample = guarded_sample(given.sample, spec_->fields, "the sample", inputs);
+    auxiliary = guarded_inputs(given.auxiliary, *spec_, inputs);
   }
-  const double* rates =
-      spec_ ? inputs.keep("the driving rates", told.u.rates.data(), spec_->driving_rates.size()) : told.u.rates.data();
+  const double* rates = spec_ ? inputs.keep("the driving rates", given.u.rates.data(), spec_->driving_rates.size())
+                              : given.u.rates.data();
   const auto x = pointers(ports, spec_, inputs);
   const Covariance P(ports, inputs);
   Outputs outputs(model_->declaration(), ports, fill);
@@ -107,7 +107,7 @@ Measured MeasurementCaller::linearize(const Told& told, const PortStates& ports,
   const MeasurementInput input{sample,
                                auxiliary.data(),
                                x.data(),
-                               {told.u.t, rates},
+                               {given.u.t, rates},
                                out.memory.data(),
                                model_->declaration().needs_covariance ? P.at : PortCovariance(),
                                {}};
@@ -118,10 +118,10 @@ Measured MeasurementCaller::linearize(const Told& told, const PortStates& ports,
   return out;
 }
 
-Complaints check_measurement(const MeasurementCaller& measurement, const Told& told, const PortStates& ports,
+Complaints check_measurement(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
                              const std::vector<std::byte>& memory, const Tolerance& tolerance, double resolution) {
   Complaints out;
-  const auto call = [&](const PortStates& at) { return measurement.linearize(told, at, memory); };
+  const auto call = [&](const PortStates& at) { return measurement.linearize(given, at, memory); };
   const Measured nominal = call(ports);
   if (!nominal.damage.empty()) out.add(nominal.damage);
   if (!nominal.result) return out.add("refused: ", nominal.result.reason), out;

@@ -111,8 +111,8 @@ class ProcessCheck {
   testing::ProcessCaller caller_;
 };
 
-inline testing::Told told(const ComponentSpec& spec, const SampleView& sample, const legacy::Context& context,
-                          const SampleView* auxiliary) {
+inline testing::Given given(const ComponentSpec& spec, const SampleView& sample, const legacy::Context& context,
+                            const SampleView* auxiliary) {
   return {sample, auxiliary ? std::span(auxiliary, spec.inputs.size()) : std::span<const SampleView>(),
           detail::driving(context)};
 }
@@ -122,7 +122,7 @@ template <class... Auxiliary>
 Measured linearize(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
                    const legacy::Context& context, Complaints& out, const Auxiliary&... auxiliary) {
   const testing::MeasurementCaller caller(model);
-  testing::Told all{sample, {}, detail::driving(context)};
+  testing::Given all{sample, {}, detail::driving(context)};
   ((all.auxiliary = std::span<const SampleView>(auxiliary)), ...);
   Measured m = caller.linearize(all, ports, caller.fresh_memory());
   if (!m.damage.empty()) out.add(m.damage);
@@ -134,9 +134,9 @@ inline Complaints check_measurement(const MeasurementModel& model, const Compone
                                     const PortStates& ports, const legacy::Context& context, const Tolerance& tolerance,
                                     double resolution = 1e-12, const SampleView* auxiliary = nullptr) {
   const testing::MeasurementCaller caller(model, spec);
-  Complaints out = testing::check_measurement(caller, told(spec, sample, context, auxiliary), ports,
+  Complaints out = testing::check_measurement(caller, given(spec, sample, context, auxiliary), ports,
                                               caller.fresh_memory(), tolerance, resolution);
-  const Measured m = caller.linearize(told(spec, sample, context, auxiliary), ports, caller.fresh_memory());
+  const Measured m = caller.linearize(given(spec, sample, context, auxiliary), ports, caller.fresh_memory());
   out.add_all(testing::check_covariance(m.R));
   if (m.result && !(m.R.diagonal().minCoeff() > 0)) out.add("R has a variance that is not positive");
   return out;

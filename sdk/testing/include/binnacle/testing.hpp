@@ -198,8 +198,8 @@ struct Measured {
   std::string damage;
 };
 
-/// What a model may be told besides the state.
-struct Told {
+/// What a model may be given besides the state.
+struct Given {
   SampleView sample;
   std::span<const SampleView> auxiliary = {};  // one per input of the spec, in its order; none where the spec has none
   Driving u = {};
@@ -213,7 +213,7 @@ class MeasurementCaller {
 
   std::vector<std::byte> fresh_memory() const;
   /// Where the model wants the covariance of what it reads, it is given that of independent errors of the ports' scales.
-  Measured linearize(const Told& told, const PortStates& ports, const std::vector<std::byte>& memory,
+  Measured linearize(const Given& given, const PortStates& ports, const std::vector<std::byte>& memory,
                      double fill = unwritten()) const;
   const MeasurementModel& model() const { return *model_; }
   const ComponentSpec& spec() const { return *spec_; }
@@ -225,7 +225,7 @@ class MeasurementCaller {
 
 /// H, that of ports which are not read included, against −∂r/∂δ. The size of a row is what plausible errors make of it:
 /// |numeric − H|_ij ≤ (relative · Σ_k |H_ik| scale_k + neglected · √R_ii + 8 · resolution / step) / scale_j.
-Complaints check_measurement(const MeasurementCaller& measurement, const Told& told, const PortStates& ports,
+Complaints check_measurement(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
                              const std::vector<std::byte>& memory, const Tolerance& tolerance, double resolution = 0);
 /// R is symmetric and positive semidefinite.
 Complaints check_covariance(const Eigen::MatrixXd& R);

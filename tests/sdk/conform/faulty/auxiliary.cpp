@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Breaks no rule: its beacon comes on an auxiliary channel, told by the surroundings.
+// Breaks no rule: its beacon comes on an auxiliary channel, given by the surroundings.
 // fails: nothing
 #include "beacon.hpp"
 

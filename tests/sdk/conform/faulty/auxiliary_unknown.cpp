@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// H is −7 times what it should be; its surroundings say nothing of its auxiliary channel, which the suite fills itself.
+// H is −7 times what it should be; its surroundings specify nothing of its auxiliary channel, which the suite fills itself.
 // fails: numbers.measurement.jacobian
 #include "faulty.hpp"
 
 namespace {
 
 /// A thermometer whose offset comes on an auxiliary channel: z = x0 + offset.
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   static binnacle::ComponentSpec spec() {
     auto spec = Measurement::spec();
@@ -33,4 +33,4 @@ class Animal final : public faulty::Measurement {
 
 }  // namespace
 
-BINNACLE_PLUGIN("auxiliary_unknown", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("auxiliary_unknown", "1.0.0", registry) { registry.add<Subject>(); }

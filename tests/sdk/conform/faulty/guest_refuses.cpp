@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Another Eigen alignment, which is told, and parameters that exclude each other, which is allowed: the warning is not
+// Another Eigen alignment, which is a warning, and parameters that exclude each other, which is allowed: the warning is not
 // taken for the refusal.
 // fails: load.guard warn
 #include "faulty.hpp"
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   static binnacle::ComponentSpec spec() {
     auto spec = Measurement::spec();
@@ -17,11 +17,11 @@ class Animal final : public faulty::Measurement {
                                   .about("beyond which nothing counts"));
     return spec;
   }
-  explicit Animal(const binnacle::Binding& binding) : Measurement(binding) {
+  explicit Subject(const binnacle::Binding& binding) : Measurement(binding) {
     if (binding.parameters().number("cut") < 2 * sigma) throw binnacle::ComponentError("'cut' is below two sigmas");
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("guest_refuses", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("guest_refuses", "1.0.0", registry) { registry.add<Subject>(); }

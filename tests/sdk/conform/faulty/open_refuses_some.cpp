@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Source {
+class Subject final : public faulty::Source {
  public:
   using Source::Source;
   void open(binnacle::Reporter&) override {
@@ -15,4 +15,4 @@ class Animal final : public faulty::Source {
 
 }  // namespace
 
-BINNACLE_PLUGIN("open_refuses_some", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("open_refuses_some", "1.0.0", registry) { registry.add<Subject>(); }

@@ -10,7 +10,7 @@ class Trouble final : public std::exception {
   const char* what() const noexcept override { return "trouble of its own"; }
 };
 
-class Animal final : public faulty::Source {
+class Subject final : public faulty::Source {
  public:
   using Source::Source;
   void open(binnacle::Reporter&) override { throw Trouble(); }
@@ -18,4 +18,4 @@ class Animal final : public faulty::Source {
 
 }  // namespace
 
-BINNACLE_PLUGIN("open_throws", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("open_throws", "1.0.0", registry) { registry.add<Subject>(); }

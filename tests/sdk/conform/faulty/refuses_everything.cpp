@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
@@ -20,4 +20,4 @@ class Animal final : public faulty::Measurement {
 
 }  // namespace
 
-BINNACLE_PLUGIN("refuses_everything", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("refuses_everything", "1.0.0", registry) { registry.add<Subject>(); }

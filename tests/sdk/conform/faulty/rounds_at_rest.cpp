@@ -5,9 +5,9 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) {
+  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
     declared.transition = {{0, 0, binnacle::Structure::diagonal}, {0, 1, binnacle::Structure::diagonal}};
   }
   binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte*,
@@ -28,4 +28,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("rounds_at_rest", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("rounds_at_rest", "1.0.0", registry) { registry.add<Subject>(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Breaks no rule: its surroundings tell a sample of three rows, each beacon in its own place.
+// Breaks no rule: its surroundings specify a sample of three rows, each beacon in its own place.
 // fails: nothing
 #include "ranges.hpp"
 

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   static binnacle::ComponentSpec spec() {
     auto spec = Measurement::spec();
@@ -17,4 +17,4 @@ class Animal final : public faulty::Measurement {
 
 }  // namespace
 
-BINNACLE_PLUGIN("sample_of_wrong_shape", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("sample_of_wrong_shape", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   static binnacle::ComponentSpec spec() {
     auto spec = Measurement::spec();
@@ -13,11 +13,11 @@ class Animal final : public faulty::Measurement {
         binnacle::parameter::number("blur", "m*s").at_least(0).at_most(9).defaults("\"1 m*s\"").about("made up"));
     return spec;
   }
-  explicit Animal(const binnacle::Binding& binding) : Measurement(binding) {
+  explicit Subject(const binnacle::Binding& binding) : Measurement(binding) {
     if (!(binding.parameters().number("blur") > 0)) throw std::runtime_error("the blur is zero");
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("unit_of_a_product", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("unit_of_a_product", "1.0.0", registry) { registry.add<Subject>(); }

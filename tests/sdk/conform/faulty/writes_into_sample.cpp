@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Transform {
+class Subject final : public faulty::Transform {
  public:
   using Transform::Transform;
   void on(int input, const binnacle::SampleView& sample, std::byte* memory, binnacle::Emitter& emitter) const override {
@@ -16,4 +16,4 @@ class Animal final : public faulty::Transform {
 
 }  // namespace
 
-BINNACLE_PLUGIN("writes_into_sample", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("writes_into_sample", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Beacon {
+class Subject final : public faulty::Beacon {
  public:
   using Beacon::Beacon;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
@@ -19,4 +19,4 @@ class Animal final : public faulty::Beacon {
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_h_auxiliary", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_h_auxiliary", "1.0.0", registry) { registry.add<Subject>(); }

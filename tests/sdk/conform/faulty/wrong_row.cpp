@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Ranges {
+class Subject final : public faulty::Ranges {
  public:
   using Ranges::Ranges;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
@@ -19,4 +19,4 @@ class Animal final : public faulty::Ranges {
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_row", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_row", "1.0.0", registry) { registry.add<Subject>(); }
