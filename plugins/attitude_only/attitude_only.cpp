@@ -65,7 +65,7 @@ AttitudeOnly::AttitudeOnly(const Binding& binding)
 }
 
 Result AttitudeOnly::propagate(const Step& step, const double* const* x, std::byte* memory,
-                               const ProcessOutput& out) const {
+                               const legacy::ProcessOutput& out) const {
   SampleMemory remembered = SampleMemory::load(memory);
   Eigen::Vector4d q = vector_at<4>(x[0]);
   Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();

@@ -7,21 +7,21 @@
 #include <Eigen/Core>
 
 #include "attitude/algorithm.hpp"
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::attitude_only {
 
 /// q ← q ⊗ q(φ), φ by the attitude algorithm chosen (paper 002). The axes that the attitude is told in do not turn, so the
 /// error stands still, Φ = I, and grows by the gyros' white noise: Q = C diag(n²) Cᵀ dt, C at the step's begin.
-class AttitudeOnly final : public ProcessModel {
+class AttitudeOnly final : public legacy::ProcessModel {
  public:
   static ComponentSpec spec();
   explicit AttitudeOnly(const Binding& binding);
 
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
   Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const ProcessOutput& out) const override;
+                   const legacy::ProcessOutput& out) const override;
 
  private:
   ProcessDeclaration declaration_;

@@ -37,7 +37,7 @@ GaussMarkov::GaussMarkov(const Binding& binding) {
 }
 
 Result GaussMarkov::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                              const ProcessOutput& out) const {
+                              const legacy::ProcessOutput& out) const {
   for (std::size_t i = 0; i < components_.size(); ++i) {
     const auto& [tau, variance] = components_[i];
     const double transition = std::exp(-step.dt / tau);
@@ -48,7 +48,7 @@ Result GaussMarkov::propagate(const Step& step, const double* const* x, std::byt
   return Result::ok();
 }
 
-void GaussMarkov::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void GaussMarkov::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   for (std::size_t i = 0; i < components_.size(); ++i) {
     const auto& [tau, variance] = components_[i];
     out.dynamics[0][i] = -1.0 / tau;

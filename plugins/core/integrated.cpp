@@ -23,8 +23,8 @@ ComponentSpec Integrated::spec() {
   return spec;
 }
 
-Integrated::Integrated(const Binding& binding) : dof_(binding.port("x").dof) {
-  const int rates = binding.port("rate").dof;
+Integrated::Integrated(const Binding& binding) : dof_(binding.block("x").dof) {
+  const int rates = binding.block("rate").dof;
   if (rates != dof_)
     throw ComponentError("the rate has " + std::to_string(rates) + " components, the integral " + std::to_string(dof_),
                          "/blocks/rate");
@@ -38,7 +38,7 @@ Integrated::Integrated(const Binding& binding) : dof_(binding.port("x").dof) {
   declaration_.is_time_invariant = true;
 }
 
-void Integrated::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void Integrated::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   std::fill_n(out.dynamics[0], dof_, 1.0);
   if (!density_.empty()) std::copy(density_.begin(), density_.end(), out.noise[0]);
 }

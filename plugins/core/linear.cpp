@@ -56,7 +56,7 @@ ComponentSpec Linear::spec() {
 
 Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
   const Parameters& parameters = binding.parameters();
-  const Eigen::Index dof = binding.port("x").dof;
+  const Eigen::Index dof = binding.block("x").dof;
   if (F_.rows() != dof || F_.cols() != dof)
     throw ComponentError("F must have as many rows and columns as the block has components, " + std::to_string(dof),
                          "/F");
@@ -73,7 +73,7 @@ Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
   declaration_.is_time_invariant = true;
 }
 
-void Linear::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void Linear::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   const int dof = static_cast<int>(F_.rows());
   matrix_at(out.dynamics[0], dof, dof) = F_;
   if (GQG_.size() > 0) matrix_at(out.noise[0], dof, dof) = GQG_;

@@ -4,19 +4,19 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::core {
 
 /// ẋ = F x + G w, E[w wᵀ] = diag(q²) δ(t); discretized by the kernel.
-class Linear final : public ProcessModel {
+class Linear final : public legacy::ProcessModel {
  public:
   static ComponentSpec spec();
   explicit Linear(const Binding& binding);
 
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  void linearized(const double* const* x, const ContinuousOutput& out) const override;
+  void linearized(const double* const* x, const legacy::ContinuousOutput& out) const override;
 
  private:
   ProcessDeclaration declaration_;

@@ -60,7 +60,7 @@ ComponentSpec LinearMeasurement::spec() {
     FieldSpec field;
     field.name = std::string("z").append(std::to_string(i));
     field.unit = "*";
-    field.optional = i > 0;
+    field.is_optional = i > 0;
     field.text = "measured value of row " + std::to_string(i) + ", in the unit of the block";
     spec.fields.push_back(std::move(field));
   }
@@ -72,7 +72,7 @@ ComponentSpec LinearMeasurement::spec() {
 }
 
 LinearMeasurement::LinearMeasurement(const Binding& binding)
-    : H_(observation(binding.parameters(), binding.port("x").dof)),
+    : H_(observation(binding.parameters(), binding.block("x").dof)),
       variance_(variances(binding.parameters(), H_.rows())),
       has_bias_(binding.is_bound("bias")) {
   const int rows = static_cast<int>(H_.rows());
@@ -81,23 +81,24 @@ LinearMeasurement::LinearMeasurement(const Binding& binding)
       throw ComponentError("there are " + std::to_string(rows) + " rows, but the channel carries no field for 'z" +
                                std::to_string(i) + "'",
                            "/fields");
-  if (has_bias_ && binding.port("bias").dof != rows)
-    throw ComponentError("the bias has " + std::to_string(binding.port("bias").dof) + " components for " +
+  if (has_bias_ && binding.block("bias").dof != rows)
+    throw ComponentError("the bias has " + std::to_string(binding.block("bias").dof) + " components for " +
                              std::to_string(rows) + " rows",
                          "/blocks/bias");
   declaration_.max_rows = rows;
-  declaration_.reads = {x_port};
-  if (has_bias_) declaration_.reads.push_back(bias_port);
+  declaration_.read_ports = {x_port};
+  if (has_bias_) declaration_.read_ports.push_back(bias_port);
   ResidualGroup group;
   group.name = "z";
   group.rows = rows;
-  group.unit = binding.port("x").components.front().unit;
+  group.unit = binding.block("x").components.front().unit;
   group.port = binding.parameters().has("H") ? -1 : x_port;
   declaration_.groups = {std::move(group)};
 }
 
 Result LinearMeasurement::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                                    const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                                    const legacy::Context& /*context*/, std::byte* /*memory*/,
+                                    legacy::Linearization& out) const {
   const int rows = static_cast<int>(H_.rows());
   const auto z = vector_at(sample.fields, rows);
   if (!z.allFinite()) return Result::invalid("a measured value is not finite");

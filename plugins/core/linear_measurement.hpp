@@ -4,20 +4,20 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::core {
 
 /// z = H x + b + v, E[v vᵀ] = diag(σ²); r = z − H x̂ − b̂.
-class LinearMeasurement final : public MeasurementModel {
+class LinearMeasurement final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit LinearMeasurement(const Binding& binding);
 
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   MeasurementDeclaration declaration_;

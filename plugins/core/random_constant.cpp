@@ -18,15 +18,15 @@ ComponentSpec RandomConstant::spec() {
   return spec;
 }
 
-RandomConstant::RandomConstant(const Binding& binding) : stored_size_(binding.port("x").stored_size) {
+RandomConstant::RandomConstant(const Binding& binding) : stored_size_(binding.block("x").stored_size) {
   // F = 0 takes part in a joint discretization (a constant rate that something integrates), but only as a vector:
   // the continuous form wants stored value and error to be the same.
-  declaration_.has_continuous_form = binding.port("x").kind.starts_with("vector:");
+  declaration_.has_continuous_form = binding.block("x").kind.starts_with("vector:");
   declaration_.is_time_invariant = declaration_.has_continuous_form;
 }
 
 Result RandomConstant::propagate(const Step& /*step*/, const double* const* x, std::byte* /*memory*/,
-                                 const ProcessOutput& out) const {
+                                 const legacy::ProcessOutput& out) const {
   std::copy_n(x[0], stored_size_, out.x_plus[0]);
   return Result::ok();
 }

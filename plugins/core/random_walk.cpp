@@ -32,13 +32,13 @@ RandomWalk::RandomWalk(const Binding& binding) {
 }
 
 Result RandomWalk::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                             const ProcessOutput& out) const {
+                             const legacy::ProcessOutput& out) const {
   std::copy_n(x[0], density_.size(), out.x_plus[0]);
   for (std::size_t i = 0; i < density_.size(); ++i) out.noise[0][i] = density_[i] * step.dt;
   return Result::ok();
 }
 
-void RandomWalk::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void RandomWalk::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   std::copy(density_.begin(), density_.end(), out.noise[0]);
 }
 

@@ -33,15 +33,15 @@ ComponentSpec LeverArm::spec() {
 
 LeverArm::LeverArm(const Binding& binding)
     : lever_arm_(fixed_lever_arm(binding)), has_arm_port_(binding.is_bound("lever_arm")) {
-  const PortBinding& position = binding.port("position");
+  const PortBinding& position = binding.block("position");
   declaration_.kind = position.kind;
   declaration_.stored_size = position.stored_size;
   declaration_.error = position.components;
-  declaration_.reads = {position_port, attitude_port};
-  if (has_arm_port_) declaration_.reads.push_back(arm_block_port);
+  declaration_.read_ports = {position_port, attitude_port};
+  if (has_arm_port_) declaration_.read_ports.push_back(arm_block_port);
 }
 
-Result LeverArm::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result LeverArm::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                           const MatrixView* J) const {
   const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
   Eigen::Vector3d lever_arm = lever_arm_;

@@ -62,15 +62,15 @@ ComponentSpec LeverArmVelocity::spec() {
 }
 
 LeverArmVelocity::LeverArmVelocity(const Binding& binding) : lever_arm_(fixed_lever_arm(binding)) {
-  const PortBinding& velocity = binding.port("velocity");
+  const PortBinding& velocity = binding.block("velocity");
   declaration_.kind = velocity.kind;
   declaration_.stored_size = velocity.stored_size;
   declaration_.error = velocity.components;
   for (int port = 0; port < static_cast<int>(binding.ports().size()); ++port)
-    if (binding.ports()[static_cast<std::size_t>(port)].bound) declaration_.reads.push_back(port);
+    if (binding.ports()[static_cast<std::size_t>(port)].bound) declaration_.read_ports.push_back(port);
 }
 
-Result LeverArmVelocity::evaluate(const double* const* x, const Context& context, double* value,
+Result LeverArmVelocity::evaluate(const double* const* x, const legacy::Context& context, double* value,
                                   const MatrixView* J) const {
   if (!context.driving_rates) return Result::unsupported("the angular rate is not known before the first input sample");
   const Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
@@ -84,9 +84,9 @@ Result LeverArmVelocity::evaluate(const double* const* x, const Context& context
   vector_at<3>(value) = vector_at<3>(x[velocity_port]) + turning_n - earth.omega_ie_n.cross(lever_arm_n);
   if (!J) return Result::ok();
 
-  for (std::size_t i = 0; i < declaration_.reads.size(); ++i) {
+  for (std::size_t i = 0; i < declaration_.read_ports.size(); ++i) {
     auto block = J[i].as<3, 3>();
-    switch (declaration_.reads[i]) {
+    switch (declaration_.read_ports[i]) {
       case velocity_port: block.setIdentity(); break;
       case attitude_port: block = skew(earth.omega_ie_n) * skew(lever_arm_n) - skew(turning_n); break;
       case position_port: block.col(0) = -earth.by_north.cross(lever_arm_n); break;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/derived_block.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::frames {
@@ -17,13 +17,14 @@ namespace binnacle::frames {
 ///   J_velocity = I             J_attitude = −[u×] + [ω_ie×][a×]     J_gyro_bias = C_nb [l×] D
 ///   J_arm = C_nb [ω_ib×] − [ω_ie×] C_nb      J_gyro_scale = C_nb [l×] D diag(ω_ib)
 ///   J_position = −(∂ω_ie/∂N × a) in its first column
-class LeverArmVelocity final : public DerivedBlock {
+class LeverArmVelocity final : public legacy::DerivedBlock {
  public:
   static ComponentSpec spec();
   explicit LeverArmVelocity(const Binding& binding);
 
   const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
-  Result evaluate(const double* const* x, const Context& context, double* value, const MatrixView* J) const override;
+  Result evaluate(const double* const* x, const legacy::Context& context, double* value,
+                  const MatrixView* J) const override;
 
  private:
   DerivedDeclaration declaration_;

@@ -31,15 +31,15 @@ ComponentSpec MountedAttitude::spec() {
 MountedAttitude::MountedAttitude(const Binding& binding)
     : q_bv_(strapdown::quaternion_from_dcm(mounting_rotation(binding.parameters()).transpose())),
       has_misalignment_(binding.is_bound("misalignment")) {
-  const PortBinding& attitude = binding.port("attitude");
+  const PortBinding& attitude = binding.block("attitude");
   declaration_.kind = attitude.kind;
   declaration_.stored_size = attitude.stored_size;
   declaration_.error = attitude.components;
-  declaration_.reads = {attitude_port};
-  if (has_misalignment_) declaration_.reads.push_back(misalignment_port);
+  declaration_.read_ports = {attitude_port};
+  if (has_misalignment_) declaration_.read_ports.push_back(misalignment_port);
 }
 
-Result MountedAttitude::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result MountedAttitude::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                                  const MatrixView* J) const {
   using namespace strapdown;
   const Eigen::Vector4d nominal = quaternion_product(vector_at<4>(x[attitude_port]), q_bv_);

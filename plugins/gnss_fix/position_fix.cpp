@@ -33,12 +33,13 @@ ComponentSpec PositionFix::spec() {
 
 PositionFix::PositionFix(const Binding& binding) : sigma_(binding, first_sigma) {
   declaration_.max_rows = 3;
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
   declaration_.groups = {{"position", 0, 3, "m", 0}};
 }
 
 Result PositionFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                              const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                              const legacy::Context& /*context*/, std::byte* /*memory*/,
+                              legacy::Linearization& out) const {
   const auto z = vector_at<3>(sample.fields);
   if (!z.allFinite()) return Result::invalid("latitude, longitude or height is not finite");
   if (std::abs(z[lat]) > std::numbers::pi / 2) return Result::invalid("the latitude lies beyond a pole");

@@ -2,21 +2,21 @@
 // A position as a receiver computes it.
 #pragma once
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 #include "reported_sigma.hpp"
 
 namespace binnacle::gnss_fix {
 
 /// r = z ⊟ p̂ [m, north east down, by the radii at p̂], H = I (paper 003 (11), whose I₆ is this and VelocityFix).
-class PositionFix final : public MeasurementModel {
+class PositionFix final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit PositionFix(const Binding& binding);
 
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   MeasurementDeclaration declaration_;

@@ -53,7 +53,7 @@ ComponentSpec PvFix::spec() {
 
 PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("inflate")) {
   declaration_.max_rows = 6;
-  declaration_.reads = {0, 1};
+  declaration_.read_ports = {0, 1};
   declaration_.groups = {{"position", 0, 3, "m", 0}, {"velocity", 3, 3, "m/s", 1}};
 
   const auto& there = binding.covariance();
@@ -76,7 +76,7 @@ PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("infla
 }
 
 Result PvFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                        const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                        const legacy::Context& /*context*/, std::byte* /*memory*/, legacy::Linearization& out) const {
   const auto z = vector_at<6>(sample.fields);
   if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
   if (!sample.covariance) return Result::unsupported("the sample comes without a covariance");

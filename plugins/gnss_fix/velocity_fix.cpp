@@ -28,12 +28,13 @@ ComponentSpec VelocityFix::spec() {
 
 VelocityFix::VelocityFix(const Binding& binding) : sigma_(binding, first_sigma) {
   declaration_.max_rows = 3;
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
   declaration_.groups = {{"velocity", 0, 3, "m/s", 0}};
 }
 
 Result VelocityFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                              const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                              const legacy::Context& /*context*/, std::byte* /*memory*/,
+                              legacy::Linearization& out) const {
   const auto z = vector_at<3>(sample.fields);
   if (!z.allFinite()) return Result::invalid("a velocity is not finite");
   if (const Result result = sigma_.write_variances(sample.fields, out.R); !result) return result;

@@ -33,7 +33,7 @@ ClockProcess::ClockProcess(const Binding& binding)
 }
 
 Result ClockProcess::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                               const ProcessOutput& out) const {
+                               const legacy::ProcessOutput& out) const {
   const double dt = step.dt;
   out.x_plus[0][0] = x[0][0] + dt * x[0][1];
   out.x_plus[0][1] = x[0][1];

@@ -38,7 +38,7 @@ EcefPv::EcefPv(const Binding& binding)
 }
 
 Result EcefPv::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                         const ProcessOutput& out) const {
+                         const legacy::ProcessOutput& out) const {
   const double dt = step.dt;
   for (int i = 0; i < 3; ++i) out.x_plus[0][i] = x[0][i] + dt * x[1][i];
   std::copy_n(x[1], 3, out.x_plus[1]);

@@ -40,10 +40,10 @@ GeodeticPosition::GeodeticPosition(const Binding& /*binding*/) {
   declaration_.kind = "position";
   declaration_.stored_size = 3;
   declaration_.error = {{"north", "m"}, {"east", "m"}, {"down", "m"}};
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
 }
 
-Result GeodeticPosition::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result GeodeticPosition::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                                   const MatrixView* J) const {
   if (!is_near_earth(x[0])) return Result::unsupported(not_near);
   const gnss::AntennaPlace place = gnss::place_from_ecef(vector_at<3>(x[0]));
@@ -69,10 +69,10 @@ NedVelocity::NedVelocity(const Binding& /*binding*/) {
   declaration_.kind = "velocity.ned";
   declaration_.stored_size = 3;
   declaration_.error = {{"north", "m/s"}, {"east", "m/s"}, {"down", "m/s"}};
-  declaration_.reads = {0, 1};
+  declaration_.read_ports = {0, 1};
 }
 
-Result NedVelocity::evaluate(const double* const* x, const Context& /*context*/, double* value,
+Result NedVelocity::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
                              const MatrixView* J) const {
   if (!is_near_earth(x[0])) return Result::unsupported(not_near);
   const gnss::AntennaPlace place = gnss::place_from_ecef(vector_at<3>(x[0]));

@@ -26,13 +26,14 @@ Pseudorange::Pseudorange(const Binding& binding)
     : RangeModel(binding),
       noise_(binding.parameters(), true),
       galileo_port_(binding.is_bound("galileo_bias") ? binding.port_index("galileo_bias") : -1) {
-  declaration_.reads = {antenna_.port(), clock_port_};
-  if (galileo_port_ >= 0) declaration_.reads.push_back(galileo_port_);
+  declaration_.read_ports = {antenna_.port(), clock_port_};
+  if (galileo_port_ >= 0) declaration_.read_ports.push_back(galileo_port_);
   declaration_.groups = {{"pseudorange", 0, 0, "m", -1}};
 }
 
 Result Pseudorange::linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                              const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                              const legacy::Context& /*context*/, std::byte* /*memory*/,
+                              legacy::Linearization& out) const {
   gnss::AntennaPlace place;
   Sightings sightings;
   int count = 0;

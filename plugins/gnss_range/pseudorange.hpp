@@ -16,7 +16,7 @@ class Pseudorange final : public RangeModel {
   explicit Pseudorange(const Binding& binding);
 
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   gnss::ElevationNoise noise_;

@@ -5,13 +5,13 @@
 #include <array>
 
 #include "antenna.hpp"
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "gnss/corrections.hpp"
 #include "satellite_limit.hpp"
 
 namespace binnacle::gnss_range {
 
-class RangeModel : public MeasurementModel {
+class RangeModel : public legacy::MeasurementModel {
  public:
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
 

@@ -24,12 +24,13 @@ ComponentSpec RangeRateModel::spec() {
 
 RangeRateModel::RangeRateModel(const Binding& binding)
     : RangeModel(binding), noise_(binding.parameters(), false), velocity_(binding) {
-  declaration_.reads = {antenna_.port(), velocity_.port(), clock_port_};
+  declaration_.read_ports = {antenna_.port(), velocity_.port(), clock_port_};
   declaration_.groups = {{"range_rate", 0, 0, "m/s", -1}};
 }
 
 Result RangeRateModel::linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                                 const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                                 const legacy::Context& /*context*/, std::byte* /*memory*/,
+                                 legacy::Linearization& out) const {
   gnss::AntennaPlace place;
   Sightings sightings;
   int count = 0;

@@ -15,7 +15,7 @@ class RangeRateModel final : public RangeModel {
   explicit RangeRateModel(const Binding& binding);
 
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   gnss::ElevationNoise noise_;

@@ -59,13 +59,13 @@ Nhc::Nhc(const Binding& binding)
   rows_ = axes == "yz" ? 2 : 1;
   if (binding.parameters().has("max_turn_rate")) max_turn_rate_ = binding.parameters().number("max_turn_rate");
   declaration_.max_rows = rows_;
-  declaration_.reads = velocity_.read_ports();
+  declaration_.read_ports = velocity_.read_ports();
   declaration_.groups = {{"across", 0, rows_, "m/s", -1}};
   declaration_.memory_bytes = spacing_.memory_bytes();
 }
 
 Result Nhc::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                      const Context& context, std::byte* memory, Linearization& out) const {
+                      const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const {
   if (const Result result = spacing_.pass(sample.t, memory); !result) return result;
   const auto value = velocity_.at(x);
   const double speed = value.v_v.norm();

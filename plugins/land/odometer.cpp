@@ -49,13 +49,14 @@ Odometer::Odometer(const Binding& binding)
       min_speed_(binding.parameters().number("min_speed")),
       has_scale_(binding.is_bound("scale")) {
   declaration_.max_rows = 1;
-  declaration_.reads = velocity_.read_ports();
-  if (has_scale_) declaration_.reads.push_back(scale_port);
+  declaration_.read_ports = velocity_.read_ports();
+  if (has_scale_) declaration_.read_ports.push_back(scale_port);
   declaration_.groups = {{"speed", 0, 1, "m/s", -1}};
 }
 
 Result Odometer::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                           const legacy::Context& /*context*/, std::byte* /*memory*/,
+                           legacy::Linearization& out) const {
   const double speed = sample.fields[0];
   if (!std::isfinite(speed)) return Result::invalid("the speed is not finite");
   if (std::abs(speed) < min_speed_) return Result::unsupported("slower than 'min_speed'");
@@ -66,7 +67,7 @@ Result Odometer::linearize(const SampleView& sample, const SampleView* /*auxilia
   out.residual[0] = speed - factor * forward;
   out.R(0, 0) = sigma_ * sigma_ + relative_ * speed * relative_ * speed;
   velocity_.write_jacobians<1>(value, Eigen::RowVector3d(factor, 0, 0), out.H);
-  if (has_scale_) out.H[declaration_.reads.size() - 1](0, 0) = forward;
+  if (has_scale_) out.H[declaration_.read_ports.size() - 1](0, 0) = forward;
   return Result::ok();
 }
 

@@ -2,21 +2,21 @@
 // A wheel sensor: speed along the vehicle's x axis.
 #pragma once
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 #include "vehicle_velocity.hpp"
 
 namespace binnacle::land {
 
 /// h = (1 + s) (v_v)_x [m/s], r = z − h, H = +∂h/∂δ; s on the optional port `scale`.
-class Odometer final : public MeasurementModel {
+class Odometer final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit Odometer(const Binding& binding);
 
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   VehicleVelocity velocity_;

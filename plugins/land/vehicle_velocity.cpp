@@ -24,7 +24,7 @@ std::vector<PortSpec> VehicleVelocity::ports() {
                    "zeta of paper 001 (5), vehicle axes: x y z, or two components y z")};
 }
 
-VehicleVelocity::VehicleVelocity(const Binding& binding) : angles_(binding.port("misalignment").dof) {
+VehicleVelocity::VehicleVelocity(const Binding& binding) : angles_(binding.block("misalignment").dof) {
   if (binding.is_bound("misalignment") && angles_ != 2 && angles_ != 3)
     throw ComponentError("a misalignment has three components, x y z, or two, y z", "/blocks/misalignment");
 }

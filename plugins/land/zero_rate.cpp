@@ -49,14 +49,14 @@ ZeroRate::ZeroRate(const Binding& binding)
   if (binding.is_bound("attitude") != binding.is_bound("position"))
     throw ComponentError("the earth's rate needs both 'attitude' and 'position'", "/blocks");
   declaration_.max_rows = 3;
-  declaration_.reads = {gyro_bias};
-  if (has_earth_) declaration_.reads = {gyro_bias, attitude, position};
+  declaration_.read_ports = {gyro_bias};
+  if (has_earth_) declaration_.read_ports = {gyro_bias, attitude, position};
   declaration_.groups = {{"rate", 0, 3, "rad/s", -1}};
   declaration_.memory_bytes = spacing_.memory_bytes();
 }
 
 Result ZeroRate::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const Context& /*context*/, std::byte* memory, Linearization& out) const {
+                           const legacy::Context& /*context*/, std::byte* memory, legacy::Linearization& out) const {
   const Vector3d measured = vector_at<3>(sample.fields);
   if (!measured.allFinite()) return Result::invalid("an angular rate is not finite");
   if (const Result result = spacing_.pass(sample.t, memory); !result) return result;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 #include "spacing.hpp"
 
@@ -12,7 +12,7 @@ namespace binnacle::land {
 
 /// h = b_g + C_bn ω_ie_n [rad/s, body axes], r = ω_measured − h. Without position and attitude the earth's rate is left
 /// out. H = +∂h/∂δ: I for b_g, C_bn [ω_ie×] for φ, C_bn ∂ω_ie/∂N for the position's first component.
-class ZeroRate final : public MeasurementModel {
+class ZeroRate final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit ZeroRate(const Binding& binding);
@@ -20,7 +20,7 @@ class ZeroRate final : public MeasurementModel {
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
   void start(std::byte* memory) const override { spacing_.start(memory); }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   Spacing spacing_;

@@ -23,13 +23,13 @@ ComponentSpec Zupt::spec() {
 
 Zupt::Zupt(const Binding& binding) : spacing_(binding), variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
   declaration_.max_rows = 3;
-  declaration_.reads = {0};
+  declaration_.read_ports = {0};
   declaration_.groups = {{"velocity", 0, 3, "m/s", 0}};
   declaration_.memory_bytes = spacing_.memory_bytes();
 }
 
 Result Zupt::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                       const Context& /*context*/, std::byte* memory, Linearization& out) const {
+                       const legacy::Context& /*context*/, std::byte* memory, legacy::Linearization& out) const {
   if (const Result result = spacing_.pass(sample.t, memory); !result) return result;
   out.rows = 3;
   vector_at<3>(out.residual) = -vector_at<3>(x[0]);

@@ -4,14 +4,14 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 #include "spacing.hpp"
 
 namespace binnacle::land {
 
 /// r = 0 − v̂ [m/s, north east down], H = I: paper 001 (10), whose z is computed − true.
-class Zupt final : public MeasurementModel {
+class Zupt final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit Zupt(const Binding& binding);
@@ -19,7 +19,7 @@ class Zupt final : public MeasurementModel {
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
   void start(std::byte* memory) const override { spacing_.start(memory); }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   Spacing spacing_;

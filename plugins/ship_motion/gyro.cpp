@@ -22,7 +22,7 @@ ComponentSpec gyro_spec(const char* type, const char* summary, const std::vector
     FieldSpec field;
     field.name = axis;
     field.unit = unit;
-    field.optional = true;
+    field.is_optional = true;
     field.text = axis + " as measured";
     spec.fields.push_back(std::move(field));
   }
@@ -71,12 +71,12 @@ Gyro::Gyro(const Binding& binding) {
     Axis entry;
     entry.field = field;
     entry.port = port;
-    entry.jacobian = static_cast<int>(declaration_.reads.size());
-    declaration_.reads.push_back(port);
+    entry.jacobian = static_cast<int>(declaration_.read_ports.size());
+    declaration_.read_ports.push_back(port);
     if (error.bound) {
       entry.error_port = error_port;
-      entry.error_jacobian = static_cast<int>(declaration_.reads.size());
-      declaration_.reads.push_back(error_port);
+      entry.error_jacobian = static_cast<int>(declaration_.read_ports.size());
+      declaration_.read_ports.push_back(error_port);
     }
     ResidualGroup group;
     group.name = axis.name;
@@ -92,7 +92,7 @@ Gyro::Gyro(const Binding& binding) {
 }
 
 Result Gyro::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                       const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                       const legacy::Context& /*context*/, std::byte* /*memory*/, legacy::Linearization& out) const {
   out.rows = static_cast<int>(axes_.size());
   for (int row = 0; row < out.rows; ++row) {
     const Axis& axis = axes_[static_cast<std::size_t>(row)];

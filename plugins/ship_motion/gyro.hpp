@@ -4,17 +4,17 @@
 
 #include <vector>
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::ship_motion {
 
 /// z = x + e + v per axis; e is the block on the axis' error port: an accumulated drift, shared with another gyro or not.
-class Gyro : public MeasurementModel {
+class Gyro : public legacy::MeasurementModel {
  public:
   const MeasurementDeclaration& declaration() const noexcept final { return declaration_; }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const final;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const final;
 
  protected:
   explicit Gyro(const Binding& binding);

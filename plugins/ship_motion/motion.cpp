@@ -24,7 +24,7 @@ ComponentSpec Motion::spec() {
 }
 
 Motion::Motion(const Binding& binding) {
-  const ShapingFilter filter = read_motion(binding, binding.port("angle").components.front().unit);
+  const ShapingFilter filter = read_motion(binding, binding.block("angle").components.front().unit);
   const bool is_fourth = filter.order() == 4;
   for (const char* name : {"forcing", "forcing_rate"})
     if (binding.is_bound(name) != is_fourth)
@@ -43,7 +43,7 @@ Motion::Motion(const Binding& binding) {
   declaration_.is_time_invariant = true;
 }
 
-void Motion::linearized(const double* const* /*x*/, const ContinuousOutput& out) const {
+void Motion::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
   for (std::size_t k = 0; k < declaration_.transition.size(); ++k)
     out.dynamics[k][0] = F_(declaration_.transition[k].to, declaration_.transition[k].from);
   out.noise[0][0] = density_;

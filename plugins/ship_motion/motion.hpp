@@ -4,19 +4,19 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::ship_motion {
 
 /// θ̈ + 2ζωθ̇ + ω²θ = s, where s is white or itself such a motion; discretized by the kernel (Van Loan).
-class Motion final : public ProcessModel {
+class Motion final : public legacy::ProcessModel {
  public:
   static ComponentSpec spec();
   explicit Motion(const Binding& binding);
 
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  void linearized(const double* const* x, const ContinuousOutput& out) const override;
+  void linearized(const double* const* x, const legacy::ContinuousOutput& out) const override;
 
  private:
   ProcessDeclaration declaration_;

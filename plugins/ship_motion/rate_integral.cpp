@@ -40,7 +40,7 @@ RateIntegral::RateIntegral(const Binding& binding) : has_drift_(binding.is_bound
 }
 
 Result RateIntegral::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                               const ProcessOutput& out) const {
+                               const legacy::ProcessOutput& out) const {
   double turned = 0;
   for (const auto& sample : step.samples) turned += sample.fields[0] * sample.dt;
   out.x_plus[angle][0] = x[angle][0] + turned - (has_drift_ ? x[drift][0] * step.dt : 0.0);

@@ -2,20 +2,20 @@
 // An angle driven by a rate gyro: filter C.
 #pragma once
 
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::ship_motion {
 
 /// θ̇ = u − b − n: the gyro's reading u, its drift b, its white noise n.
-class RateIntegral final : public ProcessModel {
+class RateIntegral final : public legacy::ProcessModel {
  public:
   static ComponentSpec spec();
   explicit RateIntegral(const Binding& binding);
 
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
   Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const ProcessOutput& out) const override;
+                   const legacy::ProcessOutput& out) const override;
 
  private:
   ProcessDeclaration declaration_;

@@ -50,12 +50,13 @@ DcmMatch::DcmMatch(const Binding& binding)
     : is_chord_(binding.parameters().text("jacobian") == "chord"),
       variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
   declaration_.max_rows = 3;
-  declaration_.reads = {attitude, mounting};
+  declaration_.read_ports = {attitude, mounting};
   declaration_.groups = {{"attitude", 0, 3, "rad", attitude}};
 }
 
 Result DcmMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const Context& /*context*/, std::byte* /*memory*/, Linearization& out) const {
+                           const legacy::Context& /*context*/, std::byte* /*memory*/,
+                           legacy::Linearization& out) const {
   const auto angles = vector_at<3>(sample.fields);
   if (!angles.allFinite()) return Result::invalid("an angle of the master is not finite");
   const Matrix3d C_M = dcm_from_quaternion(strapdown::quaternion_from_euler(angles));

@@ -78,11 +78,11 @@ VelocityMatch::VelocityMatch(const Binding& binding)
     if (has_lever_arm_ && !binding.has_field(field))
       throw ComponentError("a lever arm needs the master's roll, pitch and yaw in the channel", "/blocks/lever_arm");
   declaration_.max_rows = rows_;
-  declaration_.reads = {velocity_port};
+  declaration_.read_ports = {velocity_port};
   if (has_lever_arm_) {
-    declaration_.reads.push_back(lever_arm_port);
-    declaration_.reads.push_back(attitude_port);
-    if (binding.is_bound("gyro_bias")) declaration_.reads.push_back(gyro_bias_port);
+    declaration_.read_ports.push_back(lever_arm_port);
+    declaration_.read_ports.push_back(attitude_port);
+    if (binding.is_bound("gyro_bias")) declaration_.read_ports.push_back(gyro_bias_port);
   }
   declaration_.groups = {{"velocity", 0, rows_, "m/s", rows_ == 3 ? static_cast<int>(velocity_port) : -1}};
 }
@@ -92,7 +92,8 @@ Vector3d VelocityMatch::earth_rate(const SampleView& sample) const {
 }
 
 Result VelocityMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                                const Context& context, std::byte* /*memory*/, Linearization& out) const {
+                                const legacy::Context& context, std::byte* /*memory*/,
+                                legacy::Linearization& out) const {
   const double* z = sample.fields;
   for (int row = 0; row < rows_; ++row) {
     if (!std::isfinite(z[row])) return Result::invalid("a velocity of the master is not finite");
@@ -119,7 +120,7 @@ Result VelocityMatch::linearize(const SampleView& sample, const SampleView* /*au
   for (int row = 0; row < rows_; ++row) out.residual[row] += turning_n[row];
   out.H[1].as().topRows(rows_) = by_arm.topRows(rows_);
   out.H[2].as().topRows(rows_) = by_attitude.topRows(rows_);
-  if (declaration_.reads.size() > 3) out.H[3].as().topRows(rows_) = (minus_arm * C_S).topRows(rows_);
+  if (declaration_.read_ports.size() > 3) out.H[3].as().topRows(rows_) = (minus_arm * C_S).topRows(rows_);
   return Result::ok();
 }
 

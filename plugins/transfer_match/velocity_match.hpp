@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::transfer_match {
@@ -13,14 +13,14 @@ namespace binnacle::transfer_match {
 /// H_v = +I, with u the velocity of the slave's place against the master's (the paper has none):
 ///   u = ω_eb × (C_M l),  ω_eb = C_S (ω − b_g) − ω_ie, l on port `lever_arm`, C_M from the sample, ω the drive's mean rate
 ///   H_attitude = −[(C_M l)×][C_S(ω − b_g) ×]    H_gyro_bias = −[(C_M l)×] C_S    H_arm = −[ω_eb×] C_M
-class VelocityMatch final : public MeasurementModel {
+class VelocityMatch final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit VelocityMatch(const Binding& binding);
 
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override;
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
 
  private:
   Eigen::Vector3d earth_rate(const SampleView& sample) const;

@@ -75,12 +75,12 @@ void AtomicFile::open_temporary(Temporary temporary) {
   if (file_ >= 0) return;
   if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
   file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
-  has_name_ = file_ >= 0;
+  if (file_ >= 0) named_.emplace(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
   if (file_ >= 0) ::close(file_);
-  if (has_name_) ::unlink(temporary_.c_str());
+  if (named_) ::unlink(temporary_.c_str());
 }
 
 void AtomicFile::fail(const std::string& why) const {
@@ -110,14 +110,14 @@ void AtomicFile::commit() {
   flush();
   if (is_direct_) return;
   if (::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
-  if (!has_name_) {
+  if (!named_) {
     ::unlink(temporary_.c_str());
     if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)
       fail(std::strerror(errno));
-    has_name_ = true;
+    named_.emplace(temporary_);
   }
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(std::strerror(errno));
-  has_name_ = false;
+  named_.reset();
   ::close(std::exchange(file_, -1));
 }
 

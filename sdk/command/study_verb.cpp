@@ -17,6 +17,7 @@
 #include "provenance.hpp"
 #include "report_file.hpp"
 #include "results/study_writer.hpp"
+#include "score/sections.hpp"
 #include "study/coordinator.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
@@ -114,7 +115,7 @@ struct Outputs {
     folder = options.out;
     make_folders(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
-    config = Config::load(options.config_path, options.config.load_options()).root();
+    config = score::load_config(options.config_path, options.config.load_options()).root();
     command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
                           study.seed(), options.config.as_typed());
   }
@@ -213,11 +214,15 @@ study::Study load(const Options& options) {
   return study::Study::load(options.config_path, {options.config.load_options(), options.runs, options.seed});
 }
 
+/// What an interrupted study leaves.
+std::string left(const Options& options) {
+  return options.out.empty() ? "nothing was written (with --out DIR a study goes on where it was)"
+                             : "the same command goes on from here";
+}
+
 /// mpirun ends all of its processes when one of them dies, so this may be how the others learn of it.
 std::string interruption(const Options& options, bool is_led) {
-  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") +
-         (options.out.empty() ? "; nothing was written (with --out DIR a study goes on where it was)"
-                              : "; the same command goes on from here");
+  return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") + "; " + left(options);
 }
 
 /// Said at the beginning, since of a rank that mpirun stops the last words may be lost.
@@ -231,10 +236,11 @@ void announce_workers(const Options& options, const study::Team& team, const stu
 
 /// A rank other than 0: does runs and says nothing.
 int serve(study::Team& team, const Options& options, int jobs) {
-  watch_signals();
-  if (!study::serve(
-          team, [&options] { return load(options); }, jobs, goes_on))
-    die_of_signal();
+  watch_signals("rank 0 has what is finished");
+  const bool is_complete = study::serve(
+      team, [&options] { return load(options); }, jobs, goes_on);
+  stand_down();
+  if (!is_complete) die_of_signal();
   return ok;
 }
 
@@ -247,7 +253,7 @@ int run_study(const Options& options) {
   if (team) coordinator.emplace(*team);
   const auto study = load(options);
   study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
-  watch_signals();
+  watch_signals(left(options));
   std::optional<Outputs> outputs;
   bool is_complete = false;
   try {
@@ -259,6 +265,7 @@ int run_study(const Options& options) {
   } catch (const std::system_error& error) {
     throw OutputError(error.what());
   }
+  stand_down();
   if (!is_complete) {
     outputs.reset();
     print_error(interruption(options, coordinator.has_value()));

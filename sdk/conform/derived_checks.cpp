@@ -9,7 +9,7 @@ namespace {
 void jacobian(Trial& trial) {
   const auto composition = compose_example(trial);
   const DerivedFixture derived(trial, *composition);
-  const auto& reads = derived.part.model->declaration().reads;
+  const auto& reads = derived.part.model->declaration().read_ports;
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(600 + static_cast<std::uint64_t>(repeat));
     const PortStates ports = derived.ports(random, 0.3);

@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "allocations.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle::conform {
@@ -103,7 +104,7 @@ bool Answer::is_finite() const {
   return std::all_of(numbers.begin(), numbers.end(), [](double v) { return std::isfinite(v); });
 }
 bool Answer::operator==(const Answer& other) const {
-  return result.verdict == other.result.verdict && memory == other.memory && numbers.size() == other.numbers.size() &&
+  return result.refusal == other.result.refusal && memory == other.memory && numbers.size() == other.numbers.size() &&
          std::equal(numbers.begin(), numbers.end(), other.numbers.begin(), same_bits);
 }
 
@@ -241,13 +242,13 @@ Propagated ProcessFixture::call(const PortStates& ports, const ProcessInput& inp
   if (declared.has_closed_form) {
     trial_.stage("propagate");
     out.answer.result = metered([&] {
-      return part.model->propagate(step, x.data(), memory,
-                                   ProcessOutput{x_at.data(), transition_at.data(), noise_at.data()});
+      return legacy::propagate(*part.model, step, x.data(), memory,
+                               legacy::ProcessOutput{x_at.data(), transition_at.data(), noise_at.data()});
     });
   } else {
     trial_.stage("linearized");
     metered([&] {
-      part.model->linearized(x.data(), ContinuousOutput{transition_at.data(), noise_at.data()});
+      legacy::linearized(*part.model, x.data(), legacy::ContinuousOutput{transition_at.data(), noise_at.data()});
       return 0;
     });
     x_plus.assign(ports.size(), Guarded(0, fill));
@@ -312,10 +313,10 @@ Measured MeasurementFixture::call(const PortStates& ports, const std::vector<dou
   const auto& specs = part.type->spec.fields;
   int sample_rows = 0;
   for (std::size_t i = 0; i < specs.size(); ++i)
-    if (!specs[i].per_row) epoch.push_back(fields[i]);
+    if (!specs[i].is_per_row) epoch.push_back(fields[i]);
   for (int r = 0; r < 4; ++r)
     for (std::size_t i = 0; i < specs.size(); ++i)
-      if (specs[i].per_row) row.push_back(fields[i] * (1 + 0.01 * r)), sample_rows = 4;
+      if (specs[i].is_per_row) row.push_back(fields[i] * (1 + 0.01 * r)), sample_rows = 4;
   SampleView sample;
   sample.t = 2'000'000'000;
   sample.t0 = 1'990'000'000;
@@ -327,28 +328,28 @@ Measured MeasurementFixture::call(const PortStates& ports, const std::vector<dou
   Guarded residual(rows, fill), R(rows * rows, 0.0);
   std::vector<Guarded> H;
   std::vector<MatrixView> views;
-  for (const int port : declared.reads) {
+  for (const int port : declared.read_ports) {
     const int dof = ports.at(static_cast<std::size_t>(port)).dof();
     H.emplace_back(rows * static_cast<std::size_t>(dof), 0.0);
   }
   for (std::size_t i = 0; i < H.size(); ++i)
-    views.push_back(
-        {H[i].data(), declared.max_rows, ports[static_cast<std::size_t>(declared.reads[i])].dof(), declared.max_rows});
+    views.push_back({H[i].data(), declared.max_rows, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(),
+                     declared.max_rows});
   std::vector<std::int64_t> keys(rows);
   for (std::size_t i = 0; i < rows; ++i) keys[i] = static_cast<std::int64_t>(i);
   std::vector<SampleView> auxiliary(part.type->spec.inputs.size());
-  const Context context{sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()};
-  Linearization at{0,
-                   residual.data(),
-                   views.data(),
-                   {R.data(), declared.max_rows, declared.max_rows, declared.max_rows},
-                   keys.data()};
+  const legacy::Context context{sample.t, driving_rates_.empty() ? nullptr : driving_rates_.data()};
+  legacy::Linearization at{0,
+                           residual.data(),
+                           views.data(),
+                           {R.data(), declared.max_rows, declared.max_rows, declared.max_rows},
+                           keys.data()};
   const auto x = pointers(ports);
 
   Measured out;
   trial_.stage("linearize");
   out.answer.result =
-      metered([&] { return part.model->linearize(sample, auxiliary.data(), x.data(), context, memory, at); });
+      metered([&] { return legacy::linearize(*part.model, sample, auxiliary.data(), x.data(), context, memory, at); });
   trial_.stage("");
   std::string& damage = out.answer.damage;
   out.answer.memory.assign(memory, memory + declared.memory_bytes);
@@ -447,17 +448,18 @@ DerivedFixture::Evaluated DerivedFixture::call(const PortStates& ports, double f
   Guarded value(static_cast<std::size_t>(declared.stored_size), fill);
   std::vector<Guarded> J;
   std::vector<MatrixView> views;
-  for (const int port : declared.reads)
+  for (const int port : declared.read_ports)
     J.emplace_back(dof * static_cast<std::size_t>(ports.at(static_cast<std::size_t>(port)).dof()), 0.0);
   for (std::size_t i = 0; i < J.size(); ++i)
     views.push_back(
-        {J[i].data(), declared.dof(), ports[static_cast<std::size_t>(declared.reads[i])].dof(), declared.dof()});
-  const Context context{2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()};
+        {J[i].data(), declared.dof(), ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), declared.dof()});
+  const legacy::Context context{2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()};
   const auto x = pointers(ports);
   Evaluated out;
   trial_.stage("evaluate");
-  out.answer.result = metered(
-      [&] { return part.model->evaluate(x.data(), context, value.data(), with_jacobian ? views.data() : nullptr); });
+  out.answer.result = metered([&] {
+    return legacy::evaluate(*part.model, x.data(), context, value.data(), with_jacobian ? views.data() : nullptr);
+  });
   trial_.stage("");
   if (!out.answer.result) return out;
   examine(value, "value", fill, out.answer.damage);
@@ -602,7 +604,7 @@ class CallsMeasurement final : public Fixture {
  private:
   bool has_rows() const {
     const auto& fields = measurement_.part.type->spec.fields;
-    return std::any_of(fields.begin(), fields.end(), [](const auto& field) { return field.per_row; });
+    return std::any_of(fields.begin(), fields.end(), [](const auto& field) { return field.is_per_row; });
   }
   Trial& trial_;
   std::shared_ptr<const Composition> composition_;
@@ -697,7 +699,7 @@ class Slots {
   Slots(const std::vector<ChannelDeclaration>& channels, double fill) {
     for (const auto& channel : channels) {
       std::size_t epoch = 0, row = 0;
-      for (const auto& field : channel.fields) (field.per_row ? row : epoch) += 1;
+      for (const auto& field : channel.fields) (field.is_per_row ? row : epoch) += 1;
       fields_.emplace_back(epoch, fill);
       rows_.emplace_back(row * static_cast<std::size_t>(channel.max_rows), fill);
       covariance_.emplace_back(channel.covariance.size() * channel.covariance.size(), fill);

@@ -28,7 +28,7 @@ struct Subject {
 
 void jacobian(Trial& trial) {
   const Subject subject(trial);
-  const auto& reads = subject.measurement.part.model->declaration().reads;
+  const auto& reads = subject.measurement.part.model->declaration().read_ports;
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(600 + static_cast<std::uint64_t>(repeat));
     const PortStates ports = subject.measurement.ports(random, 0.1);
@@ -90,7 +90,7 @@ void consistency(Trial& trial) {
   if (!spec.driving_rates.empty()) Trial::skip("it needs a driving input");
   if (!spec.inputs.empty()) Trial::skip("it needs auxiliary channels");
   for (const auto& field : spec.fields)
-    if (field.per_row) Trial::skip("its samples have rows");
+    if (field.is_per_row) Trial::skip("its samples have rows");
   const auto& info = subject.composition->filters().front();
   const std::string channel_name =
       subject.composition->config().at("filters").at(filter_name).at("measurements").at(component_name).at("channel");

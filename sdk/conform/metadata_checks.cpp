@@ -164,7 +164,7 @@ void declared_measurement(Trial& trial, const Composition& composition) {
   const auto& declared = part.model->declaration();
   trial.expect(declared.max_rows > 0, "declares no row");
   std::set<int> seen;
-  for (const int port : declared.reads) {
+  for (const int port : declared.read_ports) {
     if (!trial.expect(port >= 0 && port < static_cast<int>(part.ports.size()), "reads a port ", port,
                       " that it has not"))
       continue;

@@ -143,12 +143,12 @@ class Builder {
     int rows = 0;
     for (const auto& field : fields) {
       Json entry = {{"unit", concrete(field.unit)}, {"kind", word(field.kind)}};
-      if (field.per_row) entry["per_row"] = true, rows = 4;
+      if (field.is_per_row) entry["per_row"] = true, rows = 4;
       const std::string as = renamed.is_object() && renamed.contains(field.name) && renamed.at(field.name).is_string()
                                  ? renamed.at(field.name).get<std::string>()
                                  : field.name;
       // An optional field that the example does not name stays away: most are a noise that comes with the data.
-      if (field.optional && as == field.name && !(renamed.is_object() && renamed.contains(field.name)) &&
+      if (field.is_optional && as == field.name && !(renamed.is_object() && renamed.contains(field.name)) &&
           !all_optional(fields))
         continue;
       declared[as] = entry;
@@ -158,7 +158,7 @@ class Builder {
     config_["sources"][name] = source;
   }
   static bool all_optional(const std::vector<FieldSpec>& fields) {
-    return std::all_of(fields.begin(), fields.end(), [](const auto& f) { return f.optional; });
+    return std::all_of(fields.begin(), fields.end(), [](const auto& f) { return f.is_optional; });
   }
 
   /// The channel that stands under `key` in the example carries what the spec wants of it.

@@ -7,6 +7,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "binnacle/legacy.hpp"
 #include "binnacle/session.hpp"
 #include "compare.hpp"
 
@@ -241,7 +242,7 @@ void discretization(Trial& trial) {
   };
   make(subject.declared().transition, F_blocks, F_at);
   make(subject.declared().noise, Q_blocks, Q_at);
-  subject.process.part.model->linearized(pointers(ports).data(), {F_at.data(), Q_at.data()});
+  legacy::linearized(*subject.process.part.model, pointers(ports).data(), {F_at.data(), Q_at.data()});
   const auto dense = [&](const std::vector<Coupling>& couplings, const auto& blocks) {
     std::vector<Eigen::MatrixXd> all;
     for (std::size_t i = 0; i < couplings.size(); ++i) {

@@ -291,7 +291,7 @@ TEST_CASE("what cannot be measured is refused with a reason") {
   const auto reason = [&] {
     Complaints out;
     const Measured m = linearize(*model, scene.sample, ports, {}, out, scene.auxiliary);
-    REQUIRE(m.result.verdict == Verdict::unsupported);
+    REQUIRE(m.result.refusal == Refusal::unsupported);
     return std::string(m.result.reason);
   };
   scene.auxiliary[1].available = false;
@@ -443,7 +443,7 @@ TEST_CASE("blocks, and an ECEF antenna as geodetic blocks") {
   const std::vector<double> r = scene.ecef(), v = scene.ecef_velocity();
   const double* x[] = {r.data(), v.data()};
   double value[3];
-  REQUIRE(model->evaluate(x, {}, value, nullptr));
+  REQUIRE(legacy::evaluate(*model, x, {}, value, nullptr));
   CHECK((vector_at<3>(static_cast<const double*>(value)) - scene.v_n).norm() < 1e-9);
 }
 

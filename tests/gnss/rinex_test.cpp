@@ -209,7 +209,7 @@ struct Recording {
       if (source.next(memory.data(), slots.data(), channel) != SourceStatus::sample) return;
       const auto c = static_cast<std::size_t>(channel);
       std::size_t width = 0;
-      for (const auto& field : source.channels()[c].fields) width += field.per_row;
+      for (const auto& field : source.channels()[c].fields) width += field.is_per_row;
       Sample sample{channel, seconds(slots[c].t), {}, fields[c]};
       for (int i = 0; i < slots[c].rows; ++i) {
         const auto begin = rows[c].begin() + static_cast<std::ptrdiff_t>(width * static_cast<std::size_t>(i));

@@ -81,7 +81,7 @@ Vector4d walked(const json& choice, int samples, double size, double duration, i
     Eigen::Matrix3d Q;
     double* out_x[] = {x_plus.data()};
     double* out_Q[] = {Q.data()};
-    REQUIRE(model->propagate(step, x, memory.data(), {out_x, nullptr, out_Q}));
+    REQUIRE(legacy::propagate(*model, step, x, memory.data(), {out_x, nullptr, out_Q}));
     q = x_plus;
   }
   return q;

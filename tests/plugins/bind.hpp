@@ -125,7 +125,7 @@ inline std::vector<PortBinding> port_bindings(const ComponentSpec& spec, const S
       binding.dof = block.dof();
       binding.stored_size = block.stored_size;
       binding.components = block.error;
-    } else if (!port.optional) {
+    } else if (!port.is_optional) {
       throw std::logic_error("the test leaves port '" + port.name + "' open");
     }
     bindings.push_back(std::move(binding));

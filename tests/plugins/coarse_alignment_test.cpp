@@ -599,7 +599,7 @@ TEST_CASE("alignment: the spec is complete") {
   REQUIRE(undocumented(spec.parameters) == "");
   REQUIRE(spec.inputs.size() == 2);
   REQUIRE(spec.inputs[0].fields.size() == 6);
-  REQUIRE(spec.inputs[1].optional);
+  REQUIRE(spec.inputs[1].is_optional);
 }
 
 namespace {

@@ -80,7 +80,7 @@ TEST_CASE("vector block: kind, names and laws", "[core]") {
 
   double x[3] = {1, 2, 3};
   const double bad[3] = {0, std::nan(""), 0};
-  REQUIRE(bias->write(bad, x).verdict == Verdict::invalid);
+  REQUIRE(bias->write(bad, x).refusal == Refusal::invalid);
   REQUIRE(x[0] == 1);
 }
 
@@ -142,7 +142,7 @@ TEST_CASE("integrated: with the process of its rate it has the cross terms of Qd
   const auto integral = bind<Integrated>({{{"q", 0.3}}, {{"x", &angle}, {"rate", &drift}}, {}});
   const auto process = bind<GaussMarkov>({{{"tau", 2.0}, {"sigma", 0.5}}, {{"x", &drift}}, {}});
   REQUIRE_FALSE(integral->declaration().has_closed_form);
-  REQUIRE(integral->propagate(step_of(1), nullptr, nullptr, {}).verdict == Verdict::failed);
+  REQUIRE(legacy::propagate(*integral, step_of(1), nullptr, nullptr, {}).refusal == Refusal::failed);
   Complaints out;
   const auto [F1, Q1] = ProcessCheck(*integral, Integrated::spec()).continuous({{&angle, {1.0}}, {&drift, {2.0}}}, out);
   const auto [F2, Q2] = ProcessCheck(*process, GaussMarkov::spec()).continuous({{&drift, {2.0}}}, out);
@@ -232,7 +232,7 @@ TEST_CASE("linear measurement: H, residual, bias, refusals", "[core]") {
       check_measurement(*direct, LinearMeasurement::spec(), sample, {{&bias, {0.01, -0.02}}, {}}, {}, {1e-10}));
   const std::vector<double> lost{0.4, std::nan(""), 0, 0, 0, 0, 0, 0};
   sample.fields = lost.data();
-  REQUIRE(linearize(*direct, sample, {{&bias, {0, 0}}, {}}, {}, out).result.verdict == Verdict::invalid);
+  REQUIRE(linearize(*direct, sample, {{&bias, {0, 0}}, {}}, {}, out).result.refusal == Refusal::invalid);
 
   const auto with = [&](Json parameters, Ports bound) {
     return Setup{std::move(parameters), std::move(bound), no_more_than_two};

@@ -49,9 +49,10 @@ PortState attitude_state(const AttitudeKind& kind, const Place& place) {
 }
 
 template <int Size>
-Eigen::Matrix<double, Size, 1> value_of(const DerivedBlock& model, const PortStates& ports, const Context& context) {
+Eigen::Matrix<double, Size, 1> value_of(const DerivedBlock& model, const PortStates& ports,
+                                        const legacy::Context& context) {
   Eigen::Matrix<double, Size, 1> value;
-  REQUIRE(model.evaluate(test::detail::pointers(ports).data(), context, value.data(), nullptr));
+  REQUIRE(legacy::evaluate(model, test::detail::pointers(ports).data(), context, value.data(), nullptr));
   return value;
 }
 
@@ -96,7 +97,7 @@ TEST_CASE("lever arm: the lever_arm is a parameter, a block or both, but not not
   REQUIRE(std::abs(height({{{"lever_arm", {0, 0, -2}}}, two, {}}, {}) - 2) < 1e-12);
   REQUIRE(std::abs(height({{}, three, {}}, {&lever_arm, {0, 0, -1}}) - 1) < 1e-12);
   REQUIRE(std::abs(height({{{"lever_arm", {0, 0, -2}}}, three, {}}, {&lever_arm, {0, 0, -1}}) - 3) < 1e-12);
-  REQUIRE(bind<LeverArm>({{{"lever_arm", {0, 0, -2}}}, two, {}})->declaration().reads.size() == 2);
+  REQUIRE(bind<LeverArm>({{{"lever_arm", {0, 0, -2}}}, two, {}})->declaration().read_ports.size() == 2);
   REQUIRE_THROWS_AS(bind<LeverArm>({{}, two, {}}), ComponentError);
   REQUIRE_THROWS_AS(bind<LeverArmVelocity>({{}, {{"velocity", &lever_arm}, {"attitude", &attitude}}, {}}),
                     ComponentError);
@@ -121,7 +122,7 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
     // The earth's rate is small: weighed up by turning slowly, so that its part of the attitude block is seen.
     for (const double share : {1.0, 1e-4}) {
       const Vector3d omega = share * place.omega;
-      const Context context{0, omega.data()};
+      const legacy::Context context{0, omega.data()};
       PortStates ports{{&velocity, numbers(place.v_n), 1.0, 1e-13},
                        attitude_state(attitude, place),
                        {&position, numbers(place.lla), 1e4, 4e-9},
@@ -129,7 +130,7 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
                        {&scale, {0.01, -0.02, 0.03}, 1e-2, 1e-16},
                        {&lever_arm, {0.1, 0.2, -0.3}, 0.1, 1e-15}};
       const auto model = bind<LeverArmVelocity>(all);
-      REQUIRE(model->declaration().reads.size() == 6);
+      REQUIRE(model->declaration().read_ports.size() == 6);
       REQUIRE_NO_COMPLAINTS(check_derived(*model, LeverArmVelocity::spec(), velocity, ports, context, {2e-5}, 4e-14));
       ports[2] = ports[3] = ports[4] = ports[5] = {};
       REQUIRE_NO_COMPLAINTS(check_derived(*bind<LeverArmVelocity>(least), LeverArmVelocity::spec(), velocity, ports,
@@ -147,7 +148,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
                     {}};
   const auto model = bind<LeverArmVelocity>(setup);
   const PortState none{};
-  REQUIRE(model->evaluate(nullptr, {}, nullptr, nullptr).verdict == Verdict::unsupported);
+  REQUIRE(legacy::evaluate(*model, nullptr, {}, nullptr, nullptr).refusal == Refusal::unsupported);
 
   for (const Place& place : places) {
     INFO(place.name);
@@ -156,7 +157,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
     const Vector3d omega_ie_n = strapdown::omega_ie_n(place.lla[0]);
     const PortState at = position_state(position, place), attitude_at = attitude_state(attitude, place);
     const auto moving = [&](const Vector3d& v_n, const Vector3d& omega_ib_b) {
-      const Context context{0, omega_ib_b.data()};
+      const legacy::Context context{0, omega_ib_b.data()};
       return Vector3d(value_of<3>(*model, {{&velocity, numbers(v_n)}, attitude_at, at, none, none, none}, context));
     };
     const Vector3d earth_b = C_nb.transpose() * omega_ie_n;
@@ -176,7 +177,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
     };
     const Vector3d chord = (point(after) - point(start)) / dt;
     const Matrix3d C_ne = strapdown::C_en(middle.lla[0], middle.lla[1]).transpose();
-    const Context context{0, place.omega.data()};
+    const legacy::Context context{0, place.omega.data()};
     const Vector3d relative = value_of<3>(
         *model,
         {{&velocity, {0, 0, 0}}, {&attitude, numbers(middle.q_nb)}, {&position, numbers(middle.lla)}, none, none, none},

@@ -98,7 +98,7 @@ TEST_CASE("a fix that cannot be used is invalid, with a reason", "[gnss_fix]") {
   const auto refuses = [](const MeasurementModel& model, const PortStates& ports, const std::vector<double>& fields) {
     Complaints out;
     const Measured m = linearize(model, sample_of(fields), ports, {}, out);
-    return m.result.verdict == Verdict::invalid && std::string(m.result.reason).size() > 10;
+    return m.result.refusal == Refusal::invalid && std::string(m.result.reason).size() > 10;
   };
   REQUIRE_FALSE(refuses(*fix, at_position, {0.6, 2.0, 0.0, 1, 1, 1}));
   REQUIRE(refuses(*fix, at_position, {nan, 2.0, 0.0, 1, 1, 1}));

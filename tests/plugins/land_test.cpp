@@ -56,7 +56,7 @@ SampleView at(double t, const std::vector<double>& fields = {}) {
 }
 
 Measured measured(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
-                  const Context& context = {}) {
+                  const legacy::Context& context = {}) {
   Complaints out;
   Measured m = linearize(model, sample, ports, context, out);
   REQUIRE_NO_COMPLAINTS(out);
@@ -71,7 +71,7 @@ TEST_CASE("nhc: Jacobians, with and without the misalignment, all axes and one")
     for (const char* axes : {"yz", "y", "z"}) {
       INFO(axes << ", " << (zeta ? zeta->declaration().kind : "no misalignment"));
       const auto model = bind<Nhc>({{{"sigma", {0.2, 0.3}}, {"axes", axes}}, bench.with(zeta), {}});
-      REQUIRE(model->declaration().reads.size() == (zeta ? 3 : 2));
+      REQUIRE(model->declaration().read_ports.size() == (zeta ? 3 : 2));
       REQUIRE_NO_COMPLAINTS(check_measurement(*model, Nhc::spec(), at(1), bench.askew(zeta), {}, {1e-8}, 1e-13));
     }
 }
@@ -136,8 +136,8 @@ TEST_CASE("nhc: R grows with the speed and with what is felt of a turn") {
   REQUIRE(std::abs(m.R(1, 1) - (0.09 + 1e-4 * v2)) < 1e-12);
   REQUIRE(m.R(0, 1) == 0);
   const Vector3d wild{0, 0.4, 0.4};
-  REQUIRE(measured(*model, at(1), ports, {0, wild.data()}).result.verdict == Verdict::unsupported);
-  REQUIRE(measured(*model, at(1), ports).result.verdict == Verdict::unsupported);
+  REQUIRE(measured(*model, at(1), ports, {0, wild.data()}).result.refusal == Refusal::unsupported);
+  REQUIRE(measured(*model, at(1), ports).result.refusal == Refusal::unsupported);
 }
 
 TEST_CASE("nhc and zupt: refusals, and samples too near to the last") {
@@ -147,26 +147,26 @@ TEST_CASE("nhc and zupt: refusals, and samples too near to the last") {
   std::vector<std::byte> memory(model->declaration().memory_bytes);
   REQUIRE(memory.size() == 8);
   model->start(memory.data());
-  const auto verdict = [&](const MeasurementModel& of, double t) {
+  const auto refusal = [&](const MeasurementModel& of, double t) {
     const int rows = of.declaration().max_rows;
     std::vector<double> r(static_cast<std::size_t>(rows)), S(static_cast<std::size_t>(rows * rows)), a(9), b(9);
     MatrixView H[] = {{a.data(), rows, 3, rows}, {b.data(), rows, 3, rows}};
     std::int64_t row_keys[3] = {0, 1, 2};
-    Linearization out{0, r.data(), H, {S.data(), rows, rows, rows}, row_keys};
-    return of.linearize(at(t), nullptr, detail::pointers(ports).data(), {}, memory.data(), out).verdict;
+    legacy::Linearization out{0, r.data(), H, {S.data(), rows, rows, rows}, row_keys};
+    return legacy::linearize(of, at(t), nullptr, detail::pointers(ports).data(), {}, memory.data(), out).refusal;
   };
-  REQUIRE(verdict(*model, 10.0) == Verdict::ok);
-  REQUIRE(verdict(*model, 10.5) == Verdict::unsupported);
-  REQUIRE(verdict(*model, 10.995) == Verdict::unsupported);
-  REQUIRE(verdict(*model, 11.0) == Verdict::ok);
+  REQUIRE(refusal(*model, 10.0) == Refusal::none);
+  REQUIRE(refusal(*model, 10.5) == Refusal::unsupported);
+  REQUIRE(refusal(*model, 10.995) == Refusal::unsupported);
+  REQUIRE(refusal(*model, 11.0) == Refusal::none);
   ports[0].x = {1.0, -2.0, 0.5};
-  REQUIRE(verdict(*model, 20.0) == Verdict::unsupported);
+  REQUIRE(refusal(*model, 20.0) == Refusal::unsupported);
 
   const auto zupt = bind<Zupt>({{{"sigma", 0.02}, {"spacing", 1.0}}, {{"velocity", &bench.velocity}}, {}});
   zupt->start(memory.data());
-  REQUIRE(verdict(*zupt, 10.0) == Verdict::ok);
-  REQUIRE(verdict(*zupt, 10.5) == Verdict::unsupported);
-  REQUIRE(verdict(*zupt, 11.0) == Verdict::ok);
+  REQUIRE(refusal(*zupt, 10.0) == Refusal::none);
+  REQUIRE(refusal(*zupt, 10.5) == Refusal::unsupported);
+  REQUIRE(refusal(*zupt, 11.0) == Refusal::none);
   REQUIRE(bind<Zupt>({{{"sigma", 0.02}}, {{"velocity", &bench.velocity}}, {}})->declaration().memory_bytes == 0);
   REQUIRE_THROWS_AS(bind<Nhc>({{{"sigma", 0.2}}, bench.with(&bench.scale), {}}), ComponentError);
 }
@@ -202,7 +202,7 @@ TEST_CASE("zero rate: Jacobians, and a gyroscope at rest feels the earth and its
                         {{{"sigma", 1e-5}}, {{"gyro_bias", &bench.bias}, {"attitude", &bench.attitude}}, {}}),
                     ComponentError);
   const std::vector<double> bad{0, std::nan(""), 0};
-  REQUIRE(measured(*model, at(1, bad), ports).result.verdict == Verdict::invalid);
+  REQUIRE(measured(*model, at(1, bad), ports).result.refusal == Refusal::invalid);
 }
 
 TEST_CASE("odometer: Jacobians, scale factor, refusals") {
@@ -229,6 +229,6 @@ TEST_CASE("odometer: Jacobians, scale factor, refusals") {
                          {&bench.scale, {0.02}}};
   const std::vector<double> z{20.4}, slow{0.5}, bad{std::nan("")};
   REQUIRE(std::abs(measured(*model, at(1, z), ports).residual[0]) < 1e-12);
-  REQUIRE(measured(*model, at(1, slow), ports).result.verdict == Verdict::unsupported);
-  REQUIRE(measured(*model, at(1, bad), ports).result.verdict == Verdict::invalid);
+  REQUIRE(measured(*model, at(1, slow), ports).result.refusal == Refusal::unsupported);
+  REQUIRE(measured(*model, at(1, bad), ports).result.refusal == Refusal::invalid);
 }

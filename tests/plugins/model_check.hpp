@@ -17,9 +17,7 @@
 #include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "binnacle/derived_block.hpp"
-#include "binnacle/measurement_model.hpp"
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
 #include "binnacle/view.hpp"
@@ -241,7 +239,7 @@ class ProcessCheck {
     std::vector<double*> F_at, Q_at;
     make_blocks(declared.transition, ports, F, F_at);
     make_blocks(declared.noise, ports, Q, Q_at);
-    model_.linearized(detail::pointers(ports).data(), {F_at.data(), Q_at.data()});
+    legacy::linearized(model_, detail::pointers(ports).data(), {F_at.data(), Q_at.data()});
     examine_blocks("dynamics", F, out);
     examine_blocks("noise density", Q, out);
     return {assemble(dense(declared.transition, F, ports, false, false), ports),
@@ -275,8 +273,8 @@ class ProcessCheck {
       for (std::size_t i = 0; i < ports.size(); ++i) x_at.push_back(check.advances(i) ? x_plus[i].data() : nullptr);
       check.make_blocks(declared.transition, ports, transition, transition_at);
       check.make_blocks(declared.noise, ports, noise, noise_at);
-      result = check.model_.propagate(step, detail::pointers(ports).data(), memory.data(),
-                                      {x_at.data(), transition_at.data(), noise_at.data()});
+      result = legacy::propagate(check.model_, step, detail::pointers(ports).data(), memory.data(),
+                                 {x_at.data(), transition_at.data(), noise_at.data()});
     }
     void examine(Complaints& out) const {
       examine_blocks("x_plus", x_plus, out);
@@ -441,21 +439,21 @@ struct Measured {
 };
 
 inline Measured linearize(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
-                          const Context& context, Complaints& out, const SampleView* auxiliary = nullptr) {
+                          const legacy::Context& context, Complaints& out, const SampleView* auxiliary = nullptr) {
   const MeasurementDeclaration& declared = model.declaration();
   const int rows = declared.max_rows;
   std::vector<detail::Guarded> H;
   std::vector<MatrixView> views;
-  for (const int port : declared.reads) H.emplace_back(rows * ports[static_cast<std::size_t>(port)].dof(), 0.0);
+  for (const int port : declared.read_ports) H.emplace_back(rows * ports[static_cast<std::size_t>(port)].dof(), 0.0);
   for (std::size_t i = 0; i < H.size(); ++i)
-    views.push_back({H[i].data(), rows, ports[static_cast<std::size_t>(declared.reads[i])].dof(), rows});
+    views.push_back({H[i].data(), rows, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), rows});
   detail::Guarded residual(rows), R(rows * rows, 0.0);
   std::vector<std::int64_t> keys(static_cast<std::size_t>(rows));
   std::vector<std::byte> memory(declared.memory_bytes);
   model.start(memory.data());
-  Linearization at{0, residual.data(), views.data(), {R.data(), rows, rows, rows}, keys.data()};
+  legacy::Linearization at{0, residual.data(), views.data(), {R.data(), rows, rows, rows}, keys.data()};
   Measured m;
-  m.result = model.linearize(sample, auxiliary, detail::pointers(ports).data(), context, memory.data(), at);
+  m.result = legacy::linearize(model, sample, auxiliary, detail::pointers(ports).data(), context, memory.data(), at);
   if (!m.result) return m;
   if (at.rows < 1 || at.rows > rows) out.add("rows: ", at.rows, " of at most ", rows);
   m.residual = vector_at(residual.data(), at.rows);
@@ -470,7 +468,7 @@ inline Measured linearize(const MeasurementModel& model, const SampleView& sampl
 
 /// H, that of ports which are not read included, against −∂r/∂δ; R symmetric and positive.
 inline Complaints check_measurement(const MeasurementModel& model, const ComponentSpec& spec, const SampleView& sample,
-                                    const PortStates& ports, const Context& context, const Tolerance& tolerance,
+                                    const PortStates& ports, const legacy::Context& context, const Tolerance& tolerance,
                                     double resolution = 1e-12, const SampleView* auxiliary = nullptr) {
   Complaints out;
   const Measured nominal = linearize(model, sample, ports, context, out, auxiliary);
@@ -480,7 +478,7 @@ inline Complaints check_measurement(const MeasurementModel& model, const Compone
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> R(nominal.R, Eigen::EigenvaluesOnly);
   if (nominal.R != nominal.R.transpose() || !(R.eigenvalues().minCoeff() > 0)) out.add("R is no covariance");
-  const auto& reads = model.declaration().reads;
+  const auto& reads = model.declaration().read_ports;
   for (std::size_t port = 0; port < ports.size(); ++port) {
     if (!ports[port].block) continue;
     const auto predicted = [&](const PortStates& at) -> Eigen::VectorXd {
@@ -499,7 +497,7 @@ inline Complaints check_measurement(const MeasurementModel& model, const Compone
 /// A derived block's value and Jacobians against differences; the value without Jacobians is the same to the bit.
 /// `yields`: a state block of the kind yielded. resolution: of its ⊟.
 inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& spec, const StateBlock& yields,
-                                const PortStates& ports, const Context& context, const Tolerance& tolerance,
+                                const PortStates& ports, const legacy::Context& context, const Tolerance& tolerance,
                                 double resolution) {
   Complaints out;
   const DerivedDeclaration& declared = model.declaration();
@@ -508,16 +506,16 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
   if (declared.dof() != dof || declared.stored_size != yields.declaration().stored_size) out.add("wrong size yielded");
   const auto value = [&](const PortStates& at, const MatrixView* J) {
     detail::Guarded y(declared.stored_size);
-    const Result result = model.evaluate(detail::pointers(at).data(), context, y.data(), J);
+    const Result result = legacy::evaluate(model, detail::pointers(at).data(), context, y.data(), J);
     if (!result) out.add("refused: ", result.reason);
     if (!y.is_intact() || !y.is_written()) out.add("the value is not written as declared");
     return y.take();
   };
   std::vector<detail::Guarded> J;
   std::vector<MatrixView> views;
-  for (const int port : declared.reads) J.emplace_back(dof * ports[static_cast<std::size_t>(port)].dof(), 0.0);
+  for (const int port : declared.read_ports) J.emplace_back(dof * ports[static_cast<std::size_t>(port)].dof(), 0.0);
   for (std::size_t i = 0; i < J.size(); ++i)
-    views.push_back({J[i].data(), dof, ports[static_cast<std::size_t>(declared.reads[i])].dof(), dof});
+    views.push_back({J[i].data(), dof, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), dof});
   const std::vector<double> nominal = value(ports, views.data());
   if (nominal != value(ports, nullptr)) out.add("without Jacobians the value is another");
   for (std::size_t port = 0; port < ports.size(); ++port) {
@@ -527,10 +525,10 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
       yields.minus(value(at, nullptr).data(), nominal.data(), delta.data());
       return delta;
     };
-    const auto found = std::find(declared.reads.begin(), declared.reads.end(), static_cast<int>(port));
-    const bool is_read = found != declared.reads.end();
+    const auto found = std::find(declared.read_ports.begin(), declared.read_ports.end(), static_cast<int>(port));
+    const bool is_read = found != declared.read_ports.end();
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(dof, ports[port].dof());
-    if (is_read) block = views[static_cast<std::size_t>(found - declared.reads.begin())].as();
+    if (is_read) block = views[static_cast<std::size_t>(found - declared.read_ports.begin())].as();
     detail::compare("J of " + spec.ports[port].name, detail::differences(ports, port, change), block, is_read, false,
                     detail::roundoff(resolution, ports[port].step), 0, tolerance, out);
   }

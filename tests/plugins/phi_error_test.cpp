@@ -60,7 +60,7 @@ TEST_CASE("blocks: what write refuses, and what it wraps", "[phi_error]") {
   const auto attitude = bind<AttitudeBlock>();
   double x[4];
   const auto refuses = [&](const StateBlock& block, std::array<double, 3> outputs) {
-    return block.write(outputs.data(), x).verdict == Verdict::invalid;
+    return block.write(outputs.data(), x).refusal == Refusal::invalid;
   };
   const double nan = std::nan("");
   REQUIRE(refuses(*position, {1.58, 0, 0}));
@@ -314,8 +314,8 @@ TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_err
   const PortStates ports = bench.ports(pole);
   std::array<double, 10> x_plus;
   double* at[] = {x_plus.data(), x_plus.data() + 3, x_plus.data() + 6, nullptr, nullptr, nullptr, nullptr};
-  const Result result =
-      bench.model->propagate(step, test::detail::pointers(ports).data(), memory.data(), {at, nullptr, nullptr});
-  REQUIRE(result.verdict == Verdict::failed);
+  const Result result = legacy::propagate(*bench.model, step, test::detail::pointers(ports).data(), memory.data(),
+                                          {at, nullptr, nullptr});
+  REQUIRE(result.refusal == Refusal::failed);
   REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
 }

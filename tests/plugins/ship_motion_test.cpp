@@ -108,7 +108,7 @@ TEST_CASE("gyros: axes that are bound, with their errors", "[ship_motion]") {
   REQUIRE(std::abs(linearize(*yaw, sample, {{}, {}, state(angle, 0.5), {}}, {}, out).residual[0] + 0.7) < 1e-15);
   const double lost[] = {0.3, std::nan("")};
   sample.fields = lost;
-  REQUIRE(linearize(*yaw, sample, {{}, {}, state(angle, 0.5), {}}, {}, out).result.verdict == Verdict::invalid);
+  REQUIRE(linearize(*yaw, sample, {{}, {}, state(angle, 0.5), {}}, {}, out).result.refusal == Refusal::invalid);
 
   REQUIRE_THROWS_AS(bind<VerticalGyro>({{{"sigma", 0.01}}, {}, {}}), ComponentError);
   REQUIRE_THROWS_AS(bind<VerticalGyro>({{{"sigma", 0.01}}, {{"roll_error", &angle}, {"pitch", &angle}}, {}}),

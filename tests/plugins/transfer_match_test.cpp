@@ -51,14 +51,14 @@ SampleView sample_of(const std::vector<double>& fields) {
 }
 
 /// A model whose H of one port is multiplied.
-class Mutated final : public MeasurementModel {
+class Mutated final : public legacy::MeasurementModel {
  public:
   Mutated(const MeasurementModel& model, std::size_t read, double factor)
       : model_(model), read_(read), factor_(factor) {}
   const MeasurementDeclaration& declaration() const noexcept override { return model_.declaration(); }
   Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Context& context, std::byte* memory, Linearization& out) const override {
-    const Result result = model_.linearize(sample, auxiliary, x, context, memory, out);
+                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override {
+    const Result result = legacy::linearize(model_, sample, auxiliary, x, context, memory, out);
     if (result) out.H[read_].as() *= factor_;
     return result;
   }
@@ -157,8 +157,8 @@ TEST_CASE("mounting: kind, laws, readable angles from nominal", "[transfer_match
   REQUIRE(block->write(nothing, x));
   const Matrix3d nominal = dcm_from_quaternion(vector_at<4>(x));
   REQUIRE((nominal - (Matrix3d() << 0, 0, 1, 0, 1, 0, -1, 0, 0).finished()).norm() < 1e-15);
-  REQUIRE(block->write(too_far, x).verdict == Verdict::invalid);
-  REQUIRE(block->write(none, x).verdict == Verdict::invalid);
+  REQUIRE(block->write(too_far, x).refusal == Refusal::invalid);
+  REQUIRE(block->write(none, x).refusal == Refusal::invalid);
 }
 
 TEST_CASE("mounting: nominal as a matrix or as angles, not as both, and only rotations", "[transfer_match]") {
@@ -232,10 +232,10 @@ TEST_CASE("dcm_match: refusals", "[transfer_match]") {
   Attitudes far = attitudes[0];
   far.error = {0, 0, 1.6};
   const auto fields = values(far.master);
-  REQUIRE(linearize(*bench.model, sample_of(fields), bench.ports(far), {}, out).result.verdict == Verdict::unsupported);
+  REQUIRE(linearize(*bench.model, sample_of(fields), bench.ports(far), {}, out).result.refusal == Refusal::unsupported);
   const std::vector<double> bad{0, std::nan(""), 0};
-  REQUIRE(linearize(*bench.model, sample_of(bad), bench.ports(attitudes[0]), {}, out).result.verdict ==
-          Verdict::invalid);
+  REQUIRE(linearize(*bench.model, sample_of(bad), bench.ports(attitudes[0]), {}, out).result.refusal ==
+          Refusal::invalid);
 }
 
 TEST_CASE("dcm_match: the chord is right to second order in errors of attitude and mounting", "[transfer_match]") {
@@ -258,13 +258,13 @@ TEST_CASE("dcm_match: the chord is right to second order in errors of attitude a
     double r[3], H_psi[9] = {}, H_mu[9] = {}, R[9] = {};
     std::int64_t keys[3] = {};
     const MatrixView H[] = {{H_psi, 3, 3, 3}, {H_mu, 3, 3, 3}};
-    Linearization out;
+    legacy::Linearization out;
     out.residual = r;
     out.H = H;
     out.R = {R, 3, 3, 3};
     out.row_keys = keys;
     const double* x[] = {q_nS.data(), q_SM.data()};
-    REQUIRE(model->linearize(sample_of(values(shown)), nullptr, x, {}, nullptr, out));
+    REQUIRE(legacy::linearize(*model, sample_of(values(shown)), nullptr, x, {}, nullptr, out));
     return (vector_at<3>(r) - H[0].as<3, 3>() * psi - H[1].as<3, 3>() * mu).norm();
   };
   CHECK(miss("tangent") > 1e-4);
@@ -284,7 +284,7 @@ TEST_CASE("velocity_match: two rows or three, with and without a lever arm", "[t
       REQUIRE(m.R(1, 1) == 0.3 * 0.3);
       REQUIRE_NO_COMPLAINTS(check_measurement(*bench.model, VelocityMatch::spec(), sample_of(master_sample),
                                               bench.ports(), {0, drive}, {1e-8}, 1e-14));
-      for (std::size_t read = 0; read < bench.model->declaration().reads.size(); ++read)
+      for (std::size_t read = 0; read < bench.model->declaration().read_ports.size(); ++read)
         REQUIRE_FALSE(check_measurement(Mutated(*bench.model, read, -1), VelocityMatch::spec(),
                                         sample_of(master_sample), bench.ports(), {0, drive}, {1e-8}, 1e-14)
                           .empty());
@@ -330,11 +330,11 @@ TEST_CASE("velocity_match: what it needs and what it refuses", "[transfer_match]
   Complaints out;
   REQUIRE(linearize(*bare.model, sample_of(master_sample), bare.ports(), {}, out).result);
   const VelocityBench with_lever_arm("all", true);
-  REQUIRE(linearize(*with_lever_arm.model, sample_of(master_sample), with_lever_arm.ports(), {}, out).result.verdict ==
-          Verdict::unsupported);
+  REQUIRE(linearize(*with_lever_arm.model, sample_of(master_sample), with_lever_arm.ports(), {}, out).result.refusal ==
+          Refusal::unsupported);
   std::vector<double> bad = master_sample;
   bad[1] = std::nan("");
-  REQUIRE(linearize(*bare.model, sample_of(bad), bare.ports(), {}, out).result.verdict == Verdict::invalid);
+  REQUIRE(linearize(*bare.model, sample_of(bad), bare.ports(), {}, out).result.refusal == Refusal::invalid);
 }
 
 namespace {

@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "binnacle/handle.hpp"
 #include "binnacle/parameters.hpp"
+#include "binnacle/spec.hpp"
 
 namespace binnacle {
 
@@ -39,7 +41,7 @@ struct PortBinding {
   std::vector<NamedUnit> components;  // error components
 };
 
-/// Handed to a component's constructor, which keeps what it needs; references into it die with the call.
+/// Handed to a component's constructor, which keeps what it needs; references into it die with the call, handles do not.
 class Binding {
  public:
   Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound,
@@ -52,6 +54,13 @@ class Binding {
         covariances_(std::move(covariances)),
         samples_per_step_(samples_per_step) {}
 
+  /// The kernel's: names of fields, inputs and driving rates, and which of the latter two are there.
+  Binding&& of(const ComponentSpec& spec, std::vector<bool> inputs_bound = {}, bool has_driving_rates = false) && {
+    spec_ = &spec;
+    inputs_bound_ = std::move(inputs_bound);
+    has_driving_rates_ = has_driving_rates;
+    return std::move(*this);
+  }
   /// The kernel's: where tell() and note() go; nowhere unless this is called.
   Binding&& telling(Findings& findings) && {
     findings_ = &findings;
@@ -67,8 +76,50 @@ class Binding {
       if (ports_[i].name == name) return static_cast<int>(i);
     throw std::logic_error("port '" + std::string(name) + "' is not declared in the spec");
   }
-  const PortBinding& port(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
-  bool is_bound(std::string_view port_name) const { return port(port_name).bound; }
+  /// Handle of a port; throws std::logic_error for a name that the spec does not declare, as do all that follow.
+  Port port(std::string_view name) const {
+    const int index = port_index(name);
+    const PortBinding& block = ports_[static_cast<std::size_t>(index)];
+    return block.bound ? Port(index, block.dof, block.stored_size) : Port(index, 0, 0);
+  }
+  /// What is plugged in: kind and names of its components.
+  const PortBinding& block(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
+  bool is_bound(std::string_view port_name) const { return block(port_name).bound; }
+
+  /// Handle of a field with one value per sample (ComponentSpec::fields).
+  Field field(std::string_view name) const { return epoch_field(spec().fields, 0, name); }
+  /// Of a field on a channel of ComponentSpec::inputs.
+  Field field(Input input, std::string_view name) const {
+    return epoch_field(fields_of(input), first_field_of(input), name);
+  }
+  /// Handles of several that are read as one vector: `binding.fields("vn", "ve", "vd")`.
+  template <class... Names>
+  Fields<static_cast<int>(sizeof...(Names))> fields(const Names&... names) const {
+    return {{field(std::string_view(names))...}};
+  }
+  /// Handle of a field with one value per row.
+  RowField row_field(std::string_view name) const { return per_row_field(spec().fields, 0, name); }
+  RowField row_field(Input input, std::string_view name) const {
+    return per_row_field(fields_of(input), first_field_of(input), name);
+  }
+  /// Handle of a channel of ComponentSpec::inputs.
+  Input input(std::string_view name) const {
+    const auto& inputs = spec().inputs;
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+      if (inputs[i].name == name) return Input(static_cast<int>(i), i < inputs_bound_.size() && inputs_bound_[i]);
+    throw std::logic_error("input '" + std::string(name) + "' is not declared in the spec");
+  }
+  /// Handle of a driving rate (ComponentSpec::driving_rates).
+  DrivingRate driving_rate(std::string_view name) const {
+    const auto& rates = spec().driving_rates;
+    for (std::size_t i = 0; i < rates.size(); ++i)
+      if (rates[i].name == name) return DrivingRate(static_cast<int>(i), has_driving_rates_);
+    throw std::logic_error("driving rate '" + std::string(name) + "' is not declared in the spec");
+  }
+  template <class... Names>
+  DrivingRateVector<static_cast<int>(sizeof...(Names))> driving_rates(const Names&... names) const {
+    return {{driving_rate(std::string_view(names))...}};
+  }
   /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
   bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
   /// The error components of SampleView::covariance: of a transform's i-th input, of a measurement's channel (0). Empty
@@ -90,6 +141,42 @@ class Binding {
   }
 
  private:
+  const ComponentSpec& spec() const {
+    if (!spec_) throw std::logic_error("this binding knows no spec");
+    return *spec_;
+  }
+  const std::vector<FieldSpec>& fields_of(Input input) const {
+    return spec().inputs.at(static_cast<std::size_t>(input.index())).fields;
+  }
+  /// Of an input's fields in fields_bound_, where they follow the component's own.
+  std::size_t first_field_of(Input input) const {
+    std::size_t first = spec().fields.size();
+    for (int i = 0; i < input.index(); ++i) first += spec().inputs[static_cast<std::size_t>(i)].fields.size();
+    return first;
+  }
+  bool is_field_bound(std::size_t i) const { return i < fields_bound_.size() && fields_bound_[i]; }
+  Field epoch_field(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name) const {
+    int index = 0;
+    for (std::size_t i = 0; i < declared.size(); ++i) {
+      if (declared[i].is_per_row) continue;
+      if (declared[i].name == name) return Field(index, is_field_bound(first + i));
+      ++index;
+    }
+    throw std::logic_error("field '" + std::string(name) + "' is not declared in the spec as one value per sample");
+  }
+  RowField per_row_field(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name) const {
+    int index = -1, width = 0;
+    bool is_there = false;
+    for (std::size_t i = 0; i < declared.size(); ++i) {
+      if (!declared[i].is_per_row) continue;
+      if (declared[i].name == name) index = width, is_there = is_field_bound(first + i);
+      ++width;
+    }
+    if (index < 0)
+      throw std::logic_error("field '" + std::string(name) + "' is not declared in the spec as one value per row");
+    return RowField(index, width, is_there);
+  }
+
   std::string name_;
   Parameters parameters_;
   std::vector<PortBinding> ports_;
@@ -97,6 +184,9 @@ class Binding {
   std::vector<std::vector<NamedUnit>> covariances_;
   int samples_per_step_;
   Findings* findings_ = nullptr;
+  const ComponentSpec* spec_ = nullptr;
+  std::vector<bool> inputs_bound_;
+  bool has_driving_rates_ = false;
 };
 
 }  // namespace binnacle

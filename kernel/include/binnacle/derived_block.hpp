@@ -3,33 +3,68 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/binding.hpp"
-#include "binnacle/measurement_model.hpp"
+#include "binnacle/model_input.hpp"
+#include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle {
 
+/// What a bound derived block yields and reads:
+///
+///     declaration_.yields_like(binding.block("position")).reads(position_).reads(attitude_).reads(lever_arm_);
 struct DerivedDeclaration {
   std::string kind;  // of what it yields: "position"
   int stored_size = 0;
   std::vector<NamedUnit> error;  // error components, those of the kind
-  std::vector<int> reads;        // ports with a Jacobian block, by index in the spec's order; only bound ones
+  std::vector<int> read_ports;   // ports with a Jacobian block, by index in the spec's order; only bound ones
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
+
+  DerivedDeclaration& yields(std::string what, int stored, std::vector<NamedUnit> components) {
+    kind = std::move(what);
+    stored_size = stored;
+    error = std::move(components);
+    return *this;
+  }
+  /// A value of the same kind as this block.
+  DerivedDeclaration& yields_like(const PortBinding& block) {
+    return yields(block.kind, block.stored_size, block.components);
+  }
+  /// J has a block with respect to this port. An open port is ignored.
+  DerivedDeclaration& reads(Port port) {
+    if (port.is_bound()) read_ports.push_back(port.index());
+    return *this;
+  }
+};
+
+struct DerivedInput {
+  PortValues x;
+  Driving u;
+};
+
+struct DerivedOutput {
+  VectorView value;  // stored_size
+  PortJacobians J;  // of a port that is read: dof × dof(port), zeroed by the kernel; null when only the value is wanted
 };
 
 /// y = g(x, u) with J = ∂(g(x ⊞ δ) ⊟ g(x))/∂δ per port, ⊟ being that of the kind it yields. The kernel multiplies the
 /// Jacobians through to the state blocks. Immutable; never throws, never allocates.
+///
+/// The constructor takes its handles from the Binding and fills `declaration_`.
 class DerivedBlock {
  public:
   virtual ~DerivedBlock() = default;
 
-  virtual const DerivedDeclaration& declaration() const noexcept = 0;
-  /// value: stored_size. J: per entry of `reads`, dof × dof(port), zeroed by the kernel; null when no Jacobian is
-  /// wanted, and then the value must be the same to the bit.
-  virtual Result evaluate(const double* const* x, const Context& context, double* value, const MatrixView* J) const = 0;
+  virtual const DerivedDeclaration& declaration() const noexcept { return declaration_; }
+  /// The value, and J where it is wanted; without it the value is the same to the bit.
+  virtual Result evaluate(const DerivedInput& in, DerivedOutput& out) const = 0;
+
+ protected:
+  DerivedDeclaration declaration_;
 };
 
 }  // namespace binnacle

@@ -4,28 +4,25 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/memory.hpp"
+#include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle {
 
-/// What models and derived blocks may know besides the state (the `u` of the design): the time, and the mean rates of
-/// the last driving interval, in the order of ComponentSpec::driving_rates. `driving_rates` is null until the first interval has ended
-/// and for components that declare none.
-struct Context {
-  Time t = no_time;
-  const double* driving_rates = nullptr;
-};
-
-/// A run of residual rows that belong together.
+/// A run of residual rows that belong together. Written with the functions of the namespace `rows`.
 ///
 /// When the rows are an error in the dof of the block on port `port` (a position fix: z ⊟ x), say so: withheld samples
-/// are then scored with that block's names and norms. Otherwise port is −1 and `unit` tells the unit of the rows.
+/// are then scored with that block's names and norms. Otherwise port is −1 and `unit` specifies the unit of the rows.
 struct ResidualGroup {
   std::string name;
   int first_row = 0;
@@ -34,35 +31,95 @@ struct ResidualGroup {
   int port = -1;
 };
 
-struct MeasurementDeclaration {
+namespace rows {
+
+/// As many rows as the block on `port` has error components: an error of that block.
+inline ResidualGroup of(std::string name, Port port) { return {std::move(name), 0, port.dof(), {}, port.index()}; }
+/// `count` rows with this unit.
+inline ResidualGroup these(std::string name, int count, std::string unit) {
+  return {std::move(name), 0, count, std::move(unit), -1};
+}
+/// However many rows a sample has, all with this unit.
+inline ResidualGroup like(std::string name, std::string unit) { return {std::move(name), 0, 0, std::move(unit), -1}; }
+
+}  // namespace rows
+
+/// What a bound measurement model will do at most:
+///
+///     declaration_.rows(3).reads(velocity_).reads(lever_arm_).group(rows::of("velocity", velocity_));
+struct MeasurementDeclaration : MemoryDeclaration {
   int max_rows = 0;
-  std::vector<int> reads;  // ports with a Jacobian block, by index in the spec's order; only bound ones
+  std::vector<int> read_ports;  // ports with a Jacobian block, by index in the spec's order; only bound ones
   std::vector<ResidualGroup> groups;
-  std::size_t memory_bytes = 0;  // in the arena; zeroed, then initialised by start()
+  bool needs_covariance = false;
+
+  /// The largest number of rows.
+  MeasurementDeclaration& rows(int most) {
+    max_rows = most;
+    return *this;
+  }
+  /// H has a block with respect to this port. An open port is ignored.
+  MeasurementDeclaration& reads(Port port) {
+    if (port.is_bound()) read_ports.push_back(port.index());
+    return *this;
+  }
+  /// The next rows, those of the groups before it first.
+  MeasurementDeclaration& group(ResidualGroup next) {
+    next.first_row = 0;
+    for (const auto& before : groups) {
+      if (before.rows == 0) throw std::logic_error("group '" + before.name + "' takes all rows; none are left");
+      next.first_row += before.rows;
+    }
+    groups.push_back(std::move(next));
+    return *this;
+  }
+  /// MeasurementInput::P is there, for the ports that are read.
+  MeasurementDeclaration& wants_covariance() {
+    needs_covariance = true;
+    return *this;
+  }
+};
+
+struct MeasurementInput {
+  SampleView sample;           // the fields declared in the spec
+  AuxiliarySamples auxiliary;  // of the channels of ComponentSpec::inputs
+  PortValues x;                // stored values (derived ports: the derived value)
+  Driving u;
+  MemoryView memory;  // what is written to it is kept only when the sample ends as `accepted`
+  PortCovariance P;
+  Notes notes;
 };
 
 /// Where a linearized measurement is written. The kernel zeroes H and R before the call.
-struct Linearization {
-  int rows = 0;                      // set by the model: 0…max_rows; 0: none of this sample's
-  double* residual = nullptr;        // r = z ⊟ h(x̂), max_rows
-  const MatrixView* H = nullptr;     // per entry of `reads`: ∂h/∂δ of that port, max_rows × dof(port)
-  MatrixView R;                      // nominal noise covariance, max_rows × max_rows, both triangles
-  std::int64_t* row_keys = nullptr;  // who a row is (a satellite); 0…rows−1 on entry
+struct MeasurementOutput {
+  int rows = 0;                        // set by the model: 0…max_rows; 0: none of this sample's
+  VectorView residual;                 // r = z ⊟ h(x̂), max_rows
+  PortJacobians H;                     // ∂h/∂δ of a port that is read, max_rows × dof(port)
+  MatrixView R;                        // nominal noise covariance, max_rows × max_rows, both triangles
+  std::span<std::int64_t> row_keys{};  // who a row is (a satellite), max_rows; 0…max_rows−1 on entry
 };
 
 /// Relates a sample to blocks. Immutable; never throws, never allocates, touches only what it is handed.
+///
+/// The constructor takes its handles from the Binding and fills `declaration_`.
 class MeasurementModel {
  public:
   virtual ~MeasurementModel() = default;
 
-  virtual const MeasurementDeclaration& declaration() const noexcept = 0;
-  virtual void start(std::byte* /*memory*/) const {}
+  virtual const MeasurementDeclaration& declaration() const noexcept { return declaration_; }
+  /// Memory at the start of a run.
+  void start(MemoryView memory) const {
+    declaration().write_initial(memory.data());
+    initialise(memory);
+  }
+  /// Residual, R and, where out.H is wanted, H: without it residual and R are the same to the bit.
+  virtual Result linearize(const MeasurementInput& in, MeasurementOutput& out) const = 0;
 
-  /// sample: the fields declared in the spec. auxiliary[i]: the latest sample on the i-th declared auxiliary channel.
-  /// x[port]: stored values (derived ports: the derived value). What is written to `memory` is kept only when the
-  /// sample ends as `accepted`.
-  virtual Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                           const Context& context, std::byte* memory, Linearization& out) const = 0;
+ protected:
+  /// For memory whose first value depends on a parameter.
+  virtual void initialise(const MemoryView& /*memory*/) const {}
+
+  MeasurementDeclaration declaration_;
 };
 
 }  // namespace binnacle

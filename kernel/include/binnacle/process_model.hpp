@@ -2,11 +2,15 @@
 // ProcessModel: how blocks move between two instants.
 #pragma once
 
+#include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/memory.hpp"
+#include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/time.hpp"
 #include "binnacle/view.hpp"
@@ -14,8 +18,7 @@
 namespace binnacle {
 
 /// How much of a block of Φ, F or Q is ever non-zero; the kernel does no arithmetic on the rest.
-/// `dense`: the array holds dof(to)×dof(from) doubles, column-major. `diagonal`: the array holds the dof diagonal
-/// elements (both ports of equal dof).
+/// `dense`: dof(to)×dof(from) elements. `diagonal`: the dof diagonal elements (both ports of equal dof).
 enum class Structure { dense, diagonal };
 
 /// The block of Φ with the rows of port `to` and the columns of port `from`. Ports by index in the spec's order.
@@ -25,18 +28,147 @@ struct Coupling {
   Structure structure = Structure::dense;
 };
 
-/// What a bound process model will do at most.
+/// A block of Φ, F, Q or GQGᵀ that a process model writes completely; null where nobody wants it.
+class BlockView {
+ public:
+  constexpr BlockView() = default;
+  constexpr BlockView(double* data, int rows, int cols, Structure structure) noexcept
+      : data_(data), rows_(rows), cols_(cols), structure_(structure) {}
+
+  constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
+  constexpr double* data() const noexcept { return data_; }
+  constexpr int rows() const noexcept { return rows_; }
+  constexpr int cols() const noexcept { return cols_; }
+  constexpr Structure structure() const noexcept { return structure_; }
+
+  /// All of a dense block: `phi.as<3, 3>()`, or `phi.as()` where the size is known at run time only.
+  template <int Rows, int Cols>
+  MapOf<Rows, Cols> as() const {
+    assert(data_ && structure_ == Structure::dense && rows_ == Rows && cols_ == Cols);
+    return MapOf<Rows, Cols>(data_);
+  }
+  MapOf<Eigen::Dynamic, Eigen::Dynamic> as() const {
+    assert(!data_ || structure_ == Structure::dense);
+    return {data_, rows_, cols_};
+  }
+  /// The diagonal of a diagonal block.
+  MapOf<Eigen::Dynamic> diagonal() const {
+    assert(!data_ || structure_ == Structure::diagonal);
+    return MapOf<Eigen::Dynamic>(data_, rows_);
+  }
+  template <int Rows>
+  MapOf<Rows> diagonal() const {
+    assert(data_ && structure_ == Structure::diagonal && rows_ == Rows);
+    return MapOf<Rows>(data_);
+  }
+  void set_zero() const noexcept { std::fill_n(data_, size(), 0.0); }
+  void set_identity() const noexcept {
+    set_zero();
+    const int step = structure_ == Structure::diagonal ? 1 : rows_ + 1;
+    for (int i = 0; i < std::min(rows_, cols_); ++i) data_[i * step] = 1.0;
+  }
+
+ private:
+  int size() const noexcept { return structure_ == Structure::diagonal ? rows_ : rows_ * cols_; }
+
+  double* data_ = nullptr;
+  int rows_ = 0;
+  int cols_ = 0;
+  Structure structure_ = Structure::dense;
+};
+
+namespace detail {
+
+/// A block that a ProcessDeclaration lists.
+class BlockHandle {
+ public:
+  constexpr BlockHandle() = default;
+  constexpr BlockHandle(int index, int rows, int cols, Structure structure) noexcept
+      : index_(index), rows_(rows), cols_(cols), structure_(structure) {}
+
+  /// False: of an open port, or never declared. Its views are null.
+  constexpr bool is_declared() const noexcept { return index_ >= 0; }
+  constexpr int index() const noexcept { return index_; }
+  constexpr BlockView in(double* const* table) const noexcept {
+    return table && index_ >= 0 ? BlockView(table[index_], rows_, cols_, structure_) : BlockView();
+  }
+
+ private:
+  int index_ = -1;
+  int rows_ = 0;
+  int cols_ = 0;
+  Structure structure_ = Structure::dense;
+};
+
+}  // namespace detail
+
+/// Handle of a block of Φ (of F in linearized()), from ProcessDeclaration::couples().
+class PhiBlock : public detail::BlockHandle {
+  using detail::BlockHandle::BlockHandle;
+};
+/// Handle of a block of Qd (of GQGᵀ in linearized()), from ProcessDeclaration::adds_noise().
+class QBlock : public detail::BlockHandle {
+  using detail::BlockHandle::BlockHandle;
+};
+
+/// Blocks by handle: `phi[phi_pv]`.
+template <class Handle>
+class BlockTable {
+ public:
+  constexpr BlockTable() = default;
+  constexpr BlockTable(double* const* by_index) noexcept : by_index_(by_index) {}
+
+  BlockView operator[](Handle handle) const noexcept { return handle.in(by_index_); }
+  /// Whether they are wanted.
+  constexpr explicit operator bool() const noexcept { return by_index_ != nullptr; }
+  double* const* pointers() const noexcept { return by_index_; }
+
+ private:
+  double* const* by_index_ = nullptr;
+};
+
+/// What a bound process model will do at most:
+///
+///     phi_xx_ = declaration_.couples(x_, x_, Structure::diagonal);
+///     q_xx_ = declaration_.adds_noise(x_, x_, Structure::diagonal);
 ///
 /// A (to, to) block that is not listed is the identity, an off-diagonal block that is not listed is zero, and neither
-/// costs anything: a random constant lists nothing. `noise` lists blocks of Q between advanced ports, one of (a, b) and
-/// (b, a) at most; the kernel mirrors it.
-struct ProcessDeclaration {
+/// costs anything: a random constant lists nothing.
+struct ProcessDeclaration : MemoryDeclaration {
   std::vector<Coupling> transition;
-  std::vector<Coupling> noise;
-  std::size_t memory_bytes = 0;      // in the arena; zeroed, then initialised by start()
+  std::vector<Coupling> noise;       // between advanced ports, one of (a, b) and (b, a) at most; the kernel mirrors it
   bool has_closed_form = true;       // propagate() is implemented
   bool has_continuous_form = false;  // linearized() is implemented: a linear model
   bool is_time_invariant = false;    // linearized() depends on neither x nor u
+
+  /// Φ has a block with the rows of `to`, which is advanced, and the columns of `from`. Of an open port: nothing.
+  PhiBlock couples(Port to, Port from, Structure structure = Structure::dense) {
+    return add<PhiBlock>(transition, to, from, structure);
+  }
+  /// Qd has a block between two advanced ports.
+  QBlock adds_noise(Port to, Port from, Structure structure = Structure::dense) {
+    return add<QBlock>(noise, to, from, structure);
+  }
+  /// linearized() is implemented, besides propagate(): the kernel discretizes jointly with linear models that this one
+  /// is coupled to through a port, and calls propagate() where there are none.
+  ProcessDeclaration& has_both_forms() {
+    has_closed_form = has_continuous_form = true;
+    return *this;
+  }
+  /// linearized() is implemented, propagate() is not.
+  ProcessDeclaration& only_continuous() {
+    has_closed_form = false;
+    has_continuous_form = true;
+    return *this;
+  }
+
+ private:
+  template <class Handle>
+  static Handle add(std::vector<Coupling>& blocks, Port to, Port from, Structure structure) {
+    if (!to.is_bound() || !from.is_bound()) return {};
+    blocks.push_back({to.index(), from.index(), structure});
+    return Handle(static_cast<int>(blocks.size()) - 1, to.dof(), from.dof(), structure);
+  }
 };
 
 /// One input sample, or the fragment of one that lies inside a step. `fields` are those of the spec, in its order and
@@ -52,6 +184,13 @@ struct InputSample {
   const double* fields = nullptr;
 
   bool is_fragment() const noexcept { return t0 != whole_t0 || t1 != whole_t1; }
+  double operator[](Field field) const noexcept { return fields[field.index()]; }
+  template <int N>
+  Eigen::Matrix<double, N, 1> operator[](const Several<Field, N>& several) const noexcept {
+    Eigen::Matrix<double, N, 1> v;
+    for (int i = 0; i < N; ++i) v[i] = (*this)[several[i]];
+    return v;
+  }
 };
 
 /// One propagation from t0 to t1. `samples` is empty for a model without input fields, else 1…samples_per_step
@@ -63,42 +202,61 @@ struct Step {
   std::span<const InputSample> samples;
 };
 
-/// Where a step is written. Arrays are indexed by port (x_plus) and by position in the declaration (transition, noise).
-/// All memory is the kernel's; transition and noise blocks hold garbage on entry and must be written completely.
+struct ProcessInput {
+  Step step;
+  PortValues x;                // stored values at t0
+  AuxiliarySamples auxiliary;  // of the channels of ComponentSpec::inputs
+  MemoryView memory;
+  Notes notes;
+};
+
+/// Where a step is written. Blocks hold garbage on entry and must be written completely. phi and Qd are each null as a
+/// whole when nobody wants them; x is the same to the bit without them.
 struct ProcessOutput {
-  double* const* x_plus = nullptr;      // per port: stored value at t1; null for ports that are only read
-  double* const* transition = nullptr;  // per Coupling: Φ block, ∂δ(t1)/∂δ(t0)
-  double* const* noise = nullptr;       // per Coupling: Qd block, in the error dof at t1
+  PortOutputs x;             // stored value at t1; null for ports that are only read
+  BlockTable<PhiBlock> phi;  // ∂δ(t1)/∂δ(t0)
+  BlockTable<QBlock> Qd;     // in the error dof at t1
+};
+
+struct ContinuousInput {
+  PortValues x;
 };
 
 /// Where a linear model writes its continuous form ẋ = F x + w, E[w wᵀ] = GQGᵀ δ(t).
 struct ContinuousOutput {
-  double* const* dynamics = nullptr;  // per Coupling of `transition`: F block, here with (to, to) meaning F not Φ
-  double* const* noise = nullptr;     // per Coupling of `noise`: GQGᵀ block
+  BlockTable<PhiBlock> F;  // here the (to, to) block means F, not Φ
+  BlockTable<QBlock> GQGt;
 };
 
 /// Moves the blocks on its advanced ports; reads others. Every block of a filter is advanced by exactly one model.
 ///
 /// All models of a filter see the a-priori x(t0), never each other's result. The model is immutable after its
-/// constructor: what it must remember lies in `memory`. Never throws, never allocates. dt ≥ 0; dt = 0 gives x⁺ = x,
-/// Φ = I, Qd = 0.
+/// constructor, which takes its handles from the Binding and fills `declaration_`: what it must remember lies in memory.
+/// Never throws, never allocates. dt ≥ 0; dt = 0 gives x⁺ = x, Φ = I, Qd = 0.
 class ProcessModel {
  public:
   virtual ~ProcessModel() = default;
 
-  virtual const ProcessDeclaration& declaration() const noexcept = 0;
-  /// Initialises memory at the start of a run.
-  virtual void start(std::byte* /*memory*/) const {}
-
-  /// x[port]: stored values at t0 (null for open ports). Writes x⁺, Φ and Qd. `failed` stops the filter.
-  virtual Result propagate(const Step& /*step*/, const double* const* /*x*/, std::byte* /*memory*/,
-                           const ProcessOutput& /*out*/) const {
+  virtual const ProcessDeclaration& declaration() const noexcept { return declaration_; }
+  /// Memory at the start of a run.
+  void start(MemoryView memory) const {
+    declaration().write_initial(memory.data());
+    initialise(memory);
+  }
+  /// Writes x⁺, Φ and Qd. `failed` stops the filter.
+  virtual Result propagate(const ProcessInput& /*in*/, ProcessOutput& /*out*/) const {
     return Result::failed("this model has no closed form");
   }
   /// The continuous form at x. The kernel discretizes it (Van Loan), jointly with other linear models that it is
   /// coupled to through a port, so that the cross terms of Qd are right. Stored value and error must be the same
   /// vector (x⁺ = Φ x).
-  virtual void linearized(const double* const* /*x*/, const ContinuousOutput& /*out*/) const {}
+  virtual void linearized(const ContinuousInput& /*in*/, ContinuousOutput& /*out*/) const {}
+
+ protected:
+  /// For memory whose first value depends on a parameter.
+  virtual void initialise(const MemoryView& /*memory*/) const {}
+
+  ProcessDeclaration declaration_;
 };
 
 }  // namespace binnacle

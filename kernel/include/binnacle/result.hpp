@@ -7,18 +7,18 @@ namespace binnacle {
 /// `unsupported`: the model does not apply here (too slow for a course, a port's block outside its domain).
 /// `invalid`: the sample itself is not usable (negative variance, a value out of range).
 /// `failed`: the model cannot go on; a filter whose process model fails stops with this as its diagnosis.
-enum class Verdict { ok, unsupported, invalid, failed };
+enum class Refusal { none, unsupported, invalid, failed };
 
-/// A verdict with a reason: text with static lifetime in the plugin (a literal), shown in the ledger.
+/// A refusal with its reason, or ok: text with static lifetime in the plugin (a literal), shown in the ledger.
 struct Result {
-  Verdict verdict = Verdict::ok;
+  Refusal refusal = Refusal::none;
   const char* reason = "";
 
   static constexpr Result ok() noexcept { return {}; }
-  static constexpr Result unsupported(const char* reason) noexcept { return {Verdict::unsupported, reason}; }
-  static constexpr Result invalid(const char* reason) noexcept { return {Verdict::invalid, reason}; }
-  static constexpr Result failed(const char* reason) noexcept { return {Verdict::failed, reason}; }
-  constexpr explicit operator bool() const noexcept { return verdict == Verdict::ok; }
+  static constexpr Result unsupported(const char* reason) noexcept { return {Refusal::unsupported, reason}; }
+  static constexpr Result invalid(const char* reason) noexcept { return {Refusal::invalid, reason}; }
+  static constexpr Result failed(const char* reason) noexcept { return {Refusal::failed, reason}; }
+  constexpr explicit operator bool() const noexcept { return refusal == Refusal::none; }
 };
 
 }  // namespace binnacle

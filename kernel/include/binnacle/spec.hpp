@@ -152,24 +152,35 @@ enum class PortAccess { reads, advances };
 /// `kind` is matched against the kind of the block (or derived block): exactly, or by its colon-separated parts with `*`
 /// for any: `attitude`, `vector:3:rad/s`, `vector:*:m`, `*`. Units are compared by dimension. A block that is advanced
 /// must be a state block; one that is read may be derived. An optional port that is left open costs nothing.
+///
+///     reads("lever_arm", "vector:3:m").optional().about("from the IMU to the antenna, body axes")
 struct PortSpec {
   std::string name;
   std::string kind;
   PortAccess access = PortAccess::reads;
-  bool optional = false;
+  bool is_optional = false;
   std::string text;
   std::string former_name = {};  // "" = it was never renamed
 
+  PortSpec&& optional() && {
+    is_optional = true;
+    return std::move(*this);
+  }
+  PortSpec&& about(std::string line) && {
+    text = std::move(line);
+    return std::move(*this);
+  }
+  /// The name that this port had in an earlier version: under it a config gets an error that states the new one.
   PortSpec&& formerly(std::string port) && {
     former_name = std::move(port);
     return std::move(*this);
   }
 };
 
-inline PortSpec advances(std::string name, std::string kind, std::string text) {
+inline PortSpec advances(std::string name, std::string kind, std::string text = {}) {
   return {std::move(name), std::move(kind), PortAccess::advances, false, std::move(text)};
 }
-inline PortSpec reads(std::string name, std::string kind, std::string text) {
+inline PortSpec reads(std::string name, std::string kind, std::string text = {}) {
   return {std::move(name), std::move(kind), PortAccess::reads, false, std::move(text)};
 }
 inline PortSpec may_advance(std::string name, std::string kind, std::string text) {
@@ -186,24 +197,69 @@ enum class FieldKind { level, rate, increment };
 ///
 /// Where a component wants a field as a rate and the channel has increments (or the reverse) the kernel converts by the
 /// sample's interval; unit is then the one of the wanted kind. Units are compared by dimension; a component that takes
-/// numbers of whatever unit the channel has says "*".
+/// numbers of whatever unit the channel has says "*". Written with the functions below:
+///
+///     field::level("vn", "m/s").optional().about("velocity over ground, north")
+///     field::level("pseudorange", "m").per_row()
 struct FieldSpec {
   std::string name;
   std::string unit;
   FieldKind kind = FieldKind::level;
-  bool optional = false;
-  bool per_row = false;  // one value per row of the sample instead of one per sample
+  bool is_optional = false;
+  bool is_per_row = false;  // one value per row of the sample instead of one per sample
   std::string text;
+
+  FieldSpec&& optional() && {
+    is_optional = true;
+    return std::move(*this);
+  }
+  FieldSpec&& per_row() && {
+    is_per_row = true;
+    return std::move(*this);
+  }
+  FieldSpec&& about(std::string line) && {
+    text = std::move(line);
+    return std::move(*this);
+  }
 };
 
-/// A channel that a component listens to under its own name for it: `"input": "imu"` for a single one, else
+namespace field {
+
+inline FieldSpec level(std::string name, std::string unit) {
+  return {std::move(name), std::move(unit), FieldKind::level, false, false, {}};
+}
+inline FieldSpec rate(std::string name, std::string unit) {
+  return {std::move(name), std::move(unit), FieldKind::rate, false, false, {}};
+}
+inline FieldSpec increment(std::string name, std::string unit) {
+  return {std::move(name), std::move(unit), FieldKind::increment, false, false, {}};
+}
+
+}  // namespace field
+
+/// A channel that a component subscribes to under its own name for it: `"input": "imu"` for a single one, else
 /// `"inputs": {"imu": "raw_imu", "gnss": "fix"}`.
+///
+///     input("anchors", {field::level("x", "m").per_row(), …}).optional().about("where the anchors are")
 struct ChannelPort {
   std::string name;
   std::vector<FieldSpec> fields;
-  bool optional = false;
+  bool is_optional = false;
   std::string text;
+
+  ChannelPort&& optional() && {
+    is_optional = true;
+    return std::move(*this);
+  }
+  ChannelPort&& about(std::string line) && {
+    text = std::move(line);
+    return std::move(*this);
+  }
 };
+
+inline ChannelPort input(std::string name, std::vector<FieldSpec> fields) {
+  return {std::move(name), std::move(fields), false, {}};
+}
 
 /// What a component type says of itself. Filled by its static `spec()`, never changed afterwards.
 struct ComponentSpec {

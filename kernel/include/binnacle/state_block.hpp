@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/binding.hpp"
@@ -11,6 +12,8 @@
 namespace binnacle {
 
 /// A number that can be read from a block's value and that initial values and references are given in: roll, lat, …
+///
+///     output("lat", "rad").shown_in("deg").angle().unscored().about("geodetic latitude, WGS-84")
 struct Output {
   std::string name;
   std::string unit;          // SI
@@ -18,7 +21,28 @@ struct Output {
   bool is_angle = false;     // differences wrap to (−π, π]
   bool is_scored = true;     // false: its error is told better by an error component (lat by north)
   std::string text;          // one line, with the frame
+
+  Output&& shown_in(std::string unit_of_tables) && {
+    display_unit = std::move(unit_of_tables);
+    return std::move(*this);
+  }
+  Output&& angle() && {
+    is_angle = true;
+    return std::move(*this);
+  }
+  Output&& unscored() && {
+    is_scored = false;
+    return std::move(*this);
+  }
+  Output&& about(std::string line) && {
+    text = std::move(line);
+    return std::move(*this);
+  }
 };
+
+inline Output output(std::string name, std::string unit) {
+  return {std::move(name), std::move(unit), {}, false, true, {}};
+}
 
 /// The length of some error components taken together: horizontal = {north, east}.
 struct Norm {

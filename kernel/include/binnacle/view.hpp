@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How numbers cross the library boundary: plain pointers into kernel memory, seen through unaligned Eigen maps.
+// How numbers cross the library boundary: pointers into kernel memory with their sizes, seen through unaligned Eigen
+// maps.
 #pragma once
 
 #include <Eigen/Core>
 
+#include <cassert>
 #include <span>
 
 namespace binnacle {
@@ -17,6 +19,8 @@ using ConstMapOf = Eigen::Map<const Eigen::Matrix<double, Rows, Cols>, Eigen::Un
 /// A block inside a taller column-major matrix: `stride` doubles from one column to the next.
 template <int Rows, int Cols>
 using StridedMapOf = Eigen::Map<Eigen::Matrix<double, Rows, Cols>, Eigen::Unaligned, Eigen::OuterStride<>>;
+template <int Rows, int Cols>
+using ConstStridedMapOf = Eigen::Map<const Eigen::Matrix<double, Rows, Cols>, Eigen::Unaligned, Eigen::OuterStride<>>;
 
 /// `Rows` doubles at p as a column vector.
 template <int Rows>
@@ -46,6 +50,69 @@ inline Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned> matrix_at(const doubl
   return {p, rows, cols};
 }
 
+// Every view is null where there is nothing to see (an open port, a Jacobian that nobody wants): test it with `if`.
+// Sizes are checked by assert(), so in builds without NDEBUG.
+
+/// `size` doubles that may be read.
+class ConstVectorView {
+ public:
+  constexpr ConstVectorView() = default;
+  constexpr ConstVectorView(const double* data, int size) noexcept : data_(data), size_(size) {}
+
+  constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
+  constexpr const double* data() const noexcept { return data_; }
+  constexpr int size() const noexcept { return size_; }
+  double operator[](int i) const noexcept {
+    assert(data_ && i >= 0 && i < size_);
+    return data_[i];
+  }
+  /// All of it: `x.as<3>()`, or `x.as()` where the size is known at run time only.
+  template <int Rows>
+  ConstMapOf<Rows> as() const {
+    assert(data_ && size_ == Rows);
+    return ConstMapOf<Rows>(data_);
+  }
+  ConstMapOf<Eigen::Dynamic> as() const { return ConstMapOf<Eigen::Dynamic>(data_, size_); }
+  ConstVectorView segment(int first, int count) const noexcept {
+    assert(data_ && first >= 0 && count >= 0 && first + count <= size_);
+    return {data_ + first, count};
+  }
+
+ private:
+  const double* data_ = nullptr;
+  int size_ = 0;
+};
+
+/// `size` doubles that may be written.
+class VectorView {
+ public:
+  constexpr VectorView() = default;
+  constexpr VectorView(double* data, int size) noexcept : data_(data), size_(size) {}
+
+  constexpr operator ConstVectorView() const noexcept { return {data_, size_}; }
+  constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
+  constexpr double* data() const noexcept { return data_; }
+  constexpr int size() const noexcept { return size_; }
+  double& operator[](int i) const noexcept {
+    assert(data_ && i >= 0 && i < size_);
+    return data_[i];
+  }
+  template <int Rows>
+  MapOf<Rows> as() const {
+    assert(data_ && size_ == Rows);
+    return MapOf<Rows>(data_);
+  }
+  MapOf<Eigen::Dynamic> as() const { return MapOf<Eigen::Dynamic>(data_, size_); }
+  VectorView segment(int first, int count) const noexcept {
+    assert(data_ && first >= 0 && count >= 0 && first + count <= size_);
+    return {data_ + first, count};
+  }
+
+ private:
+  double* data_ = nullptr;
+  int size_ = 0;
+};
+
 /// A rows×cols block of a column-major matrix: element (i, j) is data[i + j * stride].
 struct MatrixView {
   double* data = nullptr;
@@ -53,14 +120,46 @@ struct MatrixView {
   int cols = 0;
   int stride = 0;
 
-  double& operator()(int i, int j) const noexcept { return data[i + static_cast<long>(j) * stride]; }
+  double& operator()(int i, int j) const noexcept {
+    assert(data && i >= 0 && i < rows && j >= 0 && j < cols);
+    return data[i + static_cast<long>(j) * stride];
+  }
   explicit operator bool() const noexcept { return data != nullptr; }
 
+  /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
   template <int Rows, int Cols>
   StridedMapOf<Rows, Cols> as() const {
+    assert(data && rows == Rows && cols == Cols);
     return {data, rows, cols, Eigen::OuterStride<>(stride)};
   }
   StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
+  /// The part that begins at (row, col).
+  MatrixView block(int row, int col, int row_count, int col_count) const noexcept {
+    assert(data && row >= 0 && col >= 0 && row + row_count <= rows && col + col_count <= cols);
+    return {data + row + static_cast<long>(col) * stride, row_count, col_count, stride};
+  }
+};
+
+/// The same, to be read only.
+struct ConstMatrixView {
+  const double* data = nullptr;
+  int rows = 0;
+  int cols = 0;
+  int stride = 0;
+
+  double operator()(int i, int j) const noexcept {
+    assert(data && i >= 0 && i < rows && j >= 0 && j < cols);
+    return data[i + static_cast<long>(j) * stride];
+  }
+  explicit operator bool() const noexcept { return data != nullptr; }
+  template <int Rows, int Cols>
+  ConstStridedMapOf<Rows, Cols> as() const {
+    assert(data && rows == Rows && cols == Cols);
+    return {data, rows, cols, Eigen::OuterStride<>(stride)};
+  }
+  ConstStridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const {
+    return {data, rows, cols, Eigen::OuterStride<>(stride)};
+  }
 };
 
 }  // namespace binnacle

@@ -4,15 +4,9 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
 
 namespace {
-
-std::vector<std::string> field_names(const ChannelDeclaration& declaration) {
-  std::vector<std::string> names;
-  for (const auto& field : declaration.fields) names.push_back(field.name);
-  return names;
-}
 
 const char* kind_name(FieldKind kind) {
   switch (kind) {
@@ -32,7 +26,7 @@ void Composer::add_channels(const std::string& component, const std::string& poi
     channel.pointer = pointer;
     channel.declaration = declaration;
     for (const auto& field : declaration.fields)
-      channel.position.push_back(field.per_row ? channel.row_fields++ : channel.epoch_fields++);
+      channel.position.push_back(field.is_per_row ? channel.row_fields++ : channel.epoch_fields++);
     channel.covariance_dof = static_cast<int>(declaration.covariance.size());
     indices.push_back(static_cast<int>(plan_->channels.size()));
     if (plan_->channel(channel.name) >= 0)
@@ -56,7 +50,8 @@ void Composer::add_sources() {
                                                pointer, {"type"}, {}, diagnostics_);
       if (error_count() == errors)
         guarded(pointer, [&, &name = name](Findings& findings) {
-          source.source = source.type->create_source(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+          source.source = source.type->create_source(
+              Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
           add_channels(name, pointer, source.source->channels(), source.channels);
         });
     }
@@ -101,7 +96,7 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
   int declared = 0;
   for (const auto& field : wanted) {
     FieldMap::Item item;
-    item.required = !field.optional;
+    item.required = !field.is_optional;
     item.declared = declared++;
     map.names.push_back(field.name);
     std::string name = field.name;
@@ -114,12 +109,12 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
     const auto found = std::find_if(fields.begin(), fields.end(), [&](const FieldSpec& f) { return f.name == name; });
     const std::string at_pointer = is_mapped ? join_pointer(mapping_pointer, field.name) : channel_pointer;
     if (found == fields.end()) {
-      if (!field.optional || is_mapped)
+      if (!field.is_optional || is_mapped)
         error("B021", at_pointer,
               "channel '" + channel.name + "' has no field '" + name + "'" +
                   (takes_any_unit(field) ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
-                  suggestion(name, field_names(channel.declaration)) + " (it has " +
-                  listed(field_names(channel.declaration)) + "; map another with \"fields\": {\"" + field.name +
+                  suggestion(name, names_of(channel.declaration.fields)) + " (it has " +
+                  listed(names_of(channel.declaration.fields)) + "; map another with \"fields\": {\"" + field.name +
                   "\": …})");
     } else {
       const auto carried = parse_unit(found->unit.empty() ? "1" : found->unit);
@@ -158,16 +153,16 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
                                 : std::string()));
         continue;
       }
-      if (found->per_row != field.per_row) {
+      if (found->is_per_row != field.is_per_row) {
         error("B021", at_pointer,
               "field '" + name + "' of channel '" + channel.name + "' has " +
-                  (found->per_row ? "one value per row" : "one value per sample") + "; '" + type + "' needs " +
-                  (field.per_row ? "one per row" : "one per sample"));
+                  (found->is_per_row ? "one value per row" : "one value per sample") + "; '" + type + "' needs " +
+                  (field.is_per_row ? "one per row" : "one per sample"));
         continue;
       }
       item.index = channel.position[static_cast<std::size_t>(found - fields.begin())];
     }
-    (field.per_row ? map.row : map.epoch).push_back(item);
+    (field.is_per_row ? map.row : map.epoch).push_back(item);
   }
   return error_count() == errors;
 }
@@ -196,7 +191,7 @@ bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer
       channel_pointer = join_pointer(inputs_pointer, wanted.name);
     } else if (has_single && (is_single || &wanted == &spec.inputs.front())) {
       channel_pointer = join_pointer(pointer, "input");
-    } else if (!wanted.optional) {
+    } else if (!wanted.is_optional) {
       key_error("B010", pointer,
                 "input '" + wanted.name + "' of '" + spec.type + "' is missing: " +
                     (is_single ? "\"input\": \"CHANNEL\"" : "\"inputs\": {\"" + wanted.name + "\": \"CHANNEL\"}"));
@@ -255,13 +250,14 @@ void Composer::add_transforms() {
         is_bound = read_inputs(transform.type->spec, pointer, transform.inputs);
         if (error_count() == errors && is_bound) {
           std::vector<PortBinding> inputs;
-          std::vector<bool> fields_bound;
+          std::vector<bool> fields_bound, inputs_bound;
           std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
           for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
             PortBinding input;
             input.name = transform.type->spec.inputs[i].name;
             input.bound = transform.inputs[i].channel >= 0;
             inputs.push_back(input);
+            inputs_bound.push_back(input.bound);
             if (input.bound)
               covariances[i] =
                   plan_->channels[static_cast<std::size_t>(transform.inputs[i].channel)].declaration.covariance;
@@ -273,7 +269,9 @@ void Composer::add_transforms() {
           }
           guarded(pointer, [&](Findings& findings) {
             transform.transform = transform.type->create_transform(
-                Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances).telling(findings));
+                Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances)
+                    .of(transform.type->spec, inputs_bound)
+                    .telling(findings));
             add_channels(name, pointer, transform.transform->channels(), transform.channels);
           });
         }
@@ -309,10 +307,11 @@ void Composer::add_sinks() {
     const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
     if (error_count() != errors || !is_bound) continue;
     guarded(pointer, [&, &name = name](Findings& findings) {
-      sink.sink = sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).telling(findings));
+      sink.sink =
+          sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
     });
     if (sink.sink) plan_->sinks.push_back(std::move(sink));
   }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::compose

@@ -7,13 +7,11 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+#include "base/index.hpp"
 
-namespace {
+namespace binnacle::compose {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+using base::as_size;
 
 void Composer::finish_filters() {
   for (auto& build : builds_) {
@@ -26,7 +24,6 @@ void Composer::finish_filters() {
     add_derived(build);
     add_processes(build);
     add_measurements(build);
-    add_implied_states(build);
     if (error_count() != errors) build.is_complete = false;
     if (build.is_complete) plan_transition(build);
   }
@@ -86,7 +83,7 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
           binding.components = info.components;
         }
       }
-    } else if (!port.optional) {
+    } else if (!port.is_optional) {
       std::vector<std::string> fitting;
       for (const auto& info : build.values)
         if (kind_matches(port.kind, info.kind)) fitting.push_back(info.name);
@@ -143,7 +140,7 @@ void Composer::find_input(FilterBuild& build) {
   build.plan.input_fields = channel.epoch_fields;
   build.plan.input_used.assign(as_size(channel.epoch_fields), 0);
   for (const auto& field : channel.declaration.fields)
-    if (!field.per_row) build.plan.input_kinds.push_back(field.kind);
+    if (!field.is_per_row) build.plan.input_kinds.push_back(field.kind);
 }
 
 bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
@@ -151,7 +148,7 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
   if (type.spec.driving_rates.empty()) return true;
   if (build.plan.input_channel < 0) {
     const bool all_optional = std::all_of(type.spec.driving_rates.begin(), type.spec.driving_rates.end(),
-                                          [](const FieldSpec& field) { return field.optional; });
+                                          [](const FieldSpec& field) { return field.is_optional; });
     if (!all_optional && build.is_complete)
       error("B021", pointer, "'" + type.spec.type + "' needs the rates of the filter's driving input, which has none");
     return all_optional;
@@ -162,7 +159,7 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
     int index = -1;
     for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
       if (channel.declaration.fields[i].name == wanted.name) index = channel.position[i];
-    if (index < 0 && !wanted.optional)
+    if (index < 0 && !wanted.is_optional)
       error("B021", pointer,
             "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + type.spec.type +
                 "' needs");
@@ -215,8 +212,9 @@ void Composer::add_derived(FilterBuild& build) {
         const bool has_drive = find_driving_rates(build, *type, pointer, plan.driving_rates);
         if (is_bound && has_drive && error_count() == errors)
           guarded(pointer, [&](Findings& findings) {
-            plan.derived =
-                type->create_derived_block(Binding(name, Parameters(parameters), bindings, {}).telling(findings));
+            plan.derived = type->create_derived_block(Binding(name, Parameters(parameters), bindings, {})
+                                                          .of(type->spec, {}, !plan.driving_rates.empty())
+                                                          .telling(findings));
           });
       }
       if (!plan.derived) {
@@ -228,19 +226,20 @@ void Composer::add_derived(FilterBuild& build) {
       const int dof = plan.dof();
       plan.value = build.reserve(as_size(declaration.stored_size));
       std::set<int> blocks;
-      const bool reads_are_bound = std::all_of(declaration.reads.begin(), declaration.reads.end(), [&](int port) {
-        return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
-      });
+      const bool reads_are_bound =
+          std::all_of(declaration.read_ports.begin(), declaration.read_ports.end(), [&](int port) {
+            return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
+          });
       if (!reads_are_bound) {
         error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
         build.failed_values.insert(name);
         build.is_complete = false;
         continue;
       }
-      for (const int port : declaration.reads) {
+      for (const int port : declaration.read_ports) {
         const int value = plan.ports[as_size(port)];
         const int columns = build.values[as_size(value)].dof;
-        plan.reads.push_back({value, build.reserve(as_size(dof * columns))});
+        plan.reads.push_back({value, build.reserve(as_size(dof * columns)), port});
         if (value < static_cast<int>(build.plan.blocks.size())) {
           blocks.insert(value);
         } else {
@@ -339,8 +338,10 @@ void Composer::add_processes(FilterBuild& build) {
         continue;
       }
       guarded(pointer, [&, &name = name](Findings& findings) {
-        plan.model = type->create_process_model(
-            Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).telling(findings));
+        plan.model =
+            type->create_process_model(Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step)
+                                           .of(type->spec)
+                                           .telling(findings));
       });
       if (!plan.model) {
         is_whole = false;
@@ -489,6 +490,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   }
   build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(part.fields.epoch.size()));
 
+  std::vector<bool> inputs_bound;
   if (!type->spec.inputs.empty()) {
     std::vector<NodeInput> inputs;
     is_whole = read_inputs(type->spec, pointer, inputs) && is_whole;
@@ -503,6 +505,11 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
         }
       }
       part.auxiliary.push_back(index);
+      inputs_bound.push_back(index >= 0);
+      const auto first = fields_bound.size();
+      fields_bound.resize(first + type->spec.inputs[inputs_bound.size() - 1].fields.size(), false);
+      for (const auto* items : {&input.fields.epoch, &input.fields.row})
+        for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
       part.auxiliary_fields.push_back(std::move(input.fields));
     }
   }
@@ -511,6 +518,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
         part.model = type->create_measurement_model(
             Binding(name, Parameters(parameters), bindings, fields_bound, 1,
                     {plan_->channels[as_size(measurement.channel)].declaration.covariance})
+                .of(type->spec, inputs_bound, !part.driving_rates.empty())
                 .telling(findings));
       }))
     return false;
@@ -519,14 +527,14 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
     error("B030", pointer, "'" + type->spec.type + "' declares no rows");
     return false;
   }
-  for (const int port : declaration.reads) {
+  for (const int port : declaration.read_ports) {
     if (port < 0 || as_size(port) >= part.ports.size() || part.ports[as_size(port)] < 0) {
       error("B030", pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
       return false;
     }
     const int value = part.ports[as_size(port)];
     const int dof = build.values[as_size(value)].dof;
-    part.reads.push_back({value, dof, build.reserve(as_size(declaration.max_rows * dof)), {}});
+    part.reads.push_back({value, dof, build.reserve(as_size(declaration.max_rows * dof)), {}, port});
   }
   measurement.max_rows += declaration.max_rows;
   measurement.parts.push_back(std::move(part));
@@ -618,7 +626,10 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
   for (const auto& part : measurement.parts) {
     for (const auto& group : part.model->declaration().groups) {
       binding.group_first_row.push_back(first + group.first_row);
-      binding.groups.push_back({measurement.parts.size() > 1 ? part.name + "." + group.name : group.name, group.unit});
+      const std::string& unit = group.unit.empty() && group.port >= 0
+                                    ? build.values[as_size(part.ports[as_size(group.port)])].components.front().unit
+                                    : group.unit;
+      binding.groups.push_back({measurement.parts.size() > 1 ? part.name + "." + group.name : group.name, unit});
     }
     if (part.model->declaration().groups.empty()) {
       binding.group_first_row.push_back(first);
@@ -628,9 +639,8 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
   }
   measurement.noise_type = type->full_name();
   guarded(noise_pointer, [&](Findings& findings) {
-    measurement.noise =
-        type->create_noise_estimator(Binding(measurement.name, Parameters(parameters), {}, {}).telling(findings),
-                                     binding);
+    measurement.noise = type->create_noise_estimator(
+        Binding(measurement.name, Parameters(parameters), {}, {}).of(type->spec).telling(findings), binding);
   });
 }
 
@@ -697,53 +707,4 @@ void Composer::add_withholding(MeasurementPlan& measurement, const std::string& 
           TimeSpan{window->from.time, window->to.time, window->from.from_start, window->to.from_start});
 }
 
-void Composer::add_implied_states(FilterBuild& build) {
-  const std::string section = join_pointer(build.pointer, "implied_states");
-  const auto* implied_states = object_at(document(), section, "'implied_states'", diagnostics_);
-  if (!implied_states) return;
-  const auto index_of = [&](const std::string& implied_state, const char* key, const std::string& pointer,
-                            const std::vector<std::string>& names) {
-    if (!require_key(document(), pointer, key, implied_state, std::string("a ") + key + " of the filter", diagnostics_))
-      return -1;
-    const std::string at_pointer = join_pointer(pointer, key);
-    const auto name = read_string(document(), at_pointer, diagnostics_);
-    if (!name) return -1;
-    const auto found = std::find(names.begin(), names.end(), *name);
-    if (found != names.end()) return static_cast<int>(found - names.begin());
-    const std::string other = join_pointer(join_pointer(build.pointer, std::string(key) + "s"), *name);
-    if (!at(other))  // else it was refused and that has been told
-      error(std::string(key) == "block" ? "B015" : "B027", at_pointer,
-            "the filter has no " + std::string(key) + " '" + *name + "'" + suggestion(*name, names) + " (" + key +
-                "s: " + listed(names) + ")");
-    return -1;
-  };
-  std::vector<std::string> blocks, measurements;
-  for (const auto& block : build.plan.blocks) blocks.push_back(block.name);
-  for (const auto& measurement : build.plan.measurements) measurements.push_back(measurement.name);
-  for (const auto& [name, value] : implied_states->items()) {
-    const std::string pointer = join_pointer(section, name);
-    if (!object_at(document(), pointer, "an implied state", diagnostics_)) continue;
-    check_keys(document(), pointer, {"measurement", "block"}, "an implied state", diagnostics_);
-    if (build.value(name) >= 0) key_error("B002", pointer, "a block is called '" + name + "' already");
-    ImpliedStatePlan implied_state;
-    implied_state.measurement = index_of(name, "measurement", pointer, measurements);
-    implied_state.block = index_of(name, "block", pointer, blocks);
-    if (implied_state.measurement < 0 || implied_state.block < 0) continue;
-    const auto& measurement = build.plan.measurements[as_size(implied_state.measurement)];
-    implied_state.value = build.plan.blocks[as_size(implied_state.block)];
-    const int rows = static_cast<int>(implied_state.value.active.size());
-    const auto& columns = measurement.columns.columns;
-    if (std::find(columns.begin(), columns.end(), implied_state.value.first) == columns.end() || rows == 0 ||
-        rows > measurement.max_rows) {
-      error("B015", pointer,
-            "measurement '" + measurement.name + "' does not tell block '" + implied_state.value.name +
-                "': it must see all " + std::to_string(rows) + " of its components");
-      continue;
-    }
-    implied_state.value.name = name;
-    implied_state.value.first = 0;
-    build.plan.implied_states.push_back(std::move(implied_state));
-  }
-}
-
-}  // namespace binnacle
+}  // namespace binnacle::compose

@@ -54,19 +54,17 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   x_plus_.assign(as_size(plan.stored_size), 0.0);
   predict_scratch_.assign(predict_scratch(plan.transition), 0.0);
 
-  std::size_t ports = 1, dof = 1, reads = 1, auxiliaries = 1, memory = 1, auxiliary_doubles = 1, drives = 1;
+  std::size_t ports = 1, dof = 1, auxiliaries = 1, memory = 1, auxiliary_doubles = 1, drives = 1;
   for (const auto& block : plan.blocks) dof = std::max(dof, as_size(block.dof()));
   for (const auto& process : plan.processes) ports = std::max(ports, process.ports.size());
   for (const auto& derived : plan.derived) {
     ports = std::max(ports, derived.ports.size());
-    reads = std::max(reads, derived.reads.size());
     drives = std::max(drives, derived.driving_rates.size());
   }
   for (const auto& measurement : plan.measurements) {
     memory = std::max(memory, measurement.memory_bytes + measurement.noise_memory.count);
     for (const auto& part : measurement.parts) {
       ports = std::max(ports, part.ports.size());
-      reads = std::max(reads, part.reads.size());
       drives = std::max(drives, part.driving_rates.size());
       auxiliaries = std::max(auxiliaries, part.auxiliary.size());
       std::size_t doubles = 0;
@@ -81,7 +79,7 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
   }
   port_values_.assign(ports, nullptr);
   port_outputs_.assign(ports, nullptr);
-  jacobians_.assign(reads, MatrixView{});
+  jacobians_.assign(ports, MatrixView{});
   driving_rate_fields_.assign(drives, 0.0);
   auxiliary_views_.assign(auxiliaries, SampleView{});
   auxiliary_fields_.assign(auxiliary_doubles, 0.0);
@@ -474,6 +472,7 @@ void Engine::write_estimates(SampleSlot& slot) {
   slot.rows = 0;
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
+    calling(block.type, "read");
     block.block->read(x() + block.stored_offset, out);
     out += block.declaration().outputs.size();
   }

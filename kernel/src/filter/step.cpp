@@ -71,15 +71,15 @@ void Engine::remember_driving_rates(const InputSample& sample) {
   head().driving_rates_known = 1;
 }
 
-Context Engine::context(const std::vector<int>& fields, double* storage) {
-  Context context;
-  context.t = head().t;
+Driving Engine::driving(const std::vector<int>& fields, double* storage) {
+  Driving u;
+  u.t = head().t;
   if (!fields.empty() && status().driving_rates_known) {
     const double* rates = plan_.driving_rates.in(arena_);
     for (std::size_t i = 0; i < fields.size(); ++i) storage[i] = rates[as_size(fields[i])];
-    context.driving_rates = storage;
+    u.rates = storage;
   }
-  return context;
+  return u;
 }
 
 Result Engine::evaluate_derived(const std::vector<int>& values, bool with_jacobians) {
@@ -88,18 +88,19 @@ Result Engine::evaluate_derived(const std::vector<int>& values, bool with_jacobi
     for (std::size_t p = 0; p < derived.ports.size(); ++p)
       port_values_[p] = derived.ports[p] < 0 ? nullptr : values_[as_size(derived.ports[p])];
     const int dof = derived.dof();
-    for (std::size_t r = 0; r < derived.reads.size(); ++r) {
-      const auto& read = derived.reads[r];
+    std::fill_n(jacobians_.begin(), derived.ports.size(), MatrixView{});
+    for (const auto& read : derived.reads) {
       const int columns = read.value < static_cast<int>(plan_.blocks.size())
                               ? plan_.blocks[as_size(read.value)].dof()
                               : plan_.derived[as_size(read.value) - plan_.blocks.size()].dof();
-      jacobians_[r] = MatrixView{at(read.jacobian), dof, columns, dof};
+      jacobians_[as_size(read.port)] = MatrixView{at(read.jacobian), dof, columns, dof};
       if (with_jacobians) std::fill_n(at(read.jacobian), dof * columns, 0.0);
     }
     calling(derived.type, "evaluate");
-    const Result result =
-        derived.derived->evaluate(port_values_.data(), context(derived.driving_rates, driving_rate_fields_.data()),
-                                  at(derived.value), with_jacobians ? jacobians_.data() : nullptr);
+    DerivedOutput out{{at(derived.value), derived.derived->declaration().stored_size},
+                      with_jacobians ? PortJacobians(jacobians_.data()) : PortJacobians()};
+    const Result result = derived.derived->evaluate(
+        DerivedInput{port_values_.data(), driving(derived.driving_rates, driving_rate_fields_.data())}, out);
     if (!result) return result;
     if (!with_jacobians) continue;
 
@@ -158,15 +159,19 @@ bool Engine::propagate_models(Time t0, Time t1, int samples) {
     }
     calling(process.type, process.van_loan_group >= 0 ? "linearized" : "propagate");
     if (process.van_loan_group >= 0) {
-      process.model->linearized(port_values_.data(), ContinuousOutput{phi_.data() + process.first_transition,
-                                                                      noise_.data() + process.first_noise});
+      ContinuousOutput out{phi_.data() + process.first_transition, noise_.data() + process.first_noise};
+      process.model->linearized(ContinuousInput{port_values_.data()}, out);
       continue;
     }
+    ProcessOutput out{port_outputs_.data(), phi_.data() + process.first_transition,
+                      noise_.data() + process.first_noise};
     const Result result =
-        process.model->propagate(Step{t0, t1, dt, model_samples}, port_values_.data(),
-                                 process.memory.count > 0 ? process.memory.in(arena_) : nullptr,
-                                 ProcessOutput{port_outputs_.data(), phi_.data() + process.first_transition,
-                                               noise_.data() + process.first_noise});
+        process.model->propagate(ProcessInput{Step{t0, t1, dt, model_samples},
+                                              port_values_.data(),
+                                              {},
+                                              process.memory.count > 0 ? process.memory.in(arena_) : nullptr,
+                                              {}},
+                                 out);
     if (!result) {
       fail("process '" + process.name + "' cannot go on" + at_time(t1) + ": " + result.reason);
       return false;

@@ -12,10 +12,10 @@ namespace {
 
 std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
-Outcome outcome_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::unsupported: return Outcome::unsupported;
-    case Verdict::invalid: return Outcome::invalid;
+Outcome outcome_of(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::unsupported: return Outcome::unsupported;
+    case Refusal::invalid: return Outcome::invalid;
     default: return Outcome::rejected;
   }
 }
@@ -75,22 +75,27 @@ Result Engine::linearize(const MeasurementPlan& plan, const SampleView& sample, 
     for (std::size_t p = 0; p < part.ports.size(); ++p)
       port_values_[p] = part.ports[p] < 0 ? nullptr : values_[as_size(part.ports[p])];
     const int part_rows = part.model->declaration().max_rows;
-    for (std::size_t k = 0; k < part.reads.size(); ++k) {
-      const auto& read = part.reads[k];
-      jacobians_[k] = MatrixView{at(read.jacobian), part_rows, read.dof, part_rows};
+    std::fill_n(jacobians_.begin(), part.ports.size(), MatrixView{});
+    for (const auto& read : part.reads) {
+      jacobians_[as_size(read.port)] = MatrixView{at(read.jacobian), part_rows, read.dof, part_rows};
       std::fill_n(at(read.jacobian), part_rows * read.dof, 0.0);
     }
     for (int i = 0; i < part_rows; ++i) row_keys_[as_size(rows + i)] = i;
 
-    Linearization out;
-    out.residual = work_.r + rows;
+    MeasurementOutput out;
+    out.residual = {work_.r + rows, part_rows};
     out.H = jacobians_.data();
     out.R = MatrixView{R_nominal_.data() + rows + rows * m_max, part_rows, part_rows, m_max};
-    out.row_keys = row_keys_.data() + rows;
+    out.row_keys = {row_keys_.data() + rows, as_size(part_rows)};
     calling(part.type, "linearize");
-    const Result result = part.model->linearize(seen, auxiliary_views_.data(), port_values_.data(),
-                                                context(part.driving_rates, driving_rate_fields_.data()),
-                                                part.memory.count > 0 ? part.memory.in(arena_) : nullptr, out);
+    const MeasurementInput in{seen,
+                              auxiliary_views_.data(),
+                              port_values_.data(),
+                              driving(part.driving_rates, driving_rate_fields_.data()),
+                              part.memory.count > 0 ? part.memory.in(arena_) : nullptr,
+                              {},
+                              {}};
+    const Result result = part.model->linearize(in, out);
     if (!result) return result;
     if (out.rows < 0 || out.rows > part_rows) return Result::failed("the model wrote more rows than it declared");
     for (int j = 0; j < part_rows; ++j)  // what a model wrote beyond its rows is not the next part's
@@ -161,7 +166,7 @@ void Engine::process(int measurement, const SampleView& sample) {
   if (result) result = linearize(plan, sample, m);
   if (!result) {
     roll_back_models();
-    conclude(measurement, sample.t, outcome_of(result.verdict), result.reason, 0, 0, false, nullptr);
+    conclude(measurement, sample.t, outcome_of(result.refusal), result.reason, 0, 0, false, nullptr);
     return;
   }
   project(plan.columns, P(), plan_.n, m, work_);

@@ -51,7 +51,7 @@ class Heading final : public StateBlock {
 };
 
 /// z = ψ + v, so r = z ⊟ ψ̂ and H = 1. A kind of one's own needs a model that has a port for it.
-class Compass final : public MeasurementModel {
+class Compass final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -68,14 +68,14 @@ class Compass final : public MeasurementModel {
 
   explicit Compass(const Binding& b) : sigma_(b.parameters().number("sigma")) {
     declaration_.max_rows = 1;
-    declaration_.reads = {0};
+    declaration_.read_ports = {0};
     declaration_.groups = {{"heading", 0, 1, "rad", 0}};
   }
 
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
 
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
-                   Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
+                   std::byte*, legacy::Linearization& out) const override {
     if (!std::isfinite(sample.fields[0])) return Result::invalid("the heading is not finite");
     out.rows = 1;
     out.residual[0] = wrapped(sample.fields[0] - x[0][0]);

@@ -5,7 +5,7 @@
 using namespace binnacle;
 
 /// y = to − from + offset, so J = I with respect to `to` and −I with respect to `from`.
-class Difference final : public DerivedBlock {
+class Difference final : public legacy::DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -22,18 +22,18 @@ class Difference final : public DerivedBlock {
   }
 
   explicit Difference(const Binding& b) : offset_(b.parameters().vector("offset")) {
-    const PortBinding& from = b.port("from");
-    const PortBinding& to = b.port("to");
+    const PortBinding& from = b.block("from");
+    const PortBinding& to = b.block("to");
     if (from.kind != to.kind) throw ComponentError("'from' is a " + from.kind + ", 'to' a " + to.kind, "/blocks/from");
     declaration_.kind = to.kind;
     declaration_.stored_size = to.stored_size;
     declaration_.error = to.components;
-    declaration_.reads = {0, 1};
+    declaration_.read_ports = {0, 1};
   }
 
   const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
 
-  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
     const int size = declaration_.stored_size;
     vector_at(value, size) = vector_at(x[1], size) - vector_at(x[0], size) + offset_;
     if (J) {

@@ -7,7 +7,7 @@
 using namespace binnacle;
 
 /// z = |x − p| + v, so r = z − |x̂ − p| and H = (x̂ − p)ᵀ / |x̂ − p|.
-class Range final : public MeasurementModel {
+class Range final : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -26,14 +26,14 @@ class Range final : public MeasurementModel {
   explicit Range(const Binding& b)
       : beacon_(b.parameters().vector("beacon")), variance_(std::pow(b.parameters().number("sigma"), 2)) {
     declaration_.max_rows = 1;
-    declaration_.reads = {0};  // H has one block, with respect to the first port
+    declaration_.read_ports = {0};  // H has one block, with respect to the first port
     declaration_.groups = {{"range", 0, 1, "m", -1}};
   }
 
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
 
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
-                   Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
+                   std::byte*, legacy::Linearization& out) const override {
     const double range = sample.fields[0];
     if (!(range >= 0 && std::isfinite(range))) return Result::invalid("a range is a finite number and not negative");
     const Eigen::Vector2d d = vector_at<2>(x[0]) - beacon_;

@@ -5,7 +5,7 @@
 using namespace binnacle;
 
 /// dx/dt = w with E[w wᵀ] = q² δ(t): Φ = I, which need not be listed, and Qd = q² dt.
-class RandomWalk final : public ProcessModel {
+class RandomWalk final : public legacy::ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -19,13 +19,14 @@ class RandomWalk final : public ProcessModel {
     return spec;
   }
 
-  explicit RandomWalk(const Binding& b) : size_(b.port("x").dof), q_(b.parameters().number("q")) {
+  explicit RandomWalk(const Binding& b) : size_(b.block("x").dof), q_(b.parameters().number("q")) {
     declaration_.noise = {{0, 0, Structure::diagonal}};
   }
 
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
 
-  Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
+  Result propagate(const Step& step, const double* const* x, std::byte*,
+                   const legacy::ProcessOutput& out) const override {
     vector_at(out.x_plus[0], size_) = vector_at(x[0], size_);
     vector_at(out.noise[0], size_).setConstant(q_ * q_ * step.dt);
     return Result::ok();

@@ -39,7 +39,7 @@ class Counting : public NoiseEstimator {
 };
 
 /// y = (x0² , x0 x1): a chain with a state-dependent Jacobian.
-class Square : public DerivedBlock {
+class Square : public legacy::DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -52,7 +52,7 @@ class Square : public DerivedBlock {
   }
   explicit Square(const Binding&) { declaration_ = {"vector:2:m^2", 2, {{"x", "m^2"}, {"y", "m^2"}}, {0}}; }
   const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
-  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
     const double a = x[0][0], b = x[0][1];
     value[0] = a * a;
     value[1] = a * b;
@@ -69,7 +69,7 @@ class Square : public DerivedBlock {
 };
 
 /// Breaks on purpose after `after` seconds.
-class Breaking : public ProcessModel {
+class Breaking : public legacy::ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -84,12 +84,13 @@ class Breaking : public ProcessModel {
   explicit Breaking(const Binding& binding)
       : after_(binding.parameters().time("after")),
         politely_(binding.parameters().boolean("politely")),
-        dof_(binding.port("x").dof) {
+        dof_(binding.block("x").dof) {
     binding.tell("breaks after", seconds(after_), "s");
     if (!politely_) binding.note("it breaks without a word");
   }
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
+  Result propagate(const Step& step, const double* const* x, std::byte*,
+                   const legacy::ProcessOutput& out) const override {
     const bool breaks = step.t1 > after_;
     if (breaks && politely_) return Result::failed("it is too late");
     for (int i = 0; i < dof_; ++i) out.x_plus[0][i] = breaks ? std::nan("") : x[0][i];
@@ -104,7 +105,7 @@ class Breaking : public ProcessModel {
 };
 
 /// z = x, refused below 0 (unsupported) and above 100 (invalid); NaN residual at exactly 50.
-class Picky : public MeasurementModel {
+class Picky : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -117,12 +118,12 @@ class Picky : public MeasurementModel {
   }
   explicit Picky(const Binding&) {
     declaration_.max_rows = 1;
-    declaration_.reads = {0};
+    declaration_.read_ports = {0};
     declaration_.memory_bytes = sizeof(double);
   }
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&,
-                   std::byte* memory, Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
+                   std::byte* memory, legacy::Linearization& out) const override {
     *reinterpret_cast<double*>(memory) += 1;  // kept only when accepted
     if (sample.fields[0] < 0) return Result::unsupported("it is negative");
     if (sample.fields[0] > 100) return Result::invalid("it is too large");
@@ -138,7 +139,7 @@ class Picky : public MeasurementModel {
 };
 
 /// Every row of the sample sees z = x0 + slope · x1, with a variance of its own; as many rows as there are.
-class Rows : public MeasurementModel {
+class Rows : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -152,12 +153,12 @@ class Rows : public MeasurementModel {
   }
   explicit Rows(const Binding&) {
     declaration_.max_rows = 8;
-    declaration_.reads = {0};
+    declaration_.read_ports = {0};
     declaration_.groups = {{"seen", 0, 0, "m", -1}};
   }
   const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
-                   Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
+                   std::byte*, legacy::Linearization& out) const override {
     out.rows = sample.rows;
     for (int i = 0; i < sample.rows; ++i) {
       const double* row = sample.row_fields + 4 * i;

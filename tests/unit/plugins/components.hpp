@@ -83,7 +83,7 @@ class Thrower final : public Source {
 };
 
 /// A process model without any state of its own.
-class Rest final : public ProcessModel {
+class Rest final : public legacy::ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;

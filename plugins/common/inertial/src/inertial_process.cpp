@@ -198,7 +198,7 @@ void InertialProcess::declare_noise() {
 }
 
 Result InertialProcess::propagate(const Step& step, const double* const* x, std::byte* memory,
-                                  const ProcessOutput& out) const {
+                                  const legacy::ProcessOutput& out) const {
   const strapdown::SensorErrors errors = sensor_errors(x);
   strapdown::Navigation nav{vector_at<3>(x[position]), vector_at<3>(x[velocity]), vector_at<4>(x[attitude])};
   SampleMemory remembered = SampleMemory::load(memory);
@@ -254,14 +254,14 @@ strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const st
   return body_motion(std::span(increments).first(group.count()), algorithm_);
 }
 
-void InertialProcess::write(const Linearized& linearized, const ProcessOutput& out) const {
+void InertialProcess::write(const Linearized& linearized, const legacy::ProcessOutput& out) const {
   for (std::size_t i = 0; i < declaration_.transition.size(); ++i)
     matrix_at<3, 3>(out.transition[i]) = linearized.transition.*transition_[i];
   for (std::size_t i = 0; i < declaration_.noise.size(); ++i)
     matrix_at<3, 3>(out.noise[i]) = linearized.noise.*noise_[i];
 }
 
-void InertialProcess::write_identity(const ProcessOutput& out) const {
+void InertialProcess::write_identity(const legacy::ProcessOutput& out) const {
   for (std::size_t i = 0; i < declaration_.transition.size(); ++i) {
     auto block = matrix_at<3, 3>(out.transition[i]);
     block.setZero();

@@ -9,8 +9,8 @@ class Animal final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::Context& context, std::byte* memory,
-                             binnacle::Linearization& out) const override {
+                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
+                             binnacle::legacy::Linearization& out) const override {
     static const double table[4] = {};
     const volatile auto index = static_cast<int>(sample.fields[0]);
     if (std::isnan(sample.fields[0])) out.residual[0] = *(static_cast<const volatile double*>(table) + index);

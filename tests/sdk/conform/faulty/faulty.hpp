@@ -16,7 +16,7 @@ namespace faulty {
 using namespace binnacle;
 
 /// Position and velocity in a plane: p' = v, v' = white noise of density q.
-class Process : public ProcessModel {
+class Process : public legacy::ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -33,7 +33,8 @@ class Process : public ProcessModel {
     declared.noise = {{0, 0, Structure::diagonal}, {1, 1, Structure::diagonal}, {0, 1, Structure::diagonal}};
   }
   const ProcessDeclaration& declaration() const noexcept override { return declared; }
-  Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
+  Result propagate(const Step& step, const double* const* x, std::byte*,
+                   const legacy::ProcessOutput& out) const override {
     const double dt = step.dt;
     for (int i = 0; i < 2; ++i) {
       out.x_plus[0][i] = x[0][i] + x[1][i] * dt;
@@ -52,7 +53,7 @@ class Process : public ProcessModel {
 };
 
 /// The range to a beacon.
-class Measurement : public MeasurementModel {
+class Measurement : public legacy::MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -66,12 +67,12 @@ class Measurement : public MeasurementModel {
   }
   explicit Measurement(const Binding& binding) : sigma(binding.parameters().number("sigma")) {
     declared.max_rows = 1;
-    declared.reads = {0};
+    declared.read_ports = {0};
     declared.groups = {{"range", 0, 1, "m", -1}};
   }
   const MeasurementDeclaration& declaration() const noexcept override { return declared; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const Context&, std::byte*,
-                   Linearization& out) const override {
+  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
+                   std::byte*, legacy::Linearization& out) const override {
     const double dx = x[0][0] + 300, dy = x[0][1] + 200;
     const double range = std::hypot(dx, dy);
     if (!std::isfinite(sample.fields[0])) return Result::invalid("the range is no number");
@@ -89,7 +90,7 @@ class Measurement : public MeasurementModel {
 };
 
 /// A point on the lever arm of a pendulum: a bent function of a vector.
-class Derived : public DerivedBlock {
+class Derived : public legacy::DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -104,10 +105,10 @@ class Derived : public DerivedBlock {
     declared.kind = "vector:2:m";
     declared.stored_size = 2;
     declared.error = {{"x", "m"}, {"y", "m"}};
-    declared.reads = {0};
+    declared.read_ports = {0};
   }
   const DerivedDeclaration& declaration() const noexcept override { return declared; }
-  Result evaluate(const double* const* x, const Context&, double* value, const MatrixView* J) const override {
+  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
     value[0] = x[0][0] + 0.01 * x[0][1] * x[0][1];
     value[1] = 2 * x[0][1];
     if (!J) return Result::ok();

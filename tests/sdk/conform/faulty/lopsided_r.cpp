@@ -12,8 +12,8 @@ class Animal final : public faulty::Measurement {
     declared.groups[0].rows = 2;
   }
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::Context& context, std::byte* memory,
-                             binnacle::Linearization& out) const override {
+                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
+                             binnacle::legacy::Linearization& out) const override {
     const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
     out.rows = 2;
     out.residual[1] = out.residual[0];

@@ -11,7 +11,7 @@ class Animal final : public faulty::Process {
     declared.has_continuous_form = true;
     declared.is_time_invariant = true;
   }
-  void linearized(const double* const*, const binnacle::ContinuousOutput& out) const override {
+  void linearized(const double* const*, const binnacle::legacy::ContinuousOutput& out) const override {
     for (int i = 0; i < 2; ++i) {
       out.dynamics[0][i] = 1;
       out.noise[0][i] = 0;

@@ -9,8 +9,8 @@ class Animal final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::Context& context, std::byte* memory,
-                             binnacle::Linearization& out) const override {
+                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
+                             binnacle::legacy::Linearization& out) const override {
     scratch_[0] = x[0][0] + 300;
     scratch_[1] = x[0][1] + 200;
     for (int i = 0; i < 2000; ++i) scratch_[2 + i % 8] = std::hypot(scratch_[0], scratch_[1]);

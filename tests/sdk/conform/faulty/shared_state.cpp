@@ -9,7 +9,7 @@ class Animal final : public faulty::Process {
  public:
   using Process::Process;
   binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::ProcessOutput& out) const override {
+                             const binnacle::legacy::ProcessOutput& out) const override {
     const auto result = Process::propagate(step, x, memory, out);
     static double last_dt = -1, last_q = 0;
     if (last_dt != step.dt) last_dt = step.dt, last_q = q;

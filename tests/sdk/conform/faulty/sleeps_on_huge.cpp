@@ -9,8 +9,8 @@ class Animal final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::Context& context, std::byte* memory,
-                             binnacle::Linearization& out) const override {
+                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
+                             binnacle::legacy::Linearization& out) const override {
     volatile double angle = sample.fields[0];
     while (angle > 1e12 && std::isfinite(angle)) angle = angle - 6.28;
     const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);

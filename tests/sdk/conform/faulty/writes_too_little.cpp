@@ -9,7 +9,7 @@ class Animal final : public faulty::Process {
  public:
   using Process::Process;
   binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::ProcessOutput& out) const override {
+                             const binnacle::legacy::ProcessOutput& out) const override {
     const double kept = out.noise[1][1];
     const auto result = Process::propagate(step, x, memory, out);
     out.noise[1][1] = kept;

@@ -9,8 +9,8 @@ class Animal final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::Context& context, std::byte* memory,
-                             binnacle::Linearization& out) const override {
+                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
+                             binnacle::legacy::Linearization& out) const override {
     const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
     out.H[0](0, 1) = -out.H[0](0, 1);
     return result;

@@ -8,7 +8,7 @@ namespace {
 class Animal final : public faulty::Derived {
  public:
   using Derived::Derived;
-  binnacle::Result evaluate(const double* const* x, const binnacle::Context& context, double* value,
+  binnacle::Result evaluate(const double* const* x, const binnacle::legacy::Context& context, double* value,
                             const binnacle::MatrixView* J) const override {
     const auto result = Derived::evaluate(x, context, value, J);
     if (J) J[0](0, 1) = 0;

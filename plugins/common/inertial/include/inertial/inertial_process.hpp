@@ -7,7 +7,7 @@
 #include <string>
 
 #include "attitude/algorithm.hpp"
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/spec.hpp"
 #include "strapdown/error_model.hpp"
 #include "strapdown/mechanization.hpp"
@@ -46,11 +46,11 @@ struct ErrorModel {
 ///
 /// Several updates in one step are folded: Φ = Φ_n … Φ_1, Q = Φ_n Q Φ_nᵀ + Q_n. Blocks of such a product which the
 /// declaration lacks are of the order that is neglected anyway.
-class InertialProcess : public ProcessModel {
+class InertialProcess : public legacy::ProcessModel {
  public:
   const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
   Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const ProcessOutput& out) const override;
+                   const legacy::ProcessOutput& out) const override;
 
  protected:
   /// Adds parameters, ports and fields that every such model has.
@@ -66,8 +66,8 @@ class InertialProcess : public ProcessModel {
                                SampleMemory& remembered) const;
   void declare_transition(const Binding& binding);
   void declare_noise();
-  void write(const Linearized& linearized, const ProcessOutput& out) const;
-  void write_identity(const ProcessOutput& out) const;
+  void write(const Linearized& linearized, const legacy::ProcessOutput& out) const;
+  void write_identity(const legacy::ProcessOutput& out) const;
 
   ProcessDeclaration declaration_;
   std::array<TransitionBlock, 19> transition_{};  // as many as declaration_.transition

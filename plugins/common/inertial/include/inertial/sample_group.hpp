@@ -7,7 +7,7 @@
 #include <span>
 
 #include "attitude/rotation_vector.hpp"
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "inertial/sample_memory.hpp"
 #include "strapdown/mechanization.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "binnacle/process_model.hpp"
+#include "binnacle/legacy.hpp"
 #include "binnacle/view.hpp"
 #include "strapdown/mechanization.hpp"
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A component's documentation, made of its spec: text for people, JSON for programs.
+#include "document/document.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,10 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/catalog.hpp"
-#include "spec/check.hpp"
-#include "spec/spec_text.hpp"
 
-namespace binnacle {
+namespace binnacle::document {
 
 using Json = nlohmann::ordered_json;
 
@@ -61,7 +61,7 @@ std::string presence(const ParameterSpec& spec) {
 
 void add_parameters(const std::vector<ParameterSpec>& specs, const std::string& prefix, std::vector<Row>& rows) {
   for (const ParameterSpec& spec : specs) {
-    rows.push_back({prefix + spec.name, describe_short(spec), presence(spec), spec.text});
+    rows.push_back({prefix + spec.name, requirement_text(spec), presence(spec), spec.text});
     if (spec.type == ParameterType::object) add_parameters(spec.members, prefix + spec.name + ".", rows);
     if ((spec.type != ParameterType::list && spec.type != ParameterType::map) || spec.members.empty()) continue;
     const ParameterSpec& element = spec.members.front();
@@ -69,7 +69,7 @@ void add_parameters(const std::vector<ParameterSpec>& specs, const std::string& 
     if (element.type == ParameterType::object) {
       add_parameters(element.members, place + ".", rows);
     } else {
-      rows.push_back({place, describe_short(element), "", element.text});
+      rows.push_back({place, requirement_text(element), "", element.text});
     }
   }
 }
@@ -78,8 +78,8 @@ std::vector<Row> field_rows(const std::vector<FieldSpec>& fields) {
   std::vector<Row> rows;
   for (const FieldSpec& field : fields) {
     std::string kind = kind_name(field.kind);
-    if (field.per_row) kind += " per row";
-    rows.push_back({field.name, field.unit, kind, field.optional ? "optional" : "required", field.text});
+    if (field.is_per_row) kind += " per row";
+    rows.push_back({field.name, field.unit, kind, field.is_optional ? "optional" : "required", field.text});
   }
   return rows;
 }
@@ -100,13 +100,13 @@ std::string describe(const ComponentType& type) {
   std::vector<Row> ports;
   for (const PortSpec& port : spec.ports) {
     ports.push_back(
-        {port.name, port.kind, access_name(port.access), port.optional ? "optional" : "required", port.text});
+        {port.name, port.kind, access_name(port.access), port.is_optional ? "optional" : "required", port.text});
   }
   text += table("Ports (\"blocks\")", ports);
   text += table(fields_title(type.role), field_rows(spec.fields));
   text += table("Mean rates of the driving input", field_rows(spec.driving_rates));
   for (const ChannelPort& input : spec.inputs) {
-    const std::string title = "Input '" + input.name + "'" + (input.optional ? " (optional)" : "") +
+    const std::string title = "Input '" + input.name + "'" + (input.is_optional ? " (optional)" : "") +
                               (input.text.empty() ? "" : ": " + input.text);
     const std::vector<Row> rows = field_rows(input.fields);
     text += rows.empty() ? "\n" + title + "\n" : table(title, rows);
@@ -144,8 +144,8 @@ Json fields_json(const std::vector<FieldSpec>& fields) {
     list.push_back({{"name", field.name},
                     {"unit", field.unit},
                     {"kind", kind_name(field.kind)},
-                    {"required", !field.optional},
-                    {"per_row", field.per_row},
+                    {"required", !field.is_optional},
+                    {"per_row", field.is_per_row},
                     {"text", field.text}});
   }
   return list;
@@ -165,7 +165,7 @@ Json describe_json(const ComponentType& type) {
     json["ports"].push_back({{"name", port.name},
                              {"kind", port.kind},
                              {"access", access_name(port.access)},
-                             {"required", !port.optional},
+                             {"required", !port.is_optional},
                              {"text", port.text}});
   }
   json["fields"] = fields_json(spec.fields);
@@ -173,7 +173,7 @@ Json describe_json(const ComponentType& type) {
   json["inputs"] = Json::array();
   for (const ChannelPort& input : spec.inputs) {
     json["inputs"].push_back({{"name", input.name},
-                              {"required", !input.optional},
+                              {"required", !input.is_optional},
                               {"text", input.text},
                               {"fields", fields_json(input.fields)}});
   }
@@ -182,4 +182,4 @@ Json describe_json(const ComponentType& type) {
   return json;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::document
