@@ -36,11 +36,6 @@ std::string cell(const std::string& text) {
   return quoted + "\"";
 }
 
-void remove_empty_folders(fs::path from, const fs::path& topmost) {
-  std::error_code error;
-  while (fs::remove(from, error) && from != topmost) from = from.parent_path();
-}
-
 }  // namespace
 
 std::string seconds_text(Time t) {
@@ -62,6 +57,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
     : folder_(std::move(folder).lexically_normal()) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   made_ = make_folders(folder_);
+  if (!made_.empty()) unfinished_.emplace(folder_, made_);
   try {
     config_ = std::make_unique<AtomicFile>(folder_ / "config.json");
     summary_ = std::make_unique<AtomicFile>(folder_ / "summary.json");
@@ -86,7 +82,7 @@ RunRecorder::~RunRecorder() {
   if (!made_.empty()) remove_empty_folders(folder_, made_);
 }
 
-void RunRecorder::begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) {
+void RunRecorder::begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) {
   const auto index = static_cast<std::size_t>(filter);
   if (filters_.size() <= index) filters_.resize(index + 1);
   filters_[index] = std::make_unique<AtomicFile>(folder_ / file_name(name));
@@ -105,7 +101,7 @@ void RunRecorder::record(int filter, Time t, std::span<const double> values) {
   write_netcdf([&] { netcdf_->record(filter, t, values); });
 }
 
-void RunRecorder::scored(int filter, const ErrorSeries& errors) {
+void RunRecorder::scored(int filter, const score::ErrorSeries& errors) {
   write_netcdf([&] { netcdf_->scored(filter, errors); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The configs of configs/land on the recorded drives: outages on wheels, the mounting found, a faulty receiver told.
+// The configs of configs/land on the recorded drives: outages on wheels, the mounting found, a faulty receiver reported.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,18 +25,18 @@ struct Ends {
 };
 
 Ends ends_of_outages(const ordered_json& summary, const char* what) {
-  const auto& told = summary.at("windows").at("position.horizontal");
-  REQUIRE(told.at("n") == 20);
-  const auto& final = told.at("final");
+  const auto& reported = summary.at("windows").at("position.horizontal");
+  REQUIRE(reported.at("n") == 20);
+  const auto& final = reported.at("final");
   const Ends ends{final.at("p50").get<double>(), final.at("mean").get<double>(), final.at("max").get<double>()};
   std::printf("%-44s median %5.2f  mean %5.2f  max %5.2f m\n", what, ends.median, ends.mean, ends.max);
   return ends;
 }
 
 /// The last record of each filter, by column.
-class LastRecord : public RunObserver {
+class LastRecord : public score::RunObserver {
  public:
-  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) override {
+  void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
     names_[filter] = name;
     columns_[filter] = columns;
   }
@@ -47,7 +47,7 @@ class LastRecord : public RunObserver {
 
  private:
   std::map<int, std::string> names_;
-  std::map<int, std::vector<RecordColumn>> columns_;
+  std::map<int, std::vector<score::RecordColumn>> columns_;
 };
 
 /// Raw sensor axes to vehicle forward, left, up, as the data's README says, angles in degrees.
@@ -129,7 +129,7 @@ TEST_CASE("the mounting is found to 1 deg in pitch and 1.5 deg in yaw of the ref
   CHECK(squares / 10 < 3);
 }
 
-TEST_CASE("a velocity gone wrong is left out and told, and nothing else is") {
+TEST_CASE("a velocity gone wrong is left out and reported, and nothing else is") {
   const auto folder = recorded::data();
   if (!folder) return;
   const auto left_out = [](const ordered_json& summary, const std::string& drive) {

@@ -13,9 +13,9 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/run.hpp"
 #include "catch.hpp"
 #include "gnss_data.hpp"
+#include "score/run.hpp"
 #include "strapdown/earth.hpp"
 
 using namespace binnacle;
@@ -26,15 +26,14 @@ using nlohmann::ordered_json;
 namespace {
 
 RunResult run_config(const std::filesystem::path& data, const std::string& config, std::vector<std::string> sets,
-                     RunObserver* observer = nullptr) {
+                     score::RunObserver* observer = nullptr) {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions load;
   load.vars["gnss"] = data.string();
   load.sets = std::move(sets);
-  RunOptions options;
+  score::RunOptions options;
   options.observer = observer;
-  RunResult result =
-      binnacle::run(Composition::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
+  RunResult result = score::run(score::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
   INFO(config << "\n" << result.failures.text());
   CHECK(result.failures.empty());
   return result;
@@ -72,9 +71,9 @@ class Changed {
 };
 
 /// What the car's filter says just after each whole second.
-class Seconds final : public RunObserver {
+class Seconds final : public score::RunObserver {
  public:
-  void begin(int, const std::string&, const std::vector<RecordColumn>& columns) override {
+  void begin(int, const std::string&, const std::vector<score::RecordColumn>& columns) override {
     for (std::size_t i = 0; i < columns.size(); ++i) column_[columns[i].name] = i;
   }
   void record(int, Time t, std::span<const double> values) override {
@@ -198,19 +197,19 @@ double cut_error(const std::filesystem::path& data, const Trajectory& trajectory
 TEST_CASE("GPS alone on recorded observations") {
   const auto data = gnss_data();
   if (!data) return;
-  const auto told = [](const char* what, const Static& s, double most) {
+  const auto report = [](const char* what, const Static& s, double most) {
     std::printf("%-36s %3d epochs, 3D RMS %.3f m (%.2f)\n", what, s.scored, s.rms, most);
     CHECK(s.rms <= most);
   };
   const Static low = static_errors(*data, "0759"), high = static_errors(*data, "0759_mask15"),
                sept = static_errors(*data, "sept"), nearest = static_errors(*data, "sept_nearest_toe");
-  told("0759, 10 deg", low, 1.9);
+  report("0759, 10 deg", low, 1.9);
   CHECK(low.scored == 120);
-  told("0759, 15 deg", high, 2.0);
+  report("0759, 15 deg", high, 2.0);
   CHECK(high.scored == 114);
-  told("SEPT, messages by upload time", sept, 1.15);
+  report("SEPT, messages by upload time", sept, 1.15);
   CHECK(sept.scored == 900);
-  told("SEPT, messages by nearest toe", nearest, 1.7);
+  report("SEPT, messages by nearest toe", nearest, 1.7);
   CHECK(nearest.scored == 900);
 
   const std::string peer = R"(/sources/peer={"type": "csv", "path": ")" +
@@ -354,7 +353,7 @@ TEST_CASE("a receiver clock that jumps by a millisecond is recovered from") {
   CHECK(locked.at("gated").get<int>() > 3);
 }
 
-TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, told and survived") {
+TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, reported and survived") {
   const auto data = gnss_data();
   if (!data) return;
   int changed = 0;

@@ -111,7 +111,8 @@ inline ParameterValue object_value(const std::vector<ParameterSpec>& specs, cons
     }
   }
   for (const auto& [key, unused] : json.items())
-    if (std::none_of(specs.begin(), specs.end(), [&](const ParameterSpec& spec) { return spec.name == key; }))
+    if (std::none_of(specs.begin(), specs.end(),
+                     [&, &key = key](const ParameterSpec& spec) { return spec.name == key; }))
       throw std::logic_error("the test gives '" + key + "', which is not declared");
   return v;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loader and the catalog, on plugins that are good, broken, and hostile; BINNACLE_LOADER_TEST_PLUGINS is their place.
 #include "binnacle/catalog.hpp"
+#include "document/document.hpp"
 
 #include <unistd.h>
 
@@ -91,7 +92,7 @@ TEST_CASE("a good plugin brings its types", "[catalog]") {
   CHECK(catalog.types().size() == 3);
 }
 
-TEST_CASE("names that lead nowhere are told", "[catalog]") {
+TEST_CASE("names that lead nowhere are reported", "[catalog]") {
   Catalog catalog;
   Diagnostics none;
   catalog.load(plugin("good"), none);
@@ -133,7 +134,7 @@ TEST_CASE("what is no plugin is refused before any of it runs", "[catalog]") {
   CHECK(load("absent") == Lines{"absent.so: error[B040]: the plugin cannot be opened: No such file or directory"});
 }
 
-TEST_CASE("each field of a foreign guard is told, and no code of it runs", "[catalog]") {
+TEST_CASE("each field of a foreign guard is reported, and no code of it runs", "[catalog]") {
   ::unsetenv("BINNACLE_TEST_CODE_RAN");
   const auto& host = abi::guard_of_host();
   const std::string cxx11 = std::to_string(host.standard_library_abi & 1);
@@ -166,7 +167,7 @@ TEST_CASE("each field of a foreign guard is told, and no code of it runs", "[cat
   CHECK(::getenv("BINNACLE_TEST_CODE_RAN") == nullptr);
 }
 
-TEST_CASE("a harmless difference is told and the plugin loaded", "[catalog]") {
+TEST_CASE("a harmless difference is a warning and the plugin loaded", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load(plugin("only_warned"), diagnostics);
@@ -175,7 +176,7 @@ TEST_CASE("a harmless difference is told and the plugin loaded", "[catalog]") {
   CHECK(catalog.types().size() == 1);
 }
 
-TEST_CASE("what goes wrong in a plugin's registration is told", "[catalog]") {
+TEST_CASE("what goes wrong in a plugin's registration is reported", "[catalog]") {
   CHECK(load("throws_in_register") == Lines{"throws_in_register.so: error[B045]: plugin 'throws_in_register': "
                                             "binnacle_register_v1 threw: out of ideas"});
   CHECK(load("twice") == Lines{"twice.so: error[B046]: plugin 'twice' registers 'still' twice"});
@@ -190,7 +191,7 @@ TEST_CASE("what goes wrong in a plugin's registration is told", "[catalog]") {
 
 TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "[catalog]") {
   const Scratch scratch;
-  const auto told = [&](const std::string& name) {
+  const auto message = [&](const std::string& name) {
     Catalog catalog;
     Diagnostics diagnostics;
     catalog.load(scratch.path / name, diagnostics);
@@ -200,30 +201,31 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
     return text;
   };
   std::ofstream(scratch.path / "text.so") << std::string(200, 'x');
-  CHECK(told("text.so") ==
+  CHECK(message("text.so") ==
         "text.so: error[B041]: not a plugin for this program: it is no shared library (not an ELF file)");
   std::ofstream(scratch.path / "empty.so");
-  CHECK(told("empty.so") == "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
+  CHECK(message("empty.so") == "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
   fs::create_directory(scratch.path / "folder.so");
-  CHECK(told("folder.so") == "folder.so: error[B040]: the plugin is not a file");
+  CHECK(message("folder.so") == "folder.so: error[B040]: the plugin is not a file");
 
   fs::copy_file(plugin("good"), scratch.path / "open.so");
   fs::permissions(scratch.path / "open.so", fs::perms::others_write, fs::perm_options::add);
-  CHECK(told("open.so") ==
+  CHECK(message("open.so") ==
         "open.so: error[B044]: the plugin file is world-writable, so it is not loaded; chmod o-w it");
 
   std::ifstream whole(plugin("good"), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(whole), {}};
   for (const std::size_t part : {std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
     std::ofstream(scratch.path / "cut.so", std::ios::binary | std::ios::trunc) << bytes.substr(0, part);
-    CHECK(told("cut.so") == "cut.so: error[B041]: not a plugin for this program: it is damaged or cut short");
+    CHECK(message("cut.so") == "cut.so: error[B041]: not a plugin for this program: it is damaged or cut short");
   }
   // Whatever byte of its head is wrong: an error or a plugin, never a crash. Not loaded, so inspected only.
   std::string machine = bytes;
   machine[18] = 0x28;  // e_machine: ARM
   machine[19] = 0;
-  std::ofstream(scratch.path / "arm.so", std::ios::binary) << machine;
-  CHECK(told("arm.so") == "arm.so: error[B041]: not a plugin for this program: it is built for another machine");
+  std::ofstream(scratch.path / "aarch64.so", std::ios::binary) << machine;
+  CHECK(message("aarch64.so") ==
+        "aarch64.so: error[B041]: not a plugin for this program: it is built for another machine");
 }
 
 TEST_CASE("a second copy of a plugin is an error that names the first", "[catalog]") {
@@ -349,7 +351,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load(plugin("good"), diagnostics);
-  CHECK(describe(*catalog.find(Role::process_model, "rest")) ==
+  CHECK(document::describe(*catalog.find(Role::process_model, "rest")) ==
         "good/rest: process model (plugin good 1.2.3)\n"
         "  Nothing moves\n"
         "\n"
@@ -362,7 +364,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
         "\n"
         "Parameters\n"
         "  q  as many as x, unit of x/sqrt(s), >= 0  required  noise\n");
-  CHECK(describe(*catalog.find(Role::state_block, "still")) ==
+  CHECK(document::describe(*catalog.find(Role::state_block, "still")) ==
         "good/still: state block (plugin good 1.2.3)\n"
         "  One number that is what it is\n"
         "  Source: none\n"
@@ -373,7 +375,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
         "\n"
         "Example\n"
         "  {\"length\": \"3 m\", \"sigma\": \"1 m\"}\n");
-  const auto json = describe_json(*catalog.find(Role::process_model, "rest"));
+  const auto json = document::describe_json(*catalog.find(Role::process_model, "rest"));
   CHECK(
       json["parameters"].dump() ==
       R"json([{"name":"q","type":"vector","unit":"@x/sqrt(s)","required":true,"at_least":0.0,"size_of_port":"x","text":"noise"}])json");
@@ -419,5 +421,5 @@ TEST_CASE("a skeleton holds what has to be filled in", "[catalog]") {
   }
 }
 )";
-  CHECK(skeleton(catalog.types()) == expected);
+  CHECK(document::skeleton(catalog.types()) == expected);
 }

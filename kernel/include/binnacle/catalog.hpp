@@ -9,13 +9,16 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/plugin_call.hpp"
 #include "binnacle/registry.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle {
+
+namespace plugin {
+class PluginRegistry;
+}
 
 enum class Role {
   state_block,
@@ -61,20 +64,24 @@ class ComponentType {
   std::shared_ptr<Sink> create_sink(const Binding& binding) const;
 
   /// Runs a call into an object of this type (Source::open, say) with the same care: what escapes is a ComponentError
-  /// of the host.
+  /// of the host. Meanwhile plugin_call_under_way() names it; `t`: of the sample at work.
   template <class Call>
-  auto guarded(const char* call_name, Call&& call) const {
+  auto guarded(const char* call_name, Call&& call, Time t = no_time) const {
+    CallSite site;
+    site.enter(&plugin, spec.type, call_name);
+    site.set_time(t);
+    const CallScope scope(site);
     try {
       return std::forward<Call>(call)();
     } catch (...) {
-      rethrow_as_component_error(call_name);
+      rethrow_as_component_error(site);
     }
   }
 
  private:
-  friend class PluginRegistry;
+  friend class plugin::PluginRegistry;
 
-  [[noreturn]] void rethrow_as_component_error(const char* call_name) const;
+  [[noreturn]] static void rethrow_as_component_error(const CallSite& site);
 
   using AnyFactory = void (*)();
   template <class Base>
@@ -138,15 +145,10 @@ class Catalog {
   std::unique_ptr<Contents> contents_;
 };
 
-/// `binnacle describe`: source, ports, fields, parameters with unit, range and default, an example.
-std::string describe(const ComponentType& type);
-nlohmann::ordered_json describe_json(const ComponentType& type);
-
-/// JSON Schema (draft-07) of a whole config with these types. Full names, and short ones where they are unambiguous.
-nlohmann::ordered_json schema(const Catalog& catalog);
-
-/// A config with one component of each type, required parameters to be filled in and the others at their defaults.
-std::string skeleton(const std::vector<const ComponentType*>& types);
+/// "s, > 0": unit and range of the parameter, or what else its value has to be.
+std::string requirement_text(const ParameterSpec& spec);
+/// A value as one would write it, inside its range, as JSON text: "\"1 h\"".
+std::string example_text(const ParameterSpec& spec);
 
 /// This program's ABI guard against a plugin's, for `binnacle version`: one line per field, "name: value".
 std::vector<std::pair<std::string, std::string>> host_guard();

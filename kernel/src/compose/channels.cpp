@@ -4,15 +4,9 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
 
 namespace {
-
-std::vector<std::string> field_names(const ChannelDeclaration& declaration) {
-  std::vector<std::string> names;
-  for (const auto& field : declaration.fields) names.push_back(field.name);
-  return names;
-}
 
 const char* kind_name(FieldKind kind) {
   switch (kind) {
@@ -55,7 +49,7 @@ void Composer::add_sources() {
       const auto parameters = check_parameters(source.type->spec.parameters, source.type->spec.type, document(),
                                                pointer, {"type"}, {}, diagnostics_);
       if (error_count() == errors)
-        guarded(pointer, [&](Findings& findings) {
+        guarded(pointer, [&, &name = name](Findings& findings) {
           source.source = source.type->create_source(
               Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
           add_channels(name, pointer, source.source->channels(), source.channels);
@@ -119,8 +113,8 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
         error("B021", at_pointer,
               "channel '" + channel.name + "' has no field '" + name + "'" +
                   (takes_any_unit(field) ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
-                  suggestion(name, field_names(channel.declaration)) + " (it has " +
-                  listed(field_names(channel.declaration)) + "; map another with \"fields\": {\"" + field.name +
+                  suggestion(name, names_of(channel.declaration.fields)) + " (it has " +
+                  listed(names_of(channel.declaration.fields)) + "; map another with \"fields\": {\"" + field.name +
                   "\": …})");
     } else {
       const auto carried = parse_unit(found->unit.empty() ? "1" : found->unit);
@@ -312,7 +306,7 @@ void Composer::add_sinks() {
                                              {"type", "input", "inputs", "fields"}, {}, diagnostics_);
     const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
     if (error_count() != errors || !is_bound) continue;
-    guarded(pointer, [&](Findings& findings) {
+    guarded(pointer, [&, &name = name](Findings& findings) {
       sink.sink =
           sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
     });
@@ -320,4 +314,4 @@ void Composer::add_sinks() {
   }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::compose

@@ -19,7 +19,7 @@
 #include "plugin/library_file.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle {
+namespace binnacle::plugin {
 
 using Library = boost::dll::shared_library;
 
@@ -73,6 +73,10 @@ class PluginRegistry final : public Registry {
   std::shared_ptr<const void> library_;
 };
 
+}  // namespace binnacle::plugin
+
+namespace binnacle {
+
 // ---- the library boundary
 
 namespace {
@@ -101,7 +105,7 @@ Function typed(void (*factory)()) {
 
 }  // namespace
 
-void ComponentType::rethrow_as_component_error(const char* call_name) const {
+void ComponentType::rethrow_as_component_error(const CallSite& site) {
   // Copies: the plugin's own exception object may not outlive its library.
   std::string message;
   try {
@@ -110,7 +114,7 @@ void ComponentType::rethrow_as_component_error(const char* call_name) const {
     ComponentError copy = error;
     throw copy;
   } catch (...) {
-    message = "plugin '" + plugin + "', component '" + spec.type + "': " + call_name + " threw: " + what_was_thrown();
+    message = site.text() + " threw: " + what_was_thrown();
   }
   throw ComponentError(message);
 }
@@ -147,6 +151,10 @@ std::shared_ptr<Transform> ComponentType::create_transform(const Binding& bindin
 std::shared_ptr<Sink> ComponentType::create_sink(const Binding& binding) const {
   return create<Sink>(Role::sink, binding);
 }
+
+}  // namespace binnacle
+
+namespace binnacle::plugin {
 
 // ---- loading
 
@@ -247,7 +255,7 @@ bool check_types(const PluginInfo& info, const std::vector<ComponentType>& types
     const ComponentSpec& spec = types[i].spec;
     const std::string who = "plugin '" + info.name + "', component '" + spec.type + "': ";
     if (!is_name(spec.type)) refuse("B045", who + "its type is no name in snake_case");
-    for (const std::string& defect : spec_defects(spec)) refuse("B045", who + defect);
+    for (const std::string& defect : spec::spec_defects(spec)) refuse("B045", who + defect);
     for (std::size_t j = 0; j < i; ++j) {
       if (types[j].spec.type == spec.type) {
         refuse("B046", "plugin '" + info.name + "' registers '" + spec.type + "' twice");
@@ -271,6 +279,10 @@ std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagn
     return std::nullopt;
   }
   if (!accept(plugin.info)) return std::nullopt;
+  CallSite site;
+  const std::string itself;
+  site.enter(&plugin.info.name, itself, "loading it");
+  const CallScope scope(site);
   const std::shared_ptr<Library> library = open_library(file, diagnostics);
   if (!library) return std::nullopt;
   PluginRegistry registry(plugin.info, library);
@@ -282,4 +294,4 @@ std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagn
   return plugin;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::plugin

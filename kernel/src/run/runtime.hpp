@@ -9,7 +9,9 @@
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
 
-namespace binnacle {
+namespace binnacle::runtime {
+
+using namespace compose;
 
 /// Sees every sample that flows, once everything at its instant has been worked on.
 class SampleListener {
@@ -64,6 +66,7 @@ class Runtime {
 
   void fetch(std::size_t source);
   void run_filter(int index, Time t);
+  void publish(Engine& engine);
   void feed_filter(Engine& engine, const Routes& routes, Time t);
   void run_transform(int index);
   void run_sink(int index);
@@ -89,7 +92,4 @@ class Runtime {
   bool feeds_sinks_ = true;
 };
 
-/// A 64-bit seed of a component's own, from (seed, run, JSON pointer).
-std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer);
-
-}  // namespace binnacle
+}  // namespace binnacle::runtime

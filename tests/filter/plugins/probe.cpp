@@ -17,17 +17,25 @@ class Counting : public NoiseEstimator {
     ComponentSpec spec;
     spec.type = "counting";
     spec.summary = "Trusts a measurement less each time.";
+    spec.parameters = {parameter::boolean("temporaries").defaults("false").about("by way of Eigen's heap temporaries")};
     spec.example = "{}";
     return spec;
   }
-  Counting(const Binding&, const NoiseBinding&) {}
+  Counting(const Binding& binding, const NoiseBinding&) : temporaries_(binding.parameters().boolean("temporaries")) {}
   std::size_t memory_bytes() const noexcept override { return sizeof(double); }
   void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
     double& count = *reinterpret_cast<double*>(memory);
     count += 1;
+    if (temporaries_) {
+      const Eigen::MatrixXd wide = Eigen::MatrixXd::Constant(30, 30, innovation.residual[0]);
+      count += 0 * (wide * wide)(0, 0);
+    }
     for (int j = 0; j < innovation.rows; ++j)
       for (int i = 0; i < innovation.rows; ++i) R(i, j) = count * innovation.R_nominal(i, j);
   }
+
+ private:
+  bool temporaries_;
 };
 
 /// y = (x0² , x0 x1): a chain with a state-dependent Jacobian.

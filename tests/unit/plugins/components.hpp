@@ -53,7 +53,7 @@ struct OwnError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A source whose constructor and open() fail as they are told.
+/// A source whose constructor and open() fail on demand.
 class Thrower final : public Source {
  public:
   static ComponentSpec spec() {

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Apache-2.0
+// JSON Schema (draft-07) of a config: what the checker accepts, as far as it shows without plugging blocks together.
+#include "document/document.hpp"
+
+#include <cmath>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "binnacle/catalog.hpp"
+
+namespace binnacle::document {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json text_schema(const char* description) { return {{"type", "string"}, {"description", description}}; }
+
+/// The schema with what an editor shows of it, and the reference prints.
+Json told(const char* description, Json schema) {
+  schema["description"] = description;
+  return schema;
+}
+
+Json ref(const std::string& name) { return {{"$ref", "#/definitions/" + name}}; }
+
+Json closed_object(Json properties, const std::vector<std::string>& required = {}) {
+  Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+  if (!required.empty()) schema["required"] = required;
+  return schema;
+}
+
+/// What extends another object is a patch: which of its parts must be there does not show in it.
+Json or_patch(Json whole) {
+  Json schema{{"if", {{"type", "object"}, {"required", {"extends"}}}}};
+  schema["then"] = Json::object();
+  schema["else"] = std::move(whole);
+  return schema;
+}
+
+/// Free keys, each with such a value.
+Json named(const Json& value) { return or_patch({{"type", "object"}, {"additionalProperties", value}}); }
+
+Json some_named(const Json& value) {
+  return or_patch({{"type", "object"}, {"minProperties", 1}, {"additionalProperties", value}});
+}
+
+Json list_of(const Json& items) { return {{"type", "array"}, {"items", items}}; }
+
+// ---- parameters
+
+void add_bounds(const ParameterSpec& spec, Json& schema) {
+  if (std::isfinite(spec.minimum)) schema[spec.minimum_excluded ? "exclusiveMinimum" : "minimum"] = spec.minimum;
+  if (std::isfinite(spec.maximum)) schema[spec.maximum_excluded ? "exclusiveMaximum" : "maximum"] = spec.maximum;
+}
+
+/// A number, or text that begins with one, or with a variable that may hold one.
+Json quantity_schema(const ParameterSpec& spec) {
+  Json schema{{"type", {"number", "string"}}};
+  if (spec.unit != "*") schema["pattern"] = R"(^[ \t]*[+-]?\.?[0-9]|\$\{)";
+  add_bounds(spec, schema);
+  return schema;
+}
+
+Json array_of(const Json& items, int size) {
+  Json schema = list_of(items);
+  if (size != ParameterSpec::any_size) schema["minItems"] = schema["maxItems"] = size;
+  return schema;
+}
+
+Json vector_schema(const ParameterSpec& spec) {
+  const Json element = quantity_schema(spec);
+  const Json list = array_of(element, spec.size_of_port.empty() ? spec.size : ParameterSpec::any_size);
+  if (spec.size == ParameterSpec::any_size && spec.size_of_port.empty()) return list;
+  return {{"anyOf", {element, list}}};
+}
+
+Json object_schema(const std::vector<ParameterSpec>& members);
+
+Json shape_of(const ParameterSpec& spec) {
+  switch (spec.type) {
+    case ParameterType::number:
+    case ParameterType::time: return quantity_schema(spec);
+    case ParameterType::integer: {
+      Json schema{{"type", "integer"}};
+      add_bounds(spec, schema);
+      return schema;
+    }
+    case ParameterType::boolean: return {{"type", "boolean"}};
+    case ParameterType::text: return {{"type", "string"}};
+    case ParameterType::path: return {{"type", "string"}, {"minLength", 1}};
+    case ParameterType::choice: return {{"enum", spec.choices}};
+    case ParameterType::vector: return vector_schema(spec);
+    case ParameterType::matrix: {
+      Json schema = array_of(array_of(quantity_schema(spec), spec.cols), spec.size);
+      if (spec.size == ParameterSpec::any_size) schema["minItems"] = 1;
+      return schema;
+    }
+    case ParameterType::list: return list_of(shape_of(spec.members.front()));
+    case ParameterType::map: return named(shape_of(spec.members.front()));
+    case ParameterType::object: return object_schema(spec.members);
+  }
+  return Json::object();
+}
+
+Json parameter_schema(const ParameterSpec& spec) {
+  Json schema = shape_of(spec);
+  schema["description"] = (spec.text.empty() ? "" : spec.text + " ") + "(" + requirement_text(spec) + ")";
+  if (!spec.default_json.empty()) schema["default"] = Json::parse(spec.default_json, nullptr, false);
+  return schema;
+}
+
+void add_parameters(const std::vector<ParameterSpec>& specs, Json& properties, std::vector<std::string>& required) {
+  for (const ParameterSpec& spec : specs) {
+    properties[spec.name] = parameter_schema(spec);
+    if (spec.is_required) required.push_back(spec.name);
+  }
+}
+
+Json object_schema(const std::vector<ParameterSpec>& members) {
+  Json properties = Json::object();
+  std::vector<std::string> required;
+  add_parameters(members, properties, required);
+  return or_patch(closed_object(std::move(properties), required));
+}
+
+// ---- components
+
+/// The keys that a component has besides its parameters, by its place in the config.
+class ReservedKeys {
+ public:
+  ReservedKeys(const ComponentSpec& spec, Role role) : spec_(spec) {
+    switch (role) {
+      case Role::state_block: add_block_keys(); break;
+      case Role::derived_block: add_ports(); break;
+      case Role::process_model: add_process_keys(); break;
+      case Role::measurement_model: add_measurement_keys(); break;
+      case Role::noise_estimator: properties["learn_from_gated"] = ref("learn_from_gated"); break;
+      case Role::source: break;
+      case Role::transform:
+      case Role::sink: add_input_keys(); break;
+    }
+  }
+
+  Json properties = Json::object();
+  std::vector<std::string> required;
+
+ private:
+  void add_block_keys() {
+    for (const char* key : {"init", "sigma", "estimate", "consider", "hold"}) properties[key] = ref(key);
+  }
+
+  void add_ports() {
+    Json ports = Json::object();
+    std::vector<std::string> needed;
+    for (const PortSpec& port : spec_.ports) {
+      ports[port.name] = {{"type", "string"}, {"description", port.text + " (" + port.kind + ")"}};
+      if (!port.is_optional) needed.push_back(port.name);
+    }
+    if (!needed.empty()) required.push_back("blocks");
+    properties["blocks"] = closed_object(std::move(ports), needed);
+  }
+
+  static Json mapping(const std::vector<FieldSpec>& fields) {
+    Json names = Json::object();
+    for (const FieldSpec& field : fields) names[field.name] = {{"type", "string"}, {"description", field.text}};
+    return closed_object(std::move(names));
+  }
+
+  void add_process_keys() {
+    add_ports();
+    properties["fields"] = mapping(spec_.fields);
+    properties["samples_per_step"] = ref("samples_per_step");
+    if (spec_.fields.empty()) return;
+    properties["input"] = text_schema("the channel that drives the filter");
+    required.push_back("input");
+  }
+
+  void add_measurement_keys() {
+    add_ports();
+    properties["fields"] = mapping(spec_.fields);
+    properties["inputs"] = inputs();
+    if (needs_named_inputs()) required.push_back("inputs");
+  }
+
+  void add_input_keys() {
+    std::vector<FieldSpec> fields;
+    for (const ChannelPort& input : spec_.inputs) fields.insert(fields.end(), input.fields.begin(), input.fields.end());
+    properties["fields"] = mapping(fields);
+    properties["input"] = text_schema("name of a channel");
+    properties["inputs"] = inputs();
+  }
+
+  bool needs_named_inputs() const {
+    for (const ChannelPort& input : spec_.inputs) {
+      if (!input.is_optional) return true;
+    }
+    return false;
+  }
+
+  Json inputs() const {
+    Json ports = Json::object();
+    for (const ChannelPort& input : spec_.inputs) ports[input.name] = {{"type", "string"}, {"description", input.text}};
+    return closed_object(std::move(ports));
+  }
+
+  const ComponentSpec& spec_;
+};
+
+std::string definition_name(const ComponentType& type) { return type.plugin + "." + type.spec.type; }
+
+Json component_schema(const ComponentType& type, const Json& names) {
+  ReservedKeys reserved(type.spec, type.role);
+  Json properties{{"type", {{"enum", names}}}};
+  for (const auto& [key, schema] : reserved.properties.items()) properties[key] = schema;
+  std::vector<std::string> required = reserved.required;
+  required.insert(required.begin(), "type");
+  add_parameters(type.spec.parameters, properties, required);
+  Json schema = closed_object(std::move(properties), required);
+  if (!type.spec.summary.empty()) schema["description"] = type.spec.summary;
+  return schema;
+}
+
+/// "type" decides which of the definitions holds: an error is then about that one, not about all.
+Json choice_of(const std::vector<std::pair<Json, std::string>>& types) {
+  Json all = Json::array();
+  for (const auto& [names, definition] : types) all.push_back(names);
+  Json every_name = Json::array();
+  for (const Json& names : all)
+    for (const Json& name : names) every_name.push_back(name);
+  Json schema{{"type", "object"}, {"required", {"type"}}, {"properties", {{"type", {{"enum", every_name}}}}}};
+  if (types.empty()) return schema;
+  schema["allOf"] = Json::array();
+  for (const auto& [names, definition] : types) {
+    schema["allOf"].push_back(
+        {{"if", {{"required", {"type"}}, {"properties", {{"type", {{"enum", names}}}}}}}, {"then", ref(definition)}});
+  }
+  return schema;
+}
+
+constexpr const char* place_of(Role role) {
+  switch (role) {
+    case Role::state_block: return "state_block";
+    case Role::process_model: return "process_model";
+    case Role::measurement_model: return "measurement_model";
+    case Role::derived_block: return "derived_block";
+    case Role::noise_estimator: return "noise_estimator";
+    case Role::source: return "source";
+    case Role::transform: return "transform";
+    case Role::sink: return "sink";
+  }
+  return "";
+}
+
+void add_components(const Catalog& catalog, Json& definitions) {
+  std::map<Role, std::vector<std::pair<Json, std::string>>> choices;
+  for (const ComponentType* type : catalog.types()) {
+    Json names = Json::array({type->full_name()});
+    if (catalog.find(type->role, type->spec.type)) names.push_back(type->spec.type);
+    definitions[definition_name(*type)] = component_schema(*type, names);
+    if (type->role == Role::measurement_model) {
+      // Alone it stands beside the keys of a measurement, in a stack it does not.
+      Json alone = definitions[definition_name(*type)];
+      for (const char* key : {"channel", "noise", "gate", "recover", "withhold"}) alone["properties"][key] = ref(key);
+      alone["required"].push_back("channel");
+      definitions[definition_name(*type) + ".alone"] = std::move(alone);
+    }
+    choices[type->role].emplace_back(names, definition_name(*type));
+  }
+  for (const Role role : all_roles) definitions[place_of(role)] = or_patch(choice_of(choices[role]));
+  for (auto& [names, definition] : choices[Role::measurement_model]) definition += ".alone";
+  definitions["lone_measurement"] = or_patch(choice_of(choices[Role::measurement_model]));
+}
+
+// ---- what the kernel owns
+
+void add_kernel_definitions(Json& definitions) {
+  const Json quantity = quantity_schema(parameter::number("", "1"));
+  const Json name = {{"type", "string"}};
+  definitions["quantity"] = quantity;
+  definitions["channel"] = text_schema("name of a channel");
+  definitions["time"] = {{"type", {"number", "string"}}, {"description", "\"228 s\", \"start+60 s\" or seconds"}};
+  definitions["window"] = {{"type", "array"}, {"items", ref("time")}, {"minItems", 2}, {"maxItems", 2}};
+  definitions["init"] = {
+      {"description", "initial value: by output, as a list, one for all, or from a channel"},
+      {"anyOf",
+       {closed_object({{"channel", name},
+                       {"fields", named(name)},
+                       {"max_age", quantity},
+                       {"covariance", {{"anyOf", {name, list_of(name)}}}}},
+                      {"channel"}),
+        {{"type", "object"}, {"not", {{"required", {"channel"}}}}, {"additionalProperties", quantity}},
+        list_of(quantity),
+        quantity}}};
+  definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
+                          {"anyOf", {named(quantity), list_of(quantity), quantity}}};
+  const Json components = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
+  definitions["estimate"] =
+      told("error components that are estimated (default: all); the others are frozen", components);
+  definitions["consider"] = told("components that keep their covariance and are never corrected (Schmidt)", components);
+  definitions["hold"] = told("frozen components do not move with their process", {{"type", "boolean"}});
+  definitions["learn_from_gated"] =
+      told("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
+  definitions["samples_per_step"] = told("inputs that go into one step, for multi-sample attitude algorithms",
+                                         {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
+  const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
+  definitions["gate"] = {{"description", "probability with which a right sample passes, or a right row or key"},
+                         {"anyOf",
+                          {probability,
+                           closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
+                                         {"probability"})}}};
+  definitions["noise"] = told("a noise estimator: R from what the residuals were", ref("noise_estimator"));
+  definitions["recover"] = told(
+      "reopens a filter that locks the measurement out: after so many gated samples in a row these 1-sigma are set",
+      closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
+                    {"after", "inflate"}));
+  const Json windows = list_of(ref("window"));
+  definitions["withhold"] = {
+      {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
+      {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
+  definitions["stacked_measurement"] =
+      or_patch(closed_object({{"stack", told("measurement models whose rows make one update",
+                                             some_named(ref("measurement_model")))},
+                              {"channel", ref("channel")},
+                              {"noise", ref("noise")},
+                              {"gate", ref("gate")},
+                              {"recover", ref("recover")},
+                              {"withhold", ref("withhold")}},
+                             {"stack", "channel"}));
+  definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
+                                {"then", ref("stacked_measurement")},
+                                {"else", ref("lone_measurement")}};
+  definitions["filter"] = or_patch(closed_object(
+      {{"blocks", told("what is estimated", some_named(ref("state_block")))},
+       {"derived", told("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
+       {"process", told("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
+       {"measurements", told("what is seen of them; at one instant in this order", named(ref("measurement")))},
+       {"implied_states",
+        told("a block as one measurement tells it, all else in it taken from the filter; scored and recorded",
+             named(or_patch(
+                 closed_object({{"measurement", told("whose samples", name)}, {"block", told("what they tell", name)}},
+                               {"measurement", "block"}))))}},
+      {"blocks"}));
+  definitions["reference"] = {
+      {"anyOf",
+       {closed_object({{"withheld", told("a measurement with withheld samples", name)},
+                       {"filter", told("whose; needed where several have it", name)}},
+                      {"withheld"}),
+        closed_object({{"channel", told("the channel with the truth", name)},
+                       {"blocks", told("FILTER/BLOCK: the channel's fields for its outputs",
+                                       named({{"anyOf", {list_of(name), named(name)}}}))},
+                       {"invalid", told("a value that means there is none", {{"type", "number"}})}},
+                      {"channel", "blocks"})}}};
+}
+
+Json evaluate_schema() {
+  const Json name = {{"type", "string"}};
+  const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
+  const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
+  return closed_object(
+      {{"after", told("nothing earlier is scored", ref("time"))},
+       {"until", told("nothing later is scored", ref("time"))},
+       {"windows", told("spans of time that are scored on their own too: [from, to]",
+                        named({{"anyOf", {ref("window"), window_of_filter}}}))},
+       {"metrics", told("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name", {{"anyOf", {metric, list_of(metric)}}})}});
+}
+
+Json sections() {
+  const Json name = {{"type", "string"}};
+  return {{"binnacle", {{"const", 1}, {"description", "version of the config's format"}}},
+          {"title", told("one line, for people", name)},
+          {"description", told("anything, for people", Json::object())},
+          {"extends",
+           told("a config that this one is merged over (RFC 7386), or several", {{"anyOf", {name, list_of(name)}}})},
+          {"plugins", told("where else plugins are searched for",
+                           list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}}))},
+          {"vars",
+           told("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it", {{"type", "object"}})},
+          {"sources", told("where samples come from: files, simulators", named(ref("source")))},
+          {"transforms", told("what makes samples out of samples", named(ref("transform")))},
+          {"filters", told("the filters; a later one may read an earlier one's estimates as a channel",
+                           some_named(ref("filter")))},
+          {"sinks", told("where samples go", named(ref("sink")))},
+          {"reference",
+           told("what the filters are scored against", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
+          {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
+          {"record",
+           told("what --out records",
+                closed_object({{"every", told("least time between two records; else every step", ref("quantity"))}}))},
+          {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
+          {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
+          {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
+}
+
+}  // namespace
+
+Json schema(const Catalog& catalog) {
+  Json definitions = Json::object();
+  add_components(catalog, definitions);
+  add_kernel_definitions(definitions);
+  const Json whole = sections();
+  Json any = Json::object();
+  for (const auto& [key, section] : whole.items()) any[key] = Json::object();
+  return {{"$schema", "http://json-schema.org/draft-07/schema#"},
+          {"title", "Binnacle config"},
+          {"type", "object"},
+          {"if", {{"required", {"extends"}}}},
+          {"then", closed_object(any)},
+          {"else", closed_object(whole, {"binnacle", "filters"})},
+          {"definitions", std::move(definitions)}};
+}
+
+}  // namespace binnacle::document

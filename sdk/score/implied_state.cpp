@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "implied_state.hpp"
+
+#include <algorithm>
+
+#include <Eigen/LU>
+
+#include "text.hpp"
+
+namespace binnacle::score {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// B of the class, zero in the columns of rows that see nothing of the block; empty where the others do not determine it.
+MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
+  std::vector<Eigen::Index> seeing;
+  for (Eigen::Index i = 0; i < H_b.rows(); ++i)
+    if (!H_b.row(i).isZero(0)) seeing.push_back(i);
+  if (static_cast<Eigen::Index>(seeing.size()) < H_b.cols()) return {};
+  const MatrixXd H = H_b(seeing, Eigen::all);
+  // Of more rows than the block has components, the weighted mean.
+  const MatrixXd W =
+      H.rows() == H.cols() ? MatrixXd(H.inverse()) : MatrixXd(H.transpose() * R(seeing, seeing).inverse());
+  const Eigen::FullPivLU<MatrixXd> lu(W * H);
+  if (!W.allFinite() || !lu.isInvertible()) return {};
+  MatrixXd B = MatrixXd::Zero(H_b.cols(), H_b.rows());
+  B(Eigen::all, seeing) = lu.solve(W);
+  return B;
+}
+
+}  // namespace
+
+ImpliedState::ImpliedState(const ImpliedStatePlan& plan, const BlockInfo& block)
+    : plan_(plan),
+      block_(block),
+      rows_(static_cast<int>(block.active.size())),
+      value_(as_size(block.declaration->stored_size)),
+      covariance_(block.active.size() * block.active.size()),
+      delta_(as_size(block.declaration->dof())) {}
+
+bool ImpliedState::take(const UpdateRecord& record, MatrixView P) {
+  if (record.measurement != plan_.measurement || !record.H) return false;
+  if (record.outcome != Outcome::accepted && record.outcome != Outcome::withheld) return false;
+  const MatrixXd H = record.H.as();
+  const MatrixXd B = inverse_of(H.middleCols(block_.first_row, rows_), record.R.as());
+  if (B.size() == 0) return false;
+  const VectorXd d = B * vector_at(record.residual, record.rows);
+  std::fill(delta_.begin(), delta_.end(), 0.0);
+  for (std::size_t a = 0; a < block_.active.size(); ++a)
+    delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];
+  block_.block->plus(record.x0 + block_.stored_offset, delta_.data(), value_.data());
+  MatrixXd E = -B * H;
+  E.middleCols(block_.first_row, rows_) += MatrixXd::Identity(rows_, rows_);
+  covariance().as() = E * P.as() * E.transpose() + B * record.R.as() * B.transpose();
+  t_ = record.t;
+  return true;
+}
+
+}  // namespace binnacle::score
