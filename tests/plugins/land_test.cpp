@@ -113,7 +113,8 @@ TEST_CASE("nhc: its own misalignment port is that of a mounted attitude") {
   Matrix3d by_attitude, by_zeta;
   MatrixView J[] = {{by_attitude.data(), 3, 3, 3}, {by_zeta.data(), 3, 3, 3}};
   const double* x[] = {ports[1].x.data(), ports[2].x.data()};
-  REQUIRE(mounted->evaluate(x, {}, q.data(), J));
+  DerivedOutput evaluated{{q.data(), 4}, J};
+  REQUIRE(mounted->evaluate({x, {}}, evaluated));
   ports[1].x = q;
   ports[2] = {};
   const auto plain = bind<Nhc>({{{"sigma", 0.2}}, bench.with(nullptr), {}});

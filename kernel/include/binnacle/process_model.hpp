@@ -77,8 +77,6 @@ class BlockView {
   Structure structure_ = Structure::dense;
 };
 
-namespace detail {
-
 /// A block that a ProcessDeclaration lists.
 class BlockHandle {
  public:
@@ -100,15 +98,13 @@ class BlockHandle {
   Structure structure_ = Structure::dense;
 };
 
-}  // namespace detail
-
 /// Handle of a block of Φ (of F in linearized()), from ProcessDeclaration::couples().
-class PhiBlock : public detail::BlockHandle {
-  using detail::BlockHandle::BlockHandle;
+class PhiBlock : public BlockHandle {
+  using BlockHandle::BlockHandle;
 };
 /// Handle of a block of Qd (of GQGᵀ in linearized()), from ProcessDeclaration::adds_noise().
-class QBlock : public detail::BlockHandle {
-  using detail::BlockHandle::BlockHandle;
+class QBlock : public BlockHandle {
+  using BlockHandle::BlockHandle;
 };
 
 /// Blocks by handle: `phi[phi_pv]`.
