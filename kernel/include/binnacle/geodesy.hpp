@@ -96,8 +96,8 @@ inline double wrapped_longitude(double angle) { return std::remainder(angle, 2.0
 inline Eigen::Vector3d position_plus(const Eigen::Vector3d& lla, const Eigen::Vector3d& d_ned) {
   const double cos_lat = std::cos(lla[0]);
   const Radii r = radii(std::sin(lla[0]), cos_lat);
-  return {lla[0] + d_ned[0] / (r.meridian + lla[2]), wrapped_longitude(lla[1] + d_ned[1] / ((r.transverse + lla[2]) * cos_lat)),
-          lla[2] - d_ned[2]};
+  return {lla[0] + d_ned[0] / (r.meridian + lla[2]),
+          wrapped_longitude(lla[1] + d_ned[1] / ((r.transverse + lla[2]) * cos_lat)), lla[2] - d_ned[2]};
 }
 
 /// Position ⊟, the exact inverse: position_minus(position_plus(x, d), x) == d to roundoff (some nm), by the radii at
@@ -105,8 +105,8 @@ inline Eigen::Vector3d position_plus(const Eigen::Vector3d& lla, const Eigen::Ve
 inline Eigen::Vector3d position_minus(const Eigen::Vector3d& lla, const Eigen::Vector3d& from) {
   const double cos_lat = std::cos(from[0]);
   const Radii r = radii(std::sin(from[0]), cos_lat);
-  return {(lla[0] - from[0]) * (r.meridian + from[2]), wrapped_longitude(lla[1] - from[1]) * ((r.transverse + from[2]) * cos_lat),
-          from[2] - lla[2]};
+  return {(lla[0] - from[0]) * (r.meridian + from[2]),
+          wrapped_longitude(lla[1] - from[1]) * ((r.transverse + from[2]) * cos_lat), from[2] - lla[2]};
 }
 
 /// Geodetic to earth-centred, earth-fixed Cartesian (m), and back. The inverse holds to nanometres for heights above

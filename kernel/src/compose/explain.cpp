@@ -148,6 +148,12 @@ Json explain_columns(const FilterPlan& filter, const PartPlan& part) {
   return names;
 }
 
+/// Only where it is not by hand.
+void explain_jacobians(Differentiation how, Json& entry) {
+  if (how == Differentiation::dual_numbers) entry["jacobians"] = "dual numbers";
+  if (how == Differentiation::differences) entry["jacobians"] = "differences";
+}
+
 Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
   Json explanation{{"name", filter.name}, {"dof", filter.n}, {"blocks", explain_blocks(filter)}};
   const auto ports = [&](const std::vector<int>& values) {
@@ -165,6 +171,7 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
                        {"kind", value.derived->declaration().kind},
                        {"reads", ports(value.ports)},
                        {"depends_on", std::move(depends)}});
+    explain_jacobians(value.derived->declaration().differentiation, derived.back());
   }
   explanation["derived"] = std::move(derived);
   Json processes = Json::array();
@@ -180,6 +187,7 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     Json entry{{"name", process.name}, {"type", process.type}, {"advances", advances}, {"reads", reads}};
     if (process.uses_input) entry["input"] = plan.channels[as_size(filter.input_channel)].name;
     if (process.van_loan_group >= 0) entry["discretized_with_group"] = process.van_loan_group;
+    explain_jacobians(process.model->declaration().differentiation, entry);
     processes.push_back(std::move(entry));
   }
   explanation["process"] = std::move(processes);
@@ -189,11 +197,13 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
   Json measurements = Json::array();
   for (const auto& measurement : filter.measurements) {
     Json parts = Json::array();
-    for (const auto& part : measurement.parts)
+    for (const auto& part : measurement.parts) {
       parts.push_back({{"name", part.name},
                        {"type", part.type},
                        {"reads", ports(part.ports)},
                        {"columns", explain_columns(filter, part)}});
+      explain_jacobians(part.model->declaration().differentiation, parts.back());
+    }
     Json entry{{"name", measurement.name},
                {"channel", plan.channels[as_size(measurement.channel)].name},
                {"max_rows", measurement.max_rows},
