@@ -6,6 +6,7 @@
 
 #include "binnacle/catalog.hpp"
 #include "binnacle/diagnostic.hpp"
+#include "document/document.hpp"
 #include "output.hpp"
 #include "reference.hpp"
 #include "table.hpp"
@@ -140,13 +141,13 @@ int describe_types(const TypeOptions& options) {
   std::string text;
   Json json = Json::array();
   if (options.all) {
-    for (const auto* type : catalog.types()) json.push_back(describe_json(*type));
+    for (const auto* type : catalog.types()) json.push_back(document::describe_json(*type));
     print_json(json);
     return status;
   }
   for (const auto* type : types_called(catalog, options.types.front())) {
-    text += (text.empty() ? "" : "\n") + describe(*type);
-    json.push_back(describe_json(*type));
+    text += (text.empty() ? "" : "\n") + document::describe(*type);
+    json.push_back(document::describe_json(*type));
   }
   if (options.json)
     print_json(json.size() == 1 ? json.front() : json);
@@ -160,7 +161,7 @@ int create(const TypeOptions& options) {
   const Catalog catalog = load_catalog(status);
   std::vector<const ComponentType*> types;
   for (const auto& name : options.types) types.push_back(type_called(catalog, name));
-  const std::string text = skeleton(types);
+  const std::string text = document::skeleton(types);
   if (options.json)
     print_json(Json::parse(text, nullptr, true, true));
   else
@@ -204,7 +205,7 @@ Verb schema_verb(CLI::App& command) {
   return {app, [json] {
             int status = ok;
             const Catalog catalog = load_catalog(status);
-            print_json(schema(catalog));
+            print_json(document::schema(catalog));
             return status;
           }};
 }

@@ -3,6 +3,7 @@
 #include "binnacle/composition.hpp"
 #include "covariance/analysis.hpp"
 #include "output.hpp"
+#include "score/sections.hpp"
 #include "study/study.hpp"
 #include "verbs.hpp"
 
@@ -25,7 +26,7 @@ int heavier(int a, int b) {
 
 /// Of a study or a covariance analysis: every variant with its metrics and tables.
 Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
-  const Config config = Config::load(path, options);
+  const Config config = score::load_config(path, options);
   study::StudyOptions study_options;
   study_options.load = options;
   if (covariance::is_in(config)) {
@@ -34,7 +35,7 @@ Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
     return is_study ? study::Study::load(path, study_options).warnings() : warnings;
   }
   if (study::Study::is_in(config)) return study::Study::load(path, study_options).warnings();
-  return Composition::load(path, options)->warnings();
+  return score::load(path, options)->warnings();
 }
 
 int check(const Options& options) {

@@ -5,6 +5,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/unit.hpp"
 #include "output.hpp"
+#include "score/sections.hpp"
 #include "table.hpp"
 #include "verbs.hpp"
 
@@ -229,7 +230,7 @@ struct Options {
 };
 
 int explain(const Options& options) {
-  const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
+  const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
   const Json told = composition->explain();
   if (options.json)
     print_json(told);

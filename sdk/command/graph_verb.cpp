@@ -11,6 +11,7 @@
 #include "binnacle/composition.hpp"
 #include "dot.hpp"
 #include "output.hpp"
+#include "score/sections.hpp"
 #include "sparsity_svg.hpp"
 #include "verbs.hpp"
 
@@ -76,7 +77,7 @@ struct Options {
 };
 
 int graph(const Options& options) {
-  const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
+  const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
   const Json explained = composition->explain();
   const std::string dot = dot_text(explained);
   if (!options.sparsity.empty()) {

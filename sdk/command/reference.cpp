@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "document/document.hpp"
+
 namespace binnacle::command {
 
 namespace {
@@ -53,7 +55,7 @@ std::string anchor(const std::string& heading) {
 }
 
 std::string own_keys(const Catalog& catalog) {
-  const Json root = schema(catalog);
+  const Json root = document::schema(catalog);
   const auto definition = [&](const char* name) { return resolve(root, root.at("definitions").at(name)).schema; };
   const Json whole = root.at("else");
   Json block = Json::object();
@@ -87,7 +89,7 @@ std::string reference_page(const Catalog& catalog) {
       if (type->role != role) continue;
       contents += entries.empty() ? fmt::format("- [{0}](#{1}):", plural(role), anchor(plural(role))) : ",";
       contents += fmt::format(" [{}](#{})", type->spec.type, anchor(type->full_name()));
-      entries += fmt::format("### {}\n\n```text\n{}```\n\n", type->full_name(), describe(*type));
+      entries += fmt::format("### {}\n\n```text\n{}```\n\n", type->full_name(), document::describe(*type));
     }
     if (entries.empty()) continue;
     contents += "\n";

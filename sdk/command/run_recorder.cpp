@@ -86,7 +86,7 @@ RunRecorder::~RunRecorder() {
   if (!made_.empty()) remove_empty_folders(folder_, made_);
 }
 
-void RunRecorder::begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) {
+void RunRecorder::begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) {
   const auto index = static_cast<std::size_t>(filter);
   if (filters_.size() <= index) filters_.resize(index + 1);
   filters_[index] = std::make_unique<AtomicFile>(folder_ / file_name(name));
@@ -105,7 +105,7 @@ void RunRecorder::record(int filter, Time t, std::span<const double> values) {
   write_netcdf([&] { netcdf_->record(filter, t, values); });
 }
 
-void RunRecorder::scored(int filter, const ErrorSeries& errors) {
+void RunRecorder::scored(int filter, const score::ErrorSeries& errors) {
   write_netcdf([&] { netcdf_->scored(filter, errors); });
 }
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "atomic_file.hpp"
-#include "binnacle/run.hpp"
 #include "output.hpp"
 #include "results/run_writer.hpp"
+#include "score/run.hpp"
 
 namespace binnacle::command {
 
@@ -26,10 +26,10 @@ class RunRecorder {
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
-  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns);
+  void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns);
   void record(int filter, Time t, std::span<const double> values);
   StepObserver* step_observer(int filter) { return netcdf_->step_observer(filter); }
-  void scored(int filter, const ErrorSeries& errors);
+  void scored(int filter, const score::ErrorSeries& errors);
   /// Puts the records, config.json and at last summary.json in place: with summary.json there, all of it is.
   void commit(const Json& summary, const Json& config);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // run: a config from the first sample to the last, with progress, records, and a summary.
-#include "binnacle/run.hpp"
+#include "score/run.hpp"
 
 #include <chrono>
 #include <memory>
@@ -25,7 +25,7 @@ struct Options {
   ConfigOptions config;
   std::string summary;
   std::string out;
-  RunOptions run;
+  score::RunOptions run;
   bool json = false;
   bool quiet = false;
 };
@@ -60,19 +60,19 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begin_, drawn_;
 };
 
-class Watch : public RunObserver {
+class Watch : public score::RunObserver {
  public:
   Watch(RunRecorder* recorder, bool shows_progress) : recorder_(recorder), line_(shows_progress) {}
 
   bool wants_records() const override { return recorder_ != nullptr; }
-  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) override {
+  void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
     if (recorder_) recorder_->begin(filter, name, columns);
   }
   void record(int filter, Time t, std::span<const double> values) override {
     if (recorder_) recorder_->record(filter, t, values);
   }
   StepObserver* step_observer(int filter) override { return recorder_ ? recorder_->step_observer(filter) : nullptr; }
-  void scored(int filter, const ErrorSeries& errors) override {
+  void scored(int filter, const score::ErrorSeries& errors) override {
     if (recorder_) recorder_->scored(filter, errors);
   }
   bool progress(Time t) override {
@@ -112,25 +112,25 @@ struct Outputs {
   std::unique_ptr<RunRecorder> recorder;
 };
 
-RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
-                      RunRecorder* recorder) {
+score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
+                             RunRecorder* recorder) {
   Watch watch(recorder, stderr_is_terminal() && !options.quiet);
-  RunOptions run_options = options.run;
+  score::RunOptions run_options = options.run;
   run_options.observer = &watch;
-  return run(composition, run_options);
+  return score::run(composition, run_options);
 }
 
-void tell_warnings(const Composition& composition, const RunResult& result) {
+void tell_warnings(const Composition& composition, const score::RunResult& result) {
   Diagnostics warnings = composition.warnings();
   warnings.merge(result.warnings);
   print_abridged(warnings, "--summary has all that came of the data");
 }
 
 int run_config(const Options& options) {
-  const auto composition = Composition::load(options.config_path, options.config.load_options(options.config_path));
+  const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
   watch_signals();
   auto outputs = std::make_unique<Outputs>(options, *composition);
-  const RunResult result = watched_run(composition, options, outputs->recorder.get());
+  const score::RunResult result = watched_run(composition, options, outputs->recorder.get());
   if (interrupted_by() != 0) {
     outputs.reset();
     print_error("interrupted; nothing was written");

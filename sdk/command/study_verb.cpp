@@ -17,6 +17,7 @@
 #include "provenance.hpp"
 #include "report_file.hpp"
 #include "results/study_writer.hpp"
+#include "score/sections.hpp"
 #include "study/coordinator.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
@@ -114,7 +115,7 @@ struct Outputs {
     folder = options.out;
     make_folders(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
-    config = Config::load(options.config_path, options.config.load_options()).root();
+    config = score::load_config(options.config_path, options.config.load_options()).root();
     command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
                           study.seed(), options.config.as_typed());
   }

@@ -8,6 +8,7 @@
 #include "binnacle/session.hpp"
 #include "follower.hpp"
 #include "plan.hpp"
+#include "score/sections.hpp"
 #include "study/summary.hpp"
 
 namespace binnacle::covariance {
@@ -49,10 +50,9 @@ void feed(const Plan& plan, Follower& follower) {
 class Watch final : public RunObserver {
  public:
   Watch(const Plan& plan, Follower& follower) : plan_(plan), follower_(follower) {}
-  bool wants_records() const override { return false; }
-  StepObserver* step_observer(int filter) override {
-    if (filter == plan_.filter) return follower_.model_log();
-    return filter == plan_.truth ? follower_.true_log() : nullptr;
+  void begin(Session& session) override {
+    if (follower_.true_log()) session.attach(plan_.truth, follower_.true_log());
+    session.attach(plan_.filter, follower_.model_log());
   }
   bool progress(Time /*t*/) override { return !follower_.is_over(); }
 
@@ -142,7 +142,7 @@ class VariantAnalysis {
 
   study::Figures carry_out(int run) {
     study::Figures figures;
-    figures.values.assign(study_.metrics().size(), MetricValue{std::nan(""), 0, 0});
+    figures.values.assign(study_.metrics().size(), score::MetricValue{std::nan(""), 0, 0});
     try {
       Follower follower(plan_, names_, times_);
       if (plan_.feeds.empty())
@@ -171,7 +171,7 @@ class VariantAnalysis {
   const std::string& filter() const {
     return plan_.composition->filters()[static_cast<std::size_t>(plan_.filter)].name;
   }
-  const std::string& name_of(const Metric& metric) const {
+  const std::string& name_of(const score::Metric& metric) const {
     return variant_.composition->filters()[static_cast<std::size_t>(metric.filter)].name;
   }
 
@@ -192,12 +192,12 @@ study::Study load(const std::filesystem::path& path, const LoadOptions& options)
   study_options.load = options;
   study_options.section = "/covariance";
   study_options.read_metric = read_metric;
-  study_options.runs = runs_of(Config::load(path, options));
+  study_options.runs = runs_of(score::load_config(path, options));
   auto study = study::Study::load(path, study_options);
   Diagnostics diagnostics;
   for (const auto& variant : study.variants()) {
     Diagnostics own;
-    read_plan(Config::load(path, options_of(options, variant)), path, variant.composition, own);
+    read_plan(score::load_config(path, options_of(options, variant)), path, variant.composition, own);
     if (own.has_errors()) {
       diagnostics.merge(own);
       break;  // the others would mostly say the same
@@ -214,7 +214,8 @@ Json analyse(const study::Study& study, const std::filesystem::path& path, const
   for (std::size_t v = 0; v < study.variants().size(); ++v) {
     const auto& variant = study.variants()[v];
     Diagnostics diagnostics;
-    Plan plan = read_plan(Config::load(path, options_of(options, variant)), path, variant.composition, diagnostics);
+    Plan plan =
+        read_plan(score::load_config(path, options_of(options, variant)), path, variant.composition, diagnostics);
     if (diagnostics.has_errors()) throw ConfigError(diagnostics);
     VariantAnalysis analysis(study, variant, std::move(plan));
     for (std::size_t run = 0; run < runs; ++run) results.at(v, run) = analysis.carry_out(static_cast<int>(run));

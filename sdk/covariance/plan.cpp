@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "binnacle/unit.hpp"
+#include "score/sections.hpp"
 #include "study/section.hpp"
 
 namespace binnacle::covariance {
@@ -267,18 +268,18 @@ int runs_of(const Config& config) {
   return static_cast<int>(Section(config, ignored).whole_number(under("runs"), 1).value_or(1));
 }
 
-Parsed<Metric> read_metric(const Composition& composition, std::string_view text) {
+Parsed<score::Metric> read_metric(const Composition& composition, std::string_view text) {
   const Words words = words_of(std::string(text));
   const auto request = read_request(std::string(text));
-  if (!request) return Parsed<Metric>::failure(request.error());
+  if (!request) return Parsed<score::Metric>::failure(request.error());
   const auto& filters = composition.filters();
   const auto filter =
       std::find_if(filters.begin(), filters.end(), [&](const auto& info) { return info.name == words.filter; });
-  if (filter == filters.end()) return Parsed<Metric>::failure("there is no filter " + in_quotes(words.filter));
-  Metric metric;
+  if (filter == filters.end()) return Parsed<score::Metric>::failure("there is no filter " + in_quotes(words.filter));
+  score::Metric metric;
   metric.name = text;
   metric.filter = static_cast<int>(filter - filters.begin());
-  metric.quantity = MetricQuantity::sigma;
+  metric.quantity = score::MetricQuantity::sigma;
   const auto known = implied_states_of(composition.config(), words.filter);
   const SubjectName subject = subject_named(words.name, known);
   std::vector<std::string> names;
@@ -286,18 +287,20 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
   const auto found = std::find(names.begin(), names.end(), subject.block);
   if (found == names.end()) {
     for (const auto& implied_state : known) names.push_back(implied_state.name);
-    return Parsed<Metric>::failure("filter " + in_quotes(words.filter) + " has no block or implied state " +
-                                   in_quotes(subject.block) + meant(subject.block, names) +
-                                   " (there are: " + listed(names) + ")");
+    return Parsed<score::Metric>::failure("filter " + in_quotes(words.filter) + " has no block or implied state " +
+                                          in_quotes(subject.block) + meant(subject.block, names) +
+                                          " (there are: " + listed(names) + ")");
   }
   const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
   if (subject.component.empty() && block.error.size() > 1)
-    return Parsed<Metric>::failure("block " + in_quotes(subject.block) + " has several error components: " + shape);
+    return Parsed<score::Metric>::failure("block " + in_quotes(subject.block) +
+                                          " has several error components: " + shape);
   const auto component = component_named(block, subject.component);
   if (!component || (subject.implied_state && component->output >= 0)) {
     const auto components = component_names(block);
-    return Parsed<Metric>::failure(in_quotes(words.name) + " is no component of block " + in_quotes(subject.block) +
-                                   meant(subject.component, components) + " (it has: " + listed(components) + ")");
+    return Parsed<score::Metric>::failure(in_quotes(words.name) + " is no component of block " +
+                                          in_quotes(subject.block) + meant(subject.component, components) +
+                                          " (it has: " + listed(components) + ")");
   }
   std::string display = block.error_display_unit;
   if (component->output >= 0) {
@@ -357,7 +360,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   if (diagnostics.has_errors()) return plan;
   const std::string truth = name + " (truth)";
   try {
-    plan.composition = Composition::parse(error_free_root(section, config.root(), name, truth).dump(), path);
+    plan.composition = score::parse(error_free_root(section, config.root(), name, truth).dump(), path);
   } catch (const Error& error) {
     for (const auto& item : error.diagnostics().items()) {
       const bool is_of_source = item.pointer.starts_with("/sources");

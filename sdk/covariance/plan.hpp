@@ -12,7 +12,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
-#include "binnacle/metric.hpp"
+#include "score/metric.hpp"
 
 namespace binnacle::covariance {
 
@@ -81,7 +81,7 @@ struct Request {
   Time at = no_time;  // no_time: at the end
 };
 
-Parsed<Metric> read_metric(const Composition& composition, std::string_view text);
+Parsed<score::Metric> read_metric(const Composition& composition, std::string_view text);
 Request request_of(const std::string& metric);
 
 }  // namespace binnacle::covariance

@@ -26,7 +26,7 @@ std::string describe_error(const std::string& name) {
 
 }  // namespace
 
-void ErrorWriter::add(const ErrorSeries& errors) {
+void ErrorWriter::add(const score::ErrorSeries& errors) {
   const auto base = time_base(errors);
   const auto [block, component] = component_of(errors);
   if (block)
@@ -36,7 +36,7 @@ void ErrorWriter::add(const ErrorSeries& errors) {
 }
 
 /// Errors at the same times share them.
-std::size_t ErrorWriter::time_base(const ErrorSeries& errors) {
+std::size_t ErrorWriter::time_base(const score::ErrorSeries& errors) {
   for (std::size_t i = 0; i < bases_.size(); ++i)
     if (std::equal(bases_[i].t.begin(), bases_[i].t.end(), errors.t.begin(), errors.t.end())) return i;
   TimeBase base;
@@ -62,7 +62,7 @@ std::size_t ErrorWriter::time_base(const ErrorSeries& errors) {
 }
 
 /// The block whose error component it is, and which.
-std::pair<const BlockInfo*, int> ErrorWriter::component_of(const ErrorSeries& errors) const {
+std::pair<const BlockInfo*, int> ErrorWriter::component_of(const score::ErrorSeries& errors) const {
   for (const auto& block : info_.blocks) {
     const auto& components = block.declaration->error;
     const bool is_one_unit = std::all_of(components.begin(), components.end(),
@@ -82,8 +82,8 @@ bool ErrorWriter::is_norm(const std::string& series) const {
   return false;
 }
 
-int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions, const ErrorSeries& errors,
-                              const std::string& long_name) {
+int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions,
+                              const score::ErrorSeries& errors, const std::string& long_name) {
   const int id = group_.add_variable(name, NC_DOUBLE, dimensions, chunks_of(errors.t.size(), dimensions.size()));
   group_.fill_with_nan(id);
   group_.put_text(id, "long_name", long_name);
@@ -91,7 +91,7 @@ int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& d
   return id;
 }
 
-void ErrorWriter::write_scalar(const ErrorSeries& errors, std::size_t base) {
+void ErrorWriter::write_scalar(const score::ErrorSeries& errors, std::size_t base) {
   const std::string name = names_.take(errors.name);
   const int id = add_variable(name, {bases_[base].dimension}, errors, describe_error(errors.name));
   group_.put_text(id, "series", errors.name);
@@ -105,7 +105,8 @@ void ErrorWriter::write_scalar(const ErrorSeries& errors, std::size_t base) {
   write_values(sigma, -1, errors.sigma);
 }
 
-void ErrorWriter::write_component(const ErrorSeries& errors, const BlockInfo& block, int component, std::size_t base) {
+void ErrorWriter::write_component(const score::ErrorSeries& errors, const BlockInfo& block, int component,
+                                  std::size_t base) {
   auto& own = block_errors_[&block];
   if (own.values < 0) {
     own = add_block_errors(errors, block, base);
@@ -117,7 +118,7 @@ void ErrorWriter::write_component(const ErrorSeries& errors, const BlockInfo& bl
   if (own.sigmas >= 0) write_values(own.sigmas, component, errors.sigma);
 }
 
-ErrorWriter::BlockErrors ErrorWriter::add_block_errors(const ErrorSeries& errors, const BlockInfo& block,
+ErrorWriter::BlockErrors ErrorWriter::add_block_errors(const score::ErrorSeries& errors, const BlockInfo& block,
                                                        std::size_t base) {
   BlockErrors own;
   own.base = base;

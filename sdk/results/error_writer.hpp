@@ -10,16 +10,16 @@
 #include <vector>
 
 #include "binnacle/composition.hpp"
-#include "binnacle/run.hpp"
 #include "names.hpp"
 #include "netcdf.hpp"
+#include "score/run.hpp"
 
 namespace binnacle::results {
 
 class ErrorWriter {
  public:
   ErrorWriter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {}
-  void add(const ErrorSeries& errors);
+  void add(const score::ErrorSeries& errors);
 
  private:
   struct TimeBase {
@@ -33,14 +33,14 @@ class ErrorWriter {
     std::size_t base = 0;
   };
 
-  std::size_t time_base(const ErrorSeries& errors);
-  std::pair<const BlockInfo*, int> component_of(const ErrorSeries& errors) const;
+  std::size_t time_base(const score::ErrorSeries& errors);
+  std::pair<const BlockInfo*, int> component_of(const score::ErrorSeries& errors) const;
   bool is_norm(const std::string& series) const;
-  int add_variable(const std::string& name, const std::vector<int>& dimensions, const ErrorSeries& errors,
+  int add_variable(const std::string& name, const std::vector<int>& dimensions, const score::ErrorSeries& errors,
                    const std::string& long_name);
-  void write_scalar(const ErrorSeries& errors, std::size_t base);
-  void write_component(const ErrorSeries& errors, const BlockInfo& block, int component, std::size_t base);
-  BlockErrors add_block_errors(const ErrorSeries& errors, const BlockInfo& block, std::size_t base);
+  void write_scalar(const score::ErrorSeries& errors, std::size_t base);
+  void write_component(const score::ErrorSeries& errors, const BlockInfo& block, int component, std::size_t base);
+  BlockErrors add_block_errors(const score::ErrorSeries& errors, const BlockInfo& block, std::size_t base);
   void write_values(int variable, int column, std::span<const double> values);
 
   nc::Group group_;

@@ -59,7 +59,7 @@ class RunWriter::Filter : public StepObserver {
   }
 
   /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, implied states, adapted noise.
-  void begin(const std::vector<RecordColumn>& columns) {
+  void begin(const std::vector<score::RecordColumn>& columns) {
     time_dimension_ = group_.add_growing_dimension(names_.take("time"));
     time_.emplace(group_, add_time(group_, "time", time_dimension_, "time of the estimates"));
     std::vector<Column<double>> sigmas;
@@ -89,7 +89,7 @@ class RunWriter::Filter : public StepObserver {
     }
   }
 
-  void scored(const ErrorSeries& errors) {
+  void scored(const score::ErrorSeries& errors) {
     if (!errors_) errors_.emplace(group_.add_group("errors"), info_);
     errors_->add(errors);
   }
@@ -196,7 +196,7 @@ RunWriter::RunWriter(const std::filesystem::path& path, const Composition& compo
 
 RunWriter::~RunWriter() = default;
 
-void RunWriter::begin(int filter, const std::string&, const std::vector<RecordColumn>& columns) {
+void RunWriter::begin(int filter, const std::string&, const std::vector<score::RecordColumn>& columns) {
   guarded([&] { contents_->filters[as_size(filter)]->begin(columns); });
 }
 
@@ -206,7 +206,7 @@ void RunWriter::record(int filter, Time t, std::span<const double> values) {
 
 StepObserver* RunWriter::step_observer(int filter) { return contents_->filters[as_size(filter)].get(); }
 
-void RunWriter::scored(int filter, const ErrorSeries& errors) {
+void RunWriter::scored(int filter, const score::ErrorSeries& errors) {
   guarded([&] { contents_->filters[as_size(filter)]->scored(errors); });
 }
 

@@ -6,7 +6,8 @@
 #include <fstream>
 #include <map>
 
-#include "binnacle/run.hpp"
+#include "score/run.hpp"
+#include "score/sections.hpp"
 #include "study/section.hpp"
 #include "tables.hpp"
 
@@ -85,7 +86,7 @@ std::vector<Variant> load_variants(const std::filesystem::path& path, const Load
     LoadOptions load = options;
     load.patches = entry.patches;
     try {
-      Variant variant{entry.name, entry.patches, Composition::load(path, load), {}, {}};
+      Variant variant{entry.name, entry.patches, score::load(path, load), {}, {}};
       notes.add(entry.name, variant.composition->warnings());
       variants.push_back(std::move(variant));
     } catch (const Error& error) {
@@ -143,13 +144,14 @@ class MetricReader {
         if (wrong.empty()) wrong = metric.error();
         continue;
       }
-      Metric shown = *metric;
+      score::Metric shown = *metric;
       std::string misfit = unit.empty() ? "" : show_in(shown, unit);
       if (!misfit.empty() && !is_known) section_.error(read_unit(unit) ? "B007" : "B008", unit_pointer, misfit);
       is_known = true;
       entry.unit = shown.unit;
       entry.si_unit = shown.si_unit;
-      entry.is_chi_squared = shown.quantity == MetricQuantity::nees || shown.quantity == MetricQuantity::nis;
+      entry.is_chi_squared =
+          shown.quantity == score::MetricQuantity::nees || shown.quantity == score::MetricQuantity::nis;
       variant.metrics.push_back(std::move(shown));
     }
     if (!is_known) return section_.error("B027", pointer, wrong);
@@ -163,7 +165,14 @@ class MetricReader {
   std::vector<StudyMetric> metrics_;
 };
 
-class StopWatch : public RunObserver {
+/// The variant's config without the sections that change no figure of a run.
+std::string what_is_measured(Json config) {
+  config.erase("study");
+  config.erase("covariance");
+  return config.dump();
+}
+
+class StopWatch : public score::RunObserver {
  public:
   explicit StopWatch(const std::function<bool()>& goes_on) : goes_on_(goes_on) {}
   bool wants_records() const override { return false; }
@@ -190,7 +199,7 @@ std::vector<double> Results::values(std::size_t variant, std::size_t metric) con
 bool Study::is_in(const Config& config) { return config.root().contains("study"); }
 
 Study Study::load(const std::filesystem::path& path, const StudyOptions& options) {
-  const Config config = Config::load(path, options.load);
+  const Config config = score::load_config(path, options.load);
   Diagnostics diagnostics;
   const Section section(config, diagnostics);
   Study study;
@@ -240,6 +249,7 @@ void Study::note_makings() {
     for (const auto& variant : variants_) {
       hash.add(variant.name);
       hash.add(variant.composition->hash());
+      hash.add(what_is_measured(variant.composition->config()));
     }
     for (const auto& metric : metrics_) hash.add(metric.name);
   });
@@ -258,15 +268,15 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
     return figures;
   };
   StopWatch watch(goes_on);
-  RunOptions options;
+  score::RunOptions options;
   options.seed = seed_;
   options.run = run;
   options.observer = &watch;
   options.metrics = variant.metrics;
   options.feeds_sinks = false;
-  RunResult result;
+  score::RunResult result;
   try {
-    result = binnacle::run(variant.composition, options);
+    result = score::run(variant.composition, options);
   } catch (const Error& error) {
     const auto items = error.diagnostics().sorted();
     return broke(items.empty() ? error.what() : items.front().message);
@@ -279,7 +289,7 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
   if (!result.failures.empty()) return broke(result.failures.items().front().message);
   for (std::size_t i = 0; i < metrics_.size(); ++i) {
     const int position = variant.position[i];
-    figures.values.push_back(position < 0 ? MetricValue{std::nan(""), 0, 0}
+    figures.values.push_back(position < 0 ? score::MetricValue{std::nan(""), 0, 0}
                                           : result.metrics[static_cast<std::size_t>(position)]);
     if (position >= 0 && !std::isfinite(figures.values.back().value))
       return broke("there is nothing to make metric " + in_quotes(metrics_[i].name) + " of");

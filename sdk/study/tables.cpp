@@ -170,7 +170,7 @@ class CellReader {
     const auto& metric = metrics_[static_cast<std::size_t>(index)];
     const auto* wanted = settings.find("unit");
     if (!wanted) return metric.unit;
-    Metric shown;
+    score::Metric shown;
     shown.name = metric.name;
     shown.si_unit = metric.si_unit;
     if (const auto wrong = show_in(shown, *wanted); !wrong.empty())

@@ -2,6 +2,7 @@
 // Names and merge patches of a study's variants.
 #include <algorithm>
 
+#include "score/sections.hpp"
 #include "study/section.hpp"
 #include "study/study.hpp"
 
@@ -63,7 +64,7 @@ std::vector<VariantPatches> variants_of(const Config& config, Diagnostics& diagn
 
 std::vector<std::string> patches_of(const std::filesystem::path& path, const LoadOptions& options,
                                     const std::string& name) {
-  const Config config = Config::load(path, options);
+  const Config config = score::load_config(path, options);
   Diagnostics diagnostics;
   const auto variants = variants_of(config, diagnostics);
   if (diagnostics.has_errors()) throw ConfigError(diagnostics);

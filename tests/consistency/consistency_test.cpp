@@ -17,9 +17,10 @@
 #include <Eigen/Dense>
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "binnacle/run.hpp"
 #include "catch.hpp"
+#include "plan.hpp"  // of sdk/score
 #include "run/runtime.hpp"
+#include "score/run.hpp"
 
 using namespace binnacle;
 
@@ -36,7 +37,7 @@ std::shared_ptr<const Composition> load(const std::string& file, std::vector<std
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions options;
   options.sets = std::move(sets);
-  return Composition::load(std::string(BINNACLE_TEST_PROJECT "/tests/consistency/") + file, options);
+  return score::load(std::string(BINNACLE_TEST_PROJECT "/tests/consistency/") + file, options);
 }
 
 /// Where the mean of `count` χ² variables of `dof` each lies with the given probability.
@@ -60,10 +61,11 @@ struct Average {
 };
 
 /// NEES of each block and of all together at the picked instants.
-class Nees : public SampleListener {
+class Nees : public runtime::SampleListener {
  public:
-  explicit Nees(Runtime& runtime)
+  Nees(runtime::Runtime& runtime, const Composition& composition)
       : runtime_(runtime),
+        scored_(score::plan_of(composition)),
         plan_(runtime.plan().filters.front()),
         figures_(instants.size(), std::vector<Average>(plan_.blocks.size() + 1)) {
     for (auto& row : figures_) {
@@ -71,7 +73,7 @@ class Nees : public SampleListener {
         row[b].dof = static_cast<int>(plan_.blocks[b].active.size());
       row.back().dof = plan_.n;
     }
-    runtime.listen(this, {runtime.plan().evaluation.references.front().channel});
+    runtime.listen(this, {scored_->references.front().channel});
   }
 
   void sampled(int channel, const SampleView& truth) override {
@@ -90,7 +92,7 @@ class Nees : public SampleListener {
     REQUIRE(engine.status().t == truth.t);
     const Eigen::MatrixXd P = engine.covariance().as();
     Eigen::VectorXd delta = Eigen::VectorXd::Constant(plan_.n, std::numeric_limits<double>::quiet_NaN());
-    for (const auto& reference : runtime_.plan().evaluation.references) {
+    for (const auto& reference : scored_->references) {
       REQUIRE(reference.channel == channel);
       const auto& block = plan_.blocks[static_cast<std::size_t>(reference.block)];
       std::vector<double> outputs;
@@ -112,7 +114,8 @@ class Nees : public SampleListener {
     return delta.dot(factor.solve(delta));
   }
 
-  Runtime& runtime_;
+  runtime::Runtime& runtime_;
+  std::shared_ptr<const score::ScorePlan> scored_;
   const FilterPlan& plan_;
   std::vector<std::vector<Average>> figures_;
 };
@@ -126,7 +129,7 @@ struct Consistency {
   bool nis_is_inside = false;
 };
 
-void run_to_the_end(Runtime& runtime, int run) {
+void run_to_the_end(runtime::Runtime& runtime, int run) {
   runtime.reset(seed, run);
   while (runtime.next_instant()) {
   }
@@ -134,9 +137,9 @@ void run_to_the_end(Runtime& runtime, int run) {
 }
 
 Consistency monte_carlo(const std::string& title, const std::shared_ptr<const Composition>& composition) {
-  binnacle::run(composition);  // opens its sources
-  Runtime runtime(composition->plan());
-  Nees nees(runtime);
+  score::run(composition);  // opens its sources
+  runtime::Runtime runtime(composition->plan());
+  Nees nees(runtime, *composition);
   double nis_sum = 0, nis_count = 0, dof_sum = 0;
   for (int run = 0; run < runs; ++run) {
     run_to_the_end(runtime, run);
@@ -224,9 +227,9 @@ TEST_CASE("a run's summary tells the NEES and NIS of that run") {
     const double t = instants[i];
     const auto composition = load("matched.json", {"/evaluate/after=" + std::to_string(t - 0.5),
                                                    "/evaluate/until=" + std::to_string(t + 0.5)});
-    const auto summary = binnacle::run(composition, {seed, 7}).summary["filters"]["ins"];
-    Runtime runtime(composition->plan());
-    const Nees nees(runtime);
+    const auto summary = score::run(composition, {seed, 7}).summary["filters"]["ins"];
+    runtime::Runtime runtime(composition->plan());
+    const Nees nees(runtime, *composition);
     run_to_the_end(runtime, 7);
     const auto& row = nees.figures()[i];
     for (std::size_t group = 0; group + 1 < row.size(); ++group) {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "binnacle/run.hpp"
 #include "catch.hpp"
 #include "run/runtime.hpp"
+#include "score/run.hpp"
 
 using namespace binnacle;
 
@@ -21,23 +21,24 @@ std::shared_ptr<const Composition> load(Sets sets = {}) {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions options;
   options.sets = std::move(sets);
-  return Composition::load(BINNACLE_TEST_PROJECT "/tests/consistency/matched.json", options);
+  return score::load(BINNACLE_TEST_PROJECT "/tests/consistency/matched.json", options);
 }
 
 /// The summary without what the clock on the wall says.
-std::string summary(const std::shared_ptr<const Composition>& composition, RunOptions options) {
-  auto told = binnacle::run(composition, options).summary;
+std::string summary(const std::shared_ptr<const Composition>& composition, score::RunOptions options) {
+  auto told = score::run(composition, options).summary;
   told.erase("wall_s");
   for (auto& [name, filter] : told["filters"].items()) filter.erase("filter_s");
   return told.dump();
 }
 
 /// All numbers of a field, "drive.imu wx", over a run; its times under "drive.imu t".
-class Samples : public SampleListener {
+class Samples : public runtime::SampleListener {
  public:
-  Samples(const std::shared_ptr<const Composition>& composition, RunOptions options) : plan_(composition->plan()) {
-    binnacle::run(composition, options);  // opens the sources
-    Runtime runtime(plan_);
+  Samples(const std::shared_ptr<const Composition>& composition, score::RunOptions options)
+      : plan_(composition->plan()) {
+    score::run(composition, options);  // opens the sources
+    runtime::Runtime runtime(plan_);
     std::vector<int> channels;
     for (std::size_t c = 0; c < plan_.channels.size(); ++c) channels.push_back(static_cast<int>(c));
     runtime.listen(this, channels);
@@ -67,11 +68,11 @@ class Samples : public SampleListener {
   const std::vector<double>& of(const std::string& name) const { return values_.at(name); }
 
  private:
-  const CompositionPlan& plan_;
+  const compose::CompositionPlan& plan_;
   std::map<std::string, std::vector<double>> values_;
 };
 
-Samples samples(Sets sets, RunOptions options = {5, 3}) { return {load(std::move(sets)), options}; }
+Samples samples(Sets sets, score::RunOptions options = {5, 3}) { return {load(std::move(sets)), options}; }
 
 using Names = std::vector<std::string>;
 const Names gyro = {"drive.imu wx", "drive.imu wy", "drive.imu wz"};

@@ -28,7 +28,7 @@ std::string reference() {
       "This file is made from the table in `kernel/src/config/codes.cpp`; `BINNACLE_WRITE_DOCS=1 tests/run -L docs` "
       "writes\n"
       "it anew.\n";
-  for (const auto& entry : diagnostic_codes())
+  for (const auto& entry : config::diagnostic_codes())
     text += "\n## " + std::string(entry.code) + ": " + std::string(entry.title) + "\n\n" + std::string(entry.cause) +
             "\n\n*Mend:* " + std::string(entry.mend) + "\n";
   return text;

@@ -34,9 +34,9 @@ Ends ends_of_outages(const ordered_json& summary, const char* what) {
 }
 
 /// The last record of each filter, by column.
-class LastRecord : public RunObserver {
+class LastRecord : public score::RunObserver {
  public:
-  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns) override {
+  void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
     names_[filter] = name;
     columns_[filter] = columns;
   }
@@ -47,7 +47,7 @@ class LastRecord : public RunObserver {
 
  private:
   std::map<int, std::string> names_;
-  std::map<int, std::vector<RecordColumn>> columns_;
+  std::map<int, std::vector<score::RecordColumn>> columns_;
 };
 
 /// Raw sensor axes to vehicle forward, left, up, as the data's README says, angles in degrees.

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "../recorded_data.hpp"
-#include "binnacle/run.hpp"
 #include "catch.hpp"
+#include "score/run.hpp"
 
 namespace recorded {
 
@@ -20,15 +20,16 @@ inline std::optional<std::filesystem::path> data() { return binnacle::test::reco
 
 /// The summary of configs/CONFIG.json; what fails is told with the config's name.
 inline nlohmann::ordered_json run(const std::filesystem::path& folder, const std::string& config,
-                                  std::vector<std::string> sets = {}, binnacle::RunObserver* observer = nullptr) {
+                                  std::vector<std::string> sets = {},
+                                  binnacle::score::RunObserver* observer = nullptr) {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   binnacle::LoadOptions load;
   load.vars["drives"] = folder.string();
   load.sets = std::move(sets);
-  binnacle::RunOptions options;
+  binnacle::score::RunOptions options;
   options.observer = observer;
-  const auto composition = binnacle::Composition::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load);
-  const binnacle::RunResult result = binnacle::run(composition, options);
+  const auto composition = binnacle::score::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load);
+  const binnacle::score::RunResult result = binnacle::score::run(composition, options);
   INFO(config << "\n" << result.failures.text());
   CHECK(result.failures.empty());
   if (!result.warnings.empty()) std::printf("%s: %s\n", config.c_str(), result.warnings.text().c_str());

@@ -13,9 +13,9 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/run.hpp"
 #include "catch.hpp"
 #include "gnss_data.hpp"
+#include "score/run.hpp"
 #include "strapdown/earth.hpp"
 
 using namespace binnacle;
@@ -26,15 +26,14 @@ using nlohmann::ordered_json;
 namespace {
 
 RunResult run_config(const std::filesystem::path& data, const std::string& config, std::vector<std::string> sets,
-                     RunObserver* observer = nullptr) {
+                     score::RunObserver* observer = nullptr) {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions load;
   load.vars["gnss"] = data.string();
   load.sets = std::move(sets);
-  RunOptions options;
+  score::RunOptions options;
   options.observer = observer;
-  RunResult result =
-      binnacle::run(Composition::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
+  RunResult result = score::run(score::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
   INFO(config << "\n" << result.failures.text());
   CHECK(result.failures.empty());
   return result;
@@ -72,9 +71,9 @@ class Changed {
 };
 
 /// What the car's filter says just after each whole second.
-class Seconds final : public RunObserver {
+class Seconds final : public score::RunObserver {
  public:
-  void begin(int, const std::string&, const std::vector<RecordColumn>& columns) override {
+  void begin(int, const std::string&, const std::vector<score::RecordColumn>& columns) override {
     for (std::size_t i = 0; i < columns.size(); ++i) column_[columns[i].name] = i;
   }
   void record(int, Time t, std::span<const double> values) override {

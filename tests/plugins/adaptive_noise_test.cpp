@@ -35,9 +35,9 @@ NoiseBinding single(int rows) { return {rows, {0}, {{"rows", "m"}}}; }
 template <class Estimator>
 std::unique_ptr<Estimator> make(const Json& config, const NoiseBinding& noise) {
   Diagnostics diagnostics;
-  const auto document = Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
   const ParameterValue value =
-      check_parameters(Estimator::spec().parameters, "estimator", document, "", {}, {}, diagnostics);
+      spec::check_parameters(Estimator::spec().parameters, "estimator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return std::make_unique<Estimator>(Binding("fix", Parameters(value), {}, {}), noise);

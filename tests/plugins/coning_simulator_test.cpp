@@ -29,9 +29,9 @@ namespace {
 /// As the kernel does it, units of defaults included.
 std::unique_ptr<ConingSimulator> bound(const json& config) {
   Diagnostics diagnostics;
-  const auto document = Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
   const ParameterValue value =
-      check_parameters(ConingSimulator::spec().parameters, "coning_simulator", document, "", {}, {}, diagnostics);
+      spec::check_parameters(ConingSimulator::spec().parameters, "coning_simulator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return std::make_unique<ConingSimulator>(Binding("coning", Parameters(value), {}, {}));

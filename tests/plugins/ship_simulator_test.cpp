@@ -35,8 +35,9 @@ constexpr double arcmin = degree / 60.0;
 
 ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
-  const auto document = Document::parse(config.dump(), "test.json", {}, diagnostics);
-  ParameterValue value = check_parameters(Sim::spec().parameters, "ship_simulator", document, "", {}, {}, diagnostics);
+  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+  ParameterValue value =
+      spec::check_parameters(Sim::spec().parameters, "ship_simulator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return value;

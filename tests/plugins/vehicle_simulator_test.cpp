@@ -37,9 +37,9 @@ constexpr double degree = std::numbers::pi / 180.0;
 
 ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
-  const auto document = Document::parse(config.dump(), "test.json", {}, diagnostics);
-  ParameterValue value =
-      check_parameters(VehicleSimulator::spec().parameters, "vehicle_simulator", document, "", {}, {}, diagnostics);
+  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+  ParameterValue value = spec::check_parameters(VehicleSimulator::spec().parameters, "vehicle_simulator", document, "",
+                                                {}, {}, diagnostics);
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return value;
@@ -791,7 +791,7 @@ TEST_CASE("the declaration is complete and its example works") {
   const ComponentSpec spec = VehicleSimulator::spec();
   REQUIRE(!spec.summary.empty());
   REQUIRE(!spec.source.empty());
-  REQUIRE(spec_defects(spec).empty());
+  REQUIRE(spec::spec_defects(spec).empty());
   const std::function<void(const ParameterSpec&)> check = [&](const ParameterSpec& parameter) {
     INFO(parameter.name);
     REQUIRE((!parameter.text.empty() || parameter.name == "segment"));

@@ -11,8 +11,8 @@
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 
-#include "binnacle/run.hpp"
 #include "command.hpp"
+#include "score/run.hpp"
 
 using namespace binnacle::test;
 using Eigen::MatrixXd;
@@ -65,7 +65,7 @@ class Drawing {
 };
 
 /// Where Φ, Qd and H were ever anything but zero, and Φ anything but the identity.
-class Seen final : public binnacle::RunObserver, public binnacle::StepObserver {
+class Seen final : public binnacle::score::RunObserver, public binnacle::StepObserver {
  public:
   explicit Seen(const binnacle::FilterInfo& info)
       : info_(info), phi(Filled::Constant(info.dof, info.dof, false)), qd(phi) {}
@@ -123,13 +123,13 @@ Drawing check(const Case& what) {
   REQUIRE(drawn.status == 0);
   CHECK(drawn.out.empty());
 
-  const auto composition = binnacle::Composition::load(config, options);
+  const auto composition = binnacle::score::load(config, options);
   const auto& info = composition->filters().at(0);
   const Drawing drawing(bench.path("sparsity.svg"), info.dof);
   Seen seen(info);
-  binnacle::RunOptions run;
+  binnacle::score::RunOptions run;
   run.observer = &seen;
-  binnacle::run(composition, run);
+  binnacle::score::run(composition, run);
   REQUIRE(seen.steps >= 60);
   CHECK(outside(seen.phi, drawing.phi) == 0);
   CHECK(outside(seen.qd, drawing.qd) == 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loader and the catalog, on plugins that are good, broken, and hostile; BINNACLE_LOADER_TEST_PLUGINS is their place.
 #include "binnacle/catalog.hpp"
+#include "document/document.hpp"
 
 #include <unistd.h>
 
@@ -349,7 +350,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load(plugin("good"), diagnostics);
-  CHECK(describe(*catalog.find(Role::process_model, "rest")) ==
+  CHECK(document::describe(*catalog.find(Role::process_model, "rest")) ==
         "good/rest: process model (plugin good 1.2.3)\n"
         "  Nothing moves\n"
         "\n"
@@ -362,7 +363,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
         "\n"
         "Parameters\n"
         "  q  as many as x, unit of x/sqrt(s), >= 0  required  noise\n");
-  CHECK(describe(*catalog.find(Role::state_block, "still")) ==
+  CHECK(document::describe(*catalog.find(Role::state_block, "still")) ==
         "good/still: state block (plugin good 1.2.3)\n"
         "  One number that is what it is\n"
         "  Source: none\n"
@@ -373,7 +374,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
         "\n"
         "Example\n"
         "  {\"length\": \"3 m\", \"sigma\": \"1 m\"}\n");
-  const auto json = describe_json(*catalog.find(Role::process_model, "rest"));
+  const auto json = document::describe_json(*catalog.find(Role::process_model, "rest"));
   CHECK(
       json["parameters"].dump() ==
       R"json([{"name":"q","type":"vector","unit":"@x/sqrt(s)","required":true,"at_least":0.0,"size_of_port":"x","text":"noise"}])json");
@@ -419,5 +420,5 @@ TEST_CASE("a skeleton holds what has to be filled in", "[catalog]") {
   }
 }
 )";
-  CHECK(skeleton(catalog.types()) == expected);
+  CHECK(document::skeleton(catalog.types()) == expected);
 }

@@ -101,7 +101,7 @@ TEST_CASE("a transposition is nearer than another edit", "[diagnostic]") {
 TEST_CASE("the codes are sorted, unique and explained", "[diagnostic]") {
   std::set<std::string> seen;
   std::string last;
-  for (const CodeEntry& entry : diagnostic_codes()) {
+  for (const config::CodeEntry& entry : config::diagnostic_codes()) {
     const std::string code = entry.code;
     INFO(code);
     CHECK(code.size() == 4);

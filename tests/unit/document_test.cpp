@@ -12,6 +12,7 @@
 #include "catch.hpp"
 
 using namespace binnacle;
+using config::Document;
 namespace fs = std::filesystem;
 
 namespace {

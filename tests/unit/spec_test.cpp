@@ -10,6 +10,7 @@
 #include "spec/kind.hpp"
 
 using namespace binnacle;
+using namespace binnacle::spec;
 using Lines = std::vector<std::string>;
 
 namespace {

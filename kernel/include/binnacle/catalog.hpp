@@ -9,13 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/registry.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle {
+
+namespace plugin {
+class PluginRegistry;
+}
 
 enum class Role {
   state_block,
@@ -72,7 +74,7 @@ class ComponentType {
   }
 
  private:
-  friend class PluginRegistry;
+  friend class plugin::PluginRegistry;
 
   [[noreturn]] void rethrow_as_component_error(const char* call_name) const;
 
@@ -138,15 +140,10 @@ class Catalog {
   std::unique_ptr<Contents> contents_;
 };
 
-/// `binnacle describe`: source, ports, fields, parameters with unit, range and default, an example.
-std::string describe(const ComponentType& type);
-nlohmann::ordered_json describe_json(const ComponentType& type);
-
-/// JSON Schema (draft-07) of a whole config with these types. Full names, and short ones where they are unambiguous.
-nlohmann::ordered_json schema(const Catalog& catalog);
-
-/// A config with one component of each type, required parameters to be filled in and the others at their defaults.
-std::string skeleton(const std::vector<const ComponentType*>& types);
+/// "s, > 0": unit and range of the parameter, or what else its value has to be.
+std::string requirement_text(const ParameterSpec& spec);
+/// A value as one would write it, inside its range, as JSON text: "\"1 h\"".
+std::string example_text(const ParameterSpec& spec);
 
 /// This program's ABI guard against a plugin's, for `binnacle version`: one line per field, "name: value".
 std::vector<std::pair<std::string, std::string>> host_guard();

@@ -16,16 +16,20 @@
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/load_options.hpp"
 #include "binnacle/sample.hpp"
+#include "binnacle/section.hpp"
 #include "binnacle/state_block.hpp"
 
 namespace binnacle {
 
+namespace compose {
 struct CompositionPlan;
+}
 
 /// Where a block lies in a filter's stored state and in its covariance.
 struct BlockInfo {
   std::string name;
   std::string type;
+  const StateBlock* block = nullptr;
   const StateBlockDeclaration* declaration = nullptr;
   int stored_offset = 0;
   int first_row = 0;             // of P
@@ -37,12 +41,16 @@ struct BlockInfo {
 struct RowGroupInfo {
   std::string name;
   std::string unit;
+  std::string kind = {};  // the model's own name for such rows; empty where it declares no group
+  int like = -1;  // rows are the error components of this block of the filter, or of one of its kind; −1: of none
 };
 
 struct MeasurementInfo {
   std::string name;
   int max_rows = 0;
   std::vector<RowGroupInfo> groups;  // counted through its parts, as UpdateRecord::row_groups tells them
+  std::vector<int> blocks = {};      // that its H has columns of, in the filter's order
+  bool adapts_noise = false;         // it has a noise estimator
 };
 
 struct FilterInfo {
@@ -50,6 +58,7 @@ struct FilterInfo {
   int dof = 0;  // rows of P
   int stored_size = 0;
   std::vector<BlockInfo> blocks;
+  std::vector<std::string> derived;  // names of derived blocks
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
 };
@@ -57,6 +66,7 @@ struct FilterInfo {
 struct ChannelInfo {
   std::string name;
   const ChannelDeclaration* declaration = nullptr;
+  std::vector<int> position = {};  // of each declared field among the per-epoch or the per-row fields of a sample
 };
 
 /// Immutable; share it between threads. Holds the plugins' libraries for as long as it lives.
@@ -80,17 +90,17 @@ class Composition {
   std::uint64_t hash() const;
   /// The config as resolved: extends merged, variables and --set applied.
   const nlohmann::ordered_json& config() const;
+  /// What LoadOptions::sections made of theirs, in their order; null where one made nothing.
+  const std::vector<std::shared_ptr<const SectionData>>& sections() const;
   /// A dry run for people: state layout, who couples to whom, channels, what components found out, what is unused.
   nlohmann::ordered_json explain() const;
-  /// `"record": {"every": …}`; 0: at every step.
-  Time record_every() const;
 
-  const CompositionPlan& plan() const { return *plan_; }  // the kernel's own
+  const compose::CompositionPlan& plan() const { return *plan_; }  // the kernel's own
 
  private:
-  explicit Composition(std::unique_ptr<CompositionPlan> plan, Diagnostics warnings);
+  explicit Composition(std::unique_ptr<compose::CompositionPlan> plan, Diagnostics warnings);
 
-  std::unique_ptr<CompositionPlan> plan_;
+  std::unique_ptr<compose::CompositionPlan> plan_;
   Diagnostics warnings_;
   std::vector<FilterInfo> filters_;
   std::vector<ChannelInfo> channels_;

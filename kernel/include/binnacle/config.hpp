@@ -13,7 +13,9 @@
 
 namespace binnacle {
 
+namespace config {
 class Document;
+}
 
 class Config {
  public:
@@ -27,7 +29,7 @@ class Config {
   Origin key_origin(std::string_view pointer) const;
 
  private:
-  std::shared_ptr<const Document> document_;
+  std::shared_ptr<const config::Document> document_;
 };
 
 /// pointer + "/" + token, its `~` and `/` escaped.

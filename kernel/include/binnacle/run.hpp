@@ -1,72 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
-// run: a composition with its sources, from the first sample to the last, scored against its references.
+// run: a composition with its sources, from the first sample to the last.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <span>
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/metric.hpp"
-#include "binnacle/step_log.hpp"
+#include "binnacle/session.hpp"
 
 namespace binnacle {
 
-/// One column of a record: "position.lat" in "rad".
-struct RecordColumn {
-  std::string name;
-  std::string unit;
-};
-
-/// One error over a run, truth − estimate, at the times of the reference; spans end with the call that gave them.
-struct ErrorSeries {
-  std::string name;  // "position.horizontal", "position.nees"; "match.velocity.noise": an adapted √R
-  std::string unit;  // SI, as the numbers are
-  std::string display_unit;
-  std::span<const Time> t;
-  std::span<const double> values;
-  std::span<const double> sigma;  // what the filter thought of it, 1-σ; empty where that is not known
-};
-
-/// Sees a run while it happens.
+/// Watches a run while it happens.
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
-  /// Whether begin() and record() are wanted; reading estimates and their 1-σ costs more than a filter step.
-  virtual bool wants_records() const { return true; }
-  /// Before the first record of each filter: what its rows hold, outputs and then their 1-σ.
-  virtual void begin(int /*filter*/, const std::string& /*name*/, const std::vector<RecordColumn>& /*columns*/) {}
-  /// Estimates at t, at most as often as the config's `record` says.
-  virtual void record(int /*filter*/, Time /*t*/, std::span<const double> /*values*/) {}
-  /// A filter's own step observer, asked for before the run; null: none.
-  virtual StepObserver* step_observer(int /*filter*/) { return nullptr; }
-  /// After the run, if records are wanted: every error there is against references and withheld samples.
-  virtual void scored(int /*filter*/, const ErrorSeries& /*errors*/) {}
+  /// Before the first sample. The session lives until finished() has returned; step observers are attached here.
+  virtual void begin(Session& /*session*/) {}
+  /// A sample on a channel that a section subscribes to, once its instant is done.
+  virtual void sampled(int /*channel*/, const SampleView& /*sample*/) {}
+  /// After each instant, and once more after the last.
+  virtual void after_instant() {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
   virtual bool progress(Time /*t*/) { return true; }
+  /// All is done but closing the sinks.
+  virtual void finished() {}
 };
 
 struct RunOptions {
   std::uint64_t seed = 1;
-  int run = 0;  // which of a study's runs: random streams are keyed by (seed, run, component)
+  int run = 0;  // random streams are keyed by (seed, run, component)
   RunObserver* observer = nullptr;
-  std::vector<Metric> metrics = {};  // of this composition, for RunResult::metrics
-  bool feeds_sinks = true;           // false where several runs share the composition's sinks
+  bool feeds_sinks = true;  // false where several runs share the composition's sinks
 };
 
 struct RunResult {
-  /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
-  ///   "steps", "filter_s" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
+  /// { "filters": { NAME: { "measurements", "start_s", "end_s", "steps", "input_gaps", "filter_s", "broken" } },
+  ///   "warnings", "seed", "wall_s" }
   nlohmann::ordered_json summary;
-  std::vector<MetricValue> metrics;  // those of RunOptions, in their order
-  Diagnostics warnings;              // gaps and repairs in the data
-  Diagnostics failures;              // B080 broken, B081 never started; empty when all went well
+  Diagnostics warnings;  // gaps and repairs in the data
+  Diagnostics failures;  // B080 broken, B081 never started; empty when all went well
 };
 
 /// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of

@@ -18,7 +18,9 @@
 
 namespace binnacle {
 
+namespace runtime {
 class Runtime;
+}
 
 /// Counts of what became of a measurement's samples since the start.
 struct MeasurementCounts {
@@ -28,6 +30,7 @@ struct MeasurementCounts {
   std::int64_t recoveries = 0;
   std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
   double nis_mean = 0;             // of accepted samples; NaN when there is none
+  std::int64_t nis_count = 0;      // of them
   double dof_mean = 0;             // rows per accepted sample
   std::string last_reason;         // of the newest sample that was not accepted
 };
@@ -51,7 +54,8 @@ class Session {
     int block = 0;
   };
 
-  explicit Session(std::shared_ptr<const Composition> composition);
+  /// As after reset(seed, run).
+  explicit Session(std::shared_ptr<const Composition> composition, std::uint64_t seed = 0, int run = 0);
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -80,6 +84,9 @@ class Session {
   /// Of the filter's estimates; no_time before it has started.
   Time time(int filter) const;
 
+  /// When it started; no_time before.
+  Time start_time(int filter) const;
+
   /// The block's readable outputs (roll, pitch, yaw), in the order of its declaration [SI].
   void read(Block block, std::span<double> outputs) const;
   /// Standard deviations of those outputs, to first order [SI]. `outputs.size()` numbers.
@@ -103,11 +110,11 @@ class Session {
   void reset(std::uint64_t seed = 0, int run = 0);
 
   const Composition& composition() const { return *composition_; }
-  Runtime& runtime() { return *runtime_; }  // the kernel's own
+  runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
 
  private:
   std::shared_ptr<const Composition> composition_;
-  std::unique_ptr<Runtime> runtime_;
+  std::unique_ptr<runtime::Runtime> runtime_;
   mutable std::vector<double> scratch_;
 };
 

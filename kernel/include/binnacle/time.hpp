@@ -21,4 +21,22 @@ constexpr double seconds(Time duration) noexcept { return static_cast<double>(du
 /// The nearest nanosecond to a number of seconds. |s| must be below 9.2e9.
 inline Time nanoseconds(double s) noexcept { return static_cast<Time>(std::llround(s * 1e9)); }
 
+/// An instant: of the channels' clock, or counted from a filter's start ("start+60 s").
+struct When {
+  Time time = 0;
+  bool from_start = false;
+};
+
+/// A stretch of time, both ends included; an end may count from the filter's start.
+struct TimeSpan {
+  Time from = no_time;
+  Time to = no_time;
+  bool from_is_relative = false;
+  bool to_is_relative = false;
+
+  bool contains(Time t, Time start) const {
+    return t >= from + (from_is_relative ? start : 0) && t <= to + (to_is_relative ? start : 0);
+  }
+};
+
 }  // namespace binnacle

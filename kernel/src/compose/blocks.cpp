@@ -6,15 +6,9 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
 
 namespace {
-
-std::vector<std::string> names_of(const std::vector<NamedUnit>& components) {
-  std::vector<std::string> names;
-  for (const auto& component : components) names.push_back(component.name);
-  return names;
-}
 
 /// "velocity" of "velocity.ned", "vector" of "vector:3:m".
 std::string family(const std::string& kind) { return kind.substr(0, kind.find_first_of(".:")); }
@@ -30,8 +24,7 @@ void Composer::begin_filters() {
   for (const auto& [name, value] : filters->items()) {
     const std::string pointer = join_pointer("/filters", name);
     if (!object_at(document(), pointer, "a filter", diagnostics_)) continue;
-    check_keys(document(), pointer, {"blocks", "derived", "process", "measurements", "implied_states"},
-               "filter '" + name + "'", diagnostics_);
+    check_section_keys(pointer, {"blocks", "derived", "process", "measurements"}, "filter '" + name + "'");
     FilterBuild build;
     build.pointer = pointer;
     build.plan.name = name;
@@ -319,4 +312,4 @@ void Composer::publish_estimates(FilterBuild& build) {
   build.plan.output_channel = indices.front();
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::compose

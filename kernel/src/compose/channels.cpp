@@ -4,15 +4,9 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
 
 namespace {
-
-std::vector<std::string> field_names(const ChannelDeclaration& declaration) {
-  std::vector<std::string> names;
-  for (const auto& field : declaration.fields) names.push_back(field.name);
-  return names;
-}
 
 const char* kind_name(FieldKind kind) {
   switch (kind) {
@@ -119,8 +113,8 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
         error("B021", at_pointer,
               "channel '" + channel.name + "' has no field '" + name + "'" +
                   (takes_any_unit(field) ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
-                  suggestion(name, field_names(channel.declaration)) + " (it has " +
-                  listed(field_names(channel.declaration)) + "; map another with \"fields\": {\"" + field.name +
+                  suggestion(name, names_of(channel.declaration.fields)) + " (it has " +
+                  listed(names_of(channel.declaration.fields)) + "; map another with \"fields\": {\"" + field.name +
                   "\": …})");
     } else {
       const auto carried = parse_unit(found->unit.empty() ? "1" : found->unit);
@@ -320,4 +314,4 @@ void Composer::add_sinks() {
   }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::compose

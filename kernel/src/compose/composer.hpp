@@ -7,12 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
+#include "binnacle/composition.hpp"
 #include "compose/composition_plan.hpp"
 #include "config/pointer.hpp"
 #include "spec/check.hpp"
 #include "spec/kind.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
+
+using base::listed;
+using base::names_of;
+using base::suggestion;
 
 /// A block or derived block as ports see it.
 struct ValueInfo {
@@ -49,7 +55,7 @@ struct FilterBuild {
 
 class Composer {
  public:
-  Composer(Document document, Diagnostics& diagnostics);
+  Composer(Document document, const LoadOptions& options, Diagnostics& diagnostics);
 
   /// Null when there are errors.
   std::unique_ptr<CompositionPlan> compose();
@@ -104,16 +110,15 @@ class Composer {
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_withholding(MeasurementPlan& measurement, const std::string& pointer);
   void collect_touched(FilterBuild& build, MeasurementPlan& measurement);
-  void add_implied_states(FilterBuild& build);
   std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
 
   // transition.cpp
   void plan_transition(FilterBuild& build);
 
-  // evaluation.cpp
-  void read_evaluation();
-  void read_metrics();
-  void add_reference(const std::string& pointer);
+  // sections.cpp
+  friend class Draft;
+  void check_section_keys(const std::string& pointer, std::vector<std::string> own, const std::string& what);
+  void read_sections();
 
   // shared
   /// The object's type, found in the catalog; null with an error.
@@ -142,6 +147,7 @@ class Composer {
   const Document& document() const { return plan_->document; }
 
   std::unique_ptr<CompositionPlan> plan_;
+  std::vector<std::shared_ptr<const Section>> sections_;
   Diagnostics& diagnostics_;
   std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
   std::vector<FilterBuild> builds_;
@@ -155,9 +161,11 @@ std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec);
 /// Who hears each channel, by JSON pointer.
 std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan);
 
-/// "a, b, c" for messages, cut after a dozen.
-std::string listed(const std::vector<std::string>& names);
-/// "; did you mean 'x'?" or "".
-std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
+/// What a Composition says of its filters; of an unfinished one, as far as it got.
+std::vector<FilterInfo> filter_infos(const CompositionPlan& plan);
+std::vector<ChannelInfo> channel_infos(const CompositionPlan& plan);
 
-}  // namespace binnacle
+/// What Composition::explain() gives.
+nlohmann::ordered_json explain(const CompositionPlan& plan);
+
+}  // namespace binnacle::compose

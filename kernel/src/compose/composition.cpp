@@ -5,34 +5,17 @@
 #include <algorithm>
 #include <sstream>
 
+#include "base/hash.hpp"
+#include "base/index.hpp"
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
-#include "filter/residual_rows.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
 
-namespace {
+using base::as_size;
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i == 12) return text + ", …";
-    text += (i ? ", " : "") + names[i];
-  }
-  return text;
-}
-
-std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::string nearest = closest(name, candidates);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
-}
-
-Composer::Composer(Document document, Diagnostics& diagnostics)
-    : plan_(std::make_unique<CompositionPlan>()), diagnostics_(diagnostics) {
+Composer::Composer(Document document, const LoadOptions& options, Diagnostics& diagnostics)
+    : plan_(std::make_unique<CompositionPlan>()), sections_(options.sections), diagnostics_(diagnostics) {
   plan_->document = std::move(document);
 }
 
@@ -76,11 +59,12 @@ const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
   return plan_->catalog.find(role, *type, document().origin(type_pointer), type_pointer, diagnostics_);
 }
 
+// The config's keys that the kernel reads; the composition is known by what stands under them.
+const std::vector<std::string> own_keys = {"binnacle", "title",      "description", "plugins", "vars",
+                                           "sources",  "transforms", "filters",     "sinks"};
+
 void Composer::read_head() {
-  check_keys(document(), "",
-             {"binnacle", "title", "description", "plugins", "vars", "sources", "transforms", "filters", "sinks",
-              "reference", "evaluate", "record", "study", "covariance", "metrics"},
-             "the config", diagnostics_);
+  check_section_keys("", own_keys, "the config");
   const auto* version = at("/binnacle");
   if (!version)
     key_error("B028", "", "the config does not begin with \"binnacle\": 1 (the version of its format)");
@@ -222,23 +206,22 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
     plan_->filters.push_back(std::move(build.plan));
   }
   add_sinks();
-  read_evaluation();
+  read_sections();
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
-  read_metrics();
-  if (diagnostics_.has_errors()) return nullptr;
   warn_of_unheard();
 
-  std::uint64_t hash = document().hash();
-  const auto mix = [&hash](std::string_view text) {
-    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  };
-  mix(BINNACLE_VERSION);
-  for (const auto& plugin : plan_->catalog.plugins()) mix(plugin.name + "=" + plugin.version + ";");
-  plan_->hash = hash;
+  base::Fnv1a hash(document().hash(own_keys));
+  hash.add(BINNACLE_VERSION);
+  for (const auto& plugin : plan_->catalog.plugins()) hash.add(plugin.name + "=" + plugin.version + ";");
+  plan_->hash = hash.value();
   return std::move(plan_);
 }
+
+}  // namespace binnacle::compose
+
+namespace binnacle {
 
 namespace {
 
@@ -261,8 +244,8 @@ namespace {
 
 std::shared_ptr<const Composition> Composition::load(const std::filesystem::path& config, const LoadOptions& options) {
   Diagnostics diagnostics;
-  Document document = Document::load(config, options, diagnostics);
-  Composer composer(std::move(document), diagnostics);
+  auto document = config::Document::load(config, options, diagnostics);
+  compose::Composer composer(std::move(document), options, diagnostics);
   if (diagnostics.has_errors()) throw_errors(diagnostics);
   auto plan = composer.compose();
   if (!plan) throw_errors(diagnostics);
@@ -272,37 +255,19 @@ std::shared_ptr<const Composition> Composition::load(const std::filesystem::path
 std::shared_ptr<const Composition> Composition::parse(std::string_view text, const std::filesystem::path& name,
                                                       const LoadOptions& options) {
   Diagnostics diagnostics;
-  Document document = Document::parse(text, name, options, diagnostics);
+  auto document = config::Document::parse(text, name, options, diagnostics);
   if (diagnostics.has_errors()) throw_errors(diagnostics);
-  Composer composer(std::move(document), diagnostics);
+  compose::Composer composer(std::move(document), options, diagnostics);
   auto plan = composer.compose();
   if (!plan) throw_errors(diagnostics);
   return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
 }
 
-Composition::Composition(std::unique_ptr<CompositionPlan> plan, Diagnostics warnings)
-    : plan_(std::move(plan)), warnings_(std::move(warnings)) {
-  for (const auto& filter : plan_->filters) {
-    FilterInfo info;
-    info.name = filter.name;
-    info.dof = filter.n;
-    info.stored_size = filter.stored_size;
-    info.input_channel = filter.input_channel;
-    for (const auto& block : filter.blocks) {
-      BlockInfo entry{block.name, block.type, &block.declaration(), block.stored_offset, block.first, block.active, {}};
-      for (const Use use : block.use)
-        entry.use.push_back(use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen");
-      info.blocks.push_back(std::move(entry));
-    }
-    for (const auto& measurement : filter.measurements) {
-      MeasurementInfo entry{measurement.name, measurement.max_rows, {}};
-      for (const auto& group : residual_rows_of(filter, measurement)) entry.groups.push_back({group.name, group.unit});
-      info.measurements.push_back(std::move(entry));
-    }
-    filters_.push_back(std::move(info));
-  }
-  for (const auto& channel : plan_->channels) channels_.push_back({channel.name, &channel.declaration});
-}
+Composition::Composition(std::unique_ptr<compose::CompositionPlan> plan, Diagnostics warnings)
+    : plan_(std::move(plan)),
+      warnings_(std::move(warnings)),
+      filters_(compose::filter_infos(*plan_)),
+      channels_(compose::channel_infos(*plan_)) {}
 
 Composition::~Composition() = default;
 const std::string& Composition::title() const { return plan_->title; }
@@ -312,6 +277,6 @@ const Catalog& Composition::catalog() const { return plan_->catalog; }
 const Diagnostics& Composition::warnings() const { return warnings_; }
 std::uint64_t Composition::hash() const { return plan_->hash; }
 const nlohmann::ordered_json& Composition::config() const { return plan_->document.root(); }
-Time Composition::record_every() const { return plan_->record_every; }
+const std::vector<std::shared_ptr<const SectionData>>& Composition::sections() const { return plan_->sections; }
 
 }  // namespace binnacle

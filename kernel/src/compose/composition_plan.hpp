@@ -10,13 +10,15 @@
 #include <vector>
 
 #include "binnacle/catalog.hpp"
-#include "binnacle/metric.hpp"
+#include "binnacle/section.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
 #include "filter/plan.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
+
+using namespace spec;
 
 struct SourceHead {
   Time t = no_time;
@@ -67,29 +69,10 @@ struct Node {
   int index = 0;
 };
 
-/// What a filter is scored against: a block's outputs on a channel, or what was withheld from a measurement.
-struct ReferencePlan {
-  int filter = 0;
-  int block = -1;          // −1: withheld samples of `measurement`
-  int implied_state = -1;  // ≥ 0: this implied state of the block, not the block
+/// A channel whose samples a section of the config wants to see in every run.
+struct Subscription {
   int channel = -1;
-  std::vector<int> fields;        // per output of the block: per-epoch field of the channel, −1: not told
-  std::optional<double> invalid;  // a sample whose fields all have this value tells nothing
-  int measurement = -1;
-  std::string label;  // "truth", "withheld fix"
-};
-
-struct NamedWindow {
-  std::string name;
-  int filter = -1;  // −1: all
-  TimeSpan span;
-};
-
-struct EvaluationPlan {
-  std::vector<ReferencePlan> references;
-  TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
-  std::vector<NamedWindow> windows;
-  std::vector<Metric> metrics;
+  std::string pointer;  // of the subscriber
 };
 
 /// Sources are opened by the first run of a composition, whichever thread that is, and stay open.
@@ -115,8 +98,8 @@ struct CompositionPlan {
   std::vector<SinkPlan> sinks;
   std::vector<Node> nodes;
   std::vector<FoundPlan> found;
-  EvaluationPlan evaluation;
-  Time record_every = 0;
+  std::vector<Subscription> subscriptions;
+  std::vector<std::shared_ptr<const SectionData>> sections;
   Layout layout;
   std::uint64_t hash = 0;
   std::shared_ptr<SourceOpening> opening = std::make_shared<SourceOpening>();
@@ -128,4 +111,4 @@ struct CompositionPlan {
   }
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::compose

@@ -4,16 +4,17 @@
 #include <map>
 #include <set>
 
+#include "base/index.hpp"
 #include "binnacle/composition.hpp"
 #include "compose/composer.hpp"
 
-namespace binnacle {
+namespace binnacle::compose {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using base::as_size;
 
 const char* kind_name(FieldKind kind) {
   return kind == FieldKind::rate ? "rate" : kind == FieldKind::increment ? "increment" : "level";
@@ -209,12 +210,10 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     measurements.push_back(std::move(entry));
   }
   explanation["measurements"] = std::move(measurements);
-  Json implied_states = Json::array();
-  for (const auto& implied_state : filter.implied_states)
-    implied_states.push_back({{"name", implied_state.value.name},
-                              {"measurement", filter.measurements[as_size(implied_state.measurement)].name},
-                              {"block", filter.blocks[as_size(implied_state.block)].name}});
-  if (!implied_states.empty()) explanation["implied_states"] = std::move(implied_states);
+  const auto index = static_cast<int>(&filter - plan.filters.data());
+  for (const auto& section : plan.sections)
+    if (const std::string added = section ? section->explain(index) : ""; !added.empty())
+      explanation.update(Json::parse(added));
   Json initial = Json::array();
   for (const auto& latest : filter.initial) {
     Json entry{{"channel", plan.channels[as_size(latest.channel)].name}};
@@ -256,52 +255,58 @@ std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan) {
       if (block.initial.channel >= 0)
         add(filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
   }
-  for (const auto& reference : plan.evaluation.references) add(reference.channel, "/reference");
+  for (const auto& subscription : plan.subscriptions) add(subscription.channel, subscription.pointer);
   return heard;
 }
 
-Json Composition::explain() const {
-  const auto heard = listeners(*plan_);
+Json explain(const CompositionPlan& plan) {
+  const auto heard = listeners(plan);
   Json channels = Json::array(), unused = Json::array();
-  for (std::size_t c = 0; c < plan_->channels.size(); ++c) {
-    const auto& channel = plan_->channels[c];
+  for (std::size_t c = 0; c < plan.channels.size(); ++c) {
+    const auto& channel = plan.channels[c];
     Json fields = Json::array();
     for (const auto& field : channel.declaration.fields)
       fields.push_back(
           {{"name", field.name}, {"unit", field.unit}, {"kind", kind_name(field.kind)}, {"per_row", field.is_per_row}});
     channels.push_back(
         {{"name", channel.name}, {"from", channel.pointer}, {"fields", std::move(fields)}, {"heard_by", heard[c]}});
-    if (heard[c].empty() && !is_filter_output(*plan_, c)) unused.push_back(channel.name);
+    if (heard[c].empty() && !is_filter_output(plan, c)) unused.push_back(channel.name);
   }
   Json transforms = Json::array();
-  for (const auto& transform : plan_->transforms) {
+  for (const auto& transform : plan.transforms) {
     Json inputs = Json::array(), outputs = Json::array();
     for (const auto& input : transform.inputs)
-      if (input.channel >= 0) inputs.push_back(plan_->channels[as_size(input.channel)].name);
-    for (const int channel : transform.channels) outputs.push_back(plan_->channels[as_size(channel)].name);
+      if (input.channel >= 0) inputs.push_back(plan.channels[as_size(input.channel)].name);
+    for (const int channel : transform.channels) outputs.push_back(plan.channels[as_size(channel)].name);
     transforms.push_back({{"name", transform.name},
                           {"type", transform.type->full_name()},
                           {"inputs", std::move(inputs)},
                           {"outputs", std::move(outputs)}});
   }
   Json sources = Json::array();
-  for (const auto& source : plan_->sources) {
+  for (const auto& source : plan.sources) {
     Json outputs = Json::array();
-    for (const int channel : source.channels) outputs.push_back(plan_->channels[as_size(channel)].name);
+    for (const int channel : source.channels) outputs.push_back(plan.channels[as_size(channel)].name);
     sources.push_back({{"name", source.name}, {"type", source.type->full_name()}, {"outputs", std::move(outputs)}});
   }
   Json filters = Json::array();
-  for (const auto& filter : plan_->filters) filters.push_back(explain_filter(*plan_, filter));
+  for (const auto& filter : plan.filters) filters.push_back(explain_filter(plan, filter));
   Json found = Json::array();
-  for (const auto& component : plan_->found) {
+  for (const auto& component : plan.found) {
     Json figures = Json::array();
     for (const auto& figure : component.figures)
       figures.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
     found.push_back({{"at", component.pointer}, {"figures", std::move(figures)}});
   }
-  return {{"title", plan_->title},     {"sources", std::move(sources)},      {"transforms", std::move(transforms)},
-          {"channels", channels},      {"filters", std::move(filters)},      {"unused_channels", std::move(unused)},
-          {"found", std::move(found)}, {"arena_bytes", plan_->layout.size()}};
+  return {{"title", plan.title},       {"sources", std::move(sources)},    {"transforms", std::move(transforms)},
+          {"channels", channels},      {"filters", std::move(filters)},    {"unused_channels", std::move(unused)},
+          {"found", std::move(found)}, {"arena_bytes", plan.layout.size()}};
 }
+
+}  // namespace binnacle::compose
+
+namespace binnacle {
+
+nlohmann::ordered_json Composition::explain() const { return compose::explain(*plan_); }
 
 }  // namespace binnacle

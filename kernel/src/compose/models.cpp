@@ -7,13 +7,11 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+#include "base/index.hpp"
 
-namespace {
+namespace binnacle::compose {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+using base::as_size;
 
 void Composer::finish_filters() {
   for (auto& build : builds_) {
@@ -26,7 +24,6 @@ void Composer::finish_filters() {
     add_derived(build);
     add_processes(build);
     add_measurements(build);
-    add_implied_states(build);
     if (error_count() != errors) build.is_complete = false;
     if (build.is_complete) plan_transition(build);
   }
@@ -710,53 +707,4 @@ void Composer::add_withholding(MeasurementPlan& measurement, const std::string& 
           TimeSpan{window->from.time, window->to.time, window->from.from_start, window->to.from_start});
 }
 
-void Composer::add_implied_states(FilterBuild& build) {
-  const std::string section = join_pointer(build.pointer, "implied_states");
-  const auto* implied_states = object_at(document(), section, "'implied_states'", diagnostics_);
-  if (!implied_states) return;
-  const auto index_of = [&](const std::string& implied_state, const char* key, const std::string& pointer,
-                            const std::vector<std::string>& names) {
-    if (!require_key(document(), pointer, key, implied_state, std::string("a ") + key + " of the filter", diagnostics_))
-      return -1;
-    const std::string at_pointer = join_pointer(pointer, key);
-    const auto name = read_string(document(), at_pointer, diagnostics_);
-    if (!name) return -1;
-    const auto found = std::find(names.begin(), names.end(), *name);
-    if (found != names.end()) return static_cast<int>(found - names.begin());
-    const std::string other = join_pointer(join_pointer(build.pointer, std::string(key) + "s"), *name);
-    if (!at(other))  // else it was refused and that has been told
-      error(std::string(key) == "block" ? "B015" : "B027", at_pointer,
-            "the filter has no " + std::string(key) + " '" + *name + "'" + suggestion(*name, names) + " (" + key +
-                "s: " + listed(names) + ")");
-    return -1;
-  };
-  std::vector<std::string> blocks, measurements;
-  for (const auto& block : build.plan.blocks) blocks.push_back(block.name);
-  for (const auto& measurement : build.plan.measurements) measurements.push_back(measurement.name);
-  for (const auto& [name, value] : implied_states->items()) {
-    const std::string pointer = join_pointer(section, name);
-    if (!object_at(document(), pointer, "an implied state", diagnostics_)) continue;
-    check_keys(document(), pointer, {"measurement", "block"}, "an implied state", diagnostics_);
-    if (build.value(name) >= 0) key_error("B002", pointer, "a block is called '" + name + "' already");
-    ImpliedStatePlan implied_state;
-    implied_state.measurement = index_of(name, "measurement", pointer, measurements);
-    implied_state.block = index_of(name, "block", pointer, blocks);
-    if (implied_state.measurement < 0 || implied_state.block < 0) continue;
-    const auto& measurement = build.plan.measurements[as_size(implied_state.measurement)];
-    implied_state.value = build.plan.blocks[as_size(implied_state.block)];
-    const int rows = static_cast<int>(implied_state.value.active.size());
-    const auto& columns = measurement.columns.columns;
-    if (std::find(columns.begin(), columns.end(), implied_state.value.first) == columns.end() || rows == 0 ||
-        rows > measurement.max_rows) {
-      error("B015", pointer,
-            "measurement '" + measurement.name + "' does not tell block '" + implied_state.value.name +
-                "': it must see all " + std::to_string(rows) + " of its components");
-      continue;
-    }
-    implied_state.value.name = name;
-    implied_state.value.first = 0;
-    build.plan.implied_states.push_back(std::move(implied_state));
-  }
-}
-
-}  // namespace binnacle
+}  // namespace binnacle::compose

@@ -10,6 +10,8 @@ namespace binnacle::parts {
 
 namespace {
 
+using namespace compose;
+
 template <class Plans>
 const auto& named(const Plans& plans, std::string_view name) {
   const auto found = std::find_if(plans.begin(), plans.end(), [&](const auto& plan) { return plan.name == name; });

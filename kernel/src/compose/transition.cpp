@@ -7,11 +7,13 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle {
+#include "base/index.hpp"
+
+namespace binnacle::compose {
 
 namespace {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using base::as_size;
 
 /// A contribution to the block (to, from) of Φ.
 struct Contribution {
@@ -330,4 +332,4 @@ class TransitionBuilder {
 
 void Composer::plan_transition(FilterBuild& build) { TransitionBuilder(build).run(); }
 
-}  // namespace binnacle
+}  // namespace binnacle::compose

@@ -3,7 +3,7 @@
 // B09x studies.
 #include "config/codes.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 namespace {
 
@@ -139,4 +139,4 @@ constexpr CodeEntry entries[] = {
 
 std::span<const CodeEntry> diagnostic_codes() { return entries; }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

@@ -8,7 +8,7 @@ namespace binnacle {
 Config Config::load(const std::filesystem::path& path, const LoadOptions& options) {
   Diagnostics diagnostics;
   Config config;
-  config.document_ = std::make_shared<const Document>(Document::load(path, options, diagnostics));
+  config.document_ = std::make_shared<const config::Document>(config::Document::load(path, options, diagnostics));
   if (diagnostics.has_errors()) throw ConfigError(diagnostics);
   return config;
 }

@@ -8,13 +8,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/hash.hpp"
+#include "binnacle/section.hpp"
 #include "config/extends.hpp"
 #include "config/node.hpp"
 #include "config/pointer.hpp"
 #include "config/settings.hpp"
 #include "config/variables.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 namespace fs = std::filesystem;
 
@@ -26,7 +28,10 @@ class DocumentBuilder {
     std::optional<Node> root = extends.resolve(path, text);
     Document document;
     if (!root) return document;
-    drop_nulls(*root);
+    std::vector<std::string> patches;
+    for (const auto& section : options.sections)
+      for (auto& place : section->patches()) patches.push_back(std::move(place));
+    drop_nulls(*root, patches);
     const auto current_folder = std::make_shared<const fs::path>(fs::current_path());
     const auto set = [&](bool wants_inside_a_patch) {
       for (const std::string& setting : options.sets)
@@ -34,10 +39,10 @@ class DocumentBuilder {
           apply_setting(*root, setting, current_folder, diagnostics);
     };
     set(true);
-    for (const std::string& pointer : options.patches) apply_patch(*root, pointer, diagnostics);
+    for (const std::string& pointer : options.patches) apply_patch(*root, pointer, patches, diagnostics);
     document.is_patched_ = !options.patches.empty();
     set(false);
-    drop_nulls(*root);  // once more, for what patches and --set brought
+    drop_nulls(*root, patches);  // once more, for what patches and --set brought
     fill_in_variables(*root, options.vars, current_folder, diagnostics);
     document.root_ = to_json(*root);
     record(document, *root, root->origin, "");
@@ -51,7 +56,8 @@ class DocumentBuilder {
                        [&](const std::string& patch) { return pointer == patch || pointer.starts_with(patch + "/"); });
   }
 
-  static void apply_patch(Node& root, const std::string& pointer, Diagnostics& diagnostics) {
+  static void apply_patch(Node& root, const std::string& pointer, const std::vector<std::string>& patches,
+                          Diagnostics& diagnostics) {
     const Node* patch = &root;
     const auto tokens = split_pointer(pointer);
     for (std::size_t i = 0; patch && tokens && i < tokens->size(); ++i) {
@@ -67,7 +73,7 @@ class DocumentBuilder {
     merge_patch(root, Node(*patch));
     root.origin = origin;
     root.folder = folder;
-    drop_nulls(root);
+    drop_nulls(root, patches);
   }
 
   static void record(Document& document, const Node& node, const Origin& key, const std::string& pointer) {
@@ -113,15 +119,13 @@ std::string Document::resolve_path(std::string_view pointer) const {
   return (base_dir(pointer) / root_.at(where).get<std::string>()).lexically_normal().string();
 }
 
-std::uint64_t Document::hash() const {
-  constexpr std::uint64_t offset_basis = 14695981039346656037U;  // FNV-1a, 64 bits
-  constexpr std::uint64_t prime = 1099511628211U;
-  std::uint64_t hash = offset_basis;
-  nlohmann::ordered_json what_runs = root_;
-  what_runs.erase("study");
-  what_runs.erase("covariance");
-  for (const char c : what_runs.dump()) hash = (hash ^ static_cast<unsigned char>(c)) * prime;
-  return hash;
+std::uint64_t Document::hash(const std::vector<std::string>& keys) const {
+  auto hashed = nlohmann::ordered_json::object();
+  for (const auto& [key, value] : root_.items())
+    if (keys.empty() || std::find(keys.begin(), keys.end(), key) != keys.end()) hashed[key] = value;
+  base::Fnv1a hash;
+  hash.add(hashed.dump());
+  return hash.value();
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

@@ -15,11 +15,11 @@
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/load_options.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 /// Order of work: comments away, `extends` (RFC 7386, the innermost base first), patches, `--set`, variables. A member
-/// that is null deletes what it meets and is then gone itself; only the merge patches under /study/variants
-/// and /study/dimensions keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
+/// that is null deletes what it meets and is then gone itself; only objects of merge
+/// patches, where a section of LoadOptions has them, keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
 class Document {
  public:
   static Document load(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& diagnostics);
@@ -45,8 +45,8 @@ class Document {
   /// Whether some of its own patches were merged over it.
   bool is_patched() const { return is_patched_; }
 
-  /// FNV-1a of the compact dump of root() without "study" and "covariance", which change no run.
-  std::uint64_t hash() const;
+  /// FNV-1a of the compact dump of what stands under these keys of root(), or of all of it.
+  std::uint64_t hash(const std::vector<std::string>& keys = {}) const;
 
  private:
   friend class DocumentBuilder;
@@ -63,4 +63,4 @@ class Document {
   bool is_patched_ = false;
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::config

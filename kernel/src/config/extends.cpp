@@ -10,10 +10,11 @@
 #include <system_error>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/json_reader.hpp"
 #include "config/pointer.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 namespace fs = std::filesystem;
 
@@ -22,7 +23,7 @@ namespace {
 // A config that doubles itself in a few levels must not fill the memory.
 constexpr std::size_t most_values = 1'000'000;
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 /// The text, or why it cannot be read.
 std::pair<std::string, std::string> slurp(const fs::path& path) {
@@ -214,4 +215,4 @@ void Extends::tell_missing(const ConfigFile& other, const std::vector<std::strin
   diagnostics_.error("B004", statement.node->origin, statement.pointer, message);
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

@@ -15,7 +15,7 @@
 #include "binnacle/diagnostic.hpp"
 #include "config/node.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 /// A file as it stands, before any `extends`.
 struct ConfigFile {
@@ -65,4 +65,4 @@ class Extends {
   std::size_t copied_ = 0;
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::config

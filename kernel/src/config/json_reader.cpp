@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/pointer.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 namespace {
 
@@ -16,7 +17,7 @@ using nlohmann::ordered_json;
 
 struct SyntaxStop {};
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 std::string place_text(const Origin& origin) {
   return "line " + std::to_string(origin.line) + ", column " + std::to_string(origin.column);
@@ -380,4 +381,4 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

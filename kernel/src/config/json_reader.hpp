@@ -11,7 +11,7 @@
 #include "binnacle/diagnostic.hpp"
 #include "config/node.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 /// Lines and columns count from 1, columns in characters (code points). Goes on after a duplicate key and
 /// after a comma too many or too few; nothing if the rest cannot be read.
@@ -25,4 +25,4 @@ std::optional<Node> read_json_value(std::string_view text, const std::string& or
 
 bool is_utf8(std::string_view text);
 
-}  // namespace binnacle
+}  // namespace binnacle::config

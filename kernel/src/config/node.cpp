@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-namespace binnacle {
+#include "config/pointer.hpp"
+
+namespace binnacle::config {
 
 Member* Node::find(std::string_view key) {
   const auto found = std::find_if(members.begin(), members.end(), [&](const Member& m) { return m.key == key; });
@@ -72,39 +74,38 @@ void merge_patch(Node& target, Node patch) {
 
 namespace {
 
-void drop_nulls_below(Node& node) {
-  std::erase_if(node.members, [](const Member& m) { return m.value.kind == Node::Kind::null; });
-  for (Member& member : node.members) drop_nulls_below(member.value);
-  for (Node& element : node.elements) drop_nulls_below(element);
-}
+using Tokens = std::vector<std::string>;
 
-/// Takes the merge patches out of the object, for as long as the nulls of everything else are dropped.
-std::vector<Member> take_patches(Node* object) {
-  return object ? std::exchange(object->members, {}) : std::vector<Member>{};
-}
+bool is_null(const Member& member) { return member.value.kind == Node::Kind::null; }
 
-void put_back(Node* object, std::vector<Member> patches) {
-  if (!object) return;
-  std::erase_if(patches, [](const Member& m) { return m.value.kind == Node::Kind::null; });
-  object->members = std::move(patches);
+/// `patches`: those places of patches that lie below the node, which is `depth` tokens deep.
+void drop_nulls_below(Node& node, const std::vector<Tokens>& patches, std::size_t depth) {
+  std::erase_if(node.members, is_null);
+  for (Member& member : node.members) {
+    std::vector<Tokens> below;
+    bool holds_patches = false;
+    for (const Tokens& place : patches) {
+      if (place[depth] != member.key && place[depth] != "*") continue;
+      if (place.size() == depth + 1)
+        holds_patches = true;
+      else
+        below.push_back(place);
+    }
+    if (holds_patches)
+      std::erase_if(member.value.members, is_null);
+    else
+      drop_nulls_below(member.value, below, depth + 1);
+  }
+  for (Node& element : node.elements) drop_nulls_below(element, {}, depth + 1);
 }
 
 }  // namespace
 
-void drop_nulls(Node& root) {
-  const auto value_of = [](Node* node, std::string_view key) {
-    Member* member = node ? node->find(key) : nullptr;
-    return member ? &member->value : nullptr;
-  };
-  Node* const study = value_of(&root, "study");
-  std::vector<Member> variants = take_patches(value_of(study, "variants"));
-  std::vector<std::pair<std::string, std::vector<Member>>> dimensions;
-  if (Node* all = value_of(study, "dimensions"))
-    for (Member& dimension : all->members) dimensions.emplace_back(dimension.key, take_patches(&dimension.value));
-  drop_nulls_below(root);
-  Node* const kept = value_of(&root, "study");
-  put_back(value_of(kept, "variants"), std::move(variants));
-  for (auto& [name, patches] : dimensions) put_back(value_of(value_of(kept, "dimensions"), name), std::move(patches));
+void drop_nulls(Node& root, const std::vector<std::string>& patches) {
+  std::vector<Tokens> places;
+  for (const std::string& pointer : patches)
+    if (auto tokens = split_pointer(pointer); tokens && !tokens->empty()) places.push_back(std::move(*tokens));
+  drop_nulls_below(root, places, 0);
 }
 
 nlohmann::ordered_json to_json(const Node& node) {
@@ -128,4 +129,4 @@ std::size_t node_count(const Node& node) {
   return count;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

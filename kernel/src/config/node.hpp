@@ -12,7 +12,7 @@
 
 #include "binnacle/diagnostic.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 struct Member;
 
@@ -47,12 +47,12 @@ Node scalar_node(nlohmann::ordered_json value, Origin origin, std::shared_ptr<co
 /// of the target keep their order, new ones follow.
 void merge_patch(Node& target, Node patch);
 
-/// Removes the members that are null, except those of the merge patches under /study/variants and
-/// /study/dimensions.
-void drop_nulls(Node& root);
+/// Removes the members that are null, except those of objects of merge patches: `patches` are the JSON pointers at which
+/// they stand, `*` for any key.
+void drop_nulls(Node& root, const std::vector<std::string>& patches);
 
 nlohmann::ordered_json to_json(const Node& node);
 
 std::size_t node_count(const Node& node);
 
-}  // namespace binnacle
+}  // namespace binnacle::config

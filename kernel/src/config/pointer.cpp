@@ -4,6 +4,8 @@
 
 namespace binnacle {
 
+namespace config {
+
 std::string escape_token(std::string_view token) {
   std::string text;
   for (const char c : token) {
@@ -18,13 +20,17 @@ std::string escape_token(std::string_view token) {
   return text;
 }
 
+}  // namespace config
+
 std::string join_pointer(std::string_view pointer, std::string_view token) {
-  return std::string(pointer) + "/" + escape_token(token);
+  return std::string(pointer) + "/" + config::escape_token(token);
 }
 
 std::string join_pointer(std::string_view pointer, std::size_t index) {
   return std::string(pointer) + "/" + std::to_string(index);
 }
+
+namespace config {
 
 std::optional<std::vector<std::string>> split_pointer(std::string_view pointer) {
   std::vector<std::string> tokens;
@@ -48,5 +54,7 @@ std::string parent_pointer(std::string_view pointer) {
   const std::size_t slash = pointer.rfind('/');
   return std::string(pointer.substr(0, slash == std::string_view::npos ? 0 : slash));
 }
+
+}  // namespace config
 
 }  // namespace binnacle

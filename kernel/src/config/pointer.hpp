@@ -7,14 +7,12 @@
 #include <string_view>
 #include <vector>
 
-namespace binnacle {
+#include "binnacle/config.hpp"
+
+namespace binnacle::config {
 
 /// `~` becomes ~0 and `/` becomes ~1.
 std::string escape_token(std::string_view token);
-
-/// pointer + "/" + the escaped token.
-std::string join_pointer(std::string_view pointer, std::string_view token);
-std::string join_pointer(std::string_view pointer, std::size_t index);
 
 /// The unescaped tokens; nothing if the text is no pointer. "" has none.
 std::optional<std::vector<std::string>> split_pointer(std::string_view pointer);
@@ -22,4 +20,4 @@ std::optional<std::vector<std::string>> split_pointer(std::string_view pointer);
 /// "/a/b" of "/a/b/c"; "" stays "".
 std::string parent_pointer(std::string_view pointer);
 
-}  // namespace binnacle
+}  // namespace binnacle::config

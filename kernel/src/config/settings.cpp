@@ -8,16 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
 #include "config/json_reader.hpp"
 #include "config/pointer.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 namespace {
 
 const Origin command_line{"--set", 0, 0};
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 std::optional<std::size_t> index_of(const std::string& token) {
   std::size_t index = 0;
@@ -121,4 +122,4 @@ void apply_setting(Node& root, const std::string& setting,
   assign(root, *tokens, *std::move(value), setter);
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

@@ -9,11 +9,11 @@
 #include "binnacle/diagnostic.hpp"
 #include "config/node.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 /// The value is read as JSON, else it is a text; null deletes; a last token `-` appends to a list. Objects on
 /// the way are made where they are missing.
 void apply_setting(Node& root, const std::string& setting,
                    const std::shared_ptr<const std::filesystem::path>& current_folder, Diagnostics& diagnostics);
 
-}  // namespace binnacle
+}  // namespace binnacle::config

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/text.hpp"
 #include "binnacle/diagnostic.hpp"
 
 namespace binnacle {
@@ -127,7 +128,7 @@ std::vector<std::string> every_name() {
   return names;
 }
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 

@@ -10,16 +10,17 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
 #include "config/json_reader.hpp"
 #include "config/pointer.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 namespace {
 
 const Origin command_line{"--var", 0, 0};
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 bool is_name(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
@@ -208,4 +209,4 @@ void fill_in_variables(Node& root, const std::map<std::string, std::string>& giv
   variables.check_given();
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::config

@@ -10,11 +10,11 @@
 #include "binnacle/diagnostic.hpp"
 #include "config/node.hpp"
 
-namespace binnacle {
+namespace binnacle::config {
 
 /// Fills in every text below root, "vars" itself included. A text that is one "${name}" and nothing else
 /// takes the variable's value with its type. A text that begins with a variable takes that variable's folder.
 void fill_in_variables(Node& root, const std::map<std::string, std::string>& given,
                        const std::shared_ptr<const std::filesystem::path>& current_folder, Diagnostics& diagnostics);
 
-}  // namespace binnacle
+}  // namespace binnacle::config

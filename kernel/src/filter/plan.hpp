@@ -131,18 +131,6 @@ struct GatherPlan {
   std::size_t target = 0;  // offset in the workspace: active(to) × active(from), column-major
 };
 
-/// A stretch of time, both ends included; an end may count from the filter's start.
-struct TimeSpan {
-  Time from = no_time;
-  Time to = no_time;
-  bool from_is_relative = false;
-  bool to_is_relative = false;
-
-  bool contains(Time t, Time start) const {
-    return t >= from + (from_is_relative ? start : 0) && t <= to + (to_is_relative ? start : 0);
-  }
-};
-
 struct PartPlan {
   /// Where a read's Jacobian goes in the compact H: straight, or through the Jacobian of a derived value.
   struct Target {
@@ -223,13 +211,6 @@ struct MeasurementPlan {
   std::size_t memory_bytes = 0;  // of its parts together, for the rollback copy
 };
 
-/// An implied state: a block as one measurement tells it, all else that is in the measurement taken from the filter.
-struct ImpliedStatePlan {
-  BlockPlan value;  // the block's, under the implied state's name and with rows counted from 0
-  int measurement = 0;
-  int block = 0;
-};
-
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
 struct LatestPlan {
   int channel = 0;
@@ -281,7 +262,6 @@ struct FilterPlan {
   std::vector<DerivedPlan> derived;
   std::vector<ProcessPlan> processes;
   std::vector<MeasurementPlan> measurements;
-  std::vector<ImpliedStatePlan> implied_states;
   std::vector<LatestPlan> initial;  // channels that initial values come from
   std::vector<LatestPlan> auxiliary;
   std::vector<std::string> channel_names;

@@ -13,6 +13,7 @@
 #define BOOST_DLL_USE_STD_FS
 #include <boost/dll/runtime_symbol_info.hpp>
 
+#include "base/text.hpp"
 #include "plugin/guard.hpp"
 #include "plugin/library_file.hpp"
 #include "plugin/loader.hpp"
@@ -35,7 +36,7 @@ const char* role_name(Role role) {
   return "component";
 }
 
-std::vector<std::string> exported_symbols(const fs::path& file) { return inspect_library(file).exported; }
+std::vector<std::string> exported_symbols(const fs::path& file) { return plugin::inspect_library(file).exported; }
 
 std::vector<std::pair<std::string, std::string>> host_guard() { return abi::fields_of(abi::guard_of_host()); }
 
@@ -113,7 +114,7 @@ void Catalog::load(const fs::path& file, Diagnostics& diagnostics) {
     }
     return true;
   };
-  std::optional<LoadedPlugin> plugin = load_plugin(canonical, diagnostics, is_new);
+  std::optional<plugin::LoadedPlugin> plugin = plugin::load_plugin(canonical, diagnostics, is_new);
   if (!plugin) return;
   contents_->plugins.push_back(plugin->info);
   for (ComponentType& type : plugin->types) contents_->components.push_back(std::move(type));
@@ -150,7 +151,7 @@ bool is_called(const ComponentType& type, std::string_view name) {
   return type.spec.type == name || (name.find('/') != std::string_view::npos && type.full_name() == name);
 }
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 std::string article(const std::string& noun) {
   return (std::string_view("aeiou").find(noun.front()) != std::string_view::npos ? "an " : "a ") + noun;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace binnacle {
+namespace binnacle::plugin {
 
 namespace {
 
@@ -145,4 +145,4 @@ LibraryFile inspect_library(const std::filesystem::path& file) {
   return result;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::plugin

@@ -9,7 +9,7 @@
 
 #include "binnacle/abi.hpp"
 
-namespace binnacle {
+namespace binnacle::plugin {
 
 inline constexpr const char* guard_symbol = "binnacle_guard_v1";
 inline constexpr const char* register_symbol = "binnacle_register_v1";
@@ -26,4 +26,4 @@ struct LibraryFile {
 /// static one, and bounds nothing). Never throws for what the file holds.
 LibraryFile inspect_library(const std::filesystem::path& file);
 
-}  // namespace binnacle
+}  // namespace binnacle::plugin

@@ -19,7 +19,7 @@
 #include "plugin/library_file.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle {
+namespace binnacle::plugin {
 
 using Library = boost::dll::shared_library;
 
@@ -72,6 +72,10 @@ class PluginRegistry final : public Registry {
   const PluginInfo& info_;
   std::shared_ptr<const void> library_;
 };
+
+}  // namespace binnacle::plugin
+
+namespace binnacle {
 
 // ---- the library boundary
 
@@ -147,6 +151,10 @@ std::shared_ptr<Transform> ComponentType::create_transform(const Binding& bindin
 std::shared_ptr<Sink> ComponentType::create_sink(const Binding& binding) const {
   return create<Sink>(Role::sink, binding);
 }
+
+}  // namespace binnacle
+
+namespace binnacle::plugin {
 
 // ---- loading
 
@@ -247,7 +255,7 @@ bool check_types(const PluginInfo& info, const std::vector<ComponentType>& types
     const ComponentSpec& spec = types[i].spec;
     const std::string who = "plugin '" + info.name + "', component '" + spec.type + "': ";
     if (!is_name(spec.type)) refuse("B045", who + "its type is no name in snake_case");
-    for (const std::string& defect : spec_defects(spec)) refuse("B045", who + defect);
+    for (const std::string& defect : spec::spec_defects(spec)) refuse("B045", who + defect);
     for (std::size_t j = 0; j < i; ++j) {
       if (types[j].spec.type == spec.type) {
         refuse("B046", "plugin '" + info.name + "' registers '" + spec.type + "' twice");
@@ -282,4 +290,4 @@ std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagn
   return plugin;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::plugin

@@ -9,7 +9,7 @@
 
 #include "binnacle/catalog.hpp"
 
-namespace binnacle {
+namespace binnacle::plugin {
 
 struct LoadedPlugin {
   PluginInfo info;
@@ -21,4 +21,4 @@ struct LoadedPlugin {
 std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagnostics& diagnostics,
                                         const std::function<bool(const PluginInfo&)>& accept);
 
-}  // namespace binnacle
+}  // namespace binnacle::plugin

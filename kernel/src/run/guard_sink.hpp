@@ -7,7 +7,9 @@
 #include "binnacle/diagnostic.hpp"
 #include "compose/composition_plan.hpp"
 
-namespace binnacle {
+namespace binnacle::runtime {
+
+using namespace compose;
 
 /// Throws DataError: a sink that cannot write ends the run.
 template <class Call>
@@ -22,4 +24,4 @@ void guard_sink(const CompositionPlan& plan, const SinkPlan& sink, const char* c
   }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::runtime

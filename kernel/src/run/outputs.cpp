@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/outputs.hpp"
+#include "binnacle/outputs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,25 +7,25 @@
 
 namespace binnacle {
 
-std::size_t output_sigma_scratch(const BlockPlan& block) {
-  const auto outputs = block.declaration().outputs.size();
-  const auto dof = static_cast<std::size_t>(block.dof());
-  return dof + static_cast<std::size_t>(block.declaration().stored_size) + 2 * outputs + outputs * dof;
+std::size_t output_sigma_scratch(const BlockInfo& block) {
+  const auto outputs = block.declaration->outputs.size();
+  const auto dof = static_cast<std::size_t>(block.declaration->dof());
+  return dof + static_cast<std::size_t>(block.declaration->stored_size) + 2 * outputs + outputs * dof;
 }
 
-void output_sigmas(const BlockPlan& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
-  const auto& declaration = block.declaration();
+void output_sigmas(const BlockInfo& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
+  const auto& declaration = *block.declaration;
   const int outputs = static_cast<int>(declaration.outputs.size());
   const int active = static_cast<int>(block.active.size());
   double* const delta = scratch;
-  double* const moved = delta + block.dof();
+  double* const moved = delta + block.declaration->dof();
   double* const above = moved + declaration.stored_size;
   double* const below = above + outputs;
   double* const J = below + outputs;  // outputs × active
-  std::fill_n(delta, block.dof(), 0.0);
+  std::fill_n(delta, block.declaration->dof(), 0.0);
   for (int a = 0; a < active; ++a) {
     const int component = block.active[static_cast<std::size_t>(a)];
-    const double sigma = std::sqrt(std::max(0.0, P(block.first + a, block.first + a)));
+    const double sigma = std::sqrt(std::max(0.0, P(block.first_row + a, block.first_row + a)));
     // A step of the size of the uncertainty itself, but small against the curvature of an angle.
     const double step = std::clamp(sigma, 1e-9, 1e-4);
     delta[component] = step;
@@ -46,7 +46,7 @@ void output_sigmas(const BlockPlan& block, const double* x, MatrixView P, double
     double variance = 0;
     for (int a = 0; a < active; ++a)
       for (int b = 0; b < active; ++b)
-        variance += J[i + a * outputs] * P(block.first + a, block.first + b) * J[i + b * outputs];
+        variance += J[i + a * outputs] * P(block.first_row + a, block.first_row + b) * J[i + b * outputs];
     sigmas[i] = std::sqrt(std::max(0.0, variance));
   }
 }

@@ -2,33 +2,34 @@
 #include "binnacle/run.hpp"
 
 #include <chrono>
+#include <set>
 
-#include "binnacle/session.hpp"
+#include "base/index.hpp"
 #include "filter/residual_rows.hpp"
-#include "run/evaluator.hpp"
 #include "run/guard_sink.hpp"
-#include "run/outputs.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
 
 namespace {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using namespace runtime;
+
+using base::as_size;
 
 class WarningReporter : public Reporter {
  public:
-  WarningReporter(Diagnostics& warnings, const SourcePlan& source) : warnings_(warnings), source_(source) {}
+  WarningReporter(Diagnostics& warnings, const compose::SourcePlan& source) : warnings_(warnings), source_(source) {}
   void warn(const std::string& code, const std::string& file, int line, const std::string& message) override {
     warnings_.warning(code, Origin{file, line, 0}, source_.pointer, message);
   }
 
  private:
   Diagnostics& warnings_;
-  const SourcePlan& source_;
+  const compose::SourcePlan& source_;
 };
 
-void open_sources(const CompositionPlan& plan, Diagnostics& warnings) {
+void open_sources(const compose::CompositionPlan& plan, Diagnostics& warnings) {
   Diagnostics errors;
   for (const auto& source : plan.sources) {
     WarningReporter reporter(warnings, source);
@@ -44,74 +45,6 @@ void open_sources(const CompositionPlan& plan, Diagnostics& warnings) {
   }
   if (errors.has_errors()) throw DataError(errors);
 }
-
-/// Writes a filter's outputs, their 1-σ and what its noise estimators made of R, at most every so often.
-class Recorder {
- public:
-  Recorder(const Runtime& runtime, const Evaluator& evaluator, RunObserver& observer, Time every)
-      : runtime_(runtime), evaluator_(evaluator), observer_(observer), every_(every) {
-    const auto& filters = runtime.plan().filters;
-    next_.assign(filters.size(), no_time);
-    last_.assign(filters.size(), no_time);
-    std::size_t scratch = 1, width = 1;
-    for (std::size_t f = 0; f < filters.size(); ++f) {
-      std::vector<RecordColumn> columns, sigmas;
-      for (const auto& block : filters[f].blocks) {
-        for (const auto& output : block.declaration().outputs) {
-          columns.push_back({block.name + "." + output.name, output.unit});
-          sigmas.push_back({block.name + "." + output.name + ".sigma", output.unit});
-        }
-        scratch = std::max(scratch, output_sigma_scratch(block));
-      }
-      columns.insert(columns.end(), sigmas.begin(), sigmas.end());
-      const auto implied_states = evaluator.implied_state_columns(static_cast<int>(f));
-      columns.insert(columns.end(), implied_states.begin(), implied_states.end());
-      implied_state_columns_.push_back(implied_states.size());
-      const auto noise = evaluator.noise_columns(static_cast<int>(f));
-      columns.insert(columns.end(), noise.begin(), noise.end());
-      noise_columns_.push_back(noise.size());
-      width = std::max(width, columns.size());
-      observer.begin(static_cast<int>(f), filters[f].name, columns);
-    }
-    scratch_.resize(scratch);
-    values_.resize(width);
-  }
-
-  void after_instant() {
-    for (std::size_t f = 0; f < next_.size(); ++f) {
-      const auto& engine = runtime_.engine(static_cast<int>(f));
-      if (!engine.started() || engine.broken()) continue;
-      const Time t = engine.status().t;
-      if (t == last_[f] || (next_[f] != no_time && t < next_[f])) continue;
-      last_[f] = t;
-      if (every_ > 0) next_[f] = next_[f] == no_time ? t + every_ : next_[f] + (1 + (t - next_[f]) / every_) * every_;
-      std::size_t at = 0;
-      for (const auto& block : engine.plan().blocks) {
-        block.block->read(engine.state() + block.stored_offset, values_.data() + at);
-        at += block.declaration().outputs.size();
-      }
-      for (const auto& block : engine.plan().blocks) {
-        output_sigmas(block, engine.state() + block.stored_offset, engine.covariance(), scratch_.data(),
-                      values_.data() + at);
-        at += block.declaration().outputs.size();
-      }
-      evaluator_.latest_implied_states(static_cast<int>(f), t, values_.data() + at);
-      at += implied_state_columns_[f];
-      evaluator_.latest_noise(static_cast<int>(f), values_.data() + at);
-      at += noise_columns_[f];
-      observer_.record(static_cast<int>(f), t, {values_.data(), at});
-    }
-  }
-
- private:
-  const Runtime& runtime_;
-  const Evaluator& evaluator_;
-  RunObserver& observer_;
-  Time every_;
-  std::vector<std::size_t> implied_state_columns_, noise_columns_;
-  std::vector<Time> next_, last_;
-  std::vector<double> scratch_, values_;
-};
 
 /// Rows that a gate by row or key took out of accepted samples: in all, and which.
 nlohmann::ordered_json left_out_summary(const Engine& engine, int measurement) {
@@ -156,16 +89,6 @@ nlohmann::ordered_json measurement_summary(const Engine& engine) {
   return summary;
 }
 
-nlohmann::ordered_json metric_summary(const Evaluator& evaluator, const CompositionPlan& plan) {
-  nlohmann::ordered_json summary = nlohmann::ordered_json::object();
-  for (const auto& metric : plan.evaluation.metrics) {
-    const double value = evaluator.value(metric).value;
-    const auto unit = parse_unit(metric.unit);
-    summary[metric.name] = {{"value", to_unit(value, unit ? *unit : Unit{})}, {"unit", metric.unit}};
-  }
-  return summary;
-}
-
 void note_failures(const Runtime& runtime, Diagnostics& failures) {
   const auto& plan = runtime.plan();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
@@ -190,6 +113,51 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
   }
 }
 
+/// Hands the samples of subscribed channels on.
+class SampleRelay final : public SampleListener {
+ public:
+  explicit SampleRelay(RunObserver& observer) : observer_(observer) {}
+  void sampled(int channel, const SampleView& sample) override { observer_.sampled(channel, sample); }
+
+ private:
+  RunObserver& observer_;
+};
+
+std::vector<int> subscribed_channels(const compose::CompositionPlan& plan) {
+  std::set<int> channels;
+  for (const auto& subscription : plan.subscriptions) channels.insert(subscription.channel);
+  return {channels.begin(), channels.end()};
+}
+
+/// From the first instant to the end of the sources.
+void run_sources(Runtime& runtime, RunObserver& observer) {
+  SampleRelay relay(observer);
+  runtime.listen(&relay, subscribed_channels(runtime.plan()));
+  for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
+    observer.after_instant();
+    if (instants % 256 == 0 && !observer.progress(runtime.time())) break;
+  }
+  runtime.finish();
+  observer.after_instant();
+  observer.finished();
+  runtime.listen(nullptr, {});
+}
+
+nlohmann::ordered_json filter_summary(const Runtime& runtime, int filter) {
+  const auto& engine = runtime.engine(filter);
+  nlohmann::ordered_json entry;
+  entry["measurements"] = measurement_summary(engine);
+  if (engine.started()) {
+    entry["start_s"] = seconds(engine.status().start);
+    entry["end_s"] = seconds(engine.status().t);
+  }
+  entry["steps"] = engine.status().steps;
+  if (engine.status().gaps > 0) entry["input_gaps"] = engine.status().gaps;
+  entry["filter_s"] = runtime.filter_seconds(filter);
+  if (engine.broken()) entry["broken"] = engine.diagnosis();
+  return entry;
+}
+
 }  // namespace
 
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
@@ -199,54 +167,22 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   std::call_once(plan.opening->once, [&] { open_sources(plan, plan.opening->warnings); });
   result.warnings = plan.opening->warnings;
 
-  Runtime runtime(plan);
-  runtime.reset(options.seed, options.run);
+  RunObserver nobody;
+  RunObserver& observer = options.observer ? *options.observer : nobody;
+  Session session(composition, options.seed, options.run);
+  Runtime& runtime = session.runtime();
   runtime.feed_sinks(options.feeds_sinks);
-  std::vector<StepObserver*> observers;
-  if (options.observer)
-    for (std::size_t f = 0; f < plan.filters.size(); ++f)
-      observers.push_back(options.observer->step_observer(static_cast<int>(f)));
-  Evaluator evaluator(runtime, observers);
-  evaluator.watch(plan.evaluation.metrics);
-  evaluator.watch(options.metrics);
-  std::unique_ptr<Recorder> recorder;
-  const bool records = options.observer && options.observer->wants_records();
-  if (records) evaluator.keep_sigmas();
-  if (records)
-    recorder = std::make_unique<Recorder>(runtime, evaluator, *options.observer, composition->record_every());
+  observer.begin(session);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks) guard_sink(plan, sink, "open", [&] { sink.sink->open(); });
-
-  for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
-    if (recorder) recorder->after_instant();
-    if (options.observer && instants % 256 == 0 && !options.observer->progress(runtime.time())) break;
-  }
-  runtime.finish();
-  if (recorder) recorder->after_instant();
-  evaluator.finish();
-  if (records) evaluator.tell_errors(*options.observer);
+  run_sources(runtime, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks) guard_sink(plan, sink, "close", [&] { sink.sink->close(); });
 
   nlohmann::ordered_json filters = nlohmann::ordered_json::object();
-  for (std::size_t f = 0; f < plan.filters.size(); ++f) {
-    const auto& engine = runtime.engine(static_cast<int>(f));
-    auto entry = evaluator.filter_summary(static_cast<int>(f));
-    entry["measurements"] = measurement_summary(engine);
-    if (engine.started()) {
-      entry["start_s"] = seconds(engine.status().start);
-      entry["end_s"] = seconds(engine.status().t);
-    }
-    entry["steps"] = engine.status().steps;
-    if (engine.status().gaps > 0) entry["input_gaps"] = engine.status().gaps;
-    entry["filter_s"] = runtime.filter_seconds(static_cast<int>(f));
-    if (engine.broken()) entry["broken"] = engine.diagnosis();
-    filters[plan.filters[f].name] = std::move(entry);
-  }
+  for (std::size_t f = 0; f < plan.filters.size(); ++f)
+    filters[plan.filters[f].name] = filter_summary(runtime, static_cast<int>(f));
   result.summary["filters"] = std::move(filters);
-  for (const auto& metric : options.metrics) result.metrics.push_back(evaluator.value(metric));
-  if (auto metrics = metric_summary(evaluator, plan); !metrics.empty()) result.summary["metrics"] = std::move(metrics);
-  if (auto across = evaluator.across_windows(); !across.empty()) result.summary["windows"] = std::move(across);
   note_failures(runtime, result.failures);
   nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
   for (const auto& warning : result.warnings.items()) warnings.push_back(to_string(warning));

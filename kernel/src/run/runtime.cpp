@@ -7,32 +7,19 @@
 #include <limits>
 #include <new>
 
+#include "base/hash.hpp"
+#include "base/index.hpp"
 #include "run/guard_sink.hpp"
 
-namespace binnacle {
+namespace binnacle::runtime {
 
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using base::as_size;
 
 }  // namespace
-
-std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer) {
-  std::uint64_t hash = 1469598103934665603ull;
-  const auto mix = [&hash](std::uint64_t value) {
-    for (int i = 0; i < 8; ++i) hash = (hash ^ (value >> (8 * i) & 0xff)) * 1099511628211ull;
-  };
-  mix(seed);
-  mix(static_cast<std::uint64_t>(run));
-  for (const char c : pointer) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  // FNV's low bits are weak; splitmix64's finalizer spreads them.
-  hash += 0x9e3779b97f4a7c15ull;
-  hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ull;
-  hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebull;
-  return hash ^ (hash >> 31);
-}
 
 Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
   arena_.reset(static_cast<std::byte*>(
@@ -101,7 +88,7 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
       for (const auto* list : {&other.initial, &other.auxiliary})
         for (const auto& latest : *list) routes.output_is_heard |= latest.channel == output;
     }
-    for (const auto& reference : plan.evaluation.references) routes.output_is_heard |= reference.channel == output;
+    for (const auto& subscription : plan.subscriptions) routes.output_is_heard |= subscription.channel == output;
     routes_.push_back(std::move(routes));
   }
 }
@@ -111,10 +98,10 @@ void Runtime::reset(std::uint64_t seed, int run) {
   for (auto& engine : engines_) engine->reset();
   for (const auto& source : plan_.sources) {
     *source.head.in(arena_.get()) = SourceHead{};
-    source.source->start(stream_seed(seed, run, source.pointer), source.memory.in(arena_.get()));
+    source.source->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena_.get()));
   }
   for (const auto& transform : plan_.transforms)
-    transform.transform->start(stream_seed(seed, run, transform.pointer), transform.memory.in(arena_.get()));
+    transform.transform->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena_.get()));
   for (auto& channel : channels_) channel.is_present = false;
   std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
   std::fill(sample_counts_.begin(), sample_counts_.end(), 0);
@@ -357,4 +344,4 @@ void Runtime::finish() {
   }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::runtime

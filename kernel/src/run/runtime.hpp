@@ -9,7 +9,9 @@
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
 
-namespace binnacle {
+namespace binnacle::runtime {
+
+using namespace compose;
 
 /// Sees every sample that flows, once everything at its instant has been worked on.
 class SampleListener {
@@ -89,7 +91,4 @@ class Runtime {
   bool feeds_sinks_ = true;
 };
 
-/// A 64-bit seed of a component's own, from (seed, run, JSON pointer).
-std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer);
-
-}  // namespace binnacle
+}  // namespace binnacle::runtime

@@ -6,14 +6,18 @@
 #include <cstring>
 #include <limits>
 
-#include "run/outputs.hpp"
+#include "base/index.hpp"
+#include "base/text.hpp"
+#include "binnacle/outputs.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
 
 namespace {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using namespace runtime;
+
+using base::as_size;
 
 struct SnapshotHead {
   char magic[8] = {'b', 'i', 'n', 's', 'n', 'a', 'p', '1'};
@@ -23,24 +27,23 @@ struct SnapshotHead {
 
 [[noreturn]] void no_such(const char* code, const std::string& what, std::string_view name,
                           const std::vector<std::string>& names) {
-  const std::string nearest = closest(name, names);
   throw ConfigError(Diagnostic{Severity::error,
                                code,
                                {},
                                "",
-                               "there is no " + what + " '" + std::string(name) + "'" +
-                                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?")});
+                               "there is no " + what + " '" + std::string(name) + "'" + base::suggestion(name, names)});
 }
 
 }  // namespace
 
-Session::Session(std::shared_ptr<const Composition> composition) : composition_(std::move(composition)) {
+Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run)
+    : composition_(std::move(composition)) {
   runtime_ = std::make_unique<Runtime>(composition_->plan());
   std::size_t scratch = 1;
-  for (const auto& filter : composition_->plan().filters)
+  for (const auto& filter : composition_->filters())
     for (const auto& block : filter.blocks) scratch = std::max(scratch, output_sigma_scratch(block));
   scratch_.assign(scratch, 0.0);
-  reset();
+  reset(seed, run);
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
@@ -109,6 +112,7 @@ void Session::commit(Time t) { runtime_->end_instant(t); }
 bool Session::started(int filter) const { return runtime_->engine(filter).started(); }
 bool Session::healthy(int filter) const { return !runtime_->engine(filter).broken(); }
 std::string Session::diagnosis(int filter) const { return runtime_->engine(filter).diagnosis(); }
+Time Session::start_time(int filter) const { return runtime_->engine(filter).status().start; }
 Time Session::time(int filter) const { return runtime_->engine(filter).status().t; }
 
 void Session::read(Block block, std::span<double> outputs) const {
@@ -119,8 +123,8 @@ void Session::read(Block block, std::span<double> outputs) const {
 
 void Session::read_sigma(Block block, std::span<double> sigmas) const {
   const auto& engine = runtime_->engine(block.filter);
-  const auto& plan = engine.plan().blocks[as_size(block.block)];
-  output_sigmas(plan, engine.state() + plan.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
+  const BlockInfo& info = composition_->filters().at(as_size(block.filter)).blocks.at(as_size(block.block));
+  output_sigmas(info, engine.state() + info.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
 }
 
 MatrixView Session::covariance(Block block) const {
@@ -146,6 +150,7 @@ MeasurementCounts Session::counts(int filter, int measurement) const {
   counts.before_start = ledger.before_start;
   counts.recoveries = ledger.recoveries;
   counts.rows_left_out = ledger.rows_left_out;
+  counts.nis_count = ledger.nis_count;
   const double n = static_cast<double>(ledger.nis_count);
   counts.nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0;

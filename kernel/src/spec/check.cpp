@@ -7,16 +7,17 @@
 #include <limits>
 #include <set>
 
+#include "base/text.hpp"
 #include "config/pointer.hpp"
 #include "spec/spec_text.hpp"
 
-namespace binnacle {
+namespace binnacle::spec {
 
 using Json = nlohmann::ordered_json;
 
 namespace {
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
+using base::in_quotes;
 
 std::string cut(std::string text) {
   constexpr std::size_t longest = 40;
@@ -72,11 +73,9 @@ std::string renamed_hint(const std::string& former, const std::string& name) {
   return "; " + in_quotes(former) + " is now called " + in_quotes(name);
 }
 
-/// Keys of the kernel's own sections that had another name in an earlier version.
-std::string renamed_to(const std::string& key, const std::vector<std::string>& allowed) {
-  static constexpr std::pair<std::string_view, std::string_view> renamed[] = {{"readings", "implied_states"}};
+std::string renamed_to(const std::string& key, const RenamedKeys& renamed) {
   for (const auto& [former, name] : renamed)
-    if (key == former && std::find(allowed.begin(), allowed.end(), name) != allowed.end()) return std::string(name);
+    if (key == former) return name;
   return {};
 }
 
@@ -493,13 +492,13 @@ ParameterValue check_value(const ParameterSpec& spec, const Document& document, 
 }
 
 void check_keys(const Document& document, const std::string& pointer, const std::vector<std::string>& allowed,
-                std::string_view what, Diagnostics& diagnostics) {
+                std::string_view what, Diagnostics& diagnostics, const RenamedKeys& renamed_keys) {
   const Json* json = value_at(document, pointer);
   if (!json || !json->is_object()) return;
   for (const auto& [key, value] : json->items()) {
     if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
     const std::string place = join_pointer(pointer, key);
-    const std::string renamed = renamed_to(key, allowed);
+    const std::string renamed = renamed_to(key, renamed_keys);
     diagnostics.error("B012", document.key_origin(place), place,
                       "unknown key of " + std::string(what) +
                           (renamed.empty() ? unknown_hint(closest(key, allowed), "", allowed)
@@ -595,4 +594,4 @@ std::vector<std::string> spec_defects(const ComponentSpec& spec) {
   return defects;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::spec

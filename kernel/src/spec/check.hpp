@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -16,7 +17,9 @@
 #include "binnacle/unit.hpp"
 #include "config/document.hpp"
 
-namespace binnacle {
+namespace binnacle::spec {
+
+using config::Document;
 
 /// What the block on a port lends to parameters: unit of its error components, and how many there are.
 struct PortMeasure {
@@ -69,11 +72,6 @@ std::optional<bool> read_bool(const Document& document, const std::string& point
 std::optional<std::vector<std::string>> read_names(const Document& document, const std::string& pointer,
                                                    Diagnostics& diagnostics);
 
-/// An instant: of the channels' clock, or counted from the filter's start ("start+60 s", "start").
-struct When {
-  Time time = 0;
-  bool from_start = false;
-};
 struct Window {
   When from;
   When to;
@@ -92,10 +90,13 @@ const nlohmann::ordered_json* object_at(const Document& document, const std::str
 const nlohmann::ordered_json* array_at(const Document& document, const std::string& pointer, std::string_view what,
                                        Diagnostics& diagnostics);
 
+/// Keys that had another name in an earlier version: the former, and what it is called now.
+using RenamedKeys = std::vector<std::pair<std::string, std::string>>;
+
 /// B012 for every key of the object at `pointer` which is not allowed:
 /// `unknown key of 'evaluate'; did you mean 'after'?`
 void check_keys(const Document& document, const std::string& pointer, const std::vector<std::string>& allowed,
-                std::string_view what, Diagnostics& diagnostics);
+                std::string_view what, Diagnostics& diagnostics, const RenamedKeys& renamed = {});
 /// B010 unless the object at `pointer` has the key: `missing key 'channel' of 'fix': name of a channel`. `what` is the
 /// name alone, "fix".
 bool require_key(const Document& document, const std::string& pointer, std::string_view key, std::string_view what,
@@ -117,4 +118,4 @@ std::vector<std::string> spec_defects(const ComponentSpec& spec);
 /// A value in messages: `the text "abc"`, `an object`, `the number 3.5`; cut where it is long.
 std::string abbreviated(const nlohmann::ordered_json& value);
 
-}  // namespace binnacle
+}  // namespace binnacle::spec

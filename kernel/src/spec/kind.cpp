@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace binnacle {
+namespace binnacle::spec {
 
 namespace {
 
@@ -53,4 +53,4 @@ Parsed<std::string> canonical_kind(std::string_view kind) {
   return canonical;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::spec

@@ -7,7 +7,7 @@
 
 #include "binnacle/unit.hpp"
 
-namespace binnacle {
+namespace binnacle::spec {
 
 /// Part by part between colons, `*` for any, a lone `*` for every kind; units by dimension: "vector:*:deg" matches
 /// "vector:3:rad".
@@ -17,4 +17,4 @@ bool kind_matches(std::string_view pattern, std::string_view kind);
 /// is not SI. The first part is never a unit.
 Parsed<std::string> canonical_kind(std::string_view kind);
 
-}  // namespace binnacle
+}  // namespace binnacle::spec

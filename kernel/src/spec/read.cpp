@@ -6,14 +6,14 @@
 #include "spec/check.hpp"
 #include "spec/spec_text.hpp"
 
-namespace binnacle {
+namespace binnacle::spec {
 
 using Json = nlohmann::ordered_json;
 
 namespace {
 
 std::string last_token(const std::string& pointer) {
-  const auto tokens = split_pointer(pointer);
+  const auto tokens = config::split_pointer(pointer);
   return tokens && !tokens->empty() ? tokens->back() : pointer;
 }
 
@@ -29,7 +29,7 @@ bool is_there(const ParameterValue& value) { return value.type != ParameterValue
 }  // namespace
 
 const Json* value_at(const Document& document, std::string_view pointer) {
-  const auto tokens = split_pointer(pointer);
+  const auto tokens = config::split_pointer(pointer);
   if (!tokens) return nullptr;
   const Json* json = &document.root();
   for (const std::string& token : *tokens) {
@@ -213,4 +213,4 @@ bool require_key(const Document& document, const std::string& pointer, std::stri
   return false;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::spec

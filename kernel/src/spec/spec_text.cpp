@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace binnacle {
+namespace binnacle::spec {
 
 std::optional<std::string> port_of_unit(std::string_view unit) {
   if (!unit.starts_with('@')) return std::nullopt;
@@ -225,5 +225,12 @@ std::string expected_text(const ParameterSpec& spec, const PortUnits& ports) {
   }
   return {};
 }
+
+}  // namespace binnacle::spec
+
+namespace binnacle {
+
+std::string requirement_text(const ParameterSpec& spec) { return spec::describe_short(spec); }
+std::string example_text(const ParameterSpec& spec) { return spec::example_of(spec); }
 
 }  // namespace binnacle

@@ -10,7 +10,7 @@
 #include "binnacle/unit.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle {
+namespace binnacle::spec {
 
 /// The unit that a spec asks for. No dimension: any will do ("*", or a port that is open).
 struct WantedUnit {
@@ -42,4 +42,4 @@ std::string expected_text(const ParameterSpec& spec, const PortUnits& ports);
 /// dimension_name() without the unit in parentheses: "an angular rate".
 std::string bare_dimension_name(const Dimension& dimension);
 
-}  // namespace binnacle
+}  // namespace binnacle::spec

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "binnacle/composition.hpp"
-#include "binnacle/run.hpp"
 #include "results/results.hpp"
+#include "score/run.hpp"
 
 namespace binnacle::results {
 
@@ -24,10 +24,10 @@ class RunWriter {
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
 
-  void begin(int filter, const std::string& name, const std::vector<RecordColumn>& columns);
+  void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns);
   void record(int filter, Time t, std::span<const double> values);
   StepObserver* step_observer(int filter);
-  void scored(int filter, const ErrorSeries& errors);
+  void scored(int filter, const score::ErrorSeries& errors);
   /// The file is whole only after this.
   void close();
 

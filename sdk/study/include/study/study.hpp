@@ -12,7 +12,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
-#include "binnacle/metric.hpp"
+#include "score/metric.hpp"
 #include "study/statistics.hpp"
 
 namespace binnacle::study {
@@ -35,8 +35,8 @@ struct Variant {
   std::string name;
   std::vector<std::string> patches;
   std::shared_ptr<const Composition> composition;
-  std::vector<Metric> metrics;  // those of the study that it has
-  std::vector<int> position;    // per metric of the study: in `metrics`, −1
+  std::vector<score::Metric> metrics;  // those of the study that it has
+  std::vector<int> position;           // per metric of the study: in `metrics`, −1
 };
 
 struct StudyMetric {
@@ -71,8 +71,8 @@ struct TablePlan {
 /// What came of one run: the unit of work, made anywhere and put together in order.
 struct Figures {
   enum class State { open, finished, failed } state = State::open;
-  std::vector<MetricValue> values;  // per metric of the study, NaN where the variant does not have it
-  std::string failure;              // one line
+  std::vector<score::MetricValue> values;  // per metric of the study, NaN where the variant does not have it
+  std::string failure;                     // one line
 };
 
 /// By (variant, run).
@@ -91,14 +91,16 @@ class Results {
 };
 
 /// What a metric's name means to a composition, or one line that says why nothing.
-using MetricReading = std::function<Parsed<Metric>(const Composition&, std::string_view)>;
+using MetricReading = std::function<Parsed<score::Metric>(const Composition&, std::string_view)>;
 
 struct StudyOptions {
   LoadOptions load;
   std::optional<int> runs;  // instead of the config's
   std::optional<std::uint64_t> seed;
   std::string section = "/study";  // where metrics and tables stand; variants are always those of "study"
-  MetricReading read_metric = binnacle::read_metric;
+  MetricReading read_metric = [](const Composition& composition, std::string_view text) {
+    return score::read_metric(composition, text);
+  };
 };
 
 /// Something that the figures of a run depend on.

@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/metric.hpp"
+#include "score/metric.hpp"
 
-#include <algorithm>
-#include <iterator>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "binnacle/composition.hpp"
-#include "run/evaluator.hpp"
-#include "run/runtime.hpp"
+#include "binnacle/diagnostic.hpp"
+#include "filter_score.hpp"
+#include "plan.hpp"
+#include "text.hpp"
 
-namespace binnacle {
+namespace binnacle::score {
 
 namespace {
 
 using Names = std::vector<std::string>;
-
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 /// "; did you mean 'rms'? (statistics: mean, rms)"
 std::string help(std::string_view text, const Names& names, const std::string& what) {
@@ -80,24 +77,20 @@ std::string read_statistic(std::string_view text, Metric& metric) {
               "statistics");
 }
 
-std::string find_measurement(const FilterPlan& filter, std::string_view subject, Metric& metric) {
-  Names names;
-  for (const auto& measurement : filter.measurements) names.push_back(measurement.name);
-  const auto found = std::find(names.begin(), names.end(), subject);
-  if (found == names.end())
+std::string find_measurement(const FilterInfo& filter, std::string_view subject, Metric& metric) {
+  const Names names = names_of(filter.measurements);
+  metric.subject = index_of(names, subject);
+  if (metric.subject < 0)
     return "filter " + in_quotes(filter.name) + " has no measurement " + in_quotes(subject) +
            help(subject, names, "measurements");
-  metric.subject = static_cast<int>(found - names.begin());
   metric.unit = metric.si_unit = "1";
   return {};
 }
 
-std::string find_scored(const CompositionPlan& plan, std::string_view subject, Metric& metric) {
-  Runtime runtime(plan);
-  const Evaluator evaluator(runtime);
-  const auto& filter = plan.filters[static_cast<std::size_t>(metric.filter)];
+std::string find_scored(const ScorePlan& plan, std::string_view subject, Metric& metric) {
+  const FilterScore score(plan, metric.filter);
   Names names;
-  for (const auto& scored : evaluator.scored(metric.filter)) {
+  for (const auto& scored : score.scored()) {
     const bool has_sigma = metric.quantity == MetricQuantity::error || scored.has_sigma;
     const bool can_be = metric.quantity == MetricQuantity::nees ? scored.has_nees : has_sigma && !scored.is_block;
     if (!can_be) continue;
@@ -114,12 +107,13 @@ std::string find_scored(const CompositionPlan& plan, std::string_view subject, M
                          : metric.quantity == MetricQuantity::sigma
                              ? " has a sigma and is scored by a reference"
                              : " has a NEES: its reference must tell all outputs";
+  const auto& filter = plan.filters[as_size(metric.filter)];
   return "no " + in_quotes(subject) + " of filter " + in_quotes(filter.name) + by + help(subject, names, "there are");
 }
 
 }  // namespace
 
-Parsed<Metric> read_metric(const CompositionPlan& plan, std::string_view text) {
+Parsed<Metric> read_metric(const ScorePlan& plan, std::string_view text) {
   const auto failure = [&](const std::string& message) {
     return Parsed<Metric>::failure("metric " + in_quotes(text) + ": " + message);
   };
@@ -128,25 +122,21 @@ Parsed<Metric> read_metric(const CompositionPlan& plan, std::string_view text) {
     return failure("it does not read FILTER/BLOCK.OUTPUT/STATISTIC");
   Metric metric;
   metric.name = text;
-  Names filters;
-  for (const auto& filter : plan.filters) filters.push_back(filter.name);
-  const auto filter = std::find(filters.begin(), filters.end(), text.substr(0, first));
-  if (filter == filters.end()) {
-    const auto wanted = text.substr(0, first);
-    return failure("there is no filter " + in_quotes(wanted) + help(wanted, filters, "filters"));
-  }
-  metric.filter = static_cast<int>(filter - filters.begin());
+  const Names filters = names_of(plan.filters);
+  const auto wanted = text.substr(0, first);
+  metric.filter = index_of(filters, wanted);
+  if (metric.filter < 0) return failure("there is no filter " + in_quotes(wanted) + help(wanted, filters, "filters"));
   if (auto wrong = read_statistic(text.substr(last + 1), metric); !wrong.empty()) return failure(wrong);
   const auto subject = text.substr(first + 1, last - first - 1);
   const auto wrong = metric.quantity == MetricQuantity::nis
-                         ? find_measurement(plan.filters[static_cast<std::size_t>(metric.filter)], subject, metric)
+                         ? find_measurement(plan.filters[as_size(metric.filter)], subject, metric)
                          : find_scored(plan, subject, metric);
   if (!wrong.empty()) return failure(wrong);
   return metric;
 }
 
 Parsed<Metric> read_metric(const Composition& composition, std::string_view text) {
-  return read_metric(composition.plan(), text);
+  return read_metric(*plan_of(composition), text);
 }
 
 std::string show_in(Metric& metric, std::string_view text) {
@@ -160,4 +150,4 @@ std::string show_in(Metric& metric, std::string_view text) {
   return {};
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::score

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A block as one measurement tells it, with the variance of that.
+// A block as one measurement gives it, with the variance of that.
 #pragma once
 
 #include <vector>
 
 #include "binnacle/step_log.hpp"
-#include "filter/plan.hpp"
+#include "plan.hpp"
 
-namespace binnacle {
+namespace binnacle::score {
 
 /// The newest value of an implied state: x̂_b ⊞ B r, where B H_b = I inverts what the measurement's rows see of the block. Its
 /// error is
@@ -15,9 +15,9 @@ namespace binnacle {
 /// with δ before the update, which does not know v: so its covariance is E P⁻ Eᵀ + B R Bᵀ, E = S_b − B H.
 class ImpliedState {
  public:
-  ImpliedState(const ImpliedStatePlan& plan, const BlockPlan& block);
+  ImpliedState(const ImpliedStatePlan& plan, const BlockInfo& block);
 
-  /// P: a priori. False where the sample tells nothing of the block, or has not become part of the estimate.
+  /// P: a priori. False where the sample gives nothing of the block, or has not become part of the estimate.
   bool take(const UpdateRecord& record, MatrixView P);
 
   const ImpliedStatePlan& plan() const { return plan_; }
@@ -28,10 +28,10 @@ class ImpliedState {
 
  private:
   const ImpliedStatePlan& plan_;
-  const BlockPlan& block_;
+  const BlockInfo& block_;
   int rows_;
   Time t_ = no_time;
   std::vector<double> value_, covariance_, delta_;
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::score

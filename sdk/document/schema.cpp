@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // JSON Schema (draft-07) of a config: what the checker accepts, as far as it shows without plugging blocks together.
+#include "document/document.hpp"
+
 #include <cmath>
 #include <map>
 
 #include <nlohmann/json.hpp>
 
 #include "binnacle/catalog.hpp"
-#include "spec/check.hpp"
-#include "spec/spec_text.hpp"
 
-namespace binnacle {
+namespace binnacle::document {
 
 using Json = nlohmann::ordered_json;
 
@@ -106,7 +106,7 @@ Json shape_of(const ParameterSpec& spec) {
 
 Json parameter_schema(const ParameterSpec& spec) {
   Json schema = shape_of(spec);
-  schema["description"] = (spec.text.empty() ? "" : spec.text + " ") + "(" + describe_short(spec) + ")";
+  schema["description"] = (spec.text.empty() ? "" : spec.text + " ") + "(" + requirement_text(spec) + ")";
   if (!spec.default_json.empty()) schema["default"] = Json::parse(spec.default_json, nullptr, false);
   return schema;
 }
@@ -411,4 +411,4 @@ Json schema(const Catalog& catalog) {
           {"definitions", std::move(definitions)}};
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::document

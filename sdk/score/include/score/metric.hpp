@@ -9,8 +9,10 @@
 #include "binnacle/unit.hpp"
 
 namespace binnacle {
-
 class Composition;
+}
+
+namespace binnacle::score {
 
 /// What is looked at: an error (truth minus estimate by the block's ⊟) or norm of errors, the filter's own 1-σ of it, how
 /// well the two agree (NEES: of a block, or of one error component), or a measurement's mean NIS.
@@ -27,7 +29,7 @@ struct Metric {
   int filter = 0;
   MetricQuantity quantity = MetricQuantity::error;
   MetricStatistic statistic = MetricStatistic::rms;
-  int subject = 0;        // the kernel's own: which error, block or measurement
+  int subject = 0;        // its reader's own: which error, block or measurement
   bool of_block = false;  // nees of a whole block
   Time at = 0;
   bool at_is_from_start = false;
@@ -52,4 +54,4 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
 /// Shows the metric in this unit. Empty, or one line that says why it cannot be.
 std::string show_in(Metric& metric, std::string_view unit);
 
-}  // namespace binnacle
+}  // namespace binnacle::score

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/implied_state.hpp"
+#include "implied_state.hpp"
+
+#include <algorithm>
 
 #include <Eigen/LU>
 
-namespace binnacle {
+#include "text.hpp"
+
+namespace binnacle::score {
 
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
 /// B of the class, zero in the columns of rows that see nothing of the block; empty where the others do not determine it.
 MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
@@ -31,19 +33,19 @@ MatrixXd inverse_of(const MatrixXd& H_b, const MatrixXd& R) {
 
 }  // namespace
 
-ImpliedState::ImpliedState(const ImpliedStatePlan& plan, const BlockPlan& block)
+ImpliedState::ImpliedState(const ImpliedStatePlan& plan, const BlockInfo& block)
     : plan_(plan),
       block_(block),
       rows_(static_cast<int>(block.active.size())),
-      value_(as_size(block.declaration().stored_size)),
+      value_(as_size(block.declaration->stored_size)),
       covariance_(block.active.size() * block.active.size()),
-      delta_(as_size(block.dof())) {}
+      delta_(as_size(block.declaration->dof())) {}
 
 bool ImpliedState::take(const UpdateRecord& record, MatrixView P) {
   if (record.measurement != plan_.measurement || !record.H) return false;
   if (record.outcome != Outcome::accepted && record.outcome != Outcome::withheld) return false;
   const MatrixXd H = record.H.as();
-  const MatrixXd B = inverse_of(H.middleCols(block_.first, rows_), record.R.as());
+  const MatrixXd B = inverse_of(H.middleCols(block_.first_row, rows_), record.R.as());
   if (B.size() == 0) return false;
   const VectorXd d = B * vector_at(record.residual, record.rows);
   std::fill(delta_.begin(), delta_.end(), 0.0);
@@ -51,10 +53,10 @@ bool ImpliedState::take(const UpdateRecord& record, MatrixView P) {
     delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];
   block_.block->plus(record.x0 + block_.stored_offset, delta_.data(), value_.data());
   MatrixXd E = -B * H;
-  E.middleCols(block_.first, rows_) += MatrixXd::Identity(rows_, rows_);
+  E.middleCols(block_.first_row, rows_) += MatrixXd::Identity(rows_, rows_);
   covariance().as() = E * P.as() * E.transpose() + B * record.R.as() * B.transpose();
   t_ = record.t;
   return true;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::score

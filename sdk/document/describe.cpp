@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A component's documentation, made of its spec: text for people, JSON for programs.
+#include "document/document.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,10 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/catalog.hpp"
-#include "spec/check.hpp"
-#include "spec/spec_text.hpp"
 
-namespace binnacle {
+namespace binnacle::document {
 
 using Json = nlohmann::ordered_json;
 
@@ -61,7 +61,7 @@ std::string presence(const ParameterSpec& spec) {
 
 void add_parameters(const std::vector<ParameterSpec>& specs, const std::string& prefix, std::vector<Row>& rows) {
   for (const ParameterSpec& spec : specs) {
-    rows.push_back({prefix + spec.name, describe_short(spec), presence(spec), spec.text});
+    rows.push_back({prefix + spec.name, requirement_text(spec), presence(spec), spec.text});
     if (spec.type == ParameterType::object) add_parameters(spec.members, prefix + spec.name + ".", rows);
     if ((spec.type != ParameterType::list && spec.type != ParameterType::map) || spec.members.empty()) continue;
     const ParameterSpec& element = spec.members.front();
@@ -69,7 +69,7 @@ void add_parameters(const std::vector<ParameterSpec>& specs, const std::string& 
     if (element.type == ParameterType::object) {
       add_parameters(element.members, place + ".", rows);
     } else {
-      rows.push_back({place, describe_short(element), "", element.text});
+      rows.push_back({place, requirement_text(element), "", element.text});
     }
   }
 }
@@ -182,4 +182,4 @@ Json describe_json(const ComponentType& type) {
   return json;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::document

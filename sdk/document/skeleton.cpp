@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config skeleton: the given components at their places, with what every parameter is said beside it.
+#include "document/document.hpp"
+
 #include <map>
 
 #include <nlohmann/json.hpp>
 
 #include "binnacle/catalog.hpp"
-#include "config/pointer.hpp"
-#include "spec/check.hpp"
+#include "binnacle/config.hpp"
 
-namespace binnacle {
+namespace binnacle::document {
 
 using Json = nlohmann::ordered_json;
 
@@ -162,10 +163,10 @@ class Skeleton {
 
   void add_parameters(const std::vector<ParameterSpec>& specs, const std::string& place, Json& json) {
     for (const ParameterSpec& spec : specs) {
-      const std::string short_text = describe_short(spec);
+      const std::string short_text = requirement_text(spec);
       comments_[join_pointer(place, spec.name)] = short_text + (spec.text.empty() ? "" : ": " + spec.text);
       if (!spec.is_required && spec.default_json.empty()) continue;
-      json[spec.name] = Json::parse(example_of(spec), nullptr, false);
+      json[spec.name] = Json::parse(example_text(spec), nullptr, false);
     }
   }
 
@@ -182,4 +183,4 @@ std::string skeleton(const std::vector<const ComponentType*>& types) {
   return skeleton.text();
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::document

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What component types ask for and give, from their specs: for people, for programs, for editors.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "binnacle/catalog.hpp"
+
+namespace binnacle::document {
+
+/// `binnacle describe`: source, ports, fields, parameters with unit, range and default, an example.
+std::string describe(const ComponentType& type);
+nlohmann::ordered_json describe_json(const ComponentType& type);
+
+/// JSON Schema (draft-07) of a whole config with these types. Full names, and short ones where they are unambiguous.
+nlohmann::ordered_json schema(const Catalog& catalog);
+
+/// A config with one component of each type, required parameters to be filled in and the others at their defaults.
+std::string skeleton(const std::vector<const ComponentType*>& types);
+
+}  // namespace binnacle::document

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the errors of a run come to: summaries and metrics.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "filter_score.hpp"
+#include "text.hpp"
+
+namespace binnacle::score {
+
+using Json = nlohmann::ordered_json;
+
+Json FilterScore::summary() const {
+  Json summary;
+  summary["reference"] = figures(plan_.span);
+  Json windows = Json::object();
+  for (const auto& window : plan_.windows)
+    if (window.filter < 0 || window.filter == filter_) windows[window.name] = figures(window.span);
+  if (!windows.empty()) summary["windows"] = windows;
+  if (auto withheld = withheld_figures(); !withheld.empty()) summary["withheld"] = std::move(withheld);
+  if (auto consistency = consistency_figures(); !consistency.empty()) summary["consistency"] = std::move(consistency);
+  if (auto noise = noise_figures(); !noise.empty()) summary["noise"] = std::move(noise);
+  return summary;
+}
+
+Json FilterScore::figures(const TimeSpan& span) const {
+  Json figures = Json::object();
+  for (const Series* series : reference_series()) {
+    auto value = statistics(*series, span, start());
+    if (!value.is_null()) figures[series->name] = std::move(value);
+  }
+  return figures;
+}
+
+Json FilterScore::withheld_figures() const {
+  Json withheld = Json::object();
+  for (const auto& group : withheld_)
+    for (const auto& series : group.series) {
+      auto value = statistics(series, plan_.span, start());
+      if (!value.is_null())
+        withheld[info_.measurements[as_size(group.measurement)].name][series.name] = std::move(value);
+    }
+  return withheld;
+}
+
+Json FilterScore::consistency_figures() const {
+  Json consistency = Json::object();
+  for (const auto& reference : references_) {
+    double sum = 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < reference.nees.t.size(); ++i)
+      if (plan_.span.contains(reference.nees.t[i], start())) {
+        sum += reference.nees.values[i];
+        ++n;
+      }
+    if (n > 0)
+      consistency[reference.name] = {{"nees_mean", sum / static_cast<double>(n)},
+                                     {"dof", reference.block->active.size()},
+                                     {"n", n}};
+  }
+  return consistency;
+}
+
+Json FilterScore::noise_figures() const {
+  Json noise = Json::object();
+  for (const auto& group : noise_) {
+    auto value = statistics(group.series, plan_.span, start());
+    if (!value.is_null()) noise[group.series.name] = std::move(value);
+  }
+  return noise;
+}
+
+std::vector<const Series*> FilterScore::reference_series() const {
+  std::vector<const Series*> all;
+  std::set<std::string> names;
+  const auto add = [&](const std::vector<Series>& list) {
+    for (const auto& series : list)
+      if (names.insert(series.name).second) all.push_back(&series);
+  };
+  for (const auto& reference : references_) add(reference.series);
+  for (const auto& group : withheld_)
+    if (scored_measurements_.contains(group.measurement)) add(group.series);
+  return all;
+}
+
+std::vector<Scored> FilterScore::scored() const {
+  std::vector<Scored> all;
+  for (std::size_t i = 0; i < subjects_.size(); ++i) {
+    const auto& subject = subjects_[i];
+    Scored entry;
+    entry.name = subject.series->name;
+    entry.unit = subject.series->unit;
+    entry.display_unit = subject.series->display_unit.empty() ? entry.unit : subject.series->display_unit;
+    entry.index = static_cast<int>(i);
+    entry.has_sigma = subject.reference >= 0;
+    entry.has_nees = entry.has_sigma && is_component(subject);
+    all.push_back(std::move(entry));
+  }
+  for (std::size_t r = 0; r < references_.size(); ++r)
+    if (references_[r].is_whole) all.push_back({references_[r].name, "1", "1", static_cast<int>(r), true, false, true});
+  return all;
+}
+
+void FilterScore::show_errors(RunObserver& observer) const {
+  for (const auto& subject : subjects_) {
+    const auto& series = *subject.series;
+    std::span<const double> sigma;
+    if (subject.reference >= 0 && !references_[as_size(subject.reference)].sigmas.empty())
+      sigma = references_[as_size(subject.reference)].sigmas[as_size(subject.index)];
+    observer.scored(filter_, {series.name, series.unit, series.display_unit, series.t, series.values, sigma});
+  }
+  for (const auto& reference : references_)
+    if (reference.is_whole)
+      observer.scored(filter_, {reference.name + ".nees", "1", "1", reference.nees.t, reference.nees.values, {}});
+}
+
+MetricValue FilterScore::value(const Metric& metric) const {
+  if (metric.quantity == MetricQuantity::nis) {
+    const MeasurementCounts counts = session_->counts(filter_, metric.subject);
+    if (counts.nis_count == 0) return {not_a_number, 0, 0};
+    return {counts.nis_mean, counts.dof_mean, static_cast<double>(counts.nis_count)};
+  }
+  const auto figure = [&](const Series& series, const std::vector<double>& values) {
+    return over_time(series.t, values, metric, plan_.span, start());
+  };
+  if (metric.of_block) {
+    const auto& reference = references_[as_size(metric.subject)];
+    return {figure(reference.nees, reference.nees.values), static_cast<double>(reference.block->active.size()), 1};
+  }
+  const auto& subject = subjects_[as_size(metric.subject)];
+  const Series& series = *subject.series;
+  if (metric.statistic == MetricStatistic::drift && subject.reference >= 0 && is_component(subject) &&
+      references_[as_size(subject.reference)].block->declaration->kind == "attitude")
+    return {figure(series, with_whole_turns(subject)), 0, 0};
+  if (metric.quantity == MetricQuantity::error) return {figure(series, series.values), 0, 0};
+  auto values = references_[as_size(subject.reference)].sigmas[as_size(subject.index)];
+  if (metric.quantity == MetricQuantity::sigma) return {figure(series, values), 0, 0};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double ratio = series.values[i] / values[i];
+    values[i] = ratio * ratio;
+  }
+  return {figure(series, values), 1, 1};
+}
+
+bool FilterScore::is_component(const Subject& subject) const {
+  const auto& reference = references_[as_size(subject.reference)];
+  return reference.is_whole && subject.index < reference.block->declaration->dof();
+}
+
+/// The component of an attitude's error with whole turns about its axis added, so that it never jumps by one.
+std::vector<double> FilterScore::with_whole_turns(const Subject& subject) const {
+  constexpr double turn = 2 * std::numbers::pi;
+  const auto& series = references_[as_size(subject.reference)].series;
+  std::vector<double> values = subject.series->values;
+  std::array<double, 3> last{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::array<double, 3> now = {series[0].values[i], series[1].values[i], series[2].values[i]};
+    const double angle = std::hypot(now[0], now[1], now[2]);
+    if (i > 0 && angle > 0) {
+      // Of all vectors that are this rotation, now·(1 + 2πk/angle), the one nearest to the last.
+      const double along = (last[0] * now[0] + last[1] * now[1] + last[2] * now[2]) / angle;
+      const double stretch = (angle + turn * std::round((along - angle) / turn)) / angle;
+      for (double& component : now) component *= stretch;
+    }
+    last = now;
+    values[i] = now[as_size(subject.index)];
+  }
+  return values;
+}
+
+namespace {
+
+/// One figure of every window, by error and statistic.
+struct WindowFigures {
+  std::string name, unit;
+  std::map<std::string, std::vector<double>> by_statistic;
+};
+
+WindowFigures& named(std::vector<WindowFigures>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.name == name; });
+  return found != all.end() ? *found : all.emplace_back(WindowFigures{name, {}, {}});
+}
+
+std::vector<WindowFigures> collected(const ScorePlan& plan, const std::vector<std::unique_ptr<FilterScore>>& scores) {
+  std::vector<WindowFigures> all;
+  for (std::size_t f = 0; f < scores.size(); ++f)
+    for (const auto& window : plan.windows) {
+      if (window.filter >= 0 && window.filter != static_cast<int>(f)) continue;
+      for (const Series* series : scores[f]->reference_series()) {
+        const auto value = statistics(*series, window.span, scores[f]->start());
+        if (value.is_null()) continue;
+        WindowFigures& entry = named(all, series->name);
+        entry.unit = value["unit"];
+        for (const char* key : {"rms", "max", "final"})
+          entry.by_statistic[key].push_back(std::abs(value[key].get<double>()));
+      }
+    }
+  return all;
+}
+
+}  // namespace
+
+Json across_windows(const ScorePlan& plan, const std::vector<std::unique_ptr<FilterScore>>& scores) {
+  Json across = Json::object();
+  for (auto& figures : collected(plan, scores)) {
+    Json entry = Json::object();
+    for (auto& [key, values] : figures.by_statistic) {
+      std::sort(values.begin(), values.end());
+      double sum = 0;
+      for (const double value : values) sum += value;
+      entry[key] = {{"mean", sum / static_cast<double>(values.size())},
+                    {"p50", quantile(values, 0.5)},
+                    {"max", values.back()}};
+      entry["n"] = values.size();
+    }
+    entry["unit"] = figures.unit;
+    across[figures.name] = std::move(entry);
+  }
+  return across;
+}
+
+}  // namespace binnacle::score

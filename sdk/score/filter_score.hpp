@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scores one filter of a run: errors against reference channels and against withheld samples.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "binnacle/session.hpp"
+#include "binnacle/step_log.hpp"
+#include "implied_state.hpp"
+#include "plan.hpp"
+#include "score/run.hpp"
+#include "series.hpp"
+
+namespace binnacle::score {
+
+/// What a metric can be of: an error or a norm, or a whole block (for its NEES).
+struct Scored {
+  std::string name;  // "position.horizontal", "position"
+  std::string unit;  // SI
+  std::string display_unit;
+  int index = 0;  // Metric::subject
+  bool is_block = false;
+  bool has_sigma = false;
+  bool has_nees = false;
+};
+
+/// Follows one filter. A reference between two steps is compared with the estimate interpolated on the manifold from
+/// the a-posteriori state at the step's begin to the a-priori one at its end, so that scoring never changes the run.
+class FilterScore : public StepObserver {
+ public:
+  FilterScore(const ScorePlan& plan, int filter);
+  FilterScore(const FilterScore&) = delete;
+  FilterScore& operator=(const FilterScore&) = delete;
+
+  /// Before the run. `next` sees the same step log; null: nobody. The session outlives all use but figures once finish()
+  /// was called.
+  void attach(Session& session, StepObserver* next);
+  /// Before the run: what the metric needs beyond the errors is kept too.
+  void watch(const Metric& metric);
+  /// Before the run: the 1-σ of every error is kept too.
+  void keep_sigmas();
+
+  // ---- during the run
+  void reference(int channel, const SampleView& sample);
+  bool wants_covariance() const override { return !pending_.empty() || (next_ && next_->wants_covariance()); }
+  bool wants_matrices() const override { return !implied_states_.empty() || (next_ && next_->wants_matrices()); }
+  void started(Time t, const double* x, MatrixView P) override;
+  void stepped(const StepRecord& record) override;
+  void offered(const UpdateRecord& record) override;
+  /// What still waits for the filter's next step is scored with the last estimate.
+  void finish();
+
+  /// Implied states and their 1-σ; NaN where there is none of this very time.
+  std::vector<RecordColumn> implied_state_columns() const;
+  void latest_implied_states(Time t, double* values);
+  /// What noise estimators make of R, as 1-σ by group of rows; the newest values, NaN before the first.
+  std::vector<RecordColumn> noise_columns() const;
+  void latest_noise(double* values) const;
+
+  // ---- figures (filter_figures.cpp)
+  std::vector<Scored> scored() const;
+  nlohmann::ordered_json summary() const;
+  MetricValue value(const Metric& metric) const;
+  /// RunObserver::scored() for everything there is.
+  void show_errors(RunObserver& observer) const;
+  /// All series that stand under "reference", once per name: channels first, then what was withheld.
+  std::vector<const Series*> reference_series() const;
+  Time start() const { return session_ ? session_->start_time(filter_) : no_time; }
+
+ private:
+  struct Reference {
+    const ReferencePlan* plan = nullptr;
+    const BlockInfo* block = nullptr;  // or the implied state's
+    std::string name;                  // of it
+    bool is_whole = false;             // all outputs are given: errors by ⊟
+    std::vector<Series> series;
+    std::vector<int> output_series;  // per output: index in series, −1
+    Series nees;
+    std::vector<std::vector<double>> sigmas;  // per series, beside its values; empty when nobody asked for them
+  };
+  /// A series once per name, and where its sigma is to be found.
+  struct Subject {
+    const Series* series = nullptr;
+    int reference = -1;  // −1: withheld, or a noise estimator's
+    int index = 0;       // among the reference's series
+  };
+  struct WithheldGroup {
+    int measurement = 0;
+    int group = 0;  // of the rows, counted through the parts
+    const StateBlockDeclaration* norms = nullptr;
+    std::vector<Series> series;
+  };
+  /// What a noise estimator made of R: the root of its mean diagonal over a group of rows.
+  struct NoiseGroup {
+    int measurement = 0;
+    int group = 0;
+    Series series;
+  };
+  struct Pending {
+    int reference = 0;
+    Time t = no_time;
+    std::vector<double> values;
+  };
+
+  void size_scratch();
+  void add_references();
+  void add_subjects();
+  void add_channel_reference(const ReferencePlan& plan);
+  void add_withheld(int measurement);
+  void add_noise(int measurement);
+  void keep_sigmas(Reference& reference);
+  /// The reference's values in the sample; false where it gives none.
+  bool read(const ReferencePlan& plan, const SampleView& sample, Pending& pending) const;
+
+  void score(const Pending& pending, const double* state);
+  void score_implied_state(int index);
+  void score_block(const Pending& pending, const double* estimate, MatrixView P);
+  void score_consistency(Reference& reference, Time t, MatrixView P);
+  void score_withheld(const UpdateRecord& record);
+  void keep_noise(const UpdateRecord& record);
+  static void push_error_sigmas(Reference& reference, MatrixView P);
+
+  nlohmann::ordered_json figures(const TimeSpan& span) const;
+  nlohmann::ordered_json withheld_figures() const;
+  nlohmann::ordered_json consistency_figures() const;
+  nlohmann::ordered_json noise_figures() const;
+  bool is_component(const Subject& subject) const;
+  std::vector<double> with_whole_turns(const Subject& subject) const;
+
+  const ScorePlan& plan_;
+  int filter_;
+  const FilterInfo& info_;
+  Session* session_ = nullptr;
+  StepObserver* next_ = nullptr;
+  std::vector<Reference> references_;
+  std::vector<WithheldGroup> withheld_;
+  std::vector<NoiseGroup> noise_;
+  std::set<int> scored_measurements_;
+  std::vector<Pending> pending_, pending_of_implied_states_;
+  std::vector<ImpliedState> implied_states_;
+  std::vector<Subject> subjects_;
+  std::vector<double> delta_, between_, truth_, outputs_, covariance_, sigma_scratch_, sigmas_;
+};
+
+/// Over all windows of all filters: mean, p50, max of each window's final and rms.
+nlohmann::ordered_json across_windows(const ScorePlan& plan, const std::vector<std::unique_ptr<FilterScore>>& scores);
+
+}  // namespace binnacle::score

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a composition's runs are judged by, as the config has it: immutable, kept by the composition.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/section.hpp"
+#include "score/metric.hpp"
+
+namespace binnacle::score {
+
+/// An implied state: a block as one measurement gives it, all else that is in the measurement taken from the filter.
+struct ImpliedStatePlan {
+  BlockInfo value;  // the block's, under the implied state's name and with rows counted from 0
+  int measurement = 0;
+  int block = 0;
+};
+
+/// What a filter is scored against: a block's outputs on a channel, or what was withheld from a measurement.
+struct ReferencePlan {
+  int filter = 0;
+  int block = -1;          // −1: withheld samples of `measurement`
+  int implied_state = -1;  // ≥ 0: this implied state of the block, not the block
+  int channel = -1;
+  std::vector<int> fields;        // per output of the block: per-epoch field of the channel, −1: not given
+  std::optional<double> invalid;  // a sample whose fields all have this value gives nothing
+  int measurement = -1;
+};
+
+struct NamedWindow {
+  std::string name;
+  int filter = -1;  // −1: all
+  TimeSpan span;
+};
+
+struct ScorePlan : SectionData {
+  std::vector<FilterInfo> filters;                            // of the composition
+  std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
+  std::vector<ReferencePlan> references;
+  TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
+  std::vector<NamedWindow> windows;
+  std::vector<Metric> metrics;
+  Time record_every = 0;  // 0: at every step
+
+  std::string explain(int filter) const override;
+};
+
+/// The composition's own; one that scores nothing where it was loaded without the sections.
+std::shared_ptr<const ScorePlan> plan_of(const Composition& composition);
+
+/// As score::read_metric().
+Parsed<Metric> read_metric(const ScorePlan& plan, std::string_view text);
+
+}  // namespace binnacle::score

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "score/run.hpp"
+
+#include <utility>
+
+#include "binnacle/run.hpp"
+#include "binnacle/unit.hpp"
+#include "filter_score.hpp"
+#include "plan.hpp"
+#include "recorder.hpp"
+#include "text.hpp"
+
+namespace binnacle::score {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Looks on while a composition runs, and leaves the figures when it is over.
+class Scorer final : public binnacle::RunObserver {
+ public:
+  Scorer(const Composition& composition, const RunOptions& options)
+      : plan_(plan_of(composition)), observer_(options.observer ? *options.observer : nobody_), options_(options) {
+    for (std::size_t f = 0; f < plan_->filters.size(); ++f)
+      scores_.push_back(std::make_unique<FilterScore>(*plan_, static_cast<int>(f)));
+    for (const auto* list : {&plan_->metrics, &options.metrics})
+      for (const auto& metric : *list) scores_[as_size(metric.filter)]->watch(metric);
+    records_ = options.observer && options.observer->wants_records();
+    if (records_)
+      for (auto& score : scores_) score->keep_sigmas();
+  }
+
+  void begin(Session& session) override {
+    for (std::size_t f = 0; f < scores_.size(); ++f)
+      scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
+    if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, plan_->record_every);
+  }
+  void sampled(int channel, const SampleView& sample) override {
+    for (auto& score : scores_) score->reference(channel, sample);
+  }
+  void after_instant() override {
+    if (recorder_) recorder_->after_instant();
+  }
+  bool progress(Time t) override { return observer_.progress(t); }
+
+  void finished() override {
+    for (auto& score : scores_) score->finish();
+    if (records_)
+      for (const auto& score : scores_) score->show_errors(observer_);
+    for (std::size_t f = 0; f < scores_.size(); ++f) filters_[plan_->filters[f].name] = scores_[f]->summary();
+    for (const auto& metric : options_.metrics) values_.push_back(value(metric));
+    for (const auto& metric : plan_->metrics) {
+      const auto unit = parse_unit(metric.unit);
+      metrics_[metric.name] = {{"value", to_unit(value(metric).value, unit ? *unit : Unit{})}, {"unit", metric.unit}};
+    }
+    windows_ = across_windows(*plan_, scores_);
+  }
+
+  std::vector<MetricValue> values() const { return values_; }
+
+  /// The figures before those of the run itself.
+  Json summary(const Json& of_run) const {
+    Json summary, filters = filters_;
+    for (const auto& [name, figures] : of_run.at("filters").items()) filters[name].update(figures);
+    summary["filters"] = std::move(filters);
+    if (!metrics_.empty()) summary["metrics"] = metrics_;
+    if (!windows_.empty()) summary["windows"] = windows_;
+    for (const auto& [key, value] : of_run.items())
+      if (key != "filters") summary[key] = value;
+    return summary;
+  }
+
+ private:
+  MetricValue value(const Metric& metric) const { return scores_[as_size(metric.filter)]->value(metric); }
+
+  std::shared_ptr<const ScorePlan> plan_;
+  score::RunObserver nobody_;
+  score::RunObserver& observer_;
+  const RunOptions& options_;
+  Scores scores_;
+  std::unique_ptr<Recorder> recorder_;
+  bool records_ = false;
+  Json filters_ = Json::object(), metrics_ = Json::object(), windows_ = Json::object();
+  std::vector<MetricValue> values_;
+};
+
+}  // namespace
+
+RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
+  Scorer scorer(*composition, options);
+  binnacle::RunOptions run_options;
+  run_options.seed = options.seed;
+  run_options.run = options.run;
+  run_options.observer = &scorer;
+  run_options.feeds_sinks = options.feeds_sinks;
+  binnacle::RunResult result = binnacle::run(composition, run_options);
+  return {scorer.summary(result.summary), scorer.values(), std::move(result.warnings), std::move(result.failures)};
+}
+
+}  // namespace binnacle::score
