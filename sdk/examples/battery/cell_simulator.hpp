@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/random.hpp"
 #include "ocv_curve.hpp"
-#include "random.hpp"
 
 /// A cell under a load of one minute that repeats: 20 s at 3 A, 10 s at 6 A, 10 s charged with 3 A, 20 s at rest.
 ///

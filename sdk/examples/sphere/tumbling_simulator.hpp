@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "random.hpp"
+#include "common/random.hpp"
 #include "s2.hpp"
 
 /// The rates swing about all three axes, so that the direction comes everywhere. It knows nothing of turning's closed

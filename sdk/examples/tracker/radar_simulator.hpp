@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "random.hpp"
+#include "common/random.hpp"
 
 /// Targets with white noise as acceleration; a radar at the origin that finds each with a probability, in random order,
 /// among clutter that is spread evenly over the disk that it covers, Poisson in number.

@@ -141,7 +141,7 @@ class Scan final : public binnacle::MeasurementModel {
     const Pair pair = seen(in, i, k);
     Matrix2 S = pair.H * in.P(target, target).as<2, 2>() * pair.H.transpose();
     S.diagonal() += pair.R;
-    const double determinant = S.determinant();
+    const double determinant = S(0, 0) * S(1, 1) - S(0, 1) * S(0, 1);
     if (!(determinant > 0)) return impossible;
     const Vector2 r = pair.residual;
     const double D2 = (S(1, 1) * r[0] * r[0] - 2 * S(0, 1) * r[0] * r[1] + S(0, 0) * r[1] * r[1]) / determinant;
