@@ -75,20 +75,20 @@ void AtomicFile::open_temporary(Temporary temporary) {
   if (file_ >= 0) return;
   if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
   file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
-  has_name_ = file_ >= 0;
+  if (file_ >= 0) named_.emplace(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
   if (file_ >= 0) ::close(file_);
-  if (has_name_) ::unlink(temporary_.c_str());
+  if (named_) ::unlink(temporary_.c_str());
 }
 
 void AtomicFile::fail(const std::string& why) const {
-  std::string mend;
+  std::string remedy;
   for (const int full : {ENOSPC, EDQUOT})
-    if (why == std::strerror(full)) mend = "; make room there, or write elsewhere";
-  if (why == std::strerror(EFBIG)) mend = "; raise the limit (ulimit -f), or write elsewhere";
-  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, mend));
+    if (why == std::strerror(full)) remedy = "; make room there, or write elsewhere";
+  if (why == std::strerror(EFBIG)) remedy = "; raise the limit (ulimit -f), or write elsewhere";
+  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, remedy));
 }
 
 void AtomicFile::flush() {
@@ -110,14 +110,14 @@ void AtomicFile::commit() {
   flush();
   if (is_direct_) return;
   if (::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
-  if (!has_name_) {
+  if (!named_) {
     ::unlink(temporary_.c_str());
     if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)
       fail(std::strerror(errno));
-    has_name_ = true;
+    named_.emplace(temporary_);
   }
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(std::strerror(errno));
-  has_name_ = false;
+  named_.reset();
   ::close(std::exchange(file_, -1));
 }
 

@@ -3,14 +3,17 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "unfinished.hpp"
 
 namespace binnacle::command {
 
 /// Written beside its final place and moved there by commit(). Where the file system can (O_TMPFILE of Linux) it has no
 /// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-PID" that the
-/// destructor removes. What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its
+/// destructor removes, or Unfinished::remove_all() where there is no destructor. What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its
 /// file.
 class AtomicFile {
  public:
@@ -42,7 +45,7 @@ class AtomicFile {
   std::filesystem::path target_;
   std::filesystem::path temporary_;
   int file_ = -1;
-  bool has_name_ = false;
+  std::optional<Unfinished> named_;  // while the temporary has a name
   bool is_direct_ = false;
   std::string buffer_;
 };

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "output.hpp"
+#include "sentinel.hpp"
 
 namespace binnacle::command {
 
@@ -40,9 +41,10 @@ using Join = study::Team* (*)();
 
 fs::path module() { return fs::read_symlink("/proc/self/exe").parent_path() / "../lib/binnacle/mpi/binnacle_mpi.so"; }
 
-/// One of them tells what is wrong with all.
+/// One of them reports what is wrong with all.
 [[noreturn]] void refuse(const Launch& launch, const std::string& why) {
-  if (launch.rank > 0) std::exit(ok);  // mpirun ends the others when one of them fails: rank 0 has to come to words
+  if (launch.rank > 0)
+    std::exit(leave(ok));  // mpirun ends the others when one of them fails: rank 0 has to come to words
   throw UsageError(
       fmt::format("{} processes were started to carry out one study, but {}; start one, with --jobs N for "
                   "its threads",

@@ -9,6 +9,7 @@
 
 #include "binnacle/diagnostic.hpp"
 #include "output.hpp"
+#include "sentinel.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -107,9 +108,10 @@ int carry_out(int argc, char** argv) {
 
 }  // namespace binnacle::command
 
-int main(int argc, char** argv) {
+namespace {
+
+int guarded_main(int argc, char** argv) {
   using namespace binnacle::command;
-  std::signal(SIGXFSZ, SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is told like a full disk
   try {
     return carry_out(argc, argv);
   } catch (const binnacle::Error& error) {
@@ -125,4 +127,12 @@ int main(int argc, char** argv) {
     print_error(std::string("internal: ") + error.what());
     return failed;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is told like a full disk
+  binnacle::command::watch_exit();
+  return binnacle::command::leave(guarded_main(argc, argv));
 }

@@ -36,11 +36,6 @@ std::string cell(const std::string& text) {
   return quoted + "\"";
 }
 
-void remove_empty_folders(fs::path from, const fs::path& topmost) {
-  std::error_code error;
-  while (fs::remove(from, error) && from != topmost) from = from.parent_path();
-}
-
 }  // namespace
 
 std::string seconds_text(Time t) {
@@ -62,6 +57,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
     : folder_(std::move(folder).lexically_normal()) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   made_ = make_folders(folder_);
+  if (!made_.empty()) unfinished_.emplace(folder_, made_);
   try {
     config_ = std::make_unique<AtomicFile>(folder_ / "config.json");
     summary_ = std::make_unique<AtomicFile>(folder_ / "summary.json");

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,7 @@ class RunRecorder {
 
   std::filesystem::path folder_;
   std::filesystem::path made_;  // topmost folder that was made; empty: none
+  std::optional<Unfinished> unfinished_;
   std::unique_ptr<AtomicFile> config_, summary_, netcdf_file_;
   std::unique_ptr<results::RunWriter> netcdf_;
   std::vector<std::unique_ptr<AtomicFile>> filters_;

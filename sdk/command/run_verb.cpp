@@ -95,7 +95,7 @@ Json provenance_of(const Options& options, const Composition& composition) {
   return all;
 }
 
-/// What a run leaves behind. Both are opened before the run, so that a bad name is told at once.
+/// What a run leaves behind. Both are opened before the run, so that a bad name is reported at once.
 struct Outputs {
   Outputs(const Options& options, const Composition& composition) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
@@ -128,9 +128,10 @@ void tell_warnings(const Composition& composition, const score::RunResult& resul
 
 int run_config(const Options& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
-  watch_signals();
+  watch_signals("nothing was written");
   auto outputs = std::make_unique<Outputs>(options, *composition);
   const score::RunResult result = watched_run(composition, options, outputs->recorder.get());
+  stand_down();
   if (interrupted_by() != 0) {
     outputs.reset();
     print_error("interrupted; nothing was written");

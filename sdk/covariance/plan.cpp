@@ -343,7 +343,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   if (is_fed || section.at(under("duration"))) plan.duration = read_time(section, under("duration"));
   if (is_fed) plan.feeds = read_feeds(section, *composition);
   if (is_fed && plan.feeds.empty() && !diagnostics.has_errors())
-    section.error("B010", under("channels"), "no channel speaks; without 'channels' the config's sources are run");
+    section.error("B010", under("channels"), "no channel emits; without 'channels' the config's sources are run");
   plan.runs = static_cast<int>(section.whole_number(under("runs"), 1).value_or(1));
   for (const char* key : {"error_free", "runs"})
     if (is_fed && section.at(under(key)))

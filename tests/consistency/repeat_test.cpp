@@ -26,10 +26,10 @@ std::shared_ptr<const Composition> load(Sets sets = {}) {
 
 /// The summary without what the clock on the wall says.
 std::string summary(const std::shared_ptr<const Composition>& composition, score::RunOptions options) {
-  auto told = score::run(composition, options).summary;
-  told.erase("wall_s");
-  for (auto& [name, filter] : told["filters"].items()) filter.erase("filter_s");
-  return told.dump();
+  auto reported = score::run(composition, options).summary;
+  reported.erase("wall_s");
+  for (auto& [name, filter] : reported["filters"].items()) filter.erase("filter_s");
+  return reported.dump();
 }
 
 /// All numbers of a field, "drive.imu wx", over a run; its times under "drive.imu t".

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/plugin_call.hpp"
 #include "binnacle/registry.hpp"
 #include "binnacle/spec.hpp"
 
@@ -63,20 +64,24 @@ class ComponentType {
   std::shared_ptr<Sink> create_sink(const Binding& binding) const;
 
   /// Runs a call into an object of this type (Source::open, say) with the same care: what escapes is a ComponentError
-  /// of the host.
+  /// of the host. Meanwhile plugin_call_under_way() names it; `t`: of the sample at work.
   template <class Call>
-  auto guarded(const char* call_name, Call&& call) const {
+  auto guarded(const char* call_name, Call&& call, Time t = no_time) const {
+    CallSite site;
+    site.enter(&plugin, spec.type, call_name);
+    site.set_time(t);
+    const CallScope scope(site);
     try {
       return std::forward<Call>(call)();
     } catch (...) {
-      rethrow_as_component_error(call_name);
+      rethrow_as_component_error(site);
     }
   }
 
  private:
   friend class plugin::PluginRegistry;
 
-  [[noreturn]] void rethrow_as_component_error(const char* call_name) const;
+  [[noreturn]] static void rethrow_as_component_error(const CallSite& site);
 
   using AnyFactory = void (*)();
   template <class Base>

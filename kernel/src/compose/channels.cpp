@@ -49,7 +49,7 @@ void Composer::add_sources() {
       const auto parameters = check_parameters(source.type->spec.parameters, source.type->spec.type, document(),
                                                pointer, {"type"}, {}, diagnostics_);
       if (error_count() == errors)
-        guarded(pointer, [&](Findings& findings) {
+        guarded(pointer, [&, &name = name](Findings& findings) {
           source.source = source.type->create_source(
               Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
           add_channels(name, pointer, source.source->channels(), source.channels);
@@ -306,7 +306,7 @@ void Composer::add_sinks() {
                                              {"type", "input", "inputs", "fields"}, {}, diagnostics_);
     const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
     if (error_count() != errors || !is_bound) continue;
-    guarded(pointer, [&](Findings& findings) {
+    guarded(pointer, [&, &name = name](Findings& findings) {
       sink.sink =
           sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
     });

@@ -42,7 +42,7 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
     for (const auto& [key, value] : blocks->items())
       if (std::find(port_names.begin(), port_names.end(), key) == port_names.end()) {
         const auto renamed = std::find_if(spec.ports.begin(), spec.ports.end(),
-                                          [&](const PortSpec& port) { return port.former_name == key; });
+                                          [&, &key = key](const PortSpec& port) { return port.former_name == key; });
         key_error("B012", join_pointer(blocks_pointer, key),
                   "'" + spec.type + "' has no port '" + key + "'" +
                       (renamed != spec.ports.end() ? "; it is now called '" + renamed->name + "'"
@@ -337,7 +337,7 @@ void Composer::add_processes(FilterBuild& build) {
         is_whole = false;
         continue;
       }
-      guarded(pointer, [&](Findings& findings) {
+      guarded(pointer, [&, &name = name](Findings& findings) {
         plan.model =
             type->create_process_model(Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step)
                                            .of(type->spec)

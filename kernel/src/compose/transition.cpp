@@ -94,12 +94,10 @@ class TransitionBuilder {
   void add_group(const std::vector<int>& members) {
     VanLoanGroup group;
     group.processes = members;
-    group.is_time_invariant = true;
     std::map<int, int> first;  // value → row
     for (const int member : members) {
       auto& process = plan_.processes[as_size(member)];
       process.van_loan_group = static_cast<int>(plan_.van_loan.size());
-      group.is_time_invariant = group.is_time_invariant && process.model->declaration().is_time_invariant;
       for (int b = 0; b < block_count(); ++b)
         if (block(b).process == member) {
           first[b] = group.rows;

@@ -472,6 +472,7 @@ void Engine::write_estimates(SampleSlot& slot) {
   slot.rows = 0;
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
+    calling(block.type, "read");
     block.block->read(x() + block.stored_offset, out);
     out += block.declaration().outputs.size();
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/plugin_call.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/step_log.hpp"
 #include "filter/exclusion.hpp"
@@ -41,6 +42,8 @@ class Engine {
   bool has_heard(const LatestPlan& initial) const { return latest(initial).available; }
   /// "velocity.north is not finite at 12.3 s"; empty while the filter is well.
   const char* diagnosis() const { return status().diagnosis; }
+  /// Which plugin's call is under way, for other threads.
+  CallSite& call_site() { return call_site_; }
   /// Stops the filter because the plugin call under way threw.
   void stop_for_exception(const char* what);
   /// Places without a count are free.
@@ -80,6 +83,7 @@ class Engine {
   void calling(const std::string& component, const char* call) {
     component_ = &component;
     call_ = call;
+    call_site_.enter(nullptr, component, call);
   }
 
   Result evaluate_derived(const std::vector<int>& values, bool with_jacobians);
@@ -105,6 +109,7 @@ class Engine {
   StepObserver* observer_ = nullptr;
   const std::string* component_ = nullptr;  // whose code runs: named if it throws
   const char* call_ = "";
+  CallSite call_site_;
   int in_process_ = -1;  // measurement that has no outcome yet
 
   // Scratch. Sized in the constructor, never resized.

@@ -105,7 +105,7 @@ Function typed(void (*factory)()) {
 
 }  // namespace
 
-void ComponentType::rethrow_as_component_error(const char* call_name) const {
+void ComponentType::rethrow_as_component_error(const CallSite& site) {
   // Copies: the plugin's own exception object may not outlive its library.
   std::string message;
   try {
@@ -114,7 +114,7 @@ void ComponentType::rethrow_as_component_error(const char* call_name) const {
     ComponentError copy = error;
     throw copy;
   } catch (...) {
-    message = "plugin '" + plugin + "', component '" + spec.type + "': " + call_name + " threw: " + what_was_thrown();
+    message = site.text() + " threw: " + what_was_thrown();
   }
   throw ComponentError(message);
 }
@@ -279,6 +279,10 @@ std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagn
     return std::nullopt;
   }
   if (!accept(plugin.info)) return std::nullopt;
+  CallSite site;
+  const std::string itself;
+  site.enter(&plugin.info.name, itself, "loading it");
+  const CallScope scope(site);
   const std::shared_ptr<Library> library = open_library(file, diagnostics);
   if (!library) return std::nullopt;
   PluginRegistry registry(plugin.info, library);

@@ -6,7 +6,7 @@
 
 #include "base/index.hpp"
 #include "filter/residual_rows.hpp"
-#include "run/guard_sink.hpp"
+#include "run/guard_call.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -174,10 +174,11 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   runtime.feed_sinks(options.feeds_sinks);
   observer.begin(session);
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) guard_sink(plan, sink, "open", [&] { sink.sink->open(); });
+    for (const auto& sink : plan.sinks) guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.sink->open(); });
   run_sources(runtime, observer);
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) guard_sink(plan, sink, "close", [&] { sink.sink->close(); });
+    for (const auto& sink : plan.sinks)
+      guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.sink->close(); });
 
   nlohmann::ordered_json filters = nlohmann::ordered_json::object();
   for (std::size_t f = 0; f < plan.filters.size(); ++f)

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <new>
 
 #include "base/hash.hpp"
 #include "base/index.hpp"
-#include "run/guard_sink.hpp"
+#include "run/guard_call.hpp"
 
 namespace binnacle::runtime {
 
@@ -18,6 +19,12 @@ namespace {
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 using base::as_size;
+
+std::string time_text(Time t) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.9g s", seconds(t));
+  return text;
+}
 
 }  // namespace
 
@@ -98,10 +105,14 @@ void Runtime::reset(std::uint64_t seed, int run) {
   for (auto& engine : engines_) engine->reset();
   for (const auto& source : plan_.sources) {
     *source.head.in(arena_.get()) = SourceHead{};
-    source.source->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena_.get()));
+    guard_call<FilterError>(plan_, source, "start", no_time, [&] {
+      source.source->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena_.get()));
+    });
   }
   for (const auto& transform : plan_.transforms)
-    transform.transform->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena_.get()));
+    guard_call<FilterError>(plan_, transform, "start", no_time, [&] {
+      transform.transform->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena_.get()));
+    });
   for (auto& channel : channels_) channel.is_present = false;
   std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
   std::fill(sample_counts_.begin(), sample_counts_.end(), 0);
@@ -175,14 +186,9 @@ void Runtime::run_transform(int index) {
   for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
     const auto& input = transform.inputs[i];
     if (input.channel < 0 || !channels_[as_size(input.channel)].is_present) continue;
-    try {
-      transform.type->guarded("on", [&] {
-        transform.transform->on(static_cast<int>(i), read_input(input), transform.memory.in(arena_.get()), emitter);
-      });
-    } catch (const ComponentError& error) {
-      throw FilterError(Diagnostic{Severity::error, "B045", plan_.document.origin(transform.pointer), transform.pointer,
-                                   error.what()});
-    }
+    guard_call<FilterError>(plan_, transform, "on", time_, [&] {
+      transform.transform->on(static_cast<int>(i), read_input(input), transform.memory.in(arena_.get()), emitter);
+    });
   }
 }
 
@@ -190,7 +196,8 @@ void Runtime::run_sink(int index) {
   const auto& sink = plan_.sinks[as_size(index)];
   for (std::size_t i = 0; i < sink.inputs.size(); ++i)
     if (sink.inputs[i].channel >= 0 && channels_[as_size(sink.inputs[i].channel)].is_present)
-      guard_sink(plan_, sink, "on", [&] { sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i])); });
+      guard_call<DataError>(plan_, sink, "on", time_,
+                            [&] { sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i])); });
 }
 
 void Runtime::feed_filter(Engine& engine, const Routes& routes, Time t) {
@@ -213,6 +220,14 @@ void Runtime::feed_filter(Engine& engine, const Routes& routes, Time t) {
   if (is_touched && !engine.started()) engine.try_start(t);
 }
 
+void Runtime::publish(Engine& engine) {
+  const auto channel = as_size(engine.plan().output_channel);
+  SampleSlot& slot = output_slots_[channel];
+  engine.write_estimates(slot);
+  channels_[channel].view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
+  channels_[channel].is_present = true;
+}
+
 void Runtime::run_filter(int index, Time t) {
   const auto begin = std::chrono::steady_clock::now();
   const auto& routes = routes_[as_size(index)];
@@ -226,20 +241,18 @@ void Runtime::run_filter(int index, Time t) {
   };
   const std::int64_t before = routes.output_is_heard ? accepted() : 0;
   // What a plugin throws ends at the library boundary: its filter stops, named, and the others go on.
+  CallSite& site = engine.call_site();
+  site.set_time(t);
+  const CallScope scope(site);
   try {
     feed_filter(engine, routes, t);
+    if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) publish(engine);
   } catch (const std::exception& error) {
     engine.stop_for_exception(error.what());
   } catch (...) {
     engine.stop_for_exception("something that is no std::exception");
   }
-  if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) {
-    auto& output = channels_[as_size(plan.output_channel)];
-    SampleSlot& slot = output_slots_[as_size(plan.output_channel)];
-    engine.write_estimates(slot);
-    output.view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
-    output.is_present = true;
-  }
+  site.leave();
   filter_seconds_[as_size(index)] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -270,20 +283,16 @@ void Runtime::fetch(std::size_t index) {
   }
   int channel = 0;
   const Time previous = head.t;
-  SourceStatus status = SourceStatus::error;
-  try {
-    status = source.type->guarded("next", [&] {
-      return source.source->next(source.memory.in(arena_.get()), slots.data(), channel);
-    });
-  } catch (const ComponentError& error) {
-    throw DataError(Diagnostic{Severity::error, error.is_data_error() ? error.code() : "B045",
-                               error.is_data_error() ? Origin{error.file(), error.line(), 0}
-                                                     : plan_.document.origin(source.pointer),
-                               source.pointer, error.what()});
-  }
-  if (status == SourceStatus::error)
-    throw DataError(
-        Diagnostic{Severity::error, "B061", {}, source.pointer, "source '" + source.name + "' cannot go on"});
+  const char* const call = previous == no_time ? "next for its first sample" : "next";
+  const SourceStatus status = guard_call<DataError>(plan_, source, call, previous, [&] {
+    return source.source->next(source.memory.in(arena_.get()), slots.data(), channel);
+  });
+  const auto fault = [&](const char* code, const std::string& what) {
+    return DataError(
+        Diagnostic{Severity::error, code, plan_.document.origin(source.pointer), source.pointer,
+                   "source '" + source.name + "' " + what + " (" + call_text(*source.type, call, previous) + ")"});
+  };
+  if (status == SourceStatus::error) throw fault("B061", "cannot go on");
   if (status == SourceStatus::wait) return;  // asked again at the next instant
   if (status != SourceStatus::sample) {
     head.status = 2;
@@ -292,12 +301,9 @@ void Runtime::fetch(std::size_t index) {
   if (channel < 0 || as_size(channel) >= slots.size() || slots[as_size(channel)].t == no_time ||
       slots[as_size(channel)].rows < 0 ||
       slots[as_size(channel)].rows > plan_.channels[as_size(source.channels[as_size(channel)])].declaration.max_rows)
-    throw DataError(Diagnostic{Severity::error, "B045", plan_.document.origin(source.pointer), source.pointer,
-                               "source '" + source.name + "' emitted a sample that it did not declare"});
+    throw fault("B045", "emitted a sample that it did not declare");
   const auto& slot = slots[as_size(channel)];
-  if (previous != no_time && slot.t < previous)
-    throw DataError(
-        Diagnostic{Severity::error, "B063", {}, source.pointer, "source '" + source.name + "' goes back in time"});
+  if (previous != no_time && slot.t < previous) throw fault("B063", "goes back in time, to " + time_text(slot.t));
   head = SourceHead{slot.t, slot.t0, 1, channel, slot.rows, slot.has_covariance};
   ++sample_counts_[index];
 }
@@ -334,6 +340,7 @@ bool Runtime::next_instant() {
 
 void Runtime::finish() {
   for (auto& engine : engines_) {
+    const CallScope scope(engine->call_site());
     try {
       engine->finish();
     } catch (const std::exception& error) {
@@ -341,6 +348,7 @@ void Runtime::finish() {
     } catch (...) {
       engine->stop_for_exception("something that is no std::exception");
     }
+    engine->call_site().leave();
   }
 }
 

@@ -66,6 +66,7 @@ class Runtime {
 
   void fetch(std::size_t source);
   void run_filter(int index, Time t);
+  void publish(Engine& engine);
   void feed_filter(Engine& engine, const Routes& routes, Time t);
   void run_transform(int index);
   void run_sink(int index);

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which plugin call each thread is in: for whoever has to name it from outside, a watchdog or a handler at exit.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "binnacle/time.hpp"
+
+namespace binnacle {
+
+/// A place from which plugins are called. Its thread writes, any thread reads: plain stores on common processors.
+class CallSite {
+ public:
+  /// `component`: "csv" of `plugin`, "" for a call into the plugin itself; "core/vector" where `plugin` is null. All are
+  /// referred to, not copied.
+  void enter(const std::string* plugin, const std::string& component, const char* call) noexcept {
+    plugin_.store(plugin, std::memory_order_relaxed);
+    component_.store(&component, std::memory_order_relaxed);
+    call_.store(call, std::memory_order_release);
+  }
+  void leave() noexcept { call_.store(nullptr, std::memory_order_release); }
+  /// The sample at work; no_time: none.
+  void set_time(Time t) noexcept { t_.store(t, std::memory_order_relaxed); }
+
+  /// "plugin 'csv', component 'csv': next at 12.3 s"; empty when no call is under way.
+  std::string text() const;
+
+ private:
+  std::atomic<const std::string*> plugin_{nullptr};
+  std::atomic<const std::string*> component_{nullptr};
+  std::atomic<const char*> call_{nullptr};
+  std::atomic<Time> t_{no_time};
+};
+
+/// Makes a site this thread's until the scope ends; the one before it is back then.
+class CallScope {
+ public:
+  explicit CallScope(const CallSite& site) noexcept;
+  ~CallScope();
+  CallScope(const CallScope&) = delete;
+  CallScope& operator=(const CallScope&) = delete;
+
+ private:
+  const CallSite* previous_;
+};
+
+/// CallSite::text() of this thread, also from a handler at exit; empty when it is in no plugin call.
+std::string plugin_call_under_way();
+/// The same of every thread that is in one.
+std::vector<std::string> plugin_calls_under_way();
+
+}  // namespace binnacle
