@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Packages and build, shared by sdk/run and tests/run; sourced, not run. Speaks on stderr only.
+# Packages and build, shared by sdk/run and tests/run; sourced, not run. Prints on stderr only.
 
 binnacle_root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
-binnacle_build=$binnacle_root/build/release
+use_preset() { binnacle_preset=$1 binnacle_build=$binnacle_root/build/$1; }  # of CMakePresets.json
+use_preset release
 
 say() { printf 'binnacle: %s\n' "$*" >&2; }
 
@@ -11,7 +12,7 @@ listed_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$binnacle
 
 missing_packages() {
   local installed
-  # dpkg-query fails when it has never heard of one of them.
+  # dpkg-query fails when one of them is unknown to it.
   # shellcheck disable=SC2046  # one word a package
   installed=$({ dpkg-query -W -f '${db:Status-Status} ${Package}\n' $(listed_packages) 2>/dev/null || true; } |
     sed -n 's/^installed //p')
@@ -91,10 +92,10 @@ ninja_targets() {
   return 1
 }
 
-configure() { (cd -- "$binnacle_root" && cmake --preset release "$@"); }
+configure() { (cd -- "$binnacle_root" && cmake --preset "$binnacle_preset" "$@"); }
 
-# build_release TARGETS -- [CMAKE OPTIONS]: configures when it must, builds the targets. One build at a time.
-build_release() {
+# build TARGETS -- [CMAKE OPTIONS]: configures when it must, builds the targets. One build of a preset at a time.
+build() {
   local targets=()
   while [ $# -gt 0 ] && [ "$1" != -- ]; do
     targets+=("$1")
@@ -107,7 +108,7 @@ build_release() {
     if [ ! -e "$binnacle_build/build.ninja" ] || [ $# -gt 0 ]; then
       run_logged "$binnacle_build/configure.log" configure "$@" || exit 1
     fi
-    if [ ! -e "$binnacle_build/bin/binnacle" ]; then
+    if [ ! -e "$binnacle_build/build.log" ]; then
       say "building (the first time takes some minutes; log: ${binnacle_build#"$PWD"/}/build.log)"
     fi
     ninja_targets "${targets[@]}"

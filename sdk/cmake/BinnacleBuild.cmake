@@ -15,7 +15,8 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
-# The command finds its plugins at ../lib/binnacle, built or installed.
+# The command finds its plugins at ../lib/binnacle and its templates at ../share/binnacle, built or installed.
+set(BINNACLE_SHARE_FOLDER share/binnacle)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
 set(BINNACLE_PLUGIN_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib/binnacle")
 
@@ -52,5 +53,7 @@ function(binnacle_precompile target)
   target_precompile_headers(${target} PRIVATE ${ARGN})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND BINNACLE_CCACHE)
     target_compile_options(${target} PRIVATE -fpch-preprocess)
+  elseif(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND BINNACLE_CCACHE)
+    target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
   endif()
 endfunction()

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` puts where, in two components: `runtime` runs filters, `dev` builds plugins and programs.
 # The folders are fixed, not those of GNUInstallDirs: the command finds its plugins at ../lib/binnacle and its templates
-# at ../share/binnacle, so that the whole may be moved.
+# at ../share/binnacle/sdk/template, so that the whole may be moved. Below share/binnacle documents and configs lie as in
+# the project, so that the links between them hold.
 include_guard(GLOBAL)
 
 include(CMakePackageConfigHelpers)
@@ -10,36 +11,55 @@ set(package_folder lib/cmake/Binnacle)
 
 # ---- runtime: the command, the plugins, what `binnacle new plugin` copies
 
-add_executable(Binnacle::binnacle ALIAS binnacle)
 install(TARGETS binnacle EXPORT BinnacleTargets RUNTIME DESTINATION bin COMPONENT runtime)
-if(TARGET binnacle-conform)
-  install(TARGETS binnacle-conform RUNTIME DESTINATION bin COMPONENT runtime)
-endif()
+# sdk/run builds no suite: it is installed where it was built, and missed aloud where not.
+install(TARGETS binnacle-conform RUNTIME DESTINATION bin COMPONENT runtime OPTIONAL)
+install(CODE "
+  if(NOT EXISTS \"$<TARGET_FILE:binnacle-conform>\")
+    message(STATUS \"Left out, since it is not built: binnacle-conform, which `binnacle conform` needs \"
+      \"(cmake --build ${PROJECT_BINARY_DIR} --target binnacle-conform)\")
+  endif()" COMPONENT runtime)
 
 get_property(plugins GLOBAL PROPERTY BINNACLE_PLUGINS)
 list(TRANSFORM plugins APPEND _plugin)
 install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
 
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" DESTINATION share/binnacle COMPONENT runtime)
-# The same place beside the command in the build tree.
-file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/share/binnacle")
-file(CREATE_LINK "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_BINARY_DIR}/share/binnacle/template" SYMBOLIC)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/examples" "${PROJECT_SOURCE_DIR}/sdk/docs"
+  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE)
 
-install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/LICENSE"
-  DESTINATION share/doc/binnacle COMPONENT runtime)
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/docs/" DESTINATION share/doc/binnacle COMPONENT runtime)
+file(GLOB documents RELATIVE "${PROJECT_SOURCE_DIR}" CONFIGURE_DEPENDS
+  LICENSE *.md CITATION.cff kernel/*.md sdk/packages.txt plugins/*/README.md)
+foreach(document IN LISTS documents)
+  cmake_path(GET document PARENT_PATH folder)
+  install(FILES "${PROJECT_SOURCE_DIR}/${document}" DESTINATION ${BINNACLE_SHARE_FOLDER}/${folder} COMPONENT runtime)
+endforeach()
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION share/doc/binnacle COMPONENT runtime)
 
 # ---- dev: headers, the kernel's library, the CMake package
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/kernel/include/binnacle" "${PROJECT_BINARY_DIR}/kernel/include/binnacle"
   DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
+# Where the documents look for them.
+install(CODE "
+  set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${BINNACLE_SHARE_FOLDER}/kernel\")
+  file(MAKE_DIRECTORY \"\${folder}\")
+  file(CREATE_LINK ../../../include \"\${folder}/include\" SYMBOLIC)" COMPONENT dev)
 
 # Whoever writes plugins needs no Boost: the kernel's library is an export set of its own.
 install(TARGETS binnacle_headers EXPORT BinnacleTargets INCLUDES DESTINATION include)
-install(TARGETS binnacle_kernel EXPORT BinnacleKernelTargets
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/score/include/score" "${PROJECT_SOURCE_DIR}/sdk/document/include/document"
+  DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
+# The suite's checkers, for a plugin's own tests: like the suite itself not built by sdk/run.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/testing/include/binnacle" DESTINATION include COMPONENT dev
+  FILES_MATCHING PATTERN "*.hpp")
+install(TARGETS binnacle_testing EXPORT BinnacleTestingTargets
+  ARCHIVE DESTINATION lib COMPONENT dev OPTIONAL
+  INCLUDES DESTINATION include)
+install(TARGETS binnacle_kernel binnacle_score binnacle_document EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
-foreach(set IN ITEMS BinnacleTargets BinnacleKernelTargets)
+foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets)
   install(EXPORT ${set} NAMESPACE Binnacle:: DESTINATION ${package_folder} COMPONENT dev)
 endforeach()
 

@@ -4,7 +4,10 @@ include_guard(GLOBAL)
 
 include(BinnaclePlugin)
 
-add_custom_target(plugins COMMENT "All plugins are built")
+add_custom_target(binnacle_plugins COMMENT "All plugins are built")
+if(PROJECT_IS_TOP_LEVEL)
+  add_custom_target(plugins DEPENDS binnacle_plugins)
+endif()
 
 # binnacle_plugin(NAME SOURCES plugin.cpp … [LIBRARIES …])
 #
@@ -36,6 +39,6 @@ function(binnacle_plugin name)
     OUTPUT_NAME ${name}
     LIBRARY_OUTPUT_DIRECTORY "${BINNACLE_PLUGIN_OUTPUT_DIRECTORY}")
 
-  add_dependencies(plugins ${name}_plugin)
+  add_dependencies(binnacle_plugins ${name}_plugin)
   set_property(GLOBAL APPEND PROPERTY BINNACLE_PLUGINS ${name})
 endfunction()

@@ -84,11 +84,11 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::fail(const std::string& why) const {
-  std::string mend;
+  std::string remedy;
   for (const int full : {ENOSPC, EDQUOT})
-    if (why == std::strerror(full)) mend = "; make room there, or write elsewhere";
-  if (why == std::strerror(EFBIG)) mend = "; raise the limit (ulimit -f), or write elsewhere";
-  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, mend));
+    if (why == std::strerror(full)) remedy = "; make room there, or write elsewhere";
+  if (why == std::strerror(EFBIG)) remedy = "; raise the limit (ulimit -f), or write elsewhere";
+  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, remedy));
 }
 
 void AtomicFile::flush() {

@@ -32,7 +32,7 @@ int hand_over(const CLI::App& app) {
 
 Verb conform_verb(CLI::App& command) {
   CLI::App* app =
-      command.add_subcommand("conform", "Hold a plugin library against the contract (conform --help tells more)");
+      command.add_subcommand("conform", "Hold a plugin library against the contract (more: conform --help)");
   app->prefix_command();  // everything that follows is the suite's
   app->set_help_flag();
   return {app, [app] { return hand_over(*app); }};

@@ -8,8 +8,8 @@
 
 namespace binnacle::command {
 
-/// `explained` is what Composition::explain() tells. Nodes are components, each named by its JSON pointer; edges are
-/// channels from who emits to who hears, and within a filter what is advanced, read, derived and measured.
+/// `explained` is what Composition::explain() gives. Nodes are components, each named by its JSON pointer; edges are
+/// channels from emitter to subscriber, and within a filter what is advanced, read, derived and measured.
 std::string dot_text(const Json& explained);
 
 }  // namespace binnacle::command

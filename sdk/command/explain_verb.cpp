@@ -33,7 +33,7 @@ std::string sources_text(const Json& sources) {
 std::string transforms_text(const Json& transforms) {
   Table table("llll");
   for (const auto& transform : transforms)
-    table.row({transform.at("name"), transform.at("type"), "hears " + listed_or_dash(transform.at("inputs")),
+    table.row({transform.at("name"), transform.at("type"), "subscribes to " + listed_or_dash(transform.at("inputs")),
                "emits " + listed_or_dash(transform.at("outputs"))});
   return section("Transforms", table);
 }
@@ -51,7 +51,7 @@ std::string channels_text(const Json& channels) {
   for (const auto& channel : channels) {
     std::vector<std::string> fields;
     for (const auto& field : channel.at("fields")) fields.push_back(field_text(field));
-    text += fmt::format("  {}\n    {}\n    heard by {}\n", channel.at("name").get<std::string>(),
+    text += fmt::format("  {}\n    {}\n    subscribers: {}\n", channel.at("name").get<std::string>(),
                         fields.empty() ? "no fields" : joined(fields),
                         channel.at("heard_by").empty() ? "nobody" : joined(texts(channel.at("heard_by"))));
   }
@@ -93,6 +93,12 @@ std::string layout_text(const Json& filter, const Json& filter_config) {
   return section("State", table);
 }
 
+/// With where its Jacobians come from, when not from a pencil.
+std::string type_text(const Json& model) {
+  const std::string type = model.at("type");
+  return model.contains("jacobians") ? type + " (Jacobians by " + value_text(model.at("jacobians")) + ")" : type;
+}
+
 std::string blocks_text(const Json& filter) {
   Table table("llll");
   for (const auto& block : filter.at("blocks")) {
@@ -101,7 +107,7 @@ std::string blocks_text(const Json& filter) {
                process.empty() ? "advanced by nothing" : "advanced by " + process});
   }
   for (const auto& derived : filter.at("derived"))
-    table.row({derived.at("name"), derived.at("type"), derived.at("kind"),
+    table.row({derived.at("name"), type_text(derived), derived.at("kind"),
                "derived of " + listed_or_dash(derived.at("reads"))});
   return section("Blocks", table);
 }
@@ -109,7 +115,7 @@ std::string blocks_text(const Json& filter) {
 std::string processes_text(const Json& filter) {
   Table table("lllll");
   for (const auto& process : filter.at("process"))
-    table.row({process.at("name"), process.at("type"), "advances " + listed_or_dash(process.at("advances")),
+    table.row({process.at("name"), type_text(process), "advances " + listed_or_dash(process.at("advances")),
                "reads " + listed_or_dash(process.at("reads")),
                process.contains("input") ? "driven by " + value_text(process.at("input")) : ""});
   return section("Process models", table);
@@ -140,7 +146,7 @@ std::string couplings_text(const Json& filter) {
 std::string parts_text(const Json& measurement) {
   std::vector<std::string> parts;
   for (const auto& part : measurement.at("parts"))
-    parts.push_back(fmt::format("{} sees {}", value_text(part.at("type")), listed_or_dash(part.at("reads"))));
+    parts.push_back(fmt::format("{} sees {}", type_text(part), listed_or_dash(part.at("reads"))));
   return joined(parts, "; ");
 }
 
@@ -178,7 +184,7 @@ std::string start_text(const Json& filter) {
     if (initial.contains("max_age_s")) text += fmt::format(" (no older than {})", duration(initial.at("max_age_s")));
     channels.push_back(std::move(text));
   }
-  return channels.empty() ? "\nStarts with the first sample that it hears\n"
+  return channels.empty() ? "\nStarts with the first sample that it receives\n"
                           : fmt::format("\nStarts when there is a sample of {}\n", joined(channels, " and "));
 }
 
@@ -194,31 +200,32 @@ std::string found_text(const Json& found) {
   Table table("llrl");
   for (const auto& component : found) {
     std::string at = component.at("at");
-    for (const auto& told : component.at("figures")) {
-      double value = told.at("value");
-      std::string unit = told.at("unit");
+    for (const auto& finding : component.at("figures")) {
+      double value = finding.at("value");
+      std::string unit = finding.at("unit");
       if (unit == "rad") {
         value = to_unit(value, *parse_unit("deg"));
         unit = "deg";
       }
-      table.row({at, told.at("name"), figure(value), unit == "1" ? "" : unit});
+      table.row({at, finding.at("name"), figure(value), unit == "1" ? "" : unit});
       at.clear();
     }
   }
   return section("Found", table);
 }
 
-std::string explanation_text(const Json& told, const Json& config) {
-  const std::string title = told.at("title");
+std::string explanation_text(const Json& explained, const Json& config) {
+  const std::string title = explained.at("title");
   std::string text = title.empty() ? "" : title + "\n";
-  text +=
-      sources_text(told.at("sources")) + transforms_text(told.at("transforms")) + channels_text(told.at("channels"));
-  for (const auto& filter : told.at("filters"))
+  text += sources_text(explained.at("sources")) + transforms_text(explained.at("transforms")) +
+          channels_text(explained.at("channels"));
+  for (const auto& filter : explained.at("filters"))
     text += filter_text(filter, config.at("filters").at(filter.at("name").get<std::string>()));
-  text += found_text(told.at("found"));
-  text += fmt::format("\nUnused channels: {}\n",
-                      told.at("unused_channels").empty() ? "none" : joined(texts(told.at("unused_channels"))));
-  text += fmt::format("A snapshot takes {} bytes\n", told.at("arena_bytes").dump());
+  text += found_text(explained.at("found"));
+  text +=
+      fmt::format("\nUnused channels: {}\n",
+                  explained.at("unused_channels").empty() ? "none" : joined(texts(explained.at("unused_channels"))));
+  text += fmt::format("A snapshot takes {} bytes\n", explained.at("arena_bytes").dump());
   text.erase(0, text.find_first_not_of('\n'));
   return text;
 }
@@ -231,11 +238,11 @@ struct Options {
 
 int explain(const Options& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
-  const Json told = composition->explain();
+  const Json explained = composition->explain();
   if (options.json)
-    print_json(told);
+    print_json(explained);
   else
-    print(explanation_text(told, composition->config()));
+    print(explanation_text(explained, composition->config()));
   return ok;
 }
 

@@ -41,7 +41,7 @@ using Join = study::Team* (*)();
 
 fs::path module() { return fs::read_symlink("/proc/self/exe").parent_path() / "../lib/binnacle/mpi/binnacle_mpi.so"; }
 
-/// One of them tells what is wrong with all.
+/// One of them reports what is wrong with all.
 [[noreturn]] void refuse(const Launch& launch, const std::string& why) {
   if (launch.rank > 0)
     std::exit(leave(ok));  // mpirun ends the others when one of them fails: rank 0 has to come to words

@@ -40,11 +40,11 @@ struct Options {
   bool json = false;
 };
 
-/// PREFIX/share/binnacle/template beside PREFIX/bin, installed or built.
+/// PREFIX/share/binnacle/sdk/template beside PREFIX/bin, installed or built.
 fs::path template_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = (program.parent_path() / ".." / "share" / "binnacle" / "template").lexically_normal();
+  const fs::path folder = (program.parent_path() / ".." / "share" / "binnacle" / "sdk" / "template").lexically_normal();
   if (!fs::is_directory(folder, error))
     throw UsageError(fmt::format("the templates are missing: there is no folder '{}'", folder.string()));
   return folder;
@@ -169,7 +169,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-/// How CMake is told where Binnacle is; nothing where it looks by itself.
+/// How CMake finds Binnacle; nothing where it looks by itself.
 std::string prefix_option() {
   const fs::path prefix = template_folder().parent_path().parent_path().parent_path();
   if (prefix == "/usr" || prefix == "/usr/local") return "";

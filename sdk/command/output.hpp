@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the command speaks: results to stdout, diagnostics to stderr, and the exit status that goes with them.
+// What the command prints where: results to stdout, diagnostics to stderr, and the exit status that goes with them.
 #pragma once
 
 #include <stdexcept>
@@ -39,7 +39,7 @@ void flush_stdout();
 
 /// "error: message", coloured on a terminal.
 void print_error(const std::string& message);
-/// Errors and warnings, one per line as to_string tells them, then their number: "2 errors, 1 warning".
+/// Errors and warnings, one per line as to_string writes them, then their number: "2 errors, 1 warning".
 void print_diagnostics(const Diagnostics& diagnostics);
 /// As above, with no more than a few of each code; `hint` says where the rest stands.
 void print_abridged(const Diagnostics& diagnostics, const std::string& hint);

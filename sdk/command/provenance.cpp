@@ -16,9 +16,9 @@ Json provenance(const Catalog& catalog, const std::string& command) {
 }
 
 std::string now_in_words() {
-  const char* const told = std::getenv("SOURCE_DATE_EPOCH");
+  const char* const epoch = std::getenv("SOURCE_DATE_EPOCH");
   const std::time_t now =
-      told && *told ? static_cast<std::time_t>(std::strtoll(told, nullptr, 10)) : std::time(nullptr);
+      epoch && *epoch ? static_cast<std::time_t>(std::strtoll(epoch, nullptr, 10)) : std::time(nullptr);
   std::tm utc{};
   gmtime_r(&now, &utc);
   char text[32];

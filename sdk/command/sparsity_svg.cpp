@@ -228,8 +228,8 @@ class FilterDrawing {
     const auto hue = hue_.find(row.moved_by);
     const std::string paint =
         structure == "identity" || hue == hue_.end() ? "" : fmt::format(" style=\"fill: {}\"", hue->second);
-    const std::string told = row.name + " of " + column.name + ": " + structure +
-                             (row.moved_by.empty() ? "" : ", filled by " + row.moved_by);
+    const std::string caption = row.name + " of " + column.name + ": " + structure +
+                                (row.moved_by.empty() ? "" : ", filled by " + row.moved_by);
     const auto rectangle = [&](int first_row, int first_column, int rows, int columns) {
       const double inset = structure == "identity" ? 0.28 * cell_ : structure == "diagonal" ? 0.12 * cell_ : 0.5;
       svg_ += fmt::format(
@@ -237,7 +237,8 @@ class FilterDrawing {
           "data-row=\"{}\" "
           "data-column=\"{}\" data-rows=\"{}\" data-columns=\"{}\"><title>{}</title></rect>\n",
           kind, structure, paint, x + cell_ * first_column + inset, matrix_top_ + cell_ * first_row + inset,
-          cell_ * columns - 2 * inset, cell_ * rows - 2 * inset, first_row, first_column, rows, columns, escaped(told));
+          cell_ * columns - 2 * inset, cell_ * rows - 2 * inset, first_row, first_column, rows, columns,
+          escaped(caption));
     };
     if (structure == "dense") return rectangle(row.first, column.first, row.count(), column.count());
     for (int i = 0; i < std::min(row.count(), column.count()); ++i) rectangle(row.first + i, column.first + i, 1, 1);
@@ -274,13 +275,14 @@ class FilterDrawing {
       if (cell_ * rows < 9) continue;
       const double top = matrix_top_ + cell_ * block.first, height = cell_ * rows;
       const bool is_moved = hue_.contains(block.moved_by);
-      const std::string told = is_moved ? block.moved_by + " (" + types_.at(block.moved_by) + ")" : "moved by nothing";
+      const std::string caption =
+          is_moved ? block.moved_by + " (" + types_.at(block.moved_by) + ")" : "moved by nothing";
       const std::string paint = is_moved ? fmt::format("style=\"fill: {}\"", hue_.at(block.moved_by)) : "";
       if (is_moved)
         svg_ += fmt::format("  <rect {} x=\"{:.1f}\" y=\"{:.1f}\" width=\"3\" height=\"{:.1f}\"/>\n", paint, x - 6,
                             top + 1, height - 2);
-      svg_ += text(x + 4, top + height / 2 + 4, told, is_moved ? "" : "minor", paint);
-      right_ = std::max(right_, x + 4 + width_of(told));
+      svg_ += text(x + 4, top + height / 2 + 4, caption, is_moved ? "" : "minor", paint);
+      right_ = std::max(right_, x + 4 + width_of(caption));
     }
   }
 
@@ -299,12 +301,12 @@ class FilterDrawing {
         for (const auto& name : part.at("columns"))
           if (const Rows* block = block_named(name.get<std::string>())) fill_strip(measurement, part, *block, height);
         draw_grid(left_, bottom_, height);
-        std::string told = text_of(part, "type");
+        std::string caption = text_of(part, "type");
         if (is_first)
-          told += fmt::format(", on {}, up to {}", text_of(measurement, "channel"),
-                              counted(measurement.at("max_rows").get<std::size_t>(), "row"));
-        svg_ += text(left_ + side() + 14, bottom_ + height / 2 + 4, told, "minor");
-        right_ = std::max(right_, left_ + side() + 14 + width_of(told));
+          caption += fmt::format(", on {}, up to {}", text_of(measurement, "channel"),
+                                 counted(measurement.at("max_rows").get<std::size_t>(), "row"));
+        svg_ += text(left_ + side() + 14, bottom_ + height / 2 + 4, caption, "minor");
+        right_ = std::max(right_, left_ + side() + 14 + width_of(caption));
         bottom_ += height + 4;
         is_first = false;
       }
@@ -342,9 +344,9 @@ class FilterDrawing {
     if (!frozen_.empty()) {
       bottom_ += 1.3 * line;
       const double x = n_ == 0 ? margin : left_;
-      const std::string told = "Frozen, without a row: " + joined(frozen_);
-      svg_ += text(x, bottom_, told, "minor");
-      right_ = std::max(right_, x + width_of(told));
+      const std::string caption = "Frozen, without a row: " + joined(frozen_);
+      svg_ += text(x, bottom_, caption, "minor");
+      right_ = std::max(right_, x + width_of(caption));
     }
     bottom_ += line;
   }

@@ -107,7 +107,7 @@ results::StudyResults study_results(const study::Study& study, const study::Resu
   return all;
 }
 
-/// What a study leaves behind. Places are looked at before the first run, so that a bad name is told at once.
+/// What a study leaves behind. Places are looked at before the first run, so that a bad name is reported at once.
 struct Outputs {
   Outputs(const Options& options, const study::Study& study, study::Results& results) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
@@ -124,7 +124,7 @@ struct Outputs {
     file.write(text);
     file.commit();
   }
-  /// Nothing in the folder tells how long it took: an interrupted study leaves the same files as another.
+  /// Nothing in the folder shows how long it took: an interrupted study leaves the same files as another.
   void commit(const study::Study& study, const study::Results& results, const Json& figures, const Json& timed) const {
     if (journal) {
       journal->sync();
@@ -168,12 +168,12 @@ std::string repeated_by(const Options& options, const study::Study& study, const
 
 /// Runs that broke: the first few by name and number, then how many there are.
 std::size_t tell_failures(const Options& options, const study::Study& study, const study::Results& results) {
-  constexpr std::size_t most_told = 10;
+  constexpr std::size_t most_shown = 10;
   std::size_t failures = 0;
   for (std::size_t v = 0; v < study.variants().size(); ++v)
     for (std::size_t run = 0; run < results.runs(); ++run) {
       const auto& figures = results.at(v, run);
-      if (figures.state != study::Figures::State::failed || ++failures > most_told) continue;
+      if (figures.state != study::Figures::State::failed || ++failures > most_shown) continue;
       fmt::print(stderr, "{}\n",
                  to_string(Diagnostic{Severity::error,
                                       "B093",
@@ -185,7 +185,7 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
     }
   if (failures > 0)
     print_error(fmt::format("{} of {} runs broke{}", failures, study.variants().size() * results.runs(),
-                            failures > most_told ? fmt::format(" ({} told here)", most_told) : ""));
+                            failures > most_shown ? fmt::format(" ({} shown here)", most_shown) : ""));
   return failures;
 }
 
@@ -220,7 +220,7 @@ std::string left(const Options& options) {
                              : "the same command goes on from here";
 }
 
-/// mpirun ends all of its processes when one of them dies, so this may be how the others hear of it.
+/// mpirun ends all of its processes when one of them dies, so this may be how the others learn of it.
 std::string interruption(const Options& options, bool is_led) {
   return std::string("interrupted") + (is_led ? " (if a rank died, mpirun says which)" : "") + "; " + left(options);
 }

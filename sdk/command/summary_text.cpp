@@ -148,7 +148,7 @@ std::string window_table(const Json& windows, const std::set<std::string>& norms
   return "\n" + table.text();
 }
 
-/// Over the windows of all filters: what the summary tells under "windows".
+/// Over the windows of all filters: what the summary has under "windows".
 std::string across_table(const Json& across) {
   Table table("lrrrrrrrl");
   table.row({"", "", "final", "", "", "rms", "", "", ""});

@@ -54,7 +54,7 @@ class ConfigOptions {
 /// A word of a command line, quoted where a shell wants it.
 std::string shell_quoted(const std::string& text);
 
-/// The plugins found without a config. What could not be loaded is told on stderr; `status` is then 4.
+/// The plugins found without a config. What could not be loaded is reported on stderr; `status` is then 4.
 Catalog load_catalog(int& status);
 
 }  // namespace binnacle::command

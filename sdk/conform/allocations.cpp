@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands before glibc's malloc, so that what a plugin or a library allocates is counted as well.
+// Replaces glibc's malloc, so that what a plugin or a library allocates is counted as well (Eigen calls malloc, not
+// operator new). Under AddressSanitizer and ThreadSanitizer, whose allocator stays, their malloc hooks count.
 #include "allocations.hpp"
 
 #include <malloc.h>
@@ -8,8 +9,19 @@
 #include <cerrno>
 #include <cstddef>
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define BINNACLE_COUNTS_ALLOCATIONS
+#ifdef __has_feature  // clang's way to say it
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define BINNACLE_SANITIZER_COUNTS
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define BINNACLE_SANITIZER_COUNTS
+#endif
+
+#if defined(BINNACLE_SANITIZER_COUNTS)
+#include <sanitizer/allocator_interface.h>
+#elif defined(__GLIBC__)
+#define BINNACLE_REPLACES_MALLOC
 #endif
 
 namespace {
@@ -20,11 +32,29 @@ std::atomic<std::int64_t> held = 0;
 }  // namespace
 
 namespace binnacle::conform {
+bool allocations_are_counted() {
+#if defined(BINNACLE_SANITIZER_COUNTS) || defined(BINNACLE_REPLACES_MALLOC)
+  return true;
+#else
+  return false;
+#endif
+}
 std::uint64_t allocations() { return count; }
 std::int64_t held_bytes() { return held; }
 }  // namespace binnacle::conform
 
-#ifdef BINNACLE_COUNTS_ALLOCATIONS
+#ifdef BINNACLE_SANITIZER_COUNTS
+namespace {
+
+__attribute__((no_sanitize("thread"))) void on_malloc(const volatile void*, std::size_t) { ++count; }
+__attribute__((no_sanitize("thread"))) void on_free(const volatile void*) {}
+
+[[maybe_unused]] const int hooks = __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free);
+
+}  // namespace
+#endif
+
+#ifdef BINNACLE_REPLACES_MALLOC
 namespace {
 
 void* taken(void* memory) {

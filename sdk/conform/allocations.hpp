@@ -6,9 +6,11 @@
 
 namespace binnacle::conform {
 
-/// Zero for ever under a sanitizer, which has an allocator of its own.
+/// False where this C library gives no way to count: then both numbers below stay 0.
+bool allocations_are_counted();
+/// Calls of operator new and of malloc, calloc, realloc and their aligned kin, whoever made them.
 std::uint64_t allocations();
-/// Bytes that are allocated and not given back, by all threads.
+/// Bytes that are allocated and not freed, by all threads. Always 0 under a sanitizer, which has an allocator of its own.
 std::int64_t held_bytes();
 
 }  // namespace binnacle::conform

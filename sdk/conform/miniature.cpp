@@ -50,6 +50,7 @@ class Builder {
         plug_ports();
         filter()["process"][component_name] = subject;
         feed("input", type_.spec.fields);
+        feed_inputs();
         break;
       case Role::measurement_model:
         plug_ports();
@@ -125,8 +126,8 @@ class Builder {
   void plug(const ComponentSpec& spec, const Json& settings) {
     if (!settings.contains("blocks")) return;
     for (const auto& [port, name] : settings.at("blocks").items()) {
-      const auto found =
-          std::find_if(spec.ports.begin(), spec.ports.end(), [&](const auto& p) { return p.name == port; });
+      const auto found = std::find_if(spec.ports.begin(), spec.ports.end(),
+                                      [&, &port = port](const auto& p) { return p.name == port; });
       if (found == spec.ports.end() || !name.is_string()) continue;  // the composition will say so
       const std::string block = name.get<std::string>();
       if (found->access == PortAccess::advances) advanced_.insert(block);

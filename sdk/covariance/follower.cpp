@@ -272,7 +272,7 @@ void Follower::note_implied_states(const Event& event, const Event& truth) {
     if (subject.measurement != event.measurement) continue;
     const MatrixXd B = inverse_of(columns_of(event.H, subject.block), event.R);
     if (B.size() == 0)
-      throw Broken("measurement '" + event.measurement + "' does not tell block '" + subject.block->name + "'");
+      throw Broken("measurement '" + event.measurement + "' does not determine block '" + subject.block->name + "'");
     const auto& active = subject.block->active;
     const int source = joint_.source("noise of " + event.measurement);
     VectorXd parts = VectorXd::Zero(static_cast<Index>(joint_.sources().size()));

@@ -26,7 +26,7 @@ struct Point {
   double t = 0, variance = 0, own_variance = 0;
 };
 
-/// What is told over time: an error component, a readable output, a norm, or an implied state.
+/// What is recorded over time: an error component, a readable output, a norm, or an implied state.
 struct Subject {
   std::string name;
   std::string measurement;                     // of an implied state; else ""

@@ -49,7 +49,7 @@ struct Plan {
   int truth = 0;  // the same as `filter` where the config states no other
 };
 
-/// Tells what is wrong in `diagnostics`.
+/// Reports what is wrong in `diagnostics`.
 Plan read_plan(const Config& config, const std::filesystem::path& path,
                const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics);
 

@@ -125,9 +125,9 @@ class FilterPayload {
     std::string text = time.get<std::string>();
     double start = 0;
     if (text.starts_with("start+")) {
-      const Json& told = at_or_null(summary_, "start_s");
-      if (!told.is_number()) return std::nullopt;
-      start = told.get<double>();
+      const Json& start_s = at_or_null(summary_, "start_s");
+      if (!start_s.is_number()) return std::nullopt;
+      start = start_s.get<double>();
       text.erase(0, 6);
     }
     const auto parsed = parse_time(text);
@@ -187,7 +187,7 @@ class FilterPayload {
     json["v"] = columns_.plotted(picked(error.values, kept, display.scale));
     if (error.sigma.empty()) return json;
     json["s"] = columns_.plotted(picked(error.sigma, kept, display.scale));
-    // Of a length no share is told: its σ is the root of the sum of the components' squares, so 99.7 % is not to be expected.
+    // Of a length no share is given: its σ is the root of the sum of the components' squares, so 99.7 % is not to be expected.
     if (error.is_length) return json;
     const Within within = within_sigma(error.values, error.sigma);
     if (within.of > 0)
@@ -213,8 +213,8 @@ class FilterPayload {
     for (const auto& error : filter_.errors) {
       const auto [block, what] = split_name(error.name);
       if (what != "nees" || !has_block(filter_, block)) continue;
-      const Json& told = at_or_null(at_or_null(summary_, "consistency"), block);
-      const double dof = at_or_null(told, "dof").is_number() ? told["dof"].get<double>() : 0;
+      const Json& group = at_or_null(at_or_null(summary_, "consistency"), block);
+      const double dof = at_or_null(group, "dof").is_number() ? group["dof"].get<double>() : 0;
       const auto kept = extremes({error.values}, points_);
       const auto [low, high] = chi_squared_95(dof);
       Json json{{"name", block}, {"n", error.t.size()}, {"dof", dof}, {"low", low}, {"high", high}};
@@ -464,7 +464,7 @@ class FilterPayload {
 
   Json path_json(const Path& path, const std::vector<double>& shade, double step) {
     auto kept = spaced(path.east, path.north, step);
-    // A track that jumps to and fro has more points than its extent tells.
+    // A track that jumps to and fro has more points than its extent suggests.
     for (double wider = 2 * step; kept.size() > most_track_points; wider *= 2)
       kept = spaced(path.east, path.north, wider);
     return {{"points", kept.size()},
@@ -496,10 +496,10 @@ class FilterPayload {
 
 /// Counters beyond 2^53 do not survive a script's numbers.
 Json as_text(const Json& provenance) {
-  Json told = provenance;
+  Json shown = provenance;
   for (const char* key : {"seed", "run"})
-    if (told.is_object() && told.contains(key) && told[key].is_number()) told[key] = told[key].dump();
-  return told;
+    if (shown.is_object() && shown.contains(key) && shown[key].is_number()) shown[key] = shown[key].dump();
+  return shown;
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ inline std::string describe_noise(const std::string& name) {
   return name + ": measurement noise as the noise estimator has it, 1-sigma";
 }
 
-/// CF wants "seconds since" an epoch of a time coordinate; which epoch a run's clock counts from nobody told us.
+/// CF wants "seconds since" an epoch of a time coordinate; which epoch a run's clock counts from is not known.
 inline int add_time(nc::Group group, const std::string& name, int dimension, const std::string& long_name) {
   const int id = group.add_variable(name, NC_DOUBLE, {dimension}, growing_chunks(1));
   group.put_text(id, "units", "s");

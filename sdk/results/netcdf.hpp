@@ -21,7 +21,7 @@ class Failure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws Failure unless the code says that all went well. The system's own reason, where it left one, tells more than
+/// Throws Failure unless the code says that all went well. The system's own reason, where it left one, says more than
 /// "HDF error".
 void check(int code);
 

@@ -37,9 +37,9 @@ auto read_netcdf(const fs::path& path, const char* verb, const Read& read) {
   } catch (const nlohmann::json::exception&) {
     fail(path, "its provenance is damaged", verb);
   } catch (const std::bad_alloc&) {
-    fail(path, "it tells of more values than fit into memory", verb);
+    fail(path, "it declares more values than fit into memory", verb);
   } catch (const std::length_error&) {
-    fail(path, "it tells of more values than fit into memory", verb);
+    fail(path, "it declares more values than fit into memory", verb);
   }
 }
 

@@ -129,7 +129,7 @@ Updates read_updates(nc::Group group) {
     const std::size_t before = updates.key.size();
     add_rows(groups, sample, updates);
     if (updates.key.size() - before != static_cast<std::size_t>(updates.rows[sample]))
-      throw nc::Failure("its group '" + group.name() + "' has other rows than it tells");
+      throw nc::Failure("its group '" + group.name() + "' has other rows than it declares");
   }
   return updates;
 }

@@ -45,7 +45,7 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
   }
 }
 
-/// Which runs broke; why is told in study.json.
+/// Which runs broke; why is in study.json.
 void write_state(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
   const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension}, {1, study.runs});
   root.put_text(id, "long_name", "what came of the run");

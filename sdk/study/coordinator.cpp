@@ -92,7 +92,7 @@ class Thread {
     thread_.join();
     if (thrown_) std::rethrow_exception(thrown_);
   }
-  /// The work is over, and not well: join() tells why.
+  /// The work is over, and not well: join() reports why.
   bool has_thrown() const { return has_thrown_; }
 
  private:
@@ -187,7 +187,7 @@ void Coordinator::take_report(const Study& study, int rank, const std::string& t
   const Json& report = message[1];
   Rank& entry = ranks_[static_cast<std::size_t>(rank)];
   entry.has_reported = true;
-  entry.heard = Clock::now();
+  entry.last_message = Clock::now();
   entry.machine = report.at("machine").get<std::string>();
   entry.jobs = report.at("jobs").get<int>();
   entry.status = report.at("status").get<int>();
@@ -239,11 +239,11 @@ int Coordinator::threads() const {
 void Coordinator::look_for_silent() {
   const auto now = Clock::now();
   for (int rank = 1; rank < team_.size(); ++rank) {
-    if (now - ranks_[static_cast<std::size_t>(rank)].heard < timeouts_.silence) continue;
+    if (now - ranks_[static_cast<std::size_t>(rank)].last_message < timeouts_.silence) continue;
     is_over_ = true;  // there is nobody to wait for
     const auto silence = std::chrono::duration_cast<std::chrono::seconds>(timeouts_.silence);
     fail(1, name_of(rank),
-         "not heard of for " + std::to_string(silence.count()) +
+         "no message for " + std::to_string(silence.count()) +
              " s, so it is taken for dead; its runs are still to be done");
   }
 }
@@ -270,7 +270,7 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
   };
   const auto take_in = [&](const Message& message) {
     Rank& entry = ranks_[static_cast<std::size_t>(message.from)];
-    entry.heard = Clock::now();
+    entry.last_message = Clock::now();
     const Json json = read_message(message.text);
     if (!is(json, "done")) return;
     auto done = read_entry(json[1], study.metrics().size());
@@ -292,7 +292,7 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
   {
     const Stop stop{is_stopped};
     for (int rank = 1; rank < team_.size(); ++rank) {
-      ranks_[static_cast<std::size_t>(rank)].heard = Clock::now();
+      ranks_[static_cast<std::size_t>(rank)].last_message = Clock::now();
       hand_out(rank);
     }
     Pause pause;
@@ -348,7 +348,7 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
           },
           may_go_on);
     });
-  auto told = Clock::now();
+  auto reported = Clock::now();
   bool is_dismissed = false;
   Pause pause;
   while (!is_dismissed && !(work && work->has_thrown()) && goes_on()) {
@@ -360,9 +360,9 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
         for (const auto& key : json[1]) work_queue.put({key[0].get<std::size_t>(), key[1].get<std::size_t>()});
     }
     for (auto& text : work_queue.take_out(pause.next())) team.send(0, std::move(text));
-    if (Clock::now() - told < timeouts.sign_of_life) continue;
+    if (Clock::now() - reported < timeouts.sign_of_life) continue;
     team.send(0, line_of(Json::array({"alive"})));
-    told = Clock::now();
+    reported = Clock::now();
   }
   is_stopped = true;
   work_queue.close();

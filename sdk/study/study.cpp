@@ -32,7 +32,7 @@ struct Hash {
   }
 };
 
-/// What several variants say alike is told once; what only some say, with their names.
+/// What several variants say alike is reported once; what only some say, with their names.
 class Gathered {
  public:
   void add(const std::string& variant, const Diagnostics& diagnostics) {
@@ -45,7 +45,7 @@ class Gathered {
         found->second.push_back(variant);
     }
   }
-  Diagnostics told(std::size_t variants) const {
+  Diagnostics merged(std::size_t variants) const {
     Diagnostics diagnostics;
     for (auto [item, names] : items_) {
       if (names.size() < variants) {
@@ -94,8 +94,19 @@ std::vector<Variant> load_variants(const std::filesystem::path& path, const Load
       failure.add(error);
     }
   }
-  if (failure.status()) throw Error(failure.status(), errors.told(wanted.size()));
-  warnings.merge(notes.told(wanted.size()));
+  if (failure.status()) throw Error(failure.status(), errors.merged(wanted.size()));
+  std::vector<std::shared_ptr<const Composition>> compositions;
+  for (const auto& variant : variants) compositions.push_back(variant.composition);
+  for (const auto& variant : variants) {
+    LoadOptions load = options;
+    load.patches = variant.patches;
+    const Diagnostics misspelt = misspelt_metrics(*variant.composition, compositions, path, load);
+    if (!misspelt.has_errors()) continue;
+    errors.add(variant.name, misspelt);
+    failure.add(ConfigError(misspelt));
+  }
+  if (failure.status()) throw Error(failure.status(), errors.merged(wanted.size()));
+  warnings.merge(notes.merged(wanted.size()));
   return variants;
 }
 
@@ -225,7 +236,7 @@ Study Study::load(const std::filesystem::path& path, const StudyOptions& options
   study.metrics_ = metrics.take();
   if (study.metrics_.empty() && !diagnostics.has_errors())
     section.key_error("B010", options.section,
-                      "missing key 'metrics': what a study tells, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
+                      "missing key 'metrics': what a study reports, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
   std::vector<std::string> names;
   for (const auto& variant : study.variants_) names.push_back(variant.name);
   for (const auto& table : tables) study.tables_.push_back(read_table(section, table, names, study.metrics_));

@@ -130,15 +130,15 @@ class CellReader {
       cell.baseline = variant(settings, "baseline", row, column);
       cell.unit = cell.show == Show::improvement ? "%" : "1";
     } else {
-      tell("B010", settings.from.at("show"),
-           "an improvement or a ratio needs a 'baseline': the variant that it is told against");
+      report("B010", settings.from.at("show"),
+             "an improvement or a ratio needs a 'baseline': the variant that it is compared with");
     }
     return cell;
   }
 
  private:
   /// Every cell of a row would say the same.
-  void tell(const std::string& code, const std::string& pointer, const std::string& message) {
+  void report(const std::string& code, const std::string& pointer, const std::string& message) {
     if (told_.insert(pointer + message).second) section_.error(code, pointer, message);
   }
 
@@ -148,21 +148,21 @@ class CellReader {
     const auto found = std::find(variants_.begin(), variants_.end(), name);
     if (found != variants_.end()) return static_cast<int>(found - variants_.begin());
     const auto from = settings.from.find(key);
-    tell("B090", from == settings.from.end() ? table_ : from->second,
-         "there is no variant " + in_quotes(name) + ", the " + key + " of row " + in_quotes(row.name) + ", column " +
-             in_quotes(column.name) + meant(name, variants_) + " (variants: " + listed(variants_) + ")");
+    report("B090", from == settings.from.end() ? table_ : from->second,
+           "there is no variant " + in_quotes(name) + ", the " + key + " of row " + in_quotes(row.name) + ", column " +
+               in_quotes(column.name) + meant(name, variants_) + " (variants: " + listed(variants_) + ")");
     return -1;
   }
 
   int metric(const Settings& settings) {
     const auto* name = settings.find("metric");
     if (!name) {
-      if (metrics_.size() != 1) tell("B010", table_, "missing key 'metric' of the table: one of the study's metrics");
+      if (metrics_.size() != 1) report("B010", table_, "missing key 'metric' of the table: one of the study's metrics");
       return 0;
     }
     for (std::size_t i = 0; i < metrics_.size(); ++i)
       if (metrics_[i].name == *name) return static_cast<int>(i);
-    return 0;  // told where metrics are read
+    return 0;  // reported where metrics are read
   }
 
   std::string unit(const Settings& settings, int index) {
@@ -174,7 +174,7 @@ class CellReader {
     shown.name = metric.name;
     shown.si_unit = metric.si_unit;
     if (const auto wrong = show_in(shown, *wanted); !wrong.empty())
-      tell(read_unit(*wanted) ? "B007" : "B008", settings.from.at("unit"), wrong);
+      report(read_unit(*wanted) ? "B007" : "B008", settings.from.at("unit"), wrong);
     return *wanted;
   }
 

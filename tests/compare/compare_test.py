@@ -228,10 +228,10 @@ cp "$config" "$2/summary.json"
     def status(self, old, new, renames=None, allowed=(), is_whole=False):
         renames, allowed = Renames(renames or {}), Allowed(list(allowed))
         plan = commands.Plan({"verbs": {"run": [], "study": [], "covariance": []}, "configs": {}})
-        told = types.SimpleNamespace(jobs=2, limit=20, keep=None, most=5)
+        arguments = types.SimpleNamespace(jobs=2, limit=20, keep=None, most=5)
         base = commands.Side("base", self.tree("old", old), self.folder, lambda word: word, lambda name: name)
         other = commands.Side("new", self.tree("new", new), self.folder, renames.argument, renames.config)
-        comparison = run.Comparison(told, plan, renames, allowed, base, other, None)
+        comparison = run.Comparison(arguments, plan, renames, allowed, base, other, None)
         comparison.scratch = self.folder
         outcomes = dict(comparison.carry_out(base.tree.configs()))
         self.states = {config: run.state_of(outcome) for config, outcome in outcomes.items()}

@@ -102,8 +102,8 @@ def check_out(folder, commit):
         git(folder, "checkout", "--detach", commit)
 
 
-def data_folder(told):
-    text = told or os.environ.get("BINNACLE_DATA")
+def data_folder(named):
+    text = named or os.environ.get("BINNACLE_DATA")
     if text:
         return Path(text).resolve()
     beside = ROOT.parent / "shared" / "data"

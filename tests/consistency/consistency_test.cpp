@@ -61,7 +61,7 @@ struct Average {
 };
 
 /// NEES of each block and of all together at the picked instants.
-class Nees : public runtime::SampleListener {
+class Nees : public runtime::SampleSubscriber {
  public:
   Nees(runtime::Runtime& runtime, const Composition& composition)
       : runtime_(runtime),
@@ -73,7 +73,7 @@ class Nees : public runtime::SampleListener {
         row[b].dof = static_cast<int>(plan_.blocks[b].active.size());
       row.back().dof = plan_.n;
     }
-    runtime.listen(this, {scored_->references.front().channel});
+    runtime.subscribe(this, {scored_->references.front().channel});
   }
 
   void sampled(int channel, const SampleView& truth) override {
@@ -222,7 +222,7 @@ TEST_CASE("a filter that believes its fixes too little is found out") {
   CHECK_FALSE(found.nis_is_inside);
 }
 
-TEST_CASE("a run's summary tells the NEES and NIS of that run") {
+TEST_CASE("a run's summary has the NEES and NIS of that run") {
   for (std::size_t i = 0; i < instants.size(); ++i) {
     const double t = instants[i];
     const auto composition = load("matched.json", {"/evaluate/after=" + std::to_string(t - 0.5),
@@ -233,15 +233,15 @@ TEST_CASE("a run's summary tells the NEES and NIS of that run") {
     run_to_the_end(runtime, 7);
     const auto& row = nees.figures()[i];
     for (std::size_t group = 0; group + 1 < row.size(); ++group) {
-      const auto& told = summary["consistency"][nees.name(group)];
-      CAPTURE(t, nees.name(group), told["nees_mean"].get<double>(), row[group].mean());
-      CHECK(told["n"] == 1);
-      CHECK(told["dof"] == row[group].dof);
-      CHECK(std::abs(told["nees_mean"].get<double>() / row[group].mean() - 1) < 1e-9);
+      const auto& reported = summary["consistency"][nees.name(group)];
+      CAPTURE(t, nees.name(group), reported["nees_mean"].get<double>(), row[group].mean());
+      CHECK(reported["n"] == 1);
+      CHECK(reported["dof"] == row[group].dof);
+      CHECK(std::abs(reported["nees_mean"].get<double>() / row[group].mean() - 1) < 1e-9);
     }
     const auto& ledger = runtime.engine(0).tally(0);
-    const auto& told = summary["measurements"]["fix"];
-    CHECK(told["accepted"] == ledger.nis_count);
-    CHECK(told["nis_mean"].get<double>() == ledger.nis_sum / static_cast<double>(ledger.nis_count));
+    const auto& reported = summary["measurements"]["fix"];
+    CHECK(reported["accepted"] == ledger.nis_count);
+    CHECK(reported["nis_mean"].get<double>() == ledger.nis_sum / static_cast<double>(ledger.nis_count));
   }
 }

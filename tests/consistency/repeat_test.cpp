@@ -26,14 +26,14 @@ std::shared_ptr<const Composition> load(Sets sets = {}) {
 
 /// The summary without what the clock on the wall says.
 std::string summary(const std::shared_ptr<const Composition>& composition, score::RunOptions options) {
-  auto told = score::run(composition, options).summary;
-  told.erase("wall_s");
-  for (auto& [name, filter] : told["filters"].items()) filter.erase("filter_s");
-  return told.dump();
+  auto reported = score::run(composition, options).summary;
+  reported.erase("wall_s");
+  for (auto& [name, filter] : reported["filters"].items()) filter.erase("filter_s");
+  return reported.dump();
 }
 
 /// All numbers of a field, "drive.imu wx", over a run; its times under "drive.imu t".
-class Samples : public runtime::SampleListener {
+class Samples : public runtime::SampleSubscriber {
  public:
   Samples(const std::shared_ptr<const Composition>& composition, score::RunOptions options)
       : plan_(composition->plan()) {
@@ -41,7 +41,7 @@ class Samples : public runtime::SampleListener {
     runtime::Runtime runtime(plan_);
     std::vector<int> channels;
     for (std::size_t c = 0; c < plan_.channels.size(); ++c) channels.push_back(static_cast<int>(c));
-    runtime.listen(this, channels);
+    runtime.subscribe(this, channels);
     runtime.reset(options.seed, options.run);
     while (runtime.next_instant()) {
     }

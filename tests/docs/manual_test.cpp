@@ -12,6 +12,7 @@
 #include "document.hpp"
 #include "page_session.hpp"
 #include "project_folder.hpp"
+#include "skip.hpp"
 
 namespace {
 
@@ -70,7 +71,9 @@ std::vector<std::string> guides() {
 TEST_CASE("what the tutorial says to type works and prints what it shows") {
   const MarkdownFile page("sdk/docs/tutorial.md");
   CHECK(commands_in(page) > 20);
-  for (const auto& fault : faults_of_session(page)) FAIL_CHECK(fault);
+  const auto [faults, untried] = session_of(page);
+  for (const auto& fault : faults) FAIL_CHECK(fault);
+  if (!untried.empty()) skip("no data for " + std::to_string(untried.size()) + " of the commands: " + untried.front());
 }
 
 TEST_CASE("every JSON excerpt of the tutorial is part of its config") {
@@ -86,12 +89,17 @@ TEST_CASE("every JSON excerpt of the tutorial is part of its config") {
 }
 
 TEST_CASE("what the pages of the verbs say to type works and prints what they show") {
+  std::vector<std::string> without_data;
   for (const auto& verb : verb_pages()) {
     const MarkdownFile page = page_of(verb);
     INFO("sdk/docs/verbs/" << verb << ".md");
     CHECK(commands_in(page) > 0);
-    for (const auto& fault : faults_of_session(page)) FAIL_CHECK(fault);
+    const auto [faults, untried] = session_of(page);
+    for (const auto& fault : faults) FAIL_CHECK(fault);
+    without_data.insert(without_data.end(), untried.begin(), untried.end());
   }
+  if (!without_data.empty())
+    skip("no data for " + std::to_string(without_data.size()) + " of the commands: " + without_data.front());
 }
 
 TEST_CASE("every verb has a page, which names its options and no others") {
@@ -102,14 +110,14 @@ TEST_CASE("every verb has a page, which names its options and no others") {
   for (const auto& verb : verbs) {
     INFO(verb);
     REQUIRE(std::count(pages.begin(), pages.end(), verb) == 1);
-    const auto there_are = options_of(help_of(root, verb)), told = options_in(page_of(verb).text());
+    const auto there_are = options_of(help_of(root, verb)), listed = options_in(page_of(verb).text());
     REQUIRE_FALSE(there_are.empty());
     for (const auto& option : there_are) {
-      INFO(option << " is an option, and the page does not tell it");
-      CHECK(told.count(option) == 1);
+      INFO(option << " is an option, and the page does not list it");
+      CHECK(listed.count(option) == 1);
     }
-    for (const auto& option : told) {
-      INFO("the page tells " << option << ", which is no option");
+    for (const auto& option : listed) {
+      INFO("the page lists " << option << ", which is no option");
       CHECK(there_are.count(option) == 1);
     }
   }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page_session.hpp"
 
-#include <cstdio>
+#include <filesystem>
 #include <regex>
-#include <set>
 #include <sstream>
 
 #include "../recorded_data.hpp"
@@ -29,10 +28,10 @@ std::vector<Command> commands_of(const std::vector<std::string>& lines) {
   for (std::string line : lines) {
     if (line.empty() || line.front() == '#') continue;
     if (!goes_on) commands.emplace_back();
-    std::smatch found, told;
+    std::smatch found, given;
     if (std::regex_search(line, found, comment)) {
       const std::string text = found[1];
-      if (std::regex_search(text, told, status)) commands.back().status = std::stoi(told[1]);
+      if (std::regex_search(text, given, status)) commands.back().status = std::stoi(given[1]);
       line = found.prefix();
     }
     goes_on = line.back() == '\\';
@@ -59,24 +58,15 @@ std::string printed_in(const Fence& fence) {
   return text;
 }
 
-std::set<std::string> verbs(const ProjectFolder& folder) {
-  std::string help;
-  folder.run("build/release/bin/binnacle --help", help);
-  std::set<std::string> found;
-  static const std::regex verb(R"(\n  ([a-z]+)  )");
-  for (std::sregex_iterator at(help.begin(), help.end(), verb), end; at != end; ++at) found.insert((*at)[1]);
-  return found;
-}
-
 class Session {
  public:
-  explicit Session(const MarkdownFile& page) : page_(page), verbs_(verbs(folder_)) {}
+  explicit Session(const MarkdownFile& page) : page_(page) {}
 
-  std::vector<std::string> faults() {
+  SessionResult result() {
     write_script();
     std::string output;
     folder_.run(script_, output);
-    return compare(output);
+    return {compare(output), untried_};
   }
 
  private:
@@ -120,21 +110,20 @@ class Session {
     if (std::regex_match(fence.lines.front(), found, name)) folder_.write(found[1], fence.text());
   }
 
-  /// False where there are no data for it, or no such verb; otherwise with the data's folder in it.
+  /// False where there are no data for it; otherwise with the data's folder in it.
   bool can_run(std::string& line) {
-    static const std::regex call(R"(binnacle ([a-z]+))");
-    std::smatch found;
-    if (std::regex_search(line, found, call) && !verbs_.count(found[1])) {
-      std::printf("SKIPPED: no verb '%s' (%s)\n", found.str(1).c_str(), line.c_str());
-      return false;
-    }
     const auto at = line.find(shared);
     if (at == std::string::npos) return true;
     static const std::regex kind(R"(\.\./shared/data/([a-z]+))");
-    if (!std::regex_search(line, found, kind)) return false;
-    const auto folder = recorded_data(found.str(1).c_str());
-    if (folder) line.replace(at, found.length(), folder->string());
-    return folder.has_value();
+    std::smatch found;
+    const bool names_one = std::regex_search(line, found, kind);
+    const auto folder = names_one ? recorded_folder(found[1]) : std::filesystem::path();
+    if (!names_one || !std::filesystem::is_directory(folder)) {
+      untried_.push_back(line);
+      return false;
+    }
+    line.replace(at, static_cast<std::size_t>(found.length()), folder.string());
+    return true;
   }
 
   std::vector<std::string> compare(const std::string& output) const {
@@ -160,14 +149,14 @@ class Session {
 
   const MarkdownFile& page_;
   ProjectFolder folder_;
-  std::set<std::string> verbs_;
   std::string script_;
   std::vector<Step> steps_;
+  std::vector<std::string> untried_;
 };
 
 }  // namespace
 
-std::vector<std::string> faults_of_session(const MarkdownFile& page) { return Session(page).faults(); }
+SessionResult session_of(const MarkdownFile& page) { return Session(page).result(); }
 
 int commands_in(const MarkdownFile& page) {
   std::size_t commands = 0;

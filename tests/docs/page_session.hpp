@@ -9,11 +9,14 @@
 
 namespace binnacle::test {
 
-/// What went wrong; empty where the page is true. `sh` fences must exit with 0, or as `# exit status N` behind the
-/// line says. What a `text` fence shows after its lines "$ …" must be printed, times aside. A `json` fence that begins
-/// with "// NAME.json:" becomes that file. Commands on recorded data and verbs that the program does not have are
-/// skipped, and a line says so.
-std::vector<std::string> faults_of_session(const MarkdownFile& page);
+struct SessionResult {
+  std::vector<std::string> faults;   // empty where the page is true
+  std::vector<std::string> untried;  // commands on recorded data that are not there
+};
+
+/// Types the page. `sh` fences must exit with 0, or as `# exit status N` behind the line says. What a `text` fence shows
+/// after its lines "$ …" must be printed, times aside. A `json` fence that begins with "// NAME.json:" becomes that file.
+SessionResult session_of(const MarkdownFile& page);
 
 /// How many commands the page has.
 int commands_in(const MarkdownFile& page);

@@ -22,7 +22,7 @@ struct Drive {
   double fixes_rms;     // horizontal, of the GNSS fixes themselves against the reference, m: README of the data
   double withheld_rms;  // horizontal, at most, against every second fix when these are withheld, m
   int fixes;            // rows of gnss.csv.gz
-  int positions;        // rows of reference_position.csv.gz from 60 s on that tell a position
+  int positions;        // rows of reference_position.csv.gz from 60 s on that have a position
   double end;           // last row of imu.csv.gz, s
 };
 const std::vector<Drive> drives = {{"long-drive-large-mount", 0.85, 0.25, 2556, 36935, 1278.803943508},
@@ -156,9 +156,9 @@ TEST_CASE("twenty outages of 30 s on recorded drives") {
   CHECK(median <= 6.5);
   CHECK(mean(ends) <= 8.3);
   CHECK(mean(without_faulty) <= 8.3);
-  const auto& told = summary.at("windows").at("position.horizontal").at("final");
-  CHECK(std::abs(told.at("p50").get<double>() - median) < 1e-9);
-  CHECK(std::abs(told.at("mean").get<double>() - mean(ends)) < 1e-9);
+  const auto& reported = summary.at("windows").at("position.horizontal").at("final");
+  CHECK(std::abs(reported.at("p50").get<double>() - median) < 1e-9);
+  CHECK(std::abs(reported.at("mean").get<double>() - mean(ends)) < 1e-9);
 }
 
 TEST_CASE("the clock of a recorded drive may be shifted, and a part of it be cut out") {

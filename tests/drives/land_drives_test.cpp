@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The configs of configs/land on the recorded drives: outages on wheels, the mounting found, a faulty receiver told.
+// The configs of configs/land on the recorded drives: outages on wheels, the mounting found, a faulty receiver reported.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,9 +25,9 @@ struct Ends {
 };
 
 Ends ends_of_outages(const ordered_json& summary, const char* what) {
-  const auto& told = summary.at("windows").at("position.horizontal");
-  REQUIRE(told.at("n") == 20);
-  const auto& final = told.at("final");
+  const auto& reported = summary.at("windows").at("position.horizontal");
+  REQUIRE(reported.at("n") == 20);
+  const auto& final = reported.at("final");
   const Ends ends{final.at("p50").get<double>(), final.at("mean").get<double>(), final.at("max").get<double>()};
   std::printf("%-44s median %5.2f  mean %5.2f  max %5.2f m\n", what, ends.median, ends.mean, ends.max);
   return ends;
@@ -129,7 +129,7 @@ TEST_CASE("the mounting is found to 1 deg in pitch and 1.5 deg in yaw of the ref
   CHECK(squares / 10 < 3);
 }
 
-TEST_CASE("a velocity gone wrong is left out and told, and nothing else is") {
+TEST_CASE("a velocity gone wrong is left out and reported, and nothing else is") {
   const auto folder = recorded::data();
   if (!folder) return;
   const auto left_out = [](const ordered_json& summary, const std::string& drive) {

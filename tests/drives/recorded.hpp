@@ -18,7 +18,7 @@ namespace recorded {
 
 inline std::optional<std::filesystem::path> data() { return binnacle::test::recorded_data("drives"); }
 
-/// The summary of configs/CONFIG.json; what fails is told with the config's name.
+/// The summary of configs/CONFIG.json; what fails is reported with the config's name.
 inline nlohmann::ordered_json run(const std::filesystem::path& folder, const std::string& config,
                                   std::vector<std::string> sets = {},
                                   binnacle::score::RunObserver* observer = nullptr) {

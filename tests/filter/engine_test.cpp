@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-Session compose(const std::string& text) {
+Session session_of(const std::string& text) {
   LoadOptions options;
   options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
@@ -80,13 +80,13 @@ void require_equal(Session& filter, const DenseLine& expected) {
   filter.read(filter.block("velocity"), {&velocity, 1});
   REQUIRE(std::abs(position - expected.x(0)) < 1e-12);
   REQUIRE(std::abs(velocity - expected.x(1)) < 1e-12);
-  REQUIRE((dense(filter.covariance(0)) - expected.P).norm() < 1e-12 * expected.P.norm());
+  REQUIRE((dense(filter.covariance(FilterId{0})) - expected.P).norm() < 1e-12 * expected.P.norm());
 }
 
 }  // namespace
 
 TEST_CASE("a composed filter equals the dense one: joint discretization, update, ledger") {
-  Session filter = compose(line());
+  Session filter = session_of(line());
   DenseLine expected;
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
@@ -97,13 +97,13 @@ TEST_CASE("a composed filter equals the dense one: joint discretization, update,
     const double z = 1 + 0.5 * t + normal(engine);
     if (i > 0) {
       t += dt;
-      expected.advance(seconds(nanoseconds(t)) - filter.time(0) * 1e-9);
+      expected.advance(seconds(nanoseconds(t)) - filter.time(FilterId{0}) * 1e-9);
     }
     nis += expected.update(z, 0.49);
     push(filter, "z", t, {z});
   }
   require_equal(filter, expected);
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.offered == samples);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == samples);
   REQUIRE(std::abs(counts.nis_mean - nis / samples) < 1e-10);
@@ -111,7 +111,7 @@ TEST_CASE("a composed filter equals the dense one: joint discretization, update,
 }
 
 TEST_CASE("a considered component widens the covariance and is never corrected") {
-  Session filter = compose(line("", "", R"(, "consider": ["x"])"));
+  Session filter = session_of(line("", "", R"(, "consider": ["x"])"));
   DenseLine expected;
   for (int i = 0; i < 20; ++i) {
     if (i > 0) expected.advance(0.5);
@@ -123,10 +123,10 @@ TEST_CASE("a considered component widens the covariance and is never corrected")
 }
 
 TEST_CASE("a frozen component has no row in P but still moves others") {
-  Session filter = compose(line("", "", R"(, "estimate": [])"));
+  Session filter = session_of(line("", "", R"(, "estimate": [])"));
   push(filter, "z", 0, {1.0});
   push(filter, "z", 2, {1.0});
-  REQUIRE(filter.covariance(0).rows == 1);
+  REQUIRE(filter.covariance(FilterId{0}).rows == 1);
   // Advanced by the frozen 0.5 m/s for 2 s, variance untouched by the missing process noise.
   const double P0 = 1 / (1 / 4.0 + 1 / 0.49);
   double position = 0;
@@ -149,8 +149,8 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
         "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
                                  "H": [[1, 1, 1]], "sigma": [0.1]}}}}})";
   };
-  Session free = compose(config(""));
-  Session held = compose(config(R"(, "hold": true)"));
+  Session free = session_of(config(""));
+  Session held = session_of(config(R"(, "hold": true)"));
   for (Session* filter : {&free, &held}) {
     push(*filter, "z", 0, {6.0});
     push(*filter, "z", 1, {6 * std::exp(-1.0)});
@@ -160,25 +160,25 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
   REQUIRE(std::abs(x[1] - 2 * std::exp(-1.0)) < 1e-15);
   held.read(held.block("x"), x);
   REQUIRE(x[1] == 2);
-  REQUIRE(free.covariance(0).rows == 2);
-  REQUIRE(std::abs(free.covariance(0)(0, 1) - free.covariance(0)(1, 0)) == 0);
+  REQUIRE(free.covariance(FilterId{0}).rows == 2);
+  REQUIRE(std::abs(free.covariance(FilterId{0})(0, 1) - free.covariance(FilterId{0})(1, 0)) == 0);
 }
 
 TEST_CASE("late samples are refused and counted") {
-  Session filter = compose(line());
+  Session filter = session_of(line());
   push(filter, "z", 1, {1});
   push(filter, "z", 2, {1});
   push(filter, "z", 1.5, {1});
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.offered == 3);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 1);
-  REQUIRE(filter.time(0) == nanoseconds(2));
+  REQUIRE(filter.time(FilterId{0}) == nanoseconds(2));
 }
 
 TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
-  Session all = compose(line());
-  Session some = compose(line("", R"(, "withhold": {"every": 2})"));
-  Session window = compose(line("", R"(, "withhold": [["1 s", "2 s"], ["start+4 s", "start+5 s"]])"));
+  Session all = session_of(line());
+  Session some = session_of(line("", R"(, "withhold": {"every": 2})"));
+  Session window = session_of(line("", R"(, "withhold": [["1 s", "2 s"], ["start+4 s", "start+5 s"]])"));
   DenseLine expected;
   for (int i = 0; i < 8; ++i) {
     for (Session* filter : {&all, &some, &window}) push(*filter, "z", i, {1.0 + i});
@@ -186,28 +186,29 @@ TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
     if (i % 2 == 0) expected.update(1.0 + i, 0.49);
   }
   require_equal(some, expected);
-  REQUIRE(some.counts(0, 0).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
-  REQUIRE(window.counts(0, 0).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
-  REQUIRE(window.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 4);
+  REQUIRE(some.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
+  REQUIRE(window.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
+  REQUIRE(window.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 4);
 }
 
 TEST_CASE("the gate keeps outliers out, and recovery reopens a filter that locks a sensor out") {
-  Session filter = compose(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
+  Session filter =
+      session_of(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
   for (int i = 0; i < 20; ++i) push(filter, "z", 0.1 * i, {1.0});
   for (int i = 20; i < 23; ++i) push(filter, "z", 0.1 * i, {500.0});
-  auto counts = filter.counts(0, 0);
+  auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::gated)] == 3);
   REQUIRE(counts.recoveries == 1);
   REQUIRE(counts.last_reason == "NIS beyond the gate");
   push(filter, "z", 2.3, {500.0});
-  REQUIRE(filter.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 21);
+  REQUIRE(filter.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 21);
   double position = 0;
   filter.read(filter.block("position"), {&position, 1});
   REQUIRE(std::abs(position - 500) < 1);
 }
 
 TEST_CASE("refusals are typed, and a refused sample's memory is rolled back") {
-  Session filter = compose(R"({"binnacle": 1,
+  Session filter = session_of(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z": {"unit": "1"}}}},
     "filters": {"f": {"blocks": {"x": {"type": "vector", "size": 1, "sigma": 1}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
@@ -217,21 +218,21 @@ TEST_CASE("refusals are typed, and a refused sample's memory is rolled back") {
   push(filter, "z", 2, {101});  // invalid
   push(filter, "z", 3, {50});   // residual NaN
   push(filter, "z", 4, {std::nan("")});
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::unsupported)] == 1);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::invalid)] == 3);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 1);
   push(filter, "z", 5, {1});  // its memory counts accepted samples only: R = 2
-  REQUIRE(std::abs(filter.covariance(0)(0, 0) - 1 / (1 + 1 + 0.5)) < 1e-15);
+  REQUIRE(std::abs(filter.covariance(FilterId{0})(0, 0) - 1 / (1 + 1 + 0.5)) < 1e-15);
 }
 
 TEST_CASE("a noise estimator's memory is rolled back when its sample is gated, unless it learns from gated ones") {
   const auto variance_after = [](const char* noise) {
-    Session filter = compose(line("", std::string(R"(, "gate": 0.9999, "noise": )") + noise));
+    Session filter = session_of(line("", std::string(R"(, "gate": 0.9999, "noise": )") + noise));
     push(filter, "z", 0, {1});
     push(filter, "z", 0, {1e4});  // gated
     push(filter, "z", 0, {1});
-    return filter.covariance(0)(0, 0);
+    return filter.covariance(FilterId{0})(0, 0);
   };
   const auto after = [](double R1, double R2) { return 1 / (1 / 4.0 + 1 / R1 + 1 / R2); };
   REQUIRE(std::abs(variance_after(R"({"type": "counting"})") - after(0.49, 2 * 0.49)) < 1e-14);
@@ -251,13 +252,13 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
   const std::string p = R"("type": "linear_measurement", "blocks": {"x": "p"}, "fields": {"z0": "a"}, "sigma": [0.5])";
   const std::string v = R"("type": "linear_measurement", "blocks": {"x": "v"}, "fields": {"z0": "b"}, "sigma": [0.1])";
   Session stacked =
-      compose(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
-  Session apart = compose(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
+      session_of(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
+  Session apart = session_of(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
   for (int i = 0; i < 10; ++i)
     for (Session* filter : {&stacked, &apart}) push(*filter, "z", i, {0.3 * i, 0.3});
-  REQUIRE((dense(stacked.covariance(0)) - dense(apart.covariance(0))).norm() < 1e-13);
-  REQUIRE(std::abs(stacked.state(0)[0] - apart.state(0)[0]) < 1e-12);
-  REQUIRE(stacked.counts(0, 0).dof_mean == 2);
+  REQUIRE((dense(stacked.covariance(FilterId{0})) - dense(apart.covariance(FilterId{0}))).norm() < 1e-13);
+  REQUIRE(std::abs(stacked.state(FilterId{0})[0] - apart.state(FilterId{0})[0]) < 1e-12);
+  REQUIRE(stacked.counts({{0}, 0}).dof_mean == 2);
 }
 
 namespace {
@@ -279,7 +280,7 @@ class KeepRecord : public StepObserver {
 }  // namespace
 
 TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
-  Session filter = compose(R"({"binnacle": 1,
+  Session filter = session_of(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2]}},
@@ -288,7 +289,7 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "twice"}, "sigma": [1]}}}}})");
   KeepRecord observer;
-  filter.attach(0, &observer);
+  filter.attach({0}, &observer);
   push(filter, "z", 0, {0, 0});
   const auto h = [](double a, double b) { return Eigen::Vector2d(a * a * a * a, a * a * a * b); };
   const double e = 1e-6;
@@ -304,12 +305,12 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
 TEST_CASE("the observer's H has a column per row of P: chained through derived blocks, zero where nothing is seen") {
   // Rows of P: idle 0; x 1, 2; offset 3, 4. With "estimate" of one component of x, that column alone.
   const auto recorded = [](const std::string& more_of_x, const std::string& withheld) {
-    Session filter = compose(R"({"binnacle": 1,
+    Session filter = session_of(R"({"binnacle": 1,
       "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
       "filters": {"f": {
         "blocks": {"idle": {"type": "vector", "size": 1, "unit": "m", "sigma": 3},
                    "x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2])" +
-                             more_of_x + R"(},
+                                more_of_x + R"(},
                    "offset": {"type": "vector", "size": 2, "unit": "m^2", "sigma": [0.5, 0.6]}},
         "derived": {"squared": {"type": "square", "blocks": {"x": "x"}}},
         "process": {"of_idle": {"type": "random_constant", "blocks": {"x": "idle"}},
@@ -317,9 +318,9 @@ TEST_CASE("the observer's H has a column per row of P: chained through derived b
                     "of_offset": {"type": "random_constant", "blocks": {"x": "offset"}}},
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "H": [[1, 0], [2, 1]], "sigma": [0.7],
                                  "blocks": {"x": "squared", "bias": "offset"})" +
-                             withheld + R"(}}}}})");
+                                withheld + R"(}}}}})");
     KeepRecord observer;
-    filter.attach(0, &observer);
+    filter.attach({0}, &observer);
     push(filter, "z", 0, {0.3, 0.2});
     return observer;
   };
@@ -358,14 +359,14 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})";
   };
   for (const char* more : {"", R"(, "politely": true)"}) {
-    Session filter = compose(config(more));
+    Session filter = session_of(config(more));
     for (int t = 0; t <= 4; ++t) push(filter, "z", t, {1});
-    REQUIRE_FALSE(filter.healthy(0));
-    REQUIRE(filter.diagnosis(0) ==
+    REQUIRE_FALSE(filter.healthy(FilterId{0}));
+    REQUIRE(filter.diagnosis(FilterId{0}) ==
             (*more ? "process 'bad' cannot go on at 3 s: it is too late"
                    : "block 'x' is not finite at 3 s: plugin 'probe', component 'breaking' (/filters/f/process/bad): "
                      "propagate at 3 s gave 'x', which is not finite"));
-    REQUIRE(filter.counts(0, 0).by_outcome[0] == 3);
+    REQUIRE(filter.counts({{0}, 0}).by_outcome[0] == 3);
   }
 }
 
@@ -408,7 +409,7 @@ struct InsDrive {
     filter.push(gnss, no_time, t, fields);
   }
   Session& filter;
-  int imu, gnss;
+  ChannelId imu, gnss;
 };
 
 std::vector<std::byte> bytes_of(const Session& filter) {
@@ -422,17 +423,17 @@ constexpr Time ms = 1'000'000;
 }  // namespace
 
 TEST_CASE("a measurement ahead of the input waits and splits the sample it falls into") {
-  Session ahead = compose(ins), split = compose(ins);
+  Session ahead = session_of(ins), split = session_of(ins);
   InsDrive a(ahead), b(split);
   for (int i = 0; i < 10; ++i) {
     a.input(i * 10 * ms, (i + 1) * 10 * ms);
     b.input(i * 10 * ms, (i + 1) * 10 * ms);
   }
   a.fix(104 * ms);  // not yet covered by input
-  REQUIRE(ahead.counts(0, 0).by_outcome[0] == 0);
+  REQUIRE(ahead.counts({{0}, 0}).by_outcome[0] == 0);
   a.input(100 * ms, 110 * ms);
-  REQUIRE(ahead.counts(0, 0).by_outcome[0] == 1);
-  REQUIRE(ahead.time(0) == 110 * ms);
+  REQUIRE(ahead.counts({{0}, 0}).by_outcome[0] == 1);
+  REQUIRE(ahead.time(FilterId{0}) == 110 * ms);
 
   // The same with the sample cut by hand: equal rates over both pieces.
   const double s = seconds(110 * ms);
@@ -440,7 +441,8 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
   split.push(b.imu, 100 * ms, 104 * ms, fields);
   b.fix(104 * ms);
   split.push(b.imu, 104 * ms, 110 * ms, fields);
-  REQUIRE((dense(ahead.covariance(0)) - dense(split.covariance(0))).norm() < 1e-6 * dense(split.covariance(0)).norm());
+  REQUIRE((dense(ahead.covariance(FilterId{0})) - dense(split.covariance(FilterId{0}))).norm() <
+          1e-6 * dense(split.covariance(FilterId{0})).norm());
   double pa[3], pb[3];
   ahead.read(ahead.block("position"), pa);
   split.read(split.block("position"), pb);
@@ -449,16 +451,16 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
 }
 
 TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow is told") {
-  Session filter = compose(ins);
+  Session filter = session_of(ins);
   InsDrive drive(filter);
   drive.input(0, 10 * ms);
   for (int i = 0; i < 70; ++i) drive.fix((20 + i) * ms);
-  REQUIRE(filter.counts(0, 0).by_outcome[static_cast<int>(Outcome::rejected)] == 6);
-  REQUIRE(filter.counts(0, 0).last_reason == "the queue of samples ahead of the input is full");
+  REQUIRE(filter.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::rejected)] == 6);
+  REQUIRE(filter.counts({{0}, 0}).last_reason == "the queue of samples ahead of the input is full");
 }
 
 TEST_CASE("samples of one instant may come in any order") {
-  Session first = compose(ins), last = compose(ins);
+  Session first = session_of(ins), last = session_of(ins);
   InsDrive a(first), b(last);
   for (int i = 0; i < 100; ++i) {
     a.input(i * 10 * ms, (i + 1) * 10 * ms);
@@ -466,10 +468,11 @@ TEST_CASE("samples of one instant may come in any order") {
     if (i % 10 == 9) b.fix((i + 1) * 10 * ms);
     b.input(i * 10 * ms, (i + 1) * 10 * ms);
   }
-  REQUIRE(first.counts(0, 0).by_outcome[0] == 10);
-  REQUIRE(last.counts(0, 0).by_outcome[0] == 10);
-  REQUIRE((dense(first.covariance(0)).array() == dense(last.covariance(0)).array()).all());
-  REQUIRE(std::memcmp(first.state(0).data(), last.state(0).data(), first.state(0).size_bytes()) == 0);
+  REQUIRE(first.counts({{0}, 0}).by_outcome[0] == 10);
+  REQUIRE(last.counts({{0}, 0}).by_outcome[0] == 10);
+  REQUIRE((dense(first.covariance(FilterId{0})).array() == dense(last.covariance(FilterId{0})).array()).all());
+  REQUIRE(std::memcmp(first.state(FilterId{0}).data(), last.state(FilterId{0}).data(),
+                      first.state(FilterId{0}).size_bytes()) == 0);
 }
 
 TEST_CASE("restored and continued equals uninterrupted, bit for bit") {
@@ -480,19 +483,19 @@ TEST_CASE("restored and continued equals uninterrupted, bit for bit") {
       if (i % 7 == 3) drive.fix((i + 1) * 10 * ms + 13 * ms);  // one always waits in the queue
     }
   };
-  Session whole = compose(ins);
+  Session whole = session_of(ins);
   run(whole, 0, 300);
-  Session first = compose(ins);
+  Session first = session_of(ins);
   run(first, 0, 137);
   const auto saved = bytes_of(first);
-  Session second = compose(ins);
+  Session second = session_of(ins);
   run(second, 0, 20);  // another past, to be forgotten
   second.restore(saved);
   run(second, 137, 300);
   REQUIRE(bytes_of(whole) == bytes_of(second));
 
   SECTION("bytes of another composition are refused and nothing changes") {
-    Session other = compose(line());
+    Session other = session_of(line());
     auto before = bytes_of(second);
     auto foreign = bytes_of(other);
     REQUIRE_THROWS_AS(second.restore(foreign), ConfigError);
@@ -509,7 +512,7 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
     std::string text = ins;
     const std::string key = R"("input": "imu",)";
     text.insert(text.find(key) + key.size(), " \"samples_per_step\": " + std::to_string(samples) + ",");
-    return compose(text);
+    return session_of(text);
   };
   Session one = grouped(1), four = grouped(4);
   InsDrive a(one), b(four);
@@ -520,12 +523,12 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
       if (i % 25 == 20)
         drive->fix((i + 1) * 5 * ms - 2 * ms);  // inside the sample just taken: late for one, not for four
     }
-  REQUIRE(one.time(0) == 1000 * ms);
+  REQUIRE(one.time(FilterId{0}) == 1000 * ms);
   // Up to three whole samples wait for their group.
-  REQUIRE(four.time(0) <= 1000 * ms);
-  REQUIRE(four.time(0) > 980 * ms);
-  REQUIRE(one.counts(0, 0).by_outcome[static_cast<int>(Outcome::late)] == 8);
-  REQUIRE(four.counts(0, 0).by_outcome[static_cast<int>(Outcome::late)] < 8);
+  REQUIRE(four.time(FilterId{0}) <= 1000 * ms);
+  REQUIRE(four.time(FilterId{0}) > 980 * ms);
+  REQUIRE(one.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::late)] == 8);
+  REQUIRE(four.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::late)] < 8);
   double pa[3], pb[3];
   one.read(one.block("attitude"), pa);
   four.read(four.block("attitude"), pb);
@@ -533,12 +536,12 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
 }
 
 TEST_CASE("a hole in the input is bridged with the rates held, and counted") {
-  Session filter = compose(ins);
+  Session filter = session_of(ins);
   InsDrive drive(filter);
   for (int i = 0; i < 10; ++i) drive.input(i * 10 * ms, (i + 1) * 10 * ms);
   drive.input(150 * ms, 160 * ms);
-  REQUIRE(filter.time(0) == 160 * ms);
-  REQUIRE(filter.healthy(0));
+  REQUIRE(filter.time(FilterId{0}) == 160 * ms);
+  REQUIRE(filter.healthy(FilterId{0}));
 }
 
 namespace {
@@ -557,14 +560,14 @@ Session in_groups(int samples, bool of_increments) {
     replace_all(R"("unit": "rad/s", "kind": "rate")", R"("unit": "rad", "kind": "increment")");
     replace_all(R"("unit": "m/s^2", "kind": "rate")", R"("unit": "m/s", "kind": "increment")");
   }
-  return compose(text);
+  return session_of(text);
 }
 
 /// A noisy swing at 100 Hz with samples from `first_lost` to `last_lost` missing.
 void swing(Session& filter, int count, int first_lost, int last_lost, bool of_increments) {
   std::mt19937 engine(7);
   std::normal_distribution<double> normal;
-  const int imu = filter.channel("imu");
+  const auto imu = filter.channel("imu");
   for (int i = 0; i < count; ++i) {
     const double t = 0.01 * i, scale = of_increments ? 0.01 : 1.0;
     double fields[6] = {0.3 * std::sin(2 * t) + 0.002 * normal(engine),
@@ -587,8 +590,8 @@ TEST_CASE("a hole in the input is bridged alone, wherever in a group of samples 
       Session one = in_groups(1, of_increments), four = in_groups(4, of_increments);
       // 1000 samples less the lost ones are no multiple of four plus `place`: both end at the same time.
       for (Session* filter : {&one, &four}) swing(*filter, 1000, 500 + place, 559 + place, of_increments);
-      REQUIRE(four.healthy(0));
-      REQUIRE(one.time(0) - four.time(0) <= 30 * ms);
+      REQUIRE(four.healthy(FilterId{0}));
+      REQUIRE(one.time(FilterId{0}) - four.time(FilterId{0}) <= 30 * ms);
       double a[3], b[3], u[3], v[3];
       one.read(one.block("attitude"), a);
       four.read(four.block("attitude"), b);
@@ -605,7 +608,7 @@ TEST_CASE("a hole inside the first group of increments is bridged by what came b
     CAPTURE(samples);
     Session filter = in_groups(samples, true);
     swing(filter, 100, 3, 9, true);
-    REQUIRE(filter.healthy(0));
-    REQUIRE(filter.time(0) >= 960 * ms);
+    REQUIRE(filter.healthy(FilterId{0}));
+    REQUIRE(filter.time(FilterId{0}) >= 960 * ms);
   }
 }

@@ -141,7 +141,7 @@ constexpr Time ms = 1'000'000;
 void drive(Session& session) {
   std::mt19937 engine(5);
   std::normal_distribution<double> normal;
-  const int imu = session.channel("imu"), gnss = session.channel("gnss"), rows = session.channel("rows");
+  const ChannelId imu = session.channel("imu"), gnss = session.channel("gnss"), rows = session.channel("rows");
   for (int i = 0; i < 15000; ++i) {
     const Time t = (i + 1) * 20 * ms;
     const double s = seconds(t);
@@ -186,13 +186,13 @@ TEST_CASE("a dense replay from the start and the step log alone gives every P") 
   const auto composition = Composition::parse(config, "test.json", options);
   Session session(composition);
   Replay replay(composition->filters()[0]);
-  session.attach(0, &replay);
+  session.attach(FilterId{0}, &replay);
   drive(session);
-  REQUIRE(session.healthy(0));
+  REQUIRE(session.healthy(FilterId{0}));
   for (const auto& [event, count] : replay.events) UNSCOPED_INFO(event << ": " << count);
   INFO("from event to event " << replay.worst_step << ", over all " << replay.worst_total);
   CHECK(replay.events["stepped"] > 15000);
-  CHECK(replay.events["inflated"] == session.counts(0, 0).recoveries);
+  CHECK(replay.events["inflated"] == session.counts({{0}, 0}).recoveries);
   for (const char* event : {"inflated", "reset", "left out", "fix 0", "fix 1", "fix 5", "pair 0", "exact 6"}) {
     CAPTURE(event);
     CHECK(replay.events[event] > 0);

@@ -369,10 +369,10 @@ TEST_CASE("R grows towards the horizon, and with the ionosphere") {
   };
   const Eigen::VectorXd flat = variances({{"sigma", 3}}), steep = variances({{"sigma", 3}, {"sigma_elevation", 1}}),
                         iono = variances({{"sigma", 3}, {"sigma_ionosphere", 0.5}}),
-                        told = variances({{"sigma", 3}, {"sigma_accuracy", 2}});
+                        reported = variances({{"sigma", 3}, {"sigma_accuracy", 2}});
   const auto place = gnss::place_from_ecef(scene.r0);
   CHECK((flat.array() == 9).all());
-  CHECK(((told.array() - 25).abs() < 1e-12).all());
+  CHECK(((reported.array() - 25).abs() < 1e-12).all());
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < scene.observations.size(); i += gnss::observation::field_count) {
     const auto& e = scene.sky.ephemerides[static_cast<std::size_t>(scene.observations[i]) - 101];
@@ -443,7 +443,8 @@ TEST_CASE("blocks, and an ECEF antenna as geodetic blocks") {
   const std::vector<double> r = scene.ecef(), v = scene.ecef_velocity();
   const double* x[] = {r.data(), v.data()};
   double value[3];
-  REQUIRE(legacy::evaluate(*model, x, {}, value, nullptr));
+  DerivedOutput made{{value, 3}, {}};
+  REQUIRE(model->evaluate({x, {}}, made));
   CHECK((vector_at<3>(static_cast<const double*>(value)) - scene.v_n).norm() < 1e-9);
 }
 
@@ -466,7 +467,7 @@ TEST_CASE("a single-point solution from a cold start finds position, velocity an
   CHECK(std::abs(std::sqrt(s.P.topLeftCorner<3, 3>().trace() + s.P(6, 6)) - 2 * gdop) < 1e-6 * gdop);
 }
 
-TEST_CASE("a satellite with 1 km error is left out of a single-point solution and told") {
+TEST_CASE("a satellite with 1 km error is left out of a single-point solution and reported") {
   Scene scene;
   const auto satellites = scene.observations.size() / gnss::observation::field_count;
   REQUIRE(satellites >= 6);

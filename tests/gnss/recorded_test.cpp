@@ -197,19 +197,19 @@ double cut_error(const std::filesystem::path& data, const Trajectory& trajectory
 TEST_CASE("GPS alone on recorded observations") {
   const auto data = gnss_data();
   if (!data) return;
-  const auto told = [](const char* what, const Static& s, double most) {
+  const auto report = [](const char* what, const Static& s, double most) {
     std::printf("%-36s %3d epochs, 3D RMS %.3f m (%.2f)\n", what, s.scored, s.rms, most);
     CHECK(s.rms <= most);
   };
   const Static low = static_errors(*data, "0759"), high = static_errors(*data, "0759_mask15"),
                sept = static_errors(*data, "sept"), nearest = static_errors(*data, "sept_nearest_toe");
-  told("0759, 10 deg", low, 1.9);
+  report("0759, 10 deg", low, 1.9);
   CHECK(low.scored == 120);
-  told("0759, 15 deg", high, 2.0);
+  report("0759, 15 deg", high, 2.0);
   CHECK(high.scored == 114);
-  told("SEPT, messages by upload time", sept, 1.15);
+  report("SEPT, messages by upload time", sept, 1.15);
   CHECK(sept.scored == 900);
-  told("SEPT, messages by nearest toe", nearest, 1.7);
+  report("SEPT, messages by nearest toe", nearest, 1.7);
   CHECK(nearest.scored == 900);
 
   const std::string peer = R"(/sources/peer={"type": "csv", "path": ")" +
@@ -353,7 +353,7 @@ TEST_CASE("a receiver clock that jumps by a millisecond is recovered from") {
   CHECK(locked.at("gated").get<int>() > 3);
 }
 
-TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, told and survived") {
+TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, reported and survived") {
   const auto data = gnss_data();
   if (!data) return;
   int changed = 0;

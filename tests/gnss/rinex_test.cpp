@@ -171,9 +171,9 @@ struct Recording {
     write("observations", "site.obs", obs);
     write("navigation", "site.nav", nav);
     const auto source = test::bind<RinexSource>({parameters, {}, {}});
-    Reports told;
-    source->open(told);
-    reports = told.all;
+    Reports collected;
+    source->open(collected);
+    reports = collected.all;
     read(*source);
   }
   std::vector<double> times(int channel) const {
@@ -187,7 +187,7 @@ struct Recording {
       if (sample.channel == channel) return sample;
     throw std::logic_error("no sample");
   }
-  bool told(const std::string& text) const { return reports.find(text) != std::string::npos; }
+  bool has_reported(const std::string& text) const { return reports.find(text) != std::string::npos; }
 
   static constexpr double start = tuesday + 3.5 * 3600;
 
@@ -304,10 +304,10 @@ TEST_CASE("Galileo: I/NAV messages, their group delay, and rows where they are a
   CHECK(r.first(obs).rows.at(0)[0] == 205);
   CHECK(gnss::read_ephemeris(r.first(eph).rows.at(0).data()).group_delay == 2e-9);
   nav.replace(nav.find("5.170000000000D+02"), 18, "2.580000000000D+02");  // F/NAV is for E5a
-  CHECK(Recording(o, nav, {{"signals", signals}}).told("no broadcast message"));
+  CHECK(Recording(o, nav, {{"signals", signals}}).has_reported("no broadcast message"));
 }
 
-TEST_CASE("a truncated file: the epochs before are kept, no number is taken that was cut, and it is told") {
+TEST_CASE("a truncated file: the epochs before are kept, no number is taken that was cut, and it is reported") {
   for (const int version : {2, 3}) {
     const std::string whole = observations(version, {epoch(0, version), epoch(1, version), epoch(2, version)});
     const std::string last = epoch(2, version);
@@ -331,9 +331,9 @@ TEST_CASE("a truncated file: the epochs before are kept, no number is taken that
           std::vector<double>{0, 1});
     const std::string nav = navigation(four, version);
     const Recording r(whole, nav.substr(0, nav.size() - 100));
-    CHECK(r.told("B061 site.nav"));
-    CHECK(r.told("the file ends inside the message of G15"));
-    CHECK(r.told("no usable broadcast message for G15 (3 epochs)"));
+    CHECK(r.has_reported("B061 site.nav"));
+    CHECK(r.has_reported("the file ends inside the message of G15"));
+    CHECK(r.has_reported("no usable broadcast message for G15 (3 epochs)"));
     CHECK(r.first(eph).rows.size() == 3);
     REQUIRE_THROWS_AS(Recording(whole.substr(0, whole.size() - 30), nav, {{"invalid_records", "error"}}),
                       ComponentError);
@@ -341,7 +341,7 @@ TEST_CASE("a truncated file: the epochs before are kept, no number is taken that
   }
 }
 
-TEST_CASE("an epoch out of order is left out and told") {
+TEST_CASE("an epoch out of order is left out and reported") {
   for (const int version : {2, 3}) {
     const auto at = [&](std::vector<double> seconds_of) {
       std::vector<std::string> epochs;
@@ -350,8 +350,8 @@ TEST_CASE("an epoch out of order is left out and told") {
     };
     const auto back = at({0, 1, 0.5, 2, 3});
     CHECK(back.times(obs) == std::vector<double>{0, 1, 2, 3});
-    CHECK(back.told("B063 site.obs"));
-    CHECK(back.told("1 epoch skipped"));
+    CHECK(back.has_reported("B063 site.obs"));
+    CHECK(back.has_reported("1 epoch skipped"));
     // One that is far ahead is the one that is wrong, and not all those after it.
     CHECK(at({0, 1, 50, 2, 3}).times(obs) == std::vector<double>{0, 1, 2, 3});
     CHECK(at({0, 1, 1, 2}).times(obs) == std::vector<double>{0, 1, 2});
@@ -377,11 +377,11 @@ TEST_CASE("corrupted lines cost what is on them, and no more") {
     };
     const auto number_gone = with("23000100.000", "2300x100.000");
     CHECK(rows(number_gone) == std::vector<std::size_t>{4, 3, 4});
-    CHECK(number_gone.told("B062 site.obs:"));
-    CHECK(number_gone.told("1 observation skipped"));
+    CHECK(number_gone.has_reported("B062 site.obs:"));
+    CHECK(number_gone.has_reported("1 observation skipped"));
     const auto time_gone = with(version == 2 ? " 21 11  9  3 30  1.0" : "> 2021 11 09 03 30  1.0",
                                 version == 2 ? " 21 13  9  3 30  1.0" : "> 2021 13 09 03 30  1.0");
-    CHECK(time_gone.told("is no time"));
+    CHECK(time_gone.has_reported("is no time"));
     CHECK(rows(time_gone) == std::vector<std::size_t>{4, 4});
   }
   // Messages: a number that is none, a line that is missing, an orbit that is none.
@@ -390,15 +390,15 @@ TEST_CASE("corrupted lines cost what is on them, and no more") {
   const auto second = nav.find("10 21 11");
   std::string broken = nav;
   broken.replace(broken.find("5.153619016769D+03", second), 18, "5.1536190xx769D+03");
-  CHECK(Recording(good, broken).told("G10: number 8 of the orbit, in line 15, is none"));
+  CHECK(Recording(good, broken).has_reported("G10: number 8 of the orbit, in line 15, is none"));
   broken = nav;
   broken.replace(broken.find("5.153619016769D+03", second), 18, "0.000000000000D+00");
-  CHECK(Recording(good, broken).told("G10: the orbit or clock is none of a satellite"));
+  CHECK(Recording(good, broken).has_reported("G10: the orbit or clock is none of a satellite"));
   broken = nav;
   broken.erase(second, broken.find('\n', second) + 1 - second);
   const Recording r(good, broken);
   CHECK(r.first(eph).rows.size() == 2);  // its lines have become G05's
-  CHECK(r.told("the message of G05 has 15 lines instead of 8"));
+  CHECK(r.has_reported("the message of G05 has 15 lines instead of 8"));
 }
 
 TEST_CASE("events and power failures") {
@@ -419,7 +419,7 @@ TEST_CASE("a jump of the receiver's clock is found from code and phase") {
   const double millisecond = 299792.458;
   const Recording r(observations(2, {epoch(0, 2), epoch(1, 2, millisecond), epoch(2, 2, millisecond)}),
                     navigation(four));
-  CHECK(r.told("the receiver's clock jumps 1 time"));
+  CHECK(r.has_reported("the receiver's clock jumps 1 time"));
   std::vector<double> jumps;
   for (const auto& sample : r.samples)
     if (sample.channel == obs) jumps.push_back(sample.fields[2]);

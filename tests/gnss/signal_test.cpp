@@ -62,7 +62,7 @@ TEST_CASE("velocity and clock drift are the derivatives of position and clock") 
     }
 }
 
-TEST_CASE("a circular orbit without corrections is a circle at Kepler's rate") {
+TEST_CASE("a circular orbit without corrections is circled at Kepler's rate") {
   Ephemeris e;
   e.satellite = 101;
   e.semi_major_axis = 26560e3;

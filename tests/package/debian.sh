@@ -31,8 +31,8 @@ holds() {
     grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
   done
 }
-holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so share/binnacle/template/process/plugin.cpp \
-  share/doc/binnacle/README.md share/doc/binnacle/write-a-process-model.md
+holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so share/doc/binnacle/LICENSE \
+  share/binnacle/{README.md,configs/quickstart.json,sdk/docs/README.md,sdk/template/process/plugin.cpp}
 holds binnacle-dev include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
   lib/cmake/Binnacle/BinnacleConfig.cmake lib/cmake/Binnacle/binnacle_plugin.map
 

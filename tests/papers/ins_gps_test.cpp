@@ -62,7 +62,7 @@ TEST_CASE("paper 003, table 2: in turns the loosely coupled filter hangs on what
   for (const char* S_a : {"3", "10", "30"}) CHECK(std::abs(ratio(S_a) - 1) < 0.03);
 }
 
-TEST_CASE("a satellite with 1 km error is left out, told and survived, and only that one") {
+TEST_CASE("a satellite with 1 km error is left out, reported and survived, and only that one") {
   const std::string gated =
       R"(--variant "tc low" --set '/filters/ins/measurements/ranges/gate={"probability": 0.99999, "by": "key"}')";
   const auto clean = summary_of("run", "ins_gps/straight.json", gated);

@@ -107,10 +107,10 @@ TEST_CASE(
       CHECK(std::abs(rms - expected) < 3 * se);
       CHECK(se < 0.15 * rms);
     }
-    // What the filter believes is told exactly, as far as its path is that of the error-free run.
+    // What the filter believes is computed exactly, as far as its path is that of the error-free run.
     const double own = metric(computed, variant, "attitude.yaw/own sigma").at("rms").get<double>();
     CHECK(std::abs(metric(drawn, variant, "attitude.yaw/sigma").at("rms").get<double>() / own - 1) < 2e-3);
-    if (std::string_view(variant) == "x3") {  // where the two lie farthest apart, the runs tell which is the true one
+    if (std::string_view(variant) == "x3") {  // where the two lie farthest apart, the runs show which is the true one
       const auto figures = metric(drawn, variant, "attitude.yaw/final");
       CHECK(std::abs(figures.at("rms").get<double>() - own) > 3 * figures.at("se_rms").get<double>());
     }

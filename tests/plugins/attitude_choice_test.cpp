@@ -81,7 +81,8 @@ Vector4d walked(const json& choice, int samples, double size, double duration, i
     Eigen::Matrix3d Q;
     double* out_x[] = {x_plus.data()};
     double* out_Q[] = {Q.data()};
-    REQUIRE(legacy::propagate(*model, step, x, memory.data(), {out_x, nullptr, out_Q}));
+    ProcessOutput out{out_x, {}, out_Q};
+    REQUIRE(model->propagate({step, x, {}, memory.data(), {}}, out));
     q = x_plus;
   }
   return q;
@@ -175,7 +176,7 @@ TEST_CASE("a group that was cut ends where the whole one does", "[attitude]") {
   for (const auto& [samples, form] : {std::pair(2, "coning"), {3, "coning"}, {4, "coning"}, {4, "polynomial"}}) {
     const auto bench = bench_with<PhiBench>(chosen(samples, form));
     for (const Flight& flight : flights) {
-      const auto apart = [&](double dt) {
+      const auto apart = [&, &samples = samples](double dt) {
         const PortStates ports = bench.ports(flight);
         const auto memory = memory_before(bench, flight, dt);
         Samples whole(flight), head(flight), first(flight), second(flight), tail(flight);

@@ -17,7 +17,9 @@
 #include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/derived_block.hpp"
+#include "binnacle/measurement_model.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
 #include "binnacle/view.hpp"
@@ -164,6 +166,8 @@ class ProcessCheck {
     Call again(*this, ports, step, memory);
     if (!first.result) out.add("refused: ", first.result.reason);
     first.examine(out);
+    if (first.result && !first.equals_without_errors(*this, ports, step, memory))
+      out.add("without Phi and Q it moves elsewhere");
     if (!first.equals(again)) out.add("the same call gave another result: the model has a state of its own");
     return first.propagation(*this, ports);
   }
@@ -239,7 +243,9 @@ class ProcessCheck {
     std::vector<double*> F_at, Q_at;
     make_blocks(declared.transition, ports, F, F_at);
     make_blocks(declared.noise, ports, Q, Q_at);
-    legacy::linearized(model_, detail::pointers(ports).data(), {F_at.data(), Q_at.data()});
+    const auto x = detail::pointers(ports);
+    ContinuousOutput made{F_at.data(), Q_at.data()};
+    model_.linearized({x.data()}, made);
     examine_blocks("dynamics", F, out);
     examine_blocks("noise density", Q, out);
     return {assemble(dense(declared.transition, F, ports, false, false), ports),
@@ -273,8 +279,9 @@ class ProcessCheck {
       for (std::size_t i = 0; i < ports.size(); ++i) x_at.push_back(check.advances(i) ? x_plus[i].data() : nullptr);
       check.make_blocks(declared.transition, ports, transition, transition_at);
       check.make_blocks(declared.noise, ports, noise, noise_at);
-      result = legacy::propagate(check.model_, step, detail::pointers(ports).data(), memory.data(),
-                                 {x_at.data(), transition_at.data(), noise_at.data()});
+      const auto x = detail::pointers(ports);
+      ProcessOutput made{x_at.data(), transition_at.data(), noise_at.data()};
+      result = check.model_.propagate(ProcessInput{step, x.data(), {}, memory.data(), {}}, made);
     }
     void examine(Complaints& out) const {
       examine_blocks("x_plus", x_plus, out);
@@ -288,6 +295,20 @@ class ProcessCheck {
       };
       return memory == other.memory && same(x_plus, other.x_plus) && same(transition, other.transition) &&
              same(noise, other.noise);
+    }
+    /// The same values and memory, to the bit, where neither Φ nor Q is wanted.
+    bool equals_without_errors(const ProcessCheck& check, const PortStates& ports, const Step& step,
+                               std::vector<std::byte> before) const {
+      std::vector<detail::Guarded> values;
+      std::vector<double*> x_at;
+      for (std::size_t i = 0; i < ports.size(); ++i)
+        values.emplace_back(check.advances(i) ? static_cast<int>(ports[i].x.size()) : 0);
+      for (std::size_t i = 0; i < ports.size(); ++i) x_at.push_back(check.advances(i) ? values[i].data() : nullptr);
+      const auto x = detail::pointers(ports);
+      ProcessOutput out{x_at.data(), {}, {}};
+      return check.model_.propagate(ProcessInput{step, x.data(), {}, before.data(), {}}, out) && before == memory &&
+             std::equal(values.begin(), values.end(), x_plus.begin(),
+                        [](const auto& a, const auto& b) { return a.take() == b.take(); });
     }
     Propagation propagation(const ProcessCheck& check, const PortStates& ports) const {
       Propagation p;
@@ -438,26 +459,35 @@ struct Measured {
   std::vector<std::int64_t> keys;  // of the rows
 };
 
-inline Measured linearize(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
-                          const legacy::Context& context, Complaints& out, const SampleView* auxiliary = nullptr) {
+/// `with_H` false: only values are wanted.
+inline Measured linearize_once(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
+                               const Driving& u, Complaints& out, const SampleView* auxiliary, bool with_H) {
   const MeasurementDeclaration& declared = model.declaration();
   const int rows = declared.max_rows;
   std::vector<detail::Guarded> H;
-  std::vector<MatrixView> views;
+  std::vector<MatrixView> views(ports.size());
   for (const int port : declared.read_ports) H.emplace_back(rows * ports[static_cast<std::size_t>(port)].dof(), 0.0);
-  for (std::size_t i = 0; i < H.size(); ++i)
-    views.push_back({H[i].data(), rows, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), rows});
+  for (std::size_t i = 0; i < H.size(); ++i) {
+    const auto port = static_cast<std::size_t>(declared.read_ports[i]);
+    views[port] = {H[i].data(), rows, ports[port].dof(), rows};
+  }
   detail::Guarded residual(rows), R(rows * rows, 0.0);
   std::vector<std::int64_t> keys(static_cast<std::size_t>(rows));
   std::vector<std::byte> memory(declared.memory_bytes);
   model.start(memory.data());
-  legacy::Linearization at{0, residual.data(), views.data(), {R.data(), rows, rows, rows}, keys.data()};
+  const auto x = detail::pointers(ports);
+  MeasurementOutput at{0,
+                       {residual.data(), rows},
+                       with_H ? PortJacobians(views.data()) : PortJacobians(),
+                       {R.data(), rows, rows, rows},
+                       keys};
   Measured m;
-  m.result = legacy::linearize(model, sample, auxiliary, detail::pointers(ports).data(), context, memory.data(), at);
+  m.result = model.linearize({sample, auxiliary, x.data(), u, memory.data(), {}, {}}, at);
   if (!m.result) return m;
-  if (at.rows < 1 || at.rows > rows) out.add("rows: ", at.rows, " of at most ", rows);
+  if (at.rows < 0 || at.rows > rows) out.add("rows: ", at.rows, " of at most ", rows);
   m.residual = vector_at(residual.data(), at.rows);
-  for (std::size_t i = 0; i < H.size(); ++i) m.H.push_back(views[i].as().topRows(at.rows));
+  for (std::size_t i = 0; i < H.size(); ++i)
+    m.H.push_back(views[static_cast<std::size_t>(declared.read_ports[i])].as().topRows(at.rows));
   m.R = at.R.as().topLeftCorner(at.rows, at.rows);
   m.keys.assign(keys.begin(), keys.begin() + at.rows);
   const auto intact = [](const detail::Guarded& block) { return block.is_intact(); };
@@ -466,9 +496,24 @@ inline Measured linearize(const MeasurementModel& model, const SampleView& sampl
   return m;
 }
 
+inline Measured linearize(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
+                          const Driving& u, Complaints& out, const SampleView* auxiliary = nullptr) {
+  const Measured m = linearize_once(model, sample, ports, u, out, auxiliary, true);
+  const Measured values = linearize_once(model, sample, ports, u, out, auxiliary, false);
+  const auto same = [](const auto& a, const auto& b) {
+    return a.size() == b.size() &&
+           std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+  };
+  if (m.result.refusal != values.result.refusal || !same(m.residual, values.residual) || !same(m.R, values.R) ||
+      m.keys != values.keys)
+    out.add("without H it gives another residual, R or keys");
+  if (m.result && m.residual.size() < 1) out.add("no rows");
+  return m;
+}
+
 /// H, that of ports which are not read included, against −∂r/∂δ; R symmetric and positive.
 inline Complaints check_measurement(const MeasurementModel& model, const ComponentSpec& spec, const SampleView& sample,
-                                    const PortStates& ports, const legacy::Context& context, const Tolerance& tolerance,
+                                    const PortStates& ports, const Driving& context, const Tolerance& tolerance,
                                     double resolution = 1e-12, const SampleView* auxiliary = nullptr) {
   Complaints out;
   const Measured nominal = linearize(model, sample, ports, context, out, auxiliary);
@@ -497,7 +542,7 @@ inline Complaints check_measurement(const MeasurementModel& model, const Compone
 /// A derived block's value and Jacobians against differences; the value without Jacobians is the same to the bit.
 /// `yields`: a state block of the kind yielded. resolution: of its ⊟.
 inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& spec, const StateBlock& yields,
-                                const PortStates& ports, const legacy::Context& context, const Tolerance& tolerance,
+                                const PortStates& ports, const Driving& context, const Tolerance& tolerance,
                                 double resolution) {
   Complaints out;
   const DerivedDeclaration& declared = model.declaration();
@@ -506,16 +551,20 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
   if (declared.dof() != dof || declared.stored_size != yields.declaration().stored_size) out.add("wrong size yielded");
   const auto value = [&](const PortStates& at, const MatrixView* J) {
     detail::Guarded y(declared.stored_size);
-    const Result result = legacy::evaluate(model, detail::pointers(at).data(), context, y.data(), J);
+    const auto x = detail::pointers(at);
+    DerivedOutput made{{y.data(), declared.stored_size}, J ? PortJacobians(J) : PortJacobians()};
+    const Result result = model.evaluate({x.data(), context}, made);
     if (!result) out.add("refused: ", result.reason);
     if (!y.is_intact() || !y.is_written()) out.add("the value is not written as declared");
     return y.take();
   };
   std::vector<detail::Guarded> J;
-  std::vector<MatrixView> views;
+  std::vector<MatrixView> views(ports.size());
   for (const int port : declared.read_ports) J.emplace_back(dof * ports[static_cast<std::size_t>(port)].dof(), 0.0);
-  for (std::size_t i = 0; i < J.size(); ++i)
-    views.push_back({J[i].data(), dof, ports[static_cast<std::size_t>(declared.read_ports[i])].dof(), dof});
+  for (std::size_t i = 0; i < J.size(); ++i) {
+    const auto port = static_cast<std::size_t>(declared.read_ports[i]);
+    views[port] = {J[i].data(), dof, ports[port].dof(), dof};
+  }
   const std::vector<double> nominal = value(ports, views.data());
   if (nominal != value(ports, nullptr)) out.add("without Jacobians the value is another");
   for (std::size_t port = 0; port < ports.size(); ++port) {
@@ -528,7 +577,7 @@ inline Complaints check_derived(const DerivedBlock& model, const ComponentSpec& 
     const auto found = std::find(declared.read_ports.begin(), declared.read_ports.end(), static_cast<int>(port));
     const bool is_read = found != declared.read_ports.end();
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(dof, ports[port].dof());
-    if (is_read) block = views[static_cast<std::size_t>(found - declared.read_ports.begin())].as();
+    if (is_read) block = views[port].as();
     detail::compare("J of " + spec.ports[port].name, detail::differences(ports, port, change), block, is_read, false,
                     detail::roundoff(resolution, ports[port].step), 0, tolerance, out);
   }

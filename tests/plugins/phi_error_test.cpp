@@ -125,7 +125,7 @@ TEST_CASE("transition: every block against differences of the mechanization", "[
           Samples samples(flight);
           const Bench bench(order, with_sensor_errors);
           PortStates ports = bench.ports(flight);
-          ports[0].step = metres;
+          ports[0].scale.setConstant(metres);
           // Relative to each block's largest element: what is left out is one power of dt higher, the more so as the
           // rates change by several times themselves per second.
           const Tolerance tolerance{6 * dt, 20 * std::pow(dt, power)};
@@ -314,8 +314,9 @@ TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_err
   const PortStates ports = bench.ports(pole);
   std::array<double, 10> x_plus;
   double* at[] = {x_plus.data(), x_plus.data() + 3, x_plus.data() + 6, nullptr, nullptr, nullptr, nullptr};
-  const Result result = legacy::propagate(*bench.model, step, test::detail::pointers(ports).data(), memory.data(),
-                                          {at, nullptr, nullptr});
+  const auto x = test::detail::pointers(ports);
+  ProcessOutput values{at, {}, {}};
+  const Result result = bench.model->propagate({step, x.data(), {}, memory.data(), {}}, values);
   REQUIRE(result.refusal == Refusal::failed);
   REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Browser: a headless Chromium with one page, spoken to in its DevTools protocol through a pipe.
+// Browser: a headless Chromium with one page, driven in its DevTools protocol through a pipe.
 #pragma once
 
 #include <filesystem>

@@ -76,7 +76,7 @@ Json statistics(double size, const char* unit) {
 results::Results run_results(const std::string& name, std::size_t samples) {
   results::RunResults run;
   run.config = {{"binnacle", 1},
-                {"title", "A drive in circles"},
+                {"title", "A drive in turns"},
                 {"evaluate", {{"windows", {{"outage", {"start+20 s", "50 s"}}}}}}};
   run.provenance = {{"version", "1.2.3"},
                     {"command", "binnacle run '" + name + "'"},

@@ -9,7 +9,7 @@
 
 namespace binnacle::test {
 
-/// A drive in circles: position with lat and lon, its errors, NEES, a bias, fixes of which some are gated, adapted noise.
+/// A drive in turns: position with lat and lon, its errors, NEES, a bias, fixes of which some are gated, adapted noise.
 results::Results run_results(const std::string& filter, std::size_t samples);
 
 /// Two variants, one metric with a table and the paper's figures, one run that broke.

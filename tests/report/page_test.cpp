@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page in headless Chromium: it renders, tells every figure as the JSON has it, and zooms.
+// The page in headless Chromium: it renders, shows every figure as the JSON has it, and zooms.
 #include "../catch.hpp"
 
 #include <chrono>
@@ -16,6 +16,7 @@
 #include "browser.hpp"
 #include "fixture.hpp"
 #include "report/page.hpp"
+#include "skip.hpp"
 
 using namespace binnacle;
 using namespace binnacle::test;
@@ -48,12 +49,12 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Null, with a word about it, where there is none; in CI there is one.
+/// Null, and the test is skipped, where there is none; in CI there is one.
 std::unique_ptr<Browser> browser() {
   auto browser = Browser::start();
   const char* const ci = std::getenv("CI");
   if (!browser && ci && std::string(ci) == "true") FAIL("there is no chromium: apt-get install chromium");
-  if (!browser) WARN("SKIPPED: no chromium");
+  if (!browser) binnacle::test::skip("no chromium");
   if (browser) browser->size(1400, 1000);
   return browser;
 }
@@ -263,7 +264,7 @@ TEST_CASE("Page of a million samples: usable") {
   REQUIRE(window_of(*chromium, north)[0] == Json(50000.0));
   WARN("a million samples: page of " << fs::file_size(page) / 1e6 << " MB, loaded in " << load << " s, zoomed in "
                                      << zoom << " ms");
-  REQUIRE(fs::file_size(page) < 6'000'000);  // what makes it usable; times are told, and depend on the machine
+  REQUIRE(fs::file_size(page) < 6'000'000);  // what makes it usable; times are printed, and depend on the machine
   require_quiet(*chromium);
 }
 
@@ -286,10 +287,10 @@ TEST_CASE("binnacle report: what the guide shows, and the quickstart's results a
   REQUIRE(contents(folder.path() / "printed") == expected);
   const std::string page = contents(folder.path() / "out/report.html");
   REQUIRE(std::system((command.string() + " report '" + (folder.path() / "out").string() + "' --json --output '" +
-                       (folder.path() / "again.html").string() + "' > '" + (folder.path() / "told").string() + "'")
+                       (folder.path() / "again.html").string() + "' > '" + (folder.path() / "answer").string() + "'")
                           .c_str()) == 0);
   REQUIRE(contents(folder.path() / "again.html") == page);
-  REQUIRE(Json::parse(contents(folder.path() / "told")) ==
+  REQUIRE(Json::parse(contents(folder.path() / "answer")) ==
           Json({{"page", (folder.path() / "again.html").string()}, {"bytes", page.size()}}));
   const auto chromium = browser();
   if (!chromium) return;
@@ -298,11 +299,11 @@ TEST_CASE("binnacle report: what the guide shows, and the quickstart's results a
   require_quiet(*chromium);
 }
 
-TEST_CASE("binnacle report: a folder without results is told, with what to do") {
+TEST_CASE("binnacle report: a folder without results is an error that states what to do") {
   const Folder folder;
-  const std::string command = BINNACLE_TEST_COMMAND, told = (folder.path() / "told").string();
-  const int status = std::system((command + " report '" + folder.path().string() + "' 2> '" + told + "'").c_str());
+  const std::string command = BINNACLE_TEST_COMMAND, answer = (folder.path() / "answer").string();
+  const int status = std::system((command + " report '" + folder.path().string() + "' 2> '" + answer + "'").c_str());
   REQUIRE(WEXITSTATUS(status) == 5);
-  REQUIRE(contents(told).find("make one with 'binnacle run") != std::string::npos);
+  REQUIRE(contents(answer).find("make one with 'binnacle run") != std::string::npos);
   REQUIRE(!fs::exists(folder.path() / "report.html"));
 }

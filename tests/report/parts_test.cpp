@@ -112,7 +112,7 @@ TEST_CASE("Escapes: nothing ends a script or opens an element") {
   REQUIRE(Json::parse(text).begin().key() == "</script><!--");
 }
 
-TEST_CASE("Units: as told, else angles in degrees and slow rates per hour") {
+TEST_CASE("Units: as declared, else angles in degrees and slow rates per hour") {
   const std::vector<double> slow{1e-6}, fast{0.3};
   REQUIRE(display_of("rad", "mil", {}).unit == "mil");
   REQUIRE(std::abs(display_of("rad", "mil", {}).scale - 2 * M_PI / 6400) < 1e-15);
@@ -208,7 +208,7 @@ TEST_CASE("Page: fetches nothing, and holds the licence of what it brings along"
   REQUIRE(text.find("default-src 'none'") != std::string::npos);
 }
 
-TEST_CASE("Page: its limits are those that the guide tells") {
+TEST_CASE("Page: its limits are those that the guide states") {
   const Limits limits;
   REQUIRE(limits.numbers == 1'500'000);
   REQUIRE(limits.most_points == 20'000);

@@ -84,7 +84,7 @@ struct Server {
   std::thread thread;
 };
 
-std::string told(const study::Study& study, const study::Results& results) {
+std::string text_of(const study::Study& study, const study::Results& results) {
   return study::runs_csv(study, results) + study::summarize(study, results).dump();
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("a team gives the figures of one process, whoever does which run") {
     CHECK(third.was_dismissed);
   }
   CHECK(entered == 20);
-  CHECK(told(study, together) == told(study, alone));
+  CHECK(text_of(study, together) == text_of(study, alone));
 }
 
 TEST_CASE("what a run left undone in the results is all that a team does") {
@@ -167,7 +167,7 @@ TEST_CASE("a rank with another study, or none, is refused by name") {
   CHECK(unread.second.starts_with("rank 2 on box2: error: it cannot read the study: "));
 }
 
-TEST_CASE("a rank that falls silent is told, and what the others did is kept") {
+TEST_CASE("a rank that falls silent is reported, and what the others did is kept") {
   const Workbench bench;
   write_drive(bench);
   const auto study = load(bench);
@@ -187,7 +187,7 @@ TEST_CASE("a rank that falls silent is told, and what the others did is kept") {
   } catch (const binnacle::Error& thrown) {
     error = thrown.what();
   }
-  CHECK(error.starts_with("rank 1 on box1: error: not heard of for 0 s"));
+  CHECK(error.starts_with("rank 1 on box1: error: no message for 0 s"));
   CHECK(done >= 1);   // its own; how many is a matter of time
   CHECK(done <= 16);  // less what was handed to the other
   CHECK(std::chrono::steady_clock::now() - begin < 20s);

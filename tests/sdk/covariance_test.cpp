@@ -164,7 +164,7 @@ const json error_free{{"error_free", {{"sea", {{"sigma", 0}, {"noise", 0}, {"dri
 
 }  // namespace
 
-TEST_CASE("covariance: along a run of the config's own sources it tells the same as of channels that are fed") {
+TEST_CASE("covariance: along a run of the config's own sources it gives the same as of channels that are fed") {
   const Workbench bench;
   const auto fed = simulated(bench, {{"duration", "60 s"}, {"channels", {{"sea.gyro", {{"interval", "1 s"}}}}}});
   const auto ran = simulated(bench, error_free);
@@ -177,7 +177,8 @@ TEST_CASE("covariance: along a run of the config's own sources it tells the same
     CHECK(agrees(ran.at("budget").at("ship/pitch").at(source).get<double>(), share.get<double>()));
 }
 
-TEST_CASE("covariance: a duration ends a run of sources, a linear filter is told the same along any run, or several") {
+TEST_CASE(
+    "covariance: a duration ends a run of sources, a linear filter has the same figures along any run, or several") {
   const Workbench bench;
   const auto whole = simulated(bench, error_free);
   json shorter = error_free;
@@ -189,7 +190,7 @@ TEST_CASE("covariance: a duration ends a run of sources, a linear filter is told
       agrees(several.at("metrics").at("ship/pitch/sigma").at("rms").get<double>(), figure(whole, "ship/pitch/sigma")));
 }
 
-TEST_CASE("covariance: what is told between measurements and where there are none") {
+TEST_CASE("covariance: what is given between measurements and where there are none") {
   const Workbench bench;
   // Drift alone: an error that the drift integrates, q left out by an endless correlation time.
   json covariance = error_free;
@@ -248,7 +249,7 @@ TEST_CASE("covariance: readable outputs and norms of a block") {
   CHECK(agrees(figure(variant, "f/attitude.tilt/own sigma"), std::hypot(0.01, 0.02)));
 }
 
-TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be told") {
+TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be computed") {
   const Workbench bench;
   const auto refused = [&](const std::string& patched, const std::string& code, const std::string& words) {
     bench.write("wrong.json", "{ \"extends\": \"c.json\", " + patched + " }");
@@ -270,7 +271,7 @@ TEST_CASE("covariance: adaptive noise is refused, and so is what cannot be told"
   refused(R"("covariance": {"durations": "1 s"})", "B012", "did you mean 'duration'");
   refused(R"("covariance": {"outputs": {"x": "direct"}})", "B015", "no implied state 'direct'");
   refused(R"("covariance": {"runs": 3})", "B012", "leave out the one or the other");
-  refused(R"("covariance": {"channels": {"seen": null}})", "B010", "no channel speaks");
+  refused(R"("covariance": {"channels": {"seen": null}})", "B010", "no channel emits");
   refused(R"("covariance": {"initial": {"place": {"of": "plaice", "by": [[1]]}}})", "B015",
           "there is no block 'plaice'");
   refused(R"("covariance": {"initial": {"place": {"of": "place", "by": [1]}}})", "B013", "1 rows of 1");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implied states of a running filter: a block as one measurement tells it, against a Kalman filter written out here.
+// Implied states of a running filter: a block's value implied by one measurement, against a Kalman filter written out here.
 #include "catch.hpp"
 
 #include <cmath>
@@ -126,7 +126,7 @@ TEST_CASE("an implied state is recorded where there is one") {
   CHECK_FALSE(std::getline(lines, line));
 }
 
-TEST_CASE("a covariance analysis tells of an implied state what the running filter does") {
+TEST_CASE("a covariance analysis gives an implied state the sigma that the running filter does") {
   const Workbench bench;
   bench.write("implied_state.json", with_implied_state);
   const auto outcome = binnacle::test::binnacle(bench, {"covariance", "implied_state.json", "--json"});
@@ -164,7 +164,7 @@ TEST_CASE("an implied state of several components through a matrix") {
   CHECK(std::abs(figure("f/direct.x1/sigma") - 0.05) < 1e-12);
 }
 
-TEST_CASE("what is wrong with an implied state is told") {
+TEST_CASE("what is wrong with an implied state is reported") {
   const Workbench bench;
   bench.write("implied_state.json", with_implied_state);
   const auto refused = [&](const std::string& implied_states, const std::string& code, const std::string& words) {
@@ -188,5 +188,5 @@ TEST_CASE("what is wrong with an implied state is told") {
   const auto outcome = binnacle::test::binnacle(bench, {"check", "unseen.json"});
   INFO(outcome.err);
   CHECK(outcome.status == 3);
-  CHECK(outcome.err.find("measurement 'seen' does not tell block 'idle'") != std::string::npos);
+  CHECK(outcome.err.find("measurement 'seen' does not determine block 'idle'") != std::string::npos);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people get wrong, and word for word what they are told.
+// What people get wrong, and word for word the error they get.
 #include "catch.hpp"
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ struct Mistake {
   const char* from;
   const char* to;
   int status;
-  const char* told;  // FOLDER stands for the bench's
+  const char* message;  // FOLDER stands for the bench's
 };
 
 const Mistake mistakes[] = {
@@ -104,14 +104,14 @@ std::string in_folder(std::string text, const Workbench& bench) {
 
 }  // namespace
 
-TEST_CASE("every mistake in a config is told in these words") {
+TEST_CASE("every mistake in a config gives this message") {
   const Workbench bench;
   for (const auto& mistake : mistakes) {
     INFO(mistake.name);
     bench.spoil(mistake.from, mistake.to);
     for (const char* verb : {"check", "run"}) {
       const auto outcome = binnacle::test::binnacle(bench, {verb, "bad.json"});
-      CHECK(outcome.err == in_folder(mistake.told, bench));
+      CHECK(outcome.err == in_folder(mistake.message, bench));
       CHECK(outcome.status == mistake.status);
       CHECK(outcome.out.empty());
     }
@@ -142,7 +142,7 @@ TEST_CASE("a port takes only blocks of its kind") {
   CHECK(outcome.status == 3);
 }
 
-TEST_CASE("several mistakes are told at once, in the order of the files") {
+TEST_CASE("several mistakes are reported at once, in the order of the files") {
   const Workbench bench;
   bench.spoil(R"~("sigma": "1 m")~", R"~("sgima": "1 m")~");
   const auto outcome = binnacle::test::binnacle(bench, {"check", "bad.json", "gone.json", "--set",
@@ -166,27 +166,28 @@ Outcome run_on(const Workbench& bench, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("what is wrong with data is told with file and line, exit status 5") {
+TEST_CASE("what is wrong with data is reported with file and line, exit status 5") {
   const Workbench bench;
-  const auto is_told = [&](const char* name, const std::string& text, const std::string& told) {
+  const auto is_reported = [&](const char* name, const std::string& text, const std::string& message) {
     INFO(name);
     bench.write("data.csv", text);
     const auto outcome = run_on(bench, "data.csv");
-    CHECK(outcome.err == bench.path("data.csv") + told + "\n1 error\n");
+    CHECK(outcome.err == bench.path("data.csv") + message + "\n1 error\n");
     CHECK(outcome.status == 5);
     CHECK(outcome.out.empty());
   };
-  is_told("NaN in a column", "t,place\n0,1\n1,nan\n2,1\n", ":3: error[B064] /sources/fix: column 'place' is nan");
-  is_told("time running backwards", "t,place\n0,1\n2,1\n1,1\n",
-          ":4: error[B063] /sources/fix: time does not increase: 1 s after 2 s");
-  is_told("wrong column count", "t,place\n0,1\n1\n", ":3: error[B062] /sources/fix: 1 column where the header has 2");
-  is_told("text for a number", "t,place\n0,1\n1,abc\n",
-          ":3: error[B062] /sources/fix: column 'place': 'abc' is not a number");
-  is_told("no rows", "t,place\n", ": error[B066] /sources/fix: no rows after the header");
-  is_told("empty", "", ": error[B066] /sources/fix: the file is empty");
+  is_reported("NaN in a column", "t,place\n0,1\n1,nan\n2,1\n", ":3: error[B064] /sources/fix: column 'place' is nan");
+  is_reported("time running backwards", "t,place\n0,1\n2,1\n1,1\n",
+              ":4: error[B063] /sources/fix: time does not increase: 1 s after 2 s");
+  is_reported("wrong column count", "t,place\n0,1\n1\n",
+              ":3: error[B062] /sources/fix: 1 column where the header has 2");
+  is_reported("text for a number", "t,place\n0,1\n1,abc\n",
+              ":3: error[B062] /sources/fix: column 'place': 'abc' is not a number");
+  is_reported("no rows", "t,place\n", ": error[B066] /sources/fix: no rows after the header");
+  is_reported("empty", "", ": error[B066] /sources/fix: the file is empty");
 }
 
-TEST_CASE("a .gz that ends in the middle is told, exit status 5") {
+TEST_CASE("a .gz that ends in the middle is reported, exit status 5") {
   const Workbench bench;
   std::string text = "t,place\n";
   for (int i = 0; i < 4000; ++i) text += std::to_string(i) + "," + std::to_string(i * i % 997) + "\n";
@@ -208,14 +209,14 @@ TEST_CASE("check --json gives the diagnostics to programs") {
   const auto outcome = binnacle::test::binnacle(bench, {"check", "bad.json", "--json"});
   CHECK(outcome.status == 3);
   CHECK(outcome.err.empty());
-  const auto told = nlohmann::json::parse(outcome.out);
-  REQUIRE(told.size() == 1);
-  CHECK(told[0]["severity"] == "error");
-  CHECK(told[0]["code"] == "B012");
-  CHECK(told[0]["file"] == "bad.json");
-  CHECK(told[0]["line"] == 14);
-  CHECK(told[0]["column"] == 72);
-  CHECK(told[0]["pointer"] == "/filters/walk/process/wander/qq");
+  const auto reported = nlohmann::json::parse(outcome.out);
+  REQUIRE(reported.size() == 1);
+  CHECK(reported[0]["severity"] == "error");
+  CHECK(reported[0]["code"] == "B012");
+  CHECK(reported[0]["file"] == "bad.json");
+  CHECK(reported[0]["line"] == 14);
+  CHECK(reported[0]["column"] == 72);
+  CHECK(reported[0]["pointer"] == "/filters/walk/process/wander/qq");
   CHECK(nlohmann::json::parse(binnacle::test::binnacle(bench, {"check", "good.json", "--json"}).out).empty());
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // binnacle study under mpirun: the files are those of one process, whatever dies on the way. Without mpirun, or where
-// the command was built without MPI, these say SKIPPED.
+// the command was built without MPI, these are skipped.
 #include "catch.hpp"
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 #include <thread>
 
 #include "command.hpp"
 #include "drive_study.hpp"
+#include "skip.hpp"
 
 using namespace binnacle::test;
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ bool has_mpi() {
   const bool has = fs::exists(BINNACLE_TEST_PLUGINS "/mpi/binnacle_mpi.so") && is_on_path("mpirun");
   if (const char* ci = std::getenv("CI"); !has && ci && std::string(ci) == "true")
     FAIL("no MPI, though CI installs it");
-  if (!has) std::cout << "SKIPPED: no MPI (Debian packages libopenmpi-dev, openmpi-bin)\n";
+  if (!has) binnacle::test::skip("no MPI (Debian packages libopenmpi-dev, openmpi-bin)");
   return has;
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("mpirun -n 2 and 3, --jobs 1 and 2 leave the same files") {
   REQUIRE(ranks.status == 0);
   CHECK(ranks.err == "2 ranks, 2 threads; stopped or broken off, the same command goes on from there\n");
   CHECK(has(ranks.out, "24 runs, seed 7, wall time "));
-  CHECK(ranks.out.find("24 runs") == ranks.out.rfind("24 runs"));  // only one of them speaks
+  CHECK(ranks.out.find("24 runs") == ranks.out.rfind("24 runs"));  // only one of them prints
   check_same_files(bench, "one", "ranks");
   const auto both = binnacle::test::binnacle(bench, {"study", "drive.json", "--jobs", "2", "--out", "both", "--quiet"},
                                              mpirun({"-n", "3"}));
@@ -139,7 +139,7 @@ TEST_CASE("a rank that was killed ends the study, and the same command goes on f
   }
 }
 
-TEST_CASE("mpirun that is told to stop stops all ranks, and the study goes on later") {
+TEST_CASE("mpirun that gets SIGTERM stops all ranks, and the study goes on later") {
   if (!has_mpi()) return;
   const Workbench bench;
   write_drive(bench);

@@ -54,7 +54,7 @@ TEST_CASE("new plugin writes a folder for each kind, with the name wherever it b
   }
 }
 
-TEST_CASE("new plugin is of kind process in this folder unless told otherwise, and says what it wrote") {
+TEST_CASE("new plugin is of kind process in this folder by default, and prints what it wrote") {
   const Workbench bench;
   REQUIRE(binnacle::test::binnacle(bench, {"new", "plugin", "my_walk"}).status == 0);
   CHECK(read_file(bench.path("my_walk/plugin.cpp")).find("public ProcessModel") != std::string::npos);
@@ -62,9 +62,9 @@ TEST_CASE("new plugin is of kind process in this folder unless told otherwise, a
   fs::create_directory(bench.path("there"));
   const auto outcome = binnacle::test::binnacle(bench, {"new", "plugin", "my_walk", "--dir", "there", "--json"});
   REQUIRE(outcome.status == 0);
-  const auto told = nlohmann::json::parse(outcome.out);
-  CHECK(told.at("folder") == "there/my_walk");
-  const auto files = told.at("files").get<std::set<std::string>>();
+  const auto reported = nlohmann::json::parse(outcome.out);
+  CHECK(reported.at("folder") == "there/my_walk");
+  const auto files = reported.at("files").get<std::set<std::string>>();
   CHECK(files == names_in(bench.path("there/my_walk")));
 }
 

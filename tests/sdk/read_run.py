@@ -31,7 +31,7 @@ def same_bits(a, b, what):
 
 
 def column_of(group, name):
-    """The values and the unit of 'block.output' or 'block.output.sigma', the way the guide tells."""
+    """The values and the unit of 'block.output' or 'block.output.sigma', the way the guide describes."""
     block, output, *sigma = name.split(".")
     suffix = "_sigma" if sigma else ""
     if f"{block}_{output}{suffix}" in group:

@@ -291,7 +291,7 @@ TEST_CASE("a file that finds no room leaves nothing, exit status 5") {
   }
 }
 
-TEST_CASE("read() tells in a line what is wrong with a folder") {
+TEST_CASE("read() states in a line what is wrong with a folder") {
   const Workbench bench;
   const auto said = [&](const std::string& name) { return complaint_of(bench.path(name)); };
   CHECK(said("nowhere") == "'" + bench.path("nowhere") + "' is no folder");

@@ -140,20 +140,21 @@ TEST_CASE("options --set and --var change a config from outside") {
   CHECK(binnacle::test::binnacle(bench, {"run", "bad.json", "--var", "data=elsewhere"}).status == 0);
 }
 
-TEST_CASE("a place that cannot be written is told before the run, exit status 2") {
+TEST_CASE("a place that cannot be written is reported before the run, exit status 2") {
   const Workbench bench;
-  const auto is_told = [&](const std::vector<std::string>& options, const std::string& told) {
+  const auto is_reported = [&](const std::vector<std::string>& options, const std::string& message) {
     const auto outcome = run(bench, options);
-    CHECK(outcome.err == "error: " + told + "\n");
+    CHECK(outcome.err == "error: " + message + "\n");
     CHECK(outcome.status == 2);
     CHECK(outcome.out.empty());
   };
   const auto before = names_in(bench.folder());
-  is_told({"--summary", "no/folder.json"}, "cannot write 'no/folder.json': No such file or directory");
-  is_told({"--summary", "."}, "cannot write '.': it is a folder");
-  is_told({"--out", "fix.csv/out"}, "cannot make the folder 'fix.csv/out': Not a directory");
-  is_told({"--out", "fix.csv"}, "cannot make the folder 'fix.csv': Not a directory");
-  is_told({"--out", "made", "--summary", "no/folder.json"}, "cannot write 'no/folder.json': No such file or directory");
+  is_reported({"--summary", "no/folder.json"}, "cannot write 'no/folder.json': No such file or directory");
+  is_reported({"--summary", "."}, "cannot write '.': it is a folder");
+  is_reported({"--out", "fix.csv/out"}, "cannot make the folder 'fix.csv/out': Not a directory");
+  is_reported({"--out", "fix.csv"}, "cannot make the folder 'fix.csv': Not a directory");
+  is_reported({"--out", "made", "--summary", "no/folder.json"},
+              "cannot write 'no/folder.json': No such file or directory");
   CHECK(names_in(bench.folder()) == before);
 }
 

@@ -148,7 +148,7 @@ TEST_CASE("jobs change no figure, and every run can be repeated alone") {
   const auto& yaw = entry.at("metrics").at("ins/attitude.yaw/final");
   for (const char* key : {"rms", "mean", "std", "se", "se_rms", "p50", "p95"}) CHECK(yaw.at(key).is_number());
   CHECK(yaw.at("unit") == "mil");
-  // A mil is 1/6400 of a circle, an arcmin 1/21600.
+  // A mil is 1/6400 of a turn, an arcmin 1/21600.
   CHECK(near(summary.at("table").at("cells")[1][1].get<double>(), yaw.at("rms").get<double>() * 21600 / 6400, 1e-9));
   CHECK(entry.at("metrics").at("ins/position/nees").at("band").size() == 2);
 
@@ -186,7 +186,7 @@ TEST_CASE("a study that was killed goes on where it was, and its files are those
   }
 }
 
-TEST_CASE("the journal of another study is refused, with the mend") {
+TEST_CASE("the journal of another study is refused, with the remedy") {
   const Workbench bench;
   write_study(bench, two_variants);
   REQUIRE(command(bench, {"study", "study.json", "--out", "out"}).status == 0);
@@ -234,42 +234,45 @@ TEST_CASE("a run that breaks is reported with what repeats it, and the others go
   CHECK(command(bench, {"run", "study.json", "--variant", "calm", "--quiet"}).status == 0);
 }
 
-TEST_CASE("what is wrong with a study is told before anything runs") {
+TEST_CASE("what is wrong with a study is reported before anything runs") {
   const Workbench bench;
-  const auto is_told = [&](const std::string& section, const std::string& told, int line = 26) {
+  const auto is_reported = [&](const std::string& section, const std::string& message, int line = 26) {
     write_study(bench, section);
     for (const char* verb : {"study", "check"}) {
       const auto outcome = command(bench, {verb, "study.json"});
-      CHECK(outcome.err == "study.json:" + std::to_string(line) + ":" + told + "\n1 error\n");
+      CHECK(outcome.err == "study.json:" + std::to_string(line) + ":" + message + "\n1 error\n");
       CHECK(outcome.status == 3);
     }
   };
-  is_told(R"~({ "metrics": ["walk/place.y/rms"] })~",
-          "26: error[B027] /study/metrics/0: metric 'walk/place.y/rms': no 'place.y' of filter 'walk' is scored by a "
-          "reference; did you mean 'place.x'? (there are: place.x)");
-  is_told(R"~({ "metrics": ["walk/place.x/rsm"] })~",
-          "26: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean "
-          "'rms'? (statistics: mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)");
-  is_told(R"~({ "metrics": ["wlak/place.x/rms"] })~",
-          "26: error[B027] /study/metrics/0: metric 'wlak/place.x/rms': there is no filter 'wlak'; did you mean "
-          "'walk'? (filters: walk)");
-  is_told(R"~({ "metrics": [{ "metric": "walk/place.x/rms", "unit": "deg" }] })~",
-          "66: error[B007] /study/metrics/0/unit: metric 'walk/place.x/rms' is a length (m); 'deg' is an angle (rad)");
-  is_told(R"~({ "runs": 2 })~",
-          "3: error[B010] /study: missing key 'metrics': what a study tells, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
-  is_told(R"~({ "rns": 2, "metrics": ["walk/place.x/rms"] })~",
-          "14: error[B012] /study/rns: unknown key of 'study'; did you mean 'runs'? (keys: runs, seed, dimensions, "
-          "variants, metrics, table, tables)");
-  is_told(R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {}, "b": {} }, "table": { "rows": ["a", "c"] } })~",
-          "90: error[B090] /study/table: there is no variant 'c', the cell of row 'c', column 'rms' (variants: a, b)");
-  is_told(R"~({ "metrics": ["walk/place.x/rms"], "dimensions": { "d": { "a": {} } }, "variants": { "a": {} } })~",
-          "97: error[B091] /study/variants/a: the dimensions make a variant 'a' already");
-  is_told(R"~({ "metrics": ["walk/place.x/rms"], "table": { "paper": [[1, 2]] } })~",
-          "68: error[B013] /study/table/paper/0: 'paper' has 1 column here, as the table has; found 2");
-  is_told(R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {},
+  is_reported(
+      R"~({ "metrics": ["walk/place.y/rms"] })~",
+      "26: error[B027] /study/metrics/0: metric 'walk/place.y/rms': no 'place.y' of filter 'walk' is scored by a "
+      "reference; did you mean 'place.x'? (there are: place.x)");
+  is_reported(R"~({ "metrics": ["walk/place.x/rsm"] })~",
+              "26: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean "
+              "'rms'? (statistics: mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)");
+  is_reported(R"~({ "metrics": ["wlak/place.x/rms"] })~",
+              "26: error[B027] /study/metrics/0: metric 'wlak/place.x/rms': there is no filter 'wlak'; did you mean "
+              "'walk'? (filters: walk)");
+  is_reported(
+      R"~({ "metrics": [{ "metric": "walk/place.x/rms", "unit": "deg" }] })~",
+      "66: error[B007] /study/metrics/0/unit: metric 'walk/place.x/rms' is a length (m); 'deg' is an angle (rad)");
+  is_reported(R"~({ "runs": 2 })~",
+              "3: error[B010] /study: missing key 'metrics': what a study reports, \"FILTER/BLOCK.OUTPUT/STATISTIC\"");
+  is_reported(R"~({ "rns": 2, "metrics": ["walk/place.x/rms"] })~",
+              "14: error[B012] /study/rns: unknown key of 'study'; did you mean 'runs'? (keys: runs, seed, dimensions, "
+              "variants, metrics, table, tables)");
+  is_reported(
+      R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {}, "b": {} }, "table": { "rows": ["a", "c"] } })~",
+      "90: error[B090] /study/table: there is no variant 'c', the cell of row 'c', column 'rms' (variants: a, b)");
+  is_reported(R"~({ "metrics": ["walk/place.x/rms"], "dimensions": { "d": { "a": {} } }, "variants": { "a": {} } })~",
+              "97: error[B091] /study/variants/a: the dimensions make a variant 'a' already");
+  is_reported(R"~({ "metrics": ["walk/place.x/rms"], "table": { "paper": [[1, 2]] } })~",
+              "68: error[B013] /study/table/paper/0: 'paper' has 1 column here, as the table has; found 2");
+  is_reported(R"~({ "metrics": ["walk/place.x/rms"], "variants": { "a": {},
     "b": { "filters": { "walk": { "blocks": { "place": { "size": -1 } } } } } } })~",
-          "66: error[B009] /filters/walk/blocks/place/size: 'size' is -1, out of range (>= 1, <= 64) (variant 'b')",
-          27);
+              "66: error[B009] /filters/walk/blocks/place/size: 'size' is -1, out of range (>= 1, <= 64) (variant 'b')",
+              27);
 
   write_study(bench, two_variants);
   const auto outcome = command(bench, {"run", "study.json", "--variant", "clam"});
@@ -279,6 +282,46 @@ TEST_CASE("what is wrong with a study is told before anything runs") {
         "nervous)\n"
         "1 error\n");
   CHECK(command(bench, {"check", "study.json"}).status == 0);
+}
+
+TEST_CASE("a metric that no variant knows is misspelt, wherever it stands; one that some lack is not") {
+  const Workbench bench;
+  const auto with_metrics = [&](const std::string& metrics, const std::string& variants) {
+    std::string text = good_config;
+    const std::string from = R"~("evaluate": {)~";
+    text.replace(text.find(from), from.size(), from + R"~( "metrics": )~" + metrics + ",");
+    text.insert(text.rfind('}'),
+                ",\n  \"study\": { \"metrics\": [\"walk/place.x/rms\"], \"variants\": " + variants + "}\n");
+    bench.write("study.json", text);
+  };
+  const std::string told =
+      " /evaluate/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean 'rms'? (statistics: "
+      "mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)";
+  const auto each = [&](const auto& look) {
+    for (const auto& arguments : {std::vector<std::string>{"check", "study.json"},
+                                  {"study", "study.json"},
+                                  {"run", "study.json", "--variant", "a"}})
+      look(command(bench, arguments), arguments.front());
+  };
+  // In the variant's own patch: at its place there.
+  with_metrics("[]", R"~({ "a": { "evaluate": { "metrics": ["walk/place.x/rsm"] } }, "b": {} })~");
+  each([&](const Outcome& outcome, const std::string& verb) {
+    INFO(verb << ": " << outcome.err);
+    CHECK(outcome.status == 3);
+    const std::string whose = verb == "run" ? "" : " (variant 'a')";
+    CHECK(outcome.err == "study.json:26:102: error[B027]" + told + whose + "\n1 error\n");
+  });
+  // Among those of all variants.
+  with_metrics(R"~(["walk/place.x/rsm"])~", R"~({ "a": {}, "b": {} })~");
+  each([&](const Outcome& outcome, const std::string& verb) {
+    INFO(verb << ": " << outcome.err);
+    CHECK(outcome.status == 3);
+    CHECK(outcome.err == "study.json:24:30: error[B027]" + told + "\n1 error\n");
+  });
+  // Variant a has no reference, so no error to make the metric of.
+  with_metrics(R"~(["walk/place.x/rms"])~", R"~({ "a": { "reference": null }, "b": {} })~");
+  CHECK(command(bench, {"run", "study.json", "--variant", "a", "--quiet"}).status == 0);
+  CHECK(command(bench, {"run", "study.json", "--variant", "b", "--quiet"}).status == 0);
 }
 
 TEST_CASE("tables are laid out as the config says, beside the paper's") {
@@ -329,7 +372,7 @@ Error at the end [mm]
             .starts_with("table,row,column,value,se,unit,paper\nError at the end,calm,x1,98.5303810427"));
 }
 
-TEST_CASE("a cell may have a text instead of a figure, and figures may be told the other way round") {
+TEST_CASE("a cell may have a text instead of a figure, and figures may have the other sign") {
   const Workbench bench;
   write_study(bench, R"~({ "runs": 1, "metrics": ["walk/place.x/final", "walk/place.x/drift"],
     "variants": { "calm": {} },

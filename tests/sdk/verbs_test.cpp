@@ -59,7 +59,7 @@ TEST_CASE("--help is no error, and names only what there is") {
   }
 }
 
-TEST_CASE("list tells every component type") {
+TEST_CASE("list shows every component type") {
   const Workbench bench;
   const auto types = parsed(bench, {"list", "--json"});
   std::set<std::string> names;
@@ -85,12 +85,12 @@ TEST_CASE("every listed type can be described, and created") {
   }
 }
 
-TEST_CASE("explain tells the layout of the state and the channels") {
+TEST_CASE("explain shows the layout of the state and the channels") {
   const Workbench bench;
   const auto text = binnacle::test::binnacle(bench, {"explain", "good.json"}).out;
   for (const char* part :
-       {"FILTER walk: 1 row", "place.x", "advanced by wander", "estimated", "heard by /filters/walk/measurements/seen",
-        "gate 0.999 (NIS <= 10.83)", "Unused channels: none"}) {
+       {"FILTER walk: 1 row", "place.x", "advanced by wander", "estimated",
+        "subscribers: /filters/walk/measurements/seen", "gate 0.999 (NIS <= 10.83)", "Unused channels: none"}) {
     INFO(part);
     CHECK(has(text, part));
   }
@@ -120,7 +120,7 @@ TEST_CASE("names with quotes and slashes are drawn and recorded too") {
   CHECK(std::filesystem::exists(bench.path("out/a%2Fb %22c%22.csv")));
 }
 
-TEST_CASE("version tells the guard") {
+TEST_CASE("version shows the guard") {
   const Workbench bench;
   const auto version = parsed(bench, {"version", "--json"});
   CHECK_FALSE(version.at("version").get<std::string>().empty());

@@ -20,7 +20,7 @@ class Workbench {
   Workbench(const Workbench&) = delete;
   Workbench& operator=(const Workbench&) = delete;
 
-  /// As the command tells it: symlinks resolved.
+  /// As the command prints it: symlinks resolved.
   std::string folder() const { return folder_.string(); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   /// Not in the folder itself, which the tests look at.

@@ -224,7 +224,7 @@ TEST_CASE("weights for equal intervals are the rational ones", "[attitude]") {
     for (int i = 0; i < most_samples; ++i)
       for (int j = 0; j < most_samples; ++j) CHECK(std::abs(w.pairs.k[i][j] - rational.k[i][j]) < 1e-14);
   }
-  // Of ∫ v dt: Simpson, three eighths, Boole, told of increments instead of values.
+  // Of ∫ v dt: Simpson, three eighths, Boole, in terms of increments instead of values.
   const auto two = interval_weights(equal_lengths(2)), four = interval_weights(equal_lengths(4));
   CHECK(std::abs(two.position[0] - 5.0 / 6) < 1e-15);
   CHECK(std::abs(two.position[1] - 1.0 / 6) < 1e-15);
@@ -259,7 +259,7 @@ TEST_CASE("weights for unequal intervals are exact for rates of their degree", "
   CHECK_FALSE(are_equal(std::array{0.01, 0.0101}));
 }
 
-TEST_CASE("quaternions: exact to the last digits, and truncated where they are told to be", "[attitude]") {
+TEST_CASE("quaternions: exact to the last digits, and truncated where that is asked for", "[attitude]") {
   const Vector3d axis = Vector3d(1, -2, 0.5).normalized();
   for (const double angle : {0.0, 1e-9, 1e-3, 0.3, 0.499, 0.501, 2.0, 3.1}) {
     const Vector3<Real> phi = (axis * angle).cast<Real>();

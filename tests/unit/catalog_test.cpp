@@ -92,7 +92,7 @@ TEST_CASE("a good plugin brings its types", "[catalog]") {
   CHECK(catalog.types().size() == 3);
 }
 
-TEST_CASE("names that lead nowhere are told", "[catalog]") {
+TEST_CASE("names that lead nowhere are reported", "[catalog]") {
   Catalog catalog;
   Diagnostics none;
   catalog.load(plugin("good"), none);
@@ -134,7 +134,7 @@ TEST_CASE("what is no plugin is refused before any of it runs", "[catalog]") {
   CHECK(load("absent") == Lines{"absent.so: error[B040]: the plugin cannot be opened: No such file or directory"});
 }
 
-TEST_CASE("each field of a foreign guard is told, and no code of it runs", "[catalog]") {
+TEST_CASE("each field of a foreign guard is reported, and no code of it runs", "[catalog]") {
   ::unsetenv("BINNACLE_TEST_CODE_RAN");
   const auto& host = abi::guard_of_host();
   const std::string cxx11 = std::to_string(host.standard_library_abi & 1);
@@ -159,15 +159,15 @@ TEST_CASE("each field of a foreign guard is told, and no code of it runs", "[cat
   CHECK(found[4].find("wrong_guard.so: error[B042]: ParameterSpec: host size ") == 0);
   CHECK(found[5].find(
             "wrong_guard.so: error[B042]: instruction sets: host this processor lacks bit 63, plugin bit 63") == 0);
-  CHECK(found[6].find("wrong_guard.so: warning[B043]: container assertions: ") == 0);
-  CHECK(found[7].find("wrong_guard.so: warning[B043]: Eigen version: host 3.") == 0);
-  CHECK(found[8].find("wrong_guard.so: warning[B043]: EIGEN_MAX_ALIGN_BYTES: host ") == 0);
-  CHECK(found[9].find("wrong_guard.so: warning[B043]: header hash: host 0x") == 0);
+  CHECK(found[6].find("wrong_guard.so: error[B042]: header hash: host 0x") == 0);
+  CHECK(found[7].find("wrong_guard.so: warning[B043]: container assertions: ") == 0);
+  CHECK(found[8].find("wrong_guard.so: warning[B043]: Eigen version: host 3.") == 0);
+  CHECK(found[9].find("wrong_guard.so: warning[B043]: EIGEN_MAX_ALIGN_BYTES: host ") == 0);
   CHECK(found[10].find("wrong_guard.so: warning[B043]: compiler: host ") == 0);
   CHECK(::getenv("BINNACLE_TEST_CODE_RAN") == nullptr);
 }
 
-TEST_CASE("a harmless difference is told and the plugin loaded", "[catalog]") {
+TEST_CASE("a harmless difference is a warning and the plugin loaded", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load(plugin("only_warned"), diagnostics);
@@ -176,7 +176,7 @@ TEST_CASE("a harmless difference is told and the plugin loaded", "[catalog]") {
   CHECK(catalog.types().size() == 1);
 }
 
-TEST_CASE("what goes wrong in a plugin's registration is told", "[catalog]") {
+TEST_CASE("what goes wrong in a plugin's registration is reported", "[catalog]") {
   CHECK(load("throws_in_register") == Lines{"throws_in_register.so: error[B045]: plugin 'throws_in_register': "
                                             "binnacle_register_v1 threw: out of ideas"});
   CHECK(load("twice") == Lines{"twice.so: error[B046]: plugin 'twice' registers 'still' twice"});
@@ -191,7 +191,7 @@ TEST_CASE("what goes wrong in a plugin's registration is told", "[catalog]") {
 
 TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "[catalog]") {
   const Scratch scratch;
-  const auto told = [&](const std::string& name) {
+  const auto message = [&](const std::string& name) {
     Catalog catalog;
     Diagnostics diagnostics;
     catalog.load(scratch.path / name, diagnostics);
@@ -201,30 +201,31 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
     return text;
   };
   std::ofstream(scratch.path / "text.so") << std::string(200, 'x');
-  CHECK(told("text.so") ==
+  CHECK(message("text.so") ==
         "text.so: error[B041]: not a plugin for this program: it is no shared library (not an ELF file)");
   std::ofstream(scratch.path / "empty.so");
-  CHECK(told("empty.so") == "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
+  CHECK(message("empty.so") == "empty.so: error[B041]: not a plugin for this program: it cannot be read, or is empty");
   fs::create_directory(scratch.path / "folder.so");
-  CHECK(told("folder.so") == "folder.so: error[B040]: the plugin is not a file");
+  CHECK(message("folder.so") == "folder.so: error[B040]: the plugin is not a file");
 
   fs::copy_file(plugin("good"), scratch.path / "open.so");
   fs::permissions(scratch.path / "open.so", fs::perms::others_write, fs::perm_options::add);
-  CHECK(told("open.so") ==
+  CHECK(message("open.so") ==
         "open.so: error[B044]: the plugin file is world-writable, so it is not loaded; chmod o-w it");
 
   std::ifstream whole(plugin("good"), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(whole), {}};
   for (const std::size_t part : {std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
     std::ofstream(scratch.path / "cut.so", std::ios::binary | std::ios::trunc) << bytes.substr(0, part);
-    CHECK(told("cut.so") == "cut.so: error[B041]: not a plugin for this program: it is damaged or cut short");
+    CHECK(message("cut.so") == "cut.so: error[B041]: not a plugin for this program: it is damaged or cut short");
   }
   // Whatever byte of its head is wrong: an error or a plugin, never a crash. Not loaded, so inspected only.
   std::string machine = bytes;
   machine[18] = 0x28;  // e_machine: ARM
   machine[19] = 0;
-  std::ofstream(scratch.path / "arm.so", std::ios::binary) << machine;
-  CHECK(told("arm.so") == "arm.so: error[B041]: not a plugin for this program: it is built for another machine");
+  std::ofstream(scratch.path / "aarch64.so", std::ios::binary) << machine;
+  CHECK(message("aarch64.so") ==
+        "aarch64.so: error[B041]: not a plugin for this program: it is built for another machine");
 }
 
 TEST_CASE("a second copy of a plugin is an error that names the first", "[catalog]") {
@@ -270,6 +271,38 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
         "warning[B040]: BINNACLE_PLUGIN_PATH: there is no folder '/nowhere/at/all'");
   CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
   CHECK(catalog.find(Role::state_block, "second/still") != nullptr);
+}
+
+TEST_CASE("a stale library in a searched folder is a warning, until a type is wanted that it may have", "[catalog]") {
+  const Scratch scratch;
+  fs::copy_file(plugin("good"), scratch.path / "good.so");
+  fs::copy_file(plugin("newer"), scratch.path / "newer.so");
+  const std::string why = "API minor: host " + std::to_string(abi::api_minor) + ", plugin " +
+                          std::to_string(abi::api_minor + 1) +
+                          "; update this program, or rebuild the plugin with this version's headers";
+  const std::string file = (scratch.path / "newer.so").string();
+  const auto find = [&](const std::string& name) {
+    Catalog catalog;
+    Diagnostics loading, finding;
+    catalog.load_search_path({{scratch.path, {"c.json", 2, 14}, "/plugins/0"}}, loading);
+    CHECK_FALSE(loading.has_errors());
+    REQUIRE(loading.items().size() == 1);
+    CHECK(to_string(loading.items()[0]) == file + ": warning[B047]: not loaded: " + why);
+    catalog.find(Role::state_block, name, {"c.json", 3, 5}, "/x/type", finding);
+    return finding.text();
+  };
+  CHECK(find("still") == "");
+  CHECK(find("modern") == "c.json:3:5: error[B047] /x/type: unknown state block 'modern'; '" + file +
+                              "' may have it, but is not loaded: " + why);
+  CHECK(find("newer/modern") == "c.json:3:5: error[B047] /x/type: unknown state block 'newer/modern'; '" + file +
+                                    "' may have it, but is not loaded: " + why);
+  CHECK(find("good/stil") ==
+        "c.json:3:5: error[B011] /x/type: unknown state block 'good/stil'; did you mean 'good/still'?");
+
+  Catalog named;
+  Diagnostics diagnostics;
+  named.load_search_path({{file, {"c.json", 2, 14}, "/plugins/0"}}, diagnostics);
+  CHECK(diagnostics.text() == file + ": error[B042]: " + why);
 }
 
 TEST_CASE("what a constructor throws is contained, and names plugin, component, call", "[catalog]") {

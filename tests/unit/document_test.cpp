@@ -112,7 +112,7 @@ TEST_CASE("syntax errors give line, column, what was found and expected", "[docu
   CHECK(errors_of("{\"a\": " + std::string(300, '[')).find("nested more than 200 deep") != std::string::npos);
 }
 
-TEST_CASE("commas too many, commas too few and duplicate keys are told together", "[document]") {
+TEST_CASE("commas too many, commas too few and duplicate keys are reported together", "[document]") {
   CHECK(errors_of("{\n  \"a\": [1, 2,],\n  \"b\": 1\n  \"c\": 2,\n  \"a\": 3,\n}") ==
         "a.json:2:13: error[B001]: trailing comma before ']'; delete it\n"
         "a.json:3:9: error[B001]: expected ',' or '}' after the value, found '\"'\n"
@@ -212,7 +212,7 @@ TEST_CASE("variants of a study keep their nulls", "[document]") {
                  "null}}}}}") == "{\"study\":{\"variants\":{\"plain\":{\"a\":{\"noise\":null}}}}}");
 }
 
-TEST_CASE("a missing file is told where it was named", "[document]") {
+TEST_CASE("a missing file is reported where it was named", "[document]") {
   const Folder folder;
   CHECK(load_errors("none.json") == "none.json: error[B003]: cannot read 'none.json': No such file or directory");
   folder.write("sub/a.json", "{\n  \"extends\": [\"none.json\", \"..\"]\n}");
@@ -221,7 +221,7 @@ TEST_CASE("a missing file is told where it was named", "[document]") {
         "sub/a.json:2:28: error[B003] /extends: cannot read '.': it is a folder");
 }
 
-TEST_CASE("a cycle of extends is told as its chain", "[document]") {
+TEST_CASE("a cycle of extends is reported as its chain", "[document]") {
   const Folder folder;
   folder.write("a.json", "{\"extends\": \"b.json\"}");
   folder.write("b.json", "{\"extends\": \"c.json\"}");

@@ -80,7 +80,7 @@ TEST_CASE("what is right arrives in SI, with defaults filled in", "[spec]") {
   CHECK(parameters.text("form") == "first");
 }
 
-TEST_CASE("a wrong key is told with what was meant", "[spec]") {
+TEST_CASE("a wrong key is reported with what was meant", "[spec]") {
   CHECK(said(R"({"tua": "1 h", "sigma": 1})") ==
         "c.json:1:2: error[B012] /tua: unknown key of 'gauss_markov'; did you mean 'tau' (3 values, s, > 0)?");
   CHECK(said(R"({"tau": 1, "sigma": 1, "sigm": 2})") ==
@@ -92,7 +92,7 @@ TEST_CASE("a wrong key is told with what was meant", "[spec]") {
         "c.json:1:2: error[B012] /tua: unknown key of 'gauss_markov'; did you mean 'tau' (s, > 0)?");
 }
 
-TEST_CASE("a missing key is told with what it is", "[spec]") {
+TEST_CASE("a missing key is reported with what it is", "[spec]") {
   CHECK(said(R"({"sigma": 1})") ==
         "c.json:1:1: error[B010]: missing key 'tau' of 'gauss_markov': correlation time (3 values, s, > 0), for "
         "example \"1 h\"");
@@ -100,7 +100,7 @@ TEST_CASE("a missing key is told with what it is", "[spec]") {
         "c.json:1:1: error[B010]: missing key 'file' of 'gauss_markov': the data (file or folder)");
 }
 
-TEST_CASE("a wrong unit is told with the right one", "[spec]") {
+TEST_CASE("a wrong unit is reported with the right one", "[spec]") {
   CHECK(said_of(number("v", "s").above(0), "\"5 deg\"") ==
         "c.json:1:7: error[B007] /v: '5 deg' is an angle; 'v' is a time (s, > 0), for example \"1 h\"");
   CHECK(said_of(number("v", "s").above(0).at_most(60), "\"5\"") ==
@@ -116,7 +116,7 @@ TEST_CASE("a wrong unit is told with the right one", "[spec]") {
         "c.json:1:7: error[B007] /v: '2 m' is a length; 'v' is a time (s), for example \"1 s\"");
 }
 
-TEST_CASE("a wrong type is told with the right one", "[spec]") {
+TEST_CASE("a wrong type is reported with the right one", "[spec]") {
   CHECK(
       said_of(number("v", "s").above(0), "true") ==
       "c.json:1:7: error[B006] /v: 'v' must be a number or text with a unit (s, > 0), for example \"1 h\"; found true");
@@ -136,7 +136,7 @@ TEST_CASE("a wrong type is told with the right one", "[spec]") {
   CHECK(said_of(text("v"), "[1]") == "c.json:1:7: error[B006] /v: 'v' must be a text; found a list of 1");
 }
 
-TEST_CASE("a number out of range is told as it was written", "[spec]") {
+TEST_CASE("a number out of range is reported as it was written", "[spec]") {
   CHECK(said_of(number("v", "s").above(0), "\"-5 min\"") ==
         "c.json:1:7: error[B009] /v: 'v' is -5 min, out of range (s, > 0)");
   CHECK(said_of(number("v", "s").above(0), "0") == "c.json:1:7: error[B009] /v: 'v' is 0 s, out of range (s, > 0)");
@@ -159,7 +159,7 @@ TEST_CASE("wrong lengths and words", "[spec]") {
         "c.json:1:32: error[B014] /form: 'form' cannot be 'quadratic'; it is one of 'first', 'second'");
 }
 
-TEST_CASE("everything that is wrong is told at once", "[spec]") {
+TEST_CASE("everything that is wrong is reported at once", "[spec]") {
   Diagnostics diagnostics;
   const Document config = document(R"({"tau": -1, "sigma": "1 m", "from": 1})");
   check_parameters(gauss_markov(), "gauss_markov", config, "", {}, port_x("m/s", 1), diagnostics);

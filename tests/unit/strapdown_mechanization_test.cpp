@@ -322,8 +322,8 @@ TEST_CASE("several increments are the fold of single ones", "[strapdown][mechani
 namespace {
 
 /// Runs 20 s of the trajectory at 100 Hz; every third sample is cut after `part` of its length into proportional
-/// fragments. `told` is whether they say so.
-Errors run_cut(const Trajectory& t, double part, bool told) {
+/// fragments. `declared` is whether they say so.
+Errors run_cut(const Trajectory& t, double part, bool declared) {
   const double dt = 0.01;
   Navigation nav = t.at(0.0).nav;
   Previous previous;
@@ -332,7 +332,8 @@ Errors run_cut(const Trajectory& t, double part, bool told) {
     std::vector<Increment> pieces{whole};
     if (part > 0.0 && i % 3 == 0) {
       const auto piece = [&](double share, double offset) {
-        return Increment{share * dt, share * whole.dtheta, share * whole.dv, told ? dt : 0.0, told ? offset * dt : 0.0};
+        return Increment{share * dt, share * whole.dtheta, share * whole.dv, declared ? dt : 0.0,
+                         declared ? offset * dt : 0.0};
       };
       pieces = {piece(part, 0.0), piece(1.0 - part, part)};
     }

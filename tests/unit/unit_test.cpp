@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units: scales against exact arithmetic, the grammar, what mistakes are told, and exact times.
+// Units: scales against exact arithmetic, the grammar, the messages of mistakes, and exact times.
 #include "binnacle/unit.hpp"
 
 #include <cmath>

@@ -24,7 +24,8 @@ namespace binnacle::abi {
 
 inline constexpr std::uint64_t magic = 0x454c'4341'4e4e'4942;  // "BINNACLE", little-endian
 inline constexpr std::uint32_t api_major = 1;                  // changes with any interface; refused
-inline constexpr std::uint32_t api_minor = 0;                  // additions that old plugins need not know
+inline constexpr std::uint32_t api_minor =
+    0;  // additions that old plugins need not know; a newer one than the host's is refused
 
 struct TypeLayout {
   std::uint32_t size;
@@ -32,22 +33,18 @@ struct TypeLayout {
 };
 
 /// The types that cross, in the order of TypeLayouts. Names for messages; the guard carries the numbers only.
-#define BINNACLE_ABI_TYPES(X)                                                                                          \
-  X(std::string)                                                                                                       \
-  X(std::vector<double>)                                                                                               \
-  X(std::unique_ptr<Source>)                                                                                           \
-  X(ParameterSpec)                                                                                                     \
-  X(PortSpec)                                                                                                          \
-  X(FieldSpec)                                                                                                         \
-  X(ChannelPort) X(ComponentSpec) X(ParameterValue) X(Parameters) X(ComponentError) X(NamedUnit) X(PortBinding)        \
-      X(Binding) X(NoiseBinding) X(Port) X(Field) X(RowField) X(DrivingRate) X(Input) X(MatrixView) X(ConstMatrixView) \
-          X(VectorView) X(ConstVectorView) X(Result) X(Driving) X(Output) X(Norm) X(StateBlockDeclaration) X(Coupling) \
-              X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput) X(ContinuousOutput) X(ProcessInput)        \
-                  X(ContinuousInput) X(PhiBlock) X(QBlock) X(ResidualGroup) X(MeasurementDeclaration)                  \
-                      X(MeasurementInput) X(MeasurementOutput) X(DerivedDeclaration) X(DerivedInput) X(DerivedOutput)  \
-                          X(Innovation) X(ChannelDeclaration) X(SampleView) X(SampleSlot) X(StateBlock)                \
-                              X(ProcessModel) X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator) X(Source)          \
-                                  X(Transform) X(Sink) X(Registry) X(Reporter) X(Emitter)
+// clang-format off
+#define BINNACLE_ABI_TYPES(X)                                                                                         \
+  X(std::string) X(std::vector<double>) X(std::unique_ptr<Source>) X(ParameterSpec) X(PortSpec) X(FieldSpec)          \
+  X(ChannelPort) X(ComponentSpec) X(ParameterValue) X(Parameters) X(ComponentError) X(NamedUnit) X(PortBinding)       \
+  X(Binding) X(NoiseBinding) X(Port) X(Field) X(RowField) X(DrivingRate) X(Input) X(MatrixView) X(ConstMatrixView)    \
+  X(VectorView) X(ConstVectorView) X(Result) X(Driving) X(Output) X(Norm) X(StateBlockDeclaration) X(Coupling)        \
+  X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput) X(ContinuousOutput) X(ProcessInput)                   \
+  X(ContinuousInput) X(PhiBlock) X(QBlock) X(ResidualGroup) X(MeasurementDeclaration) X(MeasurementInput)             \
+  X(MeasurementOutput) X(DerivedDeclaration) X(DerivedInput) X(DerivedOutput) X(Innovation) X(ChannelDeclaration)     \
+  X(SampleView) X(SampleSlot) X(StateBlock) X(ProcessModel) X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator)     \
+  X(Source) X(Transform) X(Sink) X(Registry) X(Reporter) X(Emitter)
+// clang-format on
 
 #define BINNACLE_ABI_COUNT(...) +1
 inline constexpr std::uint32_t type_count = 0 BINNACLE_ABI_TYPES(BINNACLE_ABI_COUNT);

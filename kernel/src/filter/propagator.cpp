@@ -36,8 +36,7 @@ Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspac
       calls_(calls),
       x_plus_(as_size(plan.stored_size)),
       samples_(as_size(plan.samples_per_step)),
-      fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.max_fields))),
-      discretized_for_(plan.van_loan.size(), std::numeric_limits<double>::quiet_NaN()) {
+      fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.max_fields))) {
   std::size_t dof = 1, ports = 1;
   for (const auto& block : plan.blocks) dof = std::max(dof, as_size(block.dof()));
   delta_.resize(dof);
@@ -97,15 +96,9 @@ double* const* Propagator::outputs_of(std::size_t process) {
 }
 
 void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSample> samples) {
-  const double dt = seconds(t1 - now.t);
-  const auto is_kept = [&](int group) {
-    return plan_.van_loan[as_size(group)].is_time_invariant && discretized_for_[as_size(group)] == dt;
-  };
   for (std::size_t p = 0; p < plan_.processes.size(); ++p) {
     const auto& process = plan_.processes[p];
     if (process.van_loan_group >= 0) {
-      if (is_kept(process.van_loan_group)) continue;
-      discretized_for_[as_size(process.van_loan_group)] = std::numeric_limits<double>::quiet_NaN();
       linearize(process);
     } else {
       ProcessOutput out{outputs_of(p), workspace_.phi.data() + process.first_transition,
@@ -116,14 +109,7 @@ void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSam
     }
     check_noise(p, t1);
   }
-  for (std::size_t g = 0; g < plan_.van_loan.size(); ++g) {
-    const bool was_kept = is_kept(static_cast<int>(g));
-    if (!was_kept) discretize_group(g, dt);
-    const auto& group = plan_.van_loan[g];
-    const auto n = as_size(group.columns);
-    advance_group(group, workspace_.at(group.work) + 2 * n * n);
-    discretized_for_[g] = dt;
-  }
+  for (const auto& group : plan_.van_loan) discretize_group(group, seconds(t1 - now.t));
 }
 
 /// The discretization of what is not finite would not end.
@@ -222,8 +208,7 @@ void collect(const std::vector<VanLoanGroup::Block>& blocks, const double* matri
 
 }  // namespace
 
-void Propagator::discretize_group(std::size_t index, double dt) {
-  const auto& group = plan_.van_loan[index];
+void Propagator::discretize_group(const VanLoanGroup& group, double dt) {
   const auto n = as_size(group.columns);
   double* const F = workspace_.at(group.work);
   double* const Q = F + n * n;
@@ -243,6 +228,7 @@ void Propagator::discretize_group(std::size_t index, double dt) {
   discretize(F, Q, group.columns, dt, Phi, Qd, Qd + n * n);
   collect(group.phi, Phi, n, workspace_.phi);
   collect(group.qd, Qd, n, workspace_.noise);
+  advance_group(group, Phi);
 }
 
 /// x⁺ = Φ x.

@@ -38,7 +38,7 @@ class Propagator {
   double* const* outputs_of(std::size_t process);
   void linearize(const ProcessPlan& process);
   void check_noise(std::size_t process, Time t) const;
-  void discretize_group(std::size_t index, double dt);
+  void discretize_group(const VanLoanGroup& group, double dt);
   void advance_group(const VanLoanGroup& group, const double* Phi);
   void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
   double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
@@ -55,8 +55,6 @@ class Propagator {
   std::vector<double> fields_;                    // theirs, converted
   std::vector<double> delta_;                     // of one block
   std::vector<std::vector<Diagonal>> diagonals_;  // per process
-  std::vector<double>
-      discretized_for_;  // per Van Loan group that is time-invariant: dt [s] of the blocks in the workspace
 };
 
 }  // namespace binnacle::filter

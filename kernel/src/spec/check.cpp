@@ -447,8 +447,8 @@ class Checker {
     std::set<std::string> meant;
     for (const auto& [key, json] : node.json.items()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      const auto renamed =
-          std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.former_name == key; });
+      const auto renamed = std::find_if(specs.begin(), specs.end(),
+                                        [&, &key = key](const ParameterSpec& s) { return s.former_name == key; });
       const std::string near = renamed != specs.end() ? renamed->name : closest(key, known);
       const auto spec =
           std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == near; });

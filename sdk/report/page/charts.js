@@ -4,7 +4,7 @@
 const view = {
   window: null,       // [from, to] when zoomed; null: each plot's own span
   items: [],          // whatever has show(window), cursor(t) and an element
-  listeners: [],      // told of a new window
+  listeners: [],      // called with a new window
   cursorListeners: [],
 };
 
@@ -202,12 +202,12 @@ class TimePlot {
 
   highlighted(t, index) {
     const point = this.drawn[index];
-    if (point) this.readout.textContent = this.told(point, index);
+    if (point) this.readout.textContent = this.described(point, index);
     this.element.classList.add('read');
     setCursor(t);
   }
 
-  told([t, value, low, high], index) {
+  described([t, value, low, high], index) {
     const spec = this.spec;
     const digits = (number) => (isNumber(number) ? withMinus(String(Number(number.toPrecision(7)))) : '\u2013');
     let text = `t ${Number(t.toFixed(6))} s: ${digits(value)}`;
@@ -298,7 +298,7 @@ class TimePlot {
   }
 }
 
-/// What lies beyond the plot's edge is told there.
+/// What lies beyond the plot's edge is shown there.
 function wedge(context, x, y, direction) {
   context.moveTo(x, y);
   context.lineTo(x - 3, y + 5 * direction);

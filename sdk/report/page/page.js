@@ -25,16 +25,16 @@ function badge(kind, text, why) {
 /// Of a mean that should be about its degrees of freedom.
 function bandBadge(mean, low, high) {
   if (!isNumber(mean) || !isNumber(low) || !isNumber(high)) return null;
-  if (mean > high) return badge('bad', 'too sure', 'Above what 99 % of such means lie in: errors are larger than the filter thinks.');
-  if (mean < low) return badge('low', 'cautious', 'Below what 99 % of such means lie in: errors are smaller than the filter thinks.');
+  if (mean > high) return badge('bad', 'overconfident', 'Above what 99 % of such means lie in: errors are larger than the filter thinks.');
+  if (mean < low) return badge('low', 'conservative', 'Below what 99 % of such means lie in: errors are smaller than the filter thinks.');
   return badge('good', 'consistent', 'Within what 99 % of such means lie in.');
 }
 
-/// Neighbouring NEES are not independent, so that no band fits their mean: only what is far off is told.
+/// Neighbouring NEES are not independent, so that no band fits their mean: only what is far off is reported.
 function neesBadge(ratio) {
   if (!isNumber(ratio)) return null;
-  if (ratio > 1.5) return badge('bad', 'too sure', 'True errors are larger than the filter says.');
-  if (ratio < 0.67) return badge('low', 'cautious', 'True errors are smaller than the filter says.');
+  if (ratio > 1.5) return badge('bad', 'overconfident', 'True errors are larger than the filter says.');
+  if (ratio < 0.67) return badge('low', 'conservative', 'True errors are smaller than the filter says.');
   return badge('good', 'consistent', 'True errors are about as large as the filter says.');
 }
 

@@ -103,9 +103,9 @@ class Distribution {
   }
 
   strip({ name, values, v }, { x }, y, isNarrow) {
-    const told = (this.isMagnitude && this.study.figures.variants[name].metrics[this.study.metrics[this.metric].name]) || {};
-    const quantile = (q) => (q === 0.5 && told.p50) || (q === 0.95 && told.p95) || between(values, q);
-    const rms = told.rms || 0;
+    const figures = (this.isMagnitude && this.study.figures.variants[name].metrics[this.study.metrics[this.metric].name]) || {};
+    const quantile = (q) => (q === 0.5 && figures.p50) || (q === 0.95 && figures.p95) || between(values, q);
+    const rms = figures.rms || 0;
     const colour = `var(--c${this.colour(v)})`;
     const group = svg('g', {}, svg('title', {}, `${name}: median ${figure(quantile(0.5))}, 5 % to 95 %: ${figure(quantile(0.05))} to ${figure(quantile(0.95))}, rms ${figure(rms)}`));
     group.append(svg('text', { class: 'label', x: 8, y: isNarrow ? y - 12 : y + 4 }, name));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outcomes over time, one lane a measurement, and the bar that tells and sets the time window.
+// Outcomes over time, one lane a measurement, and the bar that shows and sets the time window.
 
 const leftAxis = 60, rightGap = 6;
 

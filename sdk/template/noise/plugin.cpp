@@ -8,7 +8,7 @@
 
 using namespace binnacle;
 
-/// E[r rᵀ] = H P⁻ Hᵀ + R, so each residual tells Rᵢᵢ ≈ rᵢ² − (H P⁻ Hᵀ)ᵢᵢ. Its factor on the nominal Rᵢᵢ is averaged,
+/// E[r rᵀ] = H P⁻ Hᵀ + R, so each residual shows Rᵢᵢ ≈ rᵢ² − (H P⁻ Hᵀ)ᵢᵢ. Its factor on the nominal Rᵢᵢ is averaged,
 /// evenly over the first `memory` samples and then exponentially, and held between `floor` and `ceiling`; correlations
 /// stay as they are.
 class AveragedNoise final : public NoiseEstimator {
@@ -45,12 +45,12 @@ class AveragedNoise final : public NoiseEstimator {
     for (int i = 0; i < innovation.rows; ++i) {
       const double nominal = innovation.R_nominal(i, i);
       const double r = innovation.residual[i];
-      const double told = (r * r - innovation.HPHt(i, i)) / nominal;
-      if (!(nominal > 0) || !std::isfinite(told)) continue;
+      const double observed = (r * r - innovation.HPHt(i, i)) / nominal;
+      if (!(nominal > 0) || !std::isfinite(observed)) continue;
       Row row;
       std::memcpy(&row, at(memory, i), sizeof row);
       row.samples = std::min(row.samples + 1, memory_);
-      row.factor += (told - row.factor) / row.samples;
+      row.factor += (observed - row.factor) / row.samples;
       std::memcpy(at(memory, i), &row, sizeof row);
       scale(R, i, innovation.rows, std::clamp(row.factor, floor_, ceiling_));
     }

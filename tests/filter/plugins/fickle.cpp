@@ -120,14 +120,13 @@ class Move final : public ProcessModel {
   Memory<long> count_;
 };
 
-/// ẋ = A x + w with coupled components, discretized by the kernel; says itself whether A is always the same.
+/// ẋ = A x + w with coupled components, discretized by the kernel.
 class Decay final : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "fickle_decay";
     spec.summary = "A linear process in its continuous form; any call may throw.";
-    spec.parameters = {parameter::boolean("invariant").defaults("true").about("whether it says so")};
     spec.ports = {advances("x", "vector:2:*", "what decays")};
     spec.example = R"({"blocks": {"x": "x"}})";
     return spec;
@@ -136,7 +135,6 @@ class Decay final : public ProcessModel {
     F_ = declaration_.couples(x_, x_);
     GQGt_ = declaration_.adds_noise(x_, x_, Structure::diagonal);
     declaration_.only_continuous();
-    declaration_.is_time_invariant = binding.parameters().boolean("invariant");
   }
   void linearized(const ContinuousInput&, ContinuousOutput& out) const override {
     spark();

@@ -53,7 +53,7 @@ struct OwnError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A source whose constructor and open() fail as they are told.
+/// A source whose constructor and open() fail on demand.
 class Thrower final : public Source {
  public:
   static ComponentSpec spec() {
@@ -83,7 +83,7 @@ class Thrower final : public Source {
 };
 
 /// A process model without any state of its own.
-class Rest final : public legacy::ProcessModel {
+class Rest final : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -95,10 +95,6 @@ class Rest final : public legacy::ProcessModel {
     return spec;
   }
   explicit Rest(const Binding&) {}
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-
- private:
-  ProcessDeclaration declaration_;
 };
 
 }  // namespace loader_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plugin built with another Eigen: told of, and loaded.
+// A plugin built with another Eigen: warned of, and loaded.
 #include "components.hpp"
 
 namespace {

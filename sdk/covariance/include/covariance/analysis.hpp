@@ -21,7 +21,7 @@ bool is_in(const Config& config);
 study::Study load(const std::filesystem::path& config, const LoadOptions& options = {});
 
 /// Runs every variant once on covariances and summarizes it as a study of one run, study::summarize(); each variant also
-/// has its "budget": { FILTER/NAME: { SOURCE: share of the final variance } }. What breaks is told under "failures".
+/// has its "budget": { FILTER/NAME: { SOURCE: share of the final variance } }. What breaks is listed under "failures".
 nlohmann::ordered_json analyse(const study::Study& study, const std::filesystem::path& config,
                                const LoadOptions& options = {});
 

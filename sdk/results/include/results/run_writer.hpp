@@ -14,8 +14,8 @@
 
 namespace binnacle::results {
 
-/// Takes what a RunObserver is told. Holds no more than a chunk of each variable in memory. Throws WriteError from any
-/// of its calls but those of the step observer, whose failure the next call tells.
+/// Takes what a RunObserver gets. Holds no more than a chunk of each variable in memory. Throws WriteError from any
+/// of its calls but those of the step observer, whose failure the next call reports.
 class RunWriter {
  public:
   /// Replaces what is at `path`. `provenance`: as RunResults::provenance.

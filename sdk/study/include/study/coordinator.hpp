@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Crew: a study carried out by a team. Rank 0 leads: it hands out runs, enters what comes back, and is the only one that
+// Coordinator: a study carried out by a team. Rank 0 leads: it hands out runs, enters what comes back, and is the only one that
 // prints or writes; the others serve.
 #pragma once
 
@@ -50,7 +50,7 @@ class Coordinator {
     std::string machine;
     int jobs = 0;
     std::size_t given = 0;  // runs that it has not brought back
-    Clock::time_point heard;
+    Clock::time_point last_message;
     std::string trouble;  // why it cannot serve
     int status = 0;       // exit status of that
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a section of a config that the kernel leaves alone, and tells what is wrong in the kernel's manner.
+// Reads a section of a config that the kernel leaves alone, and reports what is wrong as the kernel does.
 #pragma once
 
 #include <cstdint>

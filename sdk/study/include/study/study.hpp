@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Study: variants of one config, each run many times, and what is to be told of them.
+// Study: variants of one config, each run many times, and what is to be reported of them.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +38,14 @@ struct Variant {
   std::vector<score::Metric> metrics;  // those of the study that it has
   std::vector<int> position;           // per metric of the study: in `metrics`, −1
 };
+
+/// Errors (B027) of the variant's metrics under "evaluate" that none of `variants` which list them can make; `options`
+/// are those that the variant was loaded with.
+Diagnostics misspelt_metrics(const Composition& variant,
+                             const std::vector<std::shared_ptr<const Composition>>& variants,
+                             const std::filesystem::path& path, const LoadOptions& options);
+/// The same against all variants of the study in the config at `path`. Throws ConfigError.
+void refuse_misspelt_metrics(const Composition& variant, const std::filesystem::path& path, const LoadOptions& options);
 
 struct StudyMetric {
   std::string name;
@@ -112,7 +120,7 @@ struct Making {
 /// Immutable; share it between threads.
 class Study {
  public:
-  /// Everything that is wrong with any variant, metric or table is told at once. Throws as Composition::load does.
+  /// Everything that is wrong with any variant, metric or table is reported at once. Throws as Composition::load does.
   static Study load(const std::filesystem::path& config, const StudyOptions& options = {});
   /// Whether the config has a "study" at all.
   static bool is_in(const Config& config);
@@ -130,7 +138,7 @@ class Study {
   const std::vector<Making>& makings() const { return makings_; }
 
   /// Runs one variant once. `goes_on` is asked now and then; once it says false, the figures stay open. What breaks is
-  /// told in the figures, never thrown.
+  /// listed in the figures, never thrown.
   Figures carry_out(std::size_t variant, int run, const std::function<bool()>& goes_on) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a study tells: its figures as JSON and as CSV.
+// What a study reports: its figures as JSON and as CSV.
 #pragma once
 
 #include <string>

@@ -30,7 +30,7 @@ void carry_out_all(const Study& study, Results& results, int jobs, const std::fu
 void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
                     const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on);
 
-/// How many runs are at work at one time unless told otherwise, where so many processes share the machine: those bound
+/// How many runs are at work at one time by default, where so many processes share the machine: those bound
 /// to processors of their own use these.
 int processors(int processes_here = 1);
 
