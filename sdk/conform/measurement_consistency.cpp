@@ -62,7 +62,9 @@ Eigen::MatrixXd prior_of(const Subject& subject, const PortStates& ports, const 
     if (!started) continue;
     for (const auto& block : subject.composition->filters().front().blocks)
       if (block.name == subject.measurement.part.ports[i].name)
-        own = started->covariance(0).as().block(block.first_row, block.first_row, ports[i].dof(), ports[i].dof());
+        own = started->covariance(FilterId{0})
+                  .as()
+                  .block(block.first_row, block.first_row, ports[i].dof(), ports[i].dof());
   }
   return P;
 }
@@ -144,15 +146,16 @@ class Run {
         config.at("filters").at(filter_name).at("measurements").at(component_name).at("channel").get<std::string>());
     truth_ = subject.measurement.ports(random_, 0.0);
     push(subject.measurement.sample(truth_, random_), 1'000'000'000);
-    if (!filter_.started(0)) Trial::skip("the miniature filter does not start");
-    before_ = filter_.counts(0, 0);
+    if (!filter_.started(FilterId{0})) Trial::skip("the miniature filter does not start");
+    before_ = filter_.counts(MeasurementId{{0}, 0});
     draw_truth();
   }
   /// Five samples of the truth.
   void update(Trial& trial, Sum& sum) {
     for (int k = 0; k < updates; ++k) push(subject_.seen(truth_, random_), 1'100'000'000 + k * 100'000'000);
-    if (!trial.expect(filter_.healthy(0), "the miniature filter breaks: ", filter_.diagnosis(0))) return;
-    const auto counts = filter_.counts(0, 0);
+    if (!trial.expect(filter_.healthy(FilterId{0}), "the miniature filter breaks: ", filter_.diagnosis(FilterId{0})))
+      return;
+    const auto counts = filter_.counts(MeasurementId{{0}, 0});
     const auto accepted = counts.by_outcome[0] - before_.by_outcome[0];
     if (accepted < updates) {
       if (counts.by_outcome[static_cast<int>(Outcome::gated)] == 0)
@@ -175,8 +178,8 @@ class Run {
     filter_.push(channel_, no_time, t, carried);
   }
   void draw_truth() {
-    const Eigen::VectorXd error = draw(filter_.covariance(0).as(), random_);
-    const auto state = filter_.state(0);
+    const Eigen::VectorXd error = draw(filter_.covariance(FilterId{0}).as(), random_);
+    const auto state = filter_.state(FilterId{0});
     for (std::size_t i = 0; i < truth_.size(); ++i) {
       if (truth_[i].is_open()) continue;
       for (const auto& block : subject_.composition->filters().front().blocks) {
@@ -192,7 +195,7 @@ class Run {
   const Subject& subject_;
   std::mt19937_64 random_;
   Session filter_;
-  int channel_ = 0;
+  ChannelId channel_;
   MeasurementCounts before_;
   PortStates truth_;
 };
@@ -232,7 +235,7 @@ void measurement_consistency(Trial& trial) {
   for (int number = 0; number < runs; ++number) {
     Run run(subject, trial.random(20'000 + static_cast<std::uint64_t>(number)));
     run.update(trial, sum);
-    if (!run.filter().healthy(0)) return;
+    if (!run.filter().healthy(FilterId{0})) return;
   }
   // A sample in a thousand is gated by design, and its run left out.
   if (sum.is_inside() && sum.left_out <= 1 + runs / 20) return;

@@ -52,15 +52,15 @@ class Run {
         is_driven_(is_driven),
         random_(random),
         filter_(composition),
-        channel_(is_driven ? info().input_channel : filter_.channel("seen")),
+        channel_(is_driven ? ChannelId{info().input_channel} : filter_.channel("seen")),
         memory_(process.caller.fresh_memory()) {
     // The first sample starts the filter; the truth is drawn around what it then believes.
     truth_ = process_.ports(random_, 0.0);
     filter_.push(channel_, no_time, time_,
                  is_driven ? process_.step(random_, dt()).fields()
                            : std::vector<double>(static_cast<std::size_t>(truth_.front().dof()), 0.0));
-    if (!filter_.started(0)) Trial::skip("the miniature filter does not start");
-    const Eigen::VectorXd error = draw(filter_.covariance(0).as(), random_);
+    if (!filter_.started(FilterId{0})) Trial::skip("the miniature filter does not start");
+    const Eigen::VectorXd error = draw(filter_.covariance(FilterId{0}).as(), random_);
     for (std::size_t i = 0; i < truth_.size(); ++i) {
       if (truth_[i].is_open()) continue;
       const BlockInfo& block = block_of(i);
@@ -97,8 +97,9 @@ class Run {
       Eigen::VectorXd e(truth_[i].dof());
       const std::vector<double> estimated = estimate(block);
       truth_[i].block->minus(truth_[i].x.data(), estimated.data(), e.data());
-      const Eigen::MatrixXd own =
-          filter_.covariance(0).as().block(block.first_row, block.first_row, truth_[i].dof(), truth_[i].dof());
+      const Eigen::MatrixXd own = filter_.covariance(FilterId{0})
+                                      .as()
+                                      .block(block.first_row, block.first_row, truth_[i].dof(), truth_[i].dof());
       sum += e.dot(own.ldlt().solve(e));
       dof += truth_[i].dof();
     }
@@ -116,7 +117,7 @@ class Run {
     return *found;
   }
   std::vector<double> estimate(const BlockInfo& block) const {
-    const auto state = filter_.state(0);
+    const auto state = filter_.state(FilterId{0});
     return {state.begin() + block.stored_offset, state.begin() + block.stored_offset + block.declaration->stored_size};
   }
 
@@ -125,7 +126,7 @@ class Run {
   bool is_driven_;
   std::mt19937_64 random_;
   Session filter_;
-  int channel_;
+  ChannelId channel_;
   std::vector<std::byte> memory_;
   PortStates truth_;
   Time time_ = 0;
@@ -145,7 +146,9 @@ void process_consistency(Trial& trial) {
   for (int number = 0; number < runs; ++number) {
     Run run(composition, process, is_driven, trial.random(10'000 + static_cast<std::uint64_t>(number)));
     for (int step = 0; step < steps; ++step) run.step();
-    if (!trial.expect(run.filter().healthy(0), "the miniature filter breaks: ", run.filter().diagnosis(0))) return;
+    if (!trial.expect(run.filter().healthy(FilterId{0}),
+                      "the miniature filter breaks: ", run.filter().diagnosis(FilterId{0})))
+      return;
     run.add_to(sum, dof);
   }
   // Blocks of one filter are correlated, so their sum is wider than its χ²: the band is that of one block of three a run.
