@@ -48,7 +48,9 @@ install(CODE "
 
 # Whoever writes plugins needs no Boost: the kernel's library is an export set of its own.
 install(TARGETS binnacle_headers EXPORT BinnacleTargets INCLUDES DESTINATION include)
-install(TARGETS binnacle_kernel EXPORT BinnacleKernelTargets
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/score/include/score" "${PROJECT_SOURCE_DIR}/sdk/document/include/document"
+  DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
+install(TARGETS binnacle_kernel binnacle_score binnacle_document EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
 foreach(set IN ITEMS BinnacleTargets BinnacleKernelTargets)

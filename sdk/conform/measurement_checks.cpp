@@ -100,7 +100,7 @@ void consistency(Trial& trial) {
   for (int run = 0; run < runs; ++run) {
     auto random = trial.random(20'000 + static_cast<std::uint64_t>(run));
     Session filter(subject.composition);
-    const int channel = filter.channel(channel_name);
+    const auto channel = filter.channel(channel_name);
     PortStates believed = subject.measurement.ports(random, 0.0);
     std::vector<double> sample;
     // What the filter starts from is what the config says; the truth is drawn around it.
@@ -115,9 +115,9 @@ void consistency(Trial& trial) {
     };
     // A first sample, exactly as predicted, starts the filter; P is then what it believes.
     push(subject.measurement.fields(believed, random), 1'000'000'000);
-    if (!filter.started(0)) Trial::skip("the miniature filter does not start");
-    const auto before = filter.counts(0, 0);
-    const MatrixView P = filter.covariance(0);
+    if (!filter.started(FilterId{0})) Trial::skip("the miniature filter does not start");
+    const auto before = filter.counts({{0}, 0});
+    const MatrixView P = filter.covariance(FilterId{0});
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(P.as()));
     const Eigen::VectorXd error =
         solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(normals(random, P.rows));
@@ -125,7 +125,7 @@ void consistency(Trial& trial) {
       if (port.is_open()) continue;
       for (const auto& block : info.blocks)
         if (block.name == port.name) {
-          const auto state = filter.state(0);
+          const auto state = filter.state(FilterId{0});
           port.x.assign(state.begin() + block.stored_offset,
                         state.begin() + block.stored_offset + block.declaration->stored_size);
           const Eigen::VectorXd delta = error.segment(block.first_row, port.dof());
@@ -143,8 +143,9 @@ void consistency(Trial& trial) {
         Trial::skip("no sample is found that shows a wanted residual");
       push(fields, 1'100'000'000 + k * 100'000'000);
     }
-    if (!trial.expect(filter.healthy(0), "the miniature filter breaks: ", filter.diagnosis(0))) return;
-    const auto counts = filter.counts(0, 0);
+    if (!trial.expect(filter.healthy(FilterId{0}), "the miniature filter breaks: ", filter.diagnosis(FilterId{0})))
+      return;
+    const auto counts = filter.counts({{0}, 0});
     const auto accepted = counts.by_outcome[0] - before.by_outcome[0];
     if (accepted < 5) {
       if (counts.by_outcome[static_cast<int>(Outcome::gated)] == 0)

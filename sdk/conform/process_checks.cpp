@@ -334,7 +334,7 @@ void consistency(Trial& trial) {
     Session filter(composition);
     const double dt = is_driven ? ordinary_dt : 0.2;
     Time t = 0;
-    const int channel = is_driven ? info.input_channel : filter.channel("seen");
+    const ChannelId channel = is_driven ? ChannelId{info.input_channel} : filter.channel("seen");
     const auto push = [&](const std::vector<double>& numbers) {
       const Time next = t + static_cast<Time>(std::llround(dt * 1e9));
       filter.push(channel, is_driven ? t : no_time, next, numbers);
@@ -355,15 +355,15 @@ void consistency(Trial& trial) {
       filter.push(channel, no_time, t, process.input(random, dt).fields);
     else
       filter.push(channel, no_time, t, first);
-    if (!filter.started(0)) Trial::skip("the miniature filter does not start");
-    const MatrixView P = filter.covariance(0);
+    if (!filter.started(FilterId{0})) Trial::skip("the miniature filter does not start");
+    const MatrixView P = filter.covariance(FilterId{0});
     const Eigen::VectorXd error = draw(P.as(), random);
     PortStates truth = process.ports(random, 0.0);
     for (auto& port : truth) {
       if (port.is_open()) continue;
       for (const auto& block : info.blocks)
         if (block.name == port.name) {
-          port.x = values_of(filter.state(0), block);
+          port.x = values_of(filter.state(FilterId{0}), block);
           const Eigen::VectorXd delta = error.segment(block.first_row, port.dof());
           port.block->plus(port.x.data(), delta.data(), port.x.data());
         }
@@ -401,16 +401,17 @@ void consistency(Trial& trial) {
         push(z);
       }
     }
-    if (!trial.expect(filter.healthy(0), "the miniature filter breaks: ", filter.diagnosis(0))) return;
+    if (!trial.expect(filter.healthy(FilterId{0}), "the miniature filter breaks: ", filter.diagnosis(FilterId{0})))
+      return;
     for (std::size_t i = 0; i < truth.size(); ++i) {
       if (!process.advances(i) || truth[i].is_open()) continue;
       for (const auto& block : info.blocks) {
         if (block.name != truth[i].name) continue;
         Eigen::VectorXd e(truth[i].dof());
-        const auto estimate = values_of(filter.state(0), block);
+        const auto estimate = values_of(filter.state(FilterId{0}), block);
         truth[i].block->minus(truth[i].x.data(), estimate.data(), e.data());
         const Eigen::MatrixXd own =
-            filter.covariance(0).as().block(block.first_row, block.first_row, truth[i].dof(), truth[i].dof());
+            filter.covariance(FilterId{0}).as().block(block.first_row, block.first_row, truth[i].dof(), truth[i].dof());
         sum += e.dot(own.ldlt().solve(e));
         dof_sum += truth[i].dof();
       }

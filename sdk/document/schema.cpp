@@ -273,9 +273,9 @@ void add_components(const Catalog& catalog, Json& definitions) {
   definitions["lone_measurement"] = or_patch(choice_of(choices[Role::measurement_model]));
 }
 
-// ---- what the kernel owns
+// ---- what is no component's
 
-void add_kernel_definitions(Json& definitions) {
+void add_value_definitions(Json& definitions) {
   const Json quantity = quantity_schema(parameter::number("", "1"));
   const Json name = {{"type", "string"}};
   definitions["quantity"] = quantity;
@@ -295,6 +295,11 @@ void add_kernel_definitions(Json& definitions) {
         quantity}}};
   definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
                           {"anyOf", {named(quantity), list_of(quantity), quantity}}};
+}
+
+/// Keys of a block, beside its parameters.
+void add_block_definitions(Json& definitions) {
+  const Json name = {{"type", "string"}};
   const Json components = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
   definitions["estimate"] =
       told("error components that are estimated (default: all); the others are frozen", components);
@@ -304,6 +309,10 @@ void add_kernel_definitions(Json& definitions) {
       told("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
   definitions["samples_per_step"] = told("inputs that go into one step, for multi-sample attitude algorithms",
                                          {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
+}
+
+void add_measurement_definitions(Json& definitions) {
+  const Json quantity = quantity_schema(parameter::number("", "1"));
   const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
   definitions["gate"] = {{"description", "probability with which a right sample passes, or a right row or key"},
                          {"anyOf",
@@ -331,6 +340,10 @@ void add_kernel_definitions(Json& definitions) {
   definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
                                 {"then", ref("stacked_measurement")},
                                 {"else", ref("lone_measurement")}};
+}
+
+void add_filter_definitions(Json& definitions) {
+  const Json name = {{"type", "string"}};
   definitions["filter"] = or_patch(closed_object(
       {{"blocks", told("what is estimated", some_named(ref("state_block")))},
        {"derived", told("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
@@ -385,9 +398,10 @@ Json sections() {
           {"reference",
            told("what the filters are scored against", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
           {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
-          {"record",
-           told("what --out records",
-                closed_object({{"every", told("least time between two records; else every step", ref("quantity"))}}))},
+          {"record", told("what --out records",
+                          closed_object({{"every", told("one record for every multiple of this after the first, of the "
+                                                        "instant nearest to it; else every step",
+                                                        ref("quantity"))}}))},
           {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
           {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
           {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
@@ -398,7 +412,10 @@ Json sections() {
 Json schema(const Catalog& catalog) {
   Json definitions = Json::object();
   add_components(catalog, definitions);
-  add_kernel_definitions(definitions);
+  add_value_definitions(definitions);
+  add_block_definitions(definitions);
+  add_measurement_definitions(definitions);
+  add_filter_definitions(definitions);
   const Json whole = sections();
   Json any = Json::object();
   for (const auto& [key, section] : whole.items()) any[key] = Json::object();

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "binnacle/unit.hpp"
+#include "binnacle/diagnostic.hpp"
 
 namespace binnacle::score {
 

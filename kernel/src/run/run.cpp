@@ -135,7 +135,7 @@ void run_sources(Runtime& runtime, RunObserver& observer) {
   runtime.listen(&relay, subscribed_channels(runtime.plan()));
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     observer.after_instant();
-    if (instants % 256 == 0 && !observer.progress(runtime.time())) break;
+    if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
   }
   runtime.finish();
   observer.after_instant();
