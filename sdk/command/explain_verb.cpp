@@ -194,14 +194,14 @@ std::string found_text(const Json& found) {
   Table table("llrl");
   for (const auto& component : found) {
     std::string at = component.at("at");
-    for (const auto& found : component.at("figures")) {
-      double value = found.at("value");
-      std::string unit = found.at("unit");
+    for (const auto& finding : component.at("figures")) {
+      double value = finding.at("value");
+      std::string unit = finding.at("unit");
       if (unit == "rad") {
         value = to_unit(value, *parse_unit("deg"));
         unit = "deg";
       }
-      table.row({at, found.at("name"), figure(value), unit == "1" ? "" : unit});
+      table.row({at, finding.at("name"), figure(value), unit == "1" ? "" : unit});
       at.clear();
     }
   }

@@ -351,11 +351,11 @@ void add_filter_definitions(Json& definitions) {
         described("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
        {"process", described("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
-       {"implied_states",
-        described("a block as one measurement tells it, all else in it taken from the filter; scored and recorded",
-                  named(or_patch(closed_object({{"measurement", described("whose samples", name)},
-                                                {"block", described("what they tell", name)}},
-                                               {"measurement", "block"}))))}},
+       {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
+                                    "filter; scored and recorded",
+                                    named(or_patch(closed_object({{"measurement", described("whose samples", name)},
+                                                                  {"block", described("what they imply", name)}},
+                                                                 {"measurement", "block"}))))}},
       {"blocks"}));
   definitions["reference"] = {
       {"anyOf",
@@ -408,7 +408,7 @@ Json sections() {
           {"study", described("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
           {"covariance",
            described("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
-          {"metrics", described("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
+          {"metrics", described("what a study reports of every run, as \"metrics\" of \"study\"", Json::object())}};
 }
 
 }  // namespace

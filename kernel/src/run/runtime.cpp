@@ -124,8 +124,8 @@ void Runtime::reset(std::uint64_t seed, int run) {
   time_ = no_time;
 }
 
-void Runtime::listen(SampleListener* listener, const std::vector<int>& channels) {
-  listener_ = listener;
+void Runtime::subscribe(SampleSubscriber* subscriber, const std::vector<int>& channels) {
+  subscriber_ = subscriber;
   heard_ = channels;
 }
 
@@ -270,9 +270,9 @@ void Runtime::end_instant(Time t) {
         if (feeds_sinks_) run_sink(node.index);
         break;
     }
-  if (listener_)
+  if (subscriber_)
     for (const int channel : heard_)
-      if (channels_[as_size(channel)].is_present) listener_->sampled(channel, channels_[as_size(channel)].view);
+      if (channels_[as_size(channel)].is_present) subscriber_->sampled(channel, channels_[as_size(channel)].view);
   for (auto& channel : channels_) channel.is_present = false;
 }
 
