@@ -50,29 +50,29 @@ ComponentSpec AttitudeOnly::spec() {
                          .defaults("0")
                          .about("angle random walk per body axis, root of the power spectral density"),
                      attitude::choice_parameter()};
-  spec.ports = {advances("attitude", "attitude", "of the gyros' axes")};
+  spec.ports = {advances("attitude", "attitude").about("of the gyros' axes")};
   for (const char* axis : {"x", "y", "z"})
-    spec.fields.push_back({std::string("w") + axis, "rad", FieldKind::increment, false, false,
-                           "integral of the angular rate with respect to inertial space, body axes"});
+    spec.fields.push_back(field::increment(std::string("w") + axis, "rad")
+                              .about("integral of the angular rate with respect to inertial space, body axes"));
   spec.example = R"json({"input": "imu", "blocks": {"attitude": "attitude"}, "gyro_noise": "0.1 deg/sqrt(h)"})json";
   return spec;
 }
 
 AttitudeOnly::AttitudeOnly(const Binding& binding)
-    : algorithm_(attitude::read_choice(binding)), density_(binding.parameters().vector("gyro_noise").cwiseAbs2()) {
-  declaration_.memory_bytes = sizeof(SampleMemory);
-  declaration_.noise.push_back({0, 0, Structure::dense});
-}
+    : attitude_(binding.port("attitude")),
+      fields_{binding.fields("wx", "wy", "wz"), {}},
+      q_(declaration_.adds_noise(attitude_, attitude_)),
+      memory_(declaration_.keeps<SampleMemory>()),
+      algorithm_(attitude::read_choice(binding)),
+      density_(binding.parameters().vector("gyro_noise").cwiseAbs2()) {}
 
-Result AttitudeOnly::propagate(const Step& step, const double* const* x, std::byte* memory,
-                               const legacy::ProcessOutput& out) const {
-  SampleMemory remembered = SampleMemory::load(memory);
-  Eigen::Vector4d q = vector_at<4>(x[0]);
+Result AttitudeOnly::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  SampleMemory remembered = in.memory[memory_];
+  Eigen::Vector4d q = in.x[attitude_].as<4>();
   Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();
-  for (auto rest = step.samples; !rest.empty();) {
+  for (auto rest = in.step.samples; !rest.empty();) {
     SampleGroup group;
-    if (!group.take(rest, algorithm_.samples(), inertial::SensorFields::gyro))
-      return Result::failed(SampleGroup::implausible);
+    if (!group.take(rest, algorithm_.samples(), fields_)) return Result::failed(SampleGroup::implausible);
     if (group.count() == 0) continue;
     if (!density_.isZero(0.0)) {
       const Eigen::Matrix3d C = strapdown::dcm_from_quaternion(q);
@@ -80,9 +80,9 @@ Result AttitudeOnly::propagate(const Step& step, const double* const* x, std::by
     }
     q = algorithm_.update()(q, rotation(group, algorithm_, remembered));
   }
-  remembered.save(memory);
-  vector_at<4>(out.x_plus[0]) = q;
-  matrix_at<3, 3>(out.noise[0]) = Q;
+  in.memory[memory_] = remembered;
+  out.x[attitude_].as<4>() = q;
+  if (const BlockView Qd = out.Qd[q_]) Qd.as<3, 3>() = Q;
   return Result::ok();
 }
 

@@ -19,40 +19,42 @@ ComponentSpec GaussMarkov::spec() {
           .required()
           .about("standard deviation in the steady state; the driving noise is 2 sigma^2 / tau"),
   };
-  spec.ports = {advances("x", "vector:*:*", "the correlated vector")};
+  spec.ports = {advances("x", "vector:*:*").about("the correlated vector")};
   spec.example = R"json({"blocks": {"x": "gyro_bias"}, "tau": "1 h", "sigma": "0.1 deg/h"})json";
   spec.surroundings =
       R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 5e-7}}})json";
   return spec;
 }
 
-GaussMarkov::GaussMarkov(const Binding& binding) {
+GaussMarkov::GaussMarkov(const Binding& binding)
+    : x_(binding.port("x")),
+      phi_(declaration_.couples(x_, x_, Structure::diagonal)),
+      q_(declaration_.adds_noise(x_, x_, Structure::diagonal)) {
   const auto tau = binding.parameters().vector("tau");
   const auto sigma = binding.parameters().vector("sigma");
   for (Eigen::Index i = 0; i < tau.size(); ++i) components_.push_back({tau[i], sigma[i] * sigma[i]});
-  declaration_.transition = {{0, 0, Structure::diagonal}};
-  declaration_.noise = {{0, 0, Structure::diagonal}};
-  declaration_.has_continuous_form = true;
-  declaration_.is_time_invariant = true;
+  declaration_.has_both_forms();
 }
 
-Result GaussMarkov::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                              const legacy::ProcessOutput& out) const {
-  for (std::size_t i = 0; i < components_.size(); ++i) {
-    const auto& [tau, variance] = components_[i];
-    const double transition = std::exp(-step.dt / tau);
-    out.x_plus[0][i] = transition * x[0][i];
-    out.transition[0][i] = transition;
-    out.noise[0][i] = -variance * std::expm1(-2.0 * step.dt / tau);
+Result GaussMarkov::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  const ConstVectorView x = in.x[x_];
+  const VectorView next = out.x[x_];
+  const BlockView phi = out.phi[phi_], Q = out.Qd[q_];
+  for (int i = 0; i < x.size(); ++i) {
+    const auto& [tau, variance] = components_[static_cast<std::size_t>(i)];
+    const double transition = std::exp(-in.step.dt / tau);
+    next[i] = transition * x[i];
+    if (phi) phi.diagonal()[i] = transition;
+    if (Q) Q.diagonal()[i] = -variance * std::expm1(-2.0 * in.step.dt / tau);
   }
   return Result::ok();
 }
 
-void GaussMarkov::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
-  for (std::size_t i = 0; i < components_.size(); ++i) {
-    const auto& [tau, variance] = components_[i];
-    out.dynamics[0][i] = -1.0 / tau;
-    out.noise[0][i] = 2.0 * variance / tau;
+void GaussMarkov::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {
+  for (int i = 0; i < x_.dof(); ++i) {
+    const auto& [tau, variance] = components_[static_cast<std::size_t>(i)];
+    out.F[phi_].diagonal()[i] = -1.0 / tau;
+    out.GQGt[q_].diagonal()[i] = 2.0 * variance / tau;
   }
 }
 

@@ -15,32 +15,31 @@ ComponentSpec Integrated::spec() {
                          .sized_by("x")
                          .at_least(0)
                          .about("root of the power spectral density of white noise added to the rate; none if absent")};
-  spec.ports = {advances("x", "vector:*:*", "the integral"),
-                reads("rate", "vector:*:*", "its rate of change: as long as x, in the unit of x per second")};
+  spec.ports = {advances("x", "vector:*:*").about("the integral"),
+                reads("rate", "vector:*:*").about("its rate of change: as long as x, in the unit of x per second")};
   spec.example = R"json({"blocks": {"x": "heading", "rate": "heading_drift"}, "q": "0.1 deg/sqrt(h)"})json";
   spec.surroundings =
       R"json({"blocks": {"heading": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.1}, "heading_drift": {"type": "vector", "size": 1, "unit": "rad/s", "sigma": 1e-3}}})json";
   return spec;
 }
 
-Integrated::Integrated(const Binding& binding) : dof_(binding.block("x").dof) {
-  const int rates = binding.block("rate").dof;
-  if (rates != dof_)
-    throw ComponentError("the rate has " + std::to_string(rates) + " components, the integral " + std::to_string(dof_),
+Integrated::Integrated(const Binding& binding) : x_(binding.port("x")) {
+  const Port rate = binding.port("rate");
+  if (rate.dof() != x_.dof())
+    throw ComponentError("the rate has " + std::to_string(rate.dof()) + " components, the integral " +
+                             std::to_string(x_.dof()),
                          "/blocks/rate");
-  declaration_.transition = {{0, 1, Structure::diagonal}};
+  rate_in_ = declaration_.couples(x_, rate, Structure::diagonal);
   if (binding.parameters().has("q")) {
     for (const double root : binding.parameters().vector("q")) density_.push_back(root * root);
-    declaration_.noise = {{0, 0, Structure::diagonal}};
+    q_ = declaration_.adds_noise(x_, x_, Structure::diagonal);
   }
-  declaration_.has_closed_form = false;
-  declaration_.has_continuous_form = true;
-  declaration_.is_time_invariant = true;
+  declaration_.only_continuous();
 }
 
-void Integrated::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
-  std::fill_n(out.dynamics[0], dof_, 1.0);
-  if (!density_.empty()) std::copy(density_.begin(), density_.end(), out.noise[0]);
+void Integrated::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {
+  out.F[rate_in_].set_identity();
+  if (const BlockView GQGt = out.GQGt[q_]) std::copy(density_.begin(), density_.end(), GQGt.data());
 }
 
 }  // namespace binnacle::core

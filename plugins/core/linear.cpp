@@ -46,7 +46,7 @@ ComponentSpec Linear::spec() {
           .about("root of the power spectral density of each noise, a list; one element stands for all, no noise if "
                  "absent"),
   };
-  spec.ports = {advances("x", "vector:*:*", "the state vector")};
+  spec.ports = {advances("x", "vector:*:*").about("the state vector")};
   spec.example = R"json({"blocks": {"x": "roll_motion"}, "F": [[0, 1], [-3.92, -0.885]], "G": [[0], [1]],
     "q": [0.038]})json";
   spec.surroundings =
@@ -56,27 +56,25 @@ ComponentSpec Linear::spec() {
 
 Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
   const Parameters& parameters = binding.parameters();
-  const Eigen::Index dof = binding.block("x").dof;
+  const Port x = binding.port("x");
+  const Eigen::Index dof = x.dof();
   if (F_.rows() != dof || F_.cols() != dof)
     throw ComponentError("F must have as many rows and columns as the block has components, " + std::to_string(dof),
                          "/F");
   if (parameters.has("G") && !parameters.has("q"))
     throw ComponentError("G says how noise enters, but there is none: give 'q'", "/G");
-  declaration_.transition = {{0, 0, Structure::dense}};
+  F_block_ = declaration_.couples(x, x);
   if (parameters.has("q")) {
     const Eigen::MatrixXd G = noise_input(parameters, dof);
     GQG_ = G * noise_density(parameters, G.cols()).asDiagonal() * G.transpose();
-    declaration_.noise = {{0, 0, Structure::dense}};
+    GQG_block_ = declaration_.adds_noise(x, x);
   }
-  declaration_.has_closed_form = false;
-  declaration_.has_continuous_form = true;
-  declaration_.is_time_invariant = true;
+  declaration_.only_continuous();
 }
 
-void Linear::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
-  const int dof = static_cast<int>(F_.rows());
-  matrix_at(out.dynamics[0], dof, dof) = F_;
-  if (GQG_.size() > 0) matrix_at(out.noise[0], dof, dof) = GQG_;
+void Linear::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {
+  out.F[F_block_].as() = F_;
+  if (const BlockView GQGt = out.GQGt[GQG_block_]) GQGt.as() = GQG_;
 }
 
 }  // namespace binnacle::core

@@ -4,22 +4,22 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::core {
 
 /// ẋ = F x + G w, E[w wᵀ] = diag(q²) δ(t); discretized by the kernel.
-class Linear final : public legacy::ProcessModel {
+class Linear final : public ProcessModel {
  public:
   static ComponentSpec spec();
   explicit Linear(const Binding& binding);
 
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  void linearized(const double* const* x, const legacy::ContinuousOutput& out) const override;
+  void linearized(const ContinuousInput& in, ContinuousOutput& out) const override;
 
  private:
-  ProcessDeclaration declaration_;
+  PhiBlock F_block_;
+  QBlock GQG_block_;
   Eigen::MatrixXd F_;    // 1/s
   Eigen::MatrixXd GQG_;  // G diag(q²) Gᵀ [unit²/s]; empty: no noise
 };

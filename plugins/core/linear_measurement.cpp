@@ -9,7 +9,8 @@ namespace binnacle::core {
 namespace {
 
 constexpr int most_rows = 8;
-enum Port { x_port, bias_port };
+
+std::string name_of_row(int i) { return std::string("z").append(std::to_string(i)); }
 
 Eigen::MatrixXd observation(const Parameters& parameters, Eigen::Index dof) {
   if (!parameters.has("H")) {
@@ -54,15 +55,14 @@ ComponentSpec LinearMeasurement::spec() {
           .required()
           .about("standard deviation of each row's white noise, a list; one element stands for all rows"),
   };
-  spec.ports = {reads("x", "vector:*:*", "the vector that is measured"),
-                may_read("bias", "vector:*:*", "b, an additive error of the sensor: a component per row")};
+  spec.ports = {
+      reads("x", "vector:*:*").about("the vector that is measured"),
+      reads("bias", "vector:*:*").optional().about("b, an additive error of the sensor: a component per row")};
   for (int i = 0; i < most_rows; ++i) {
-    FieldSpec field;
-    field.name = std::string("z").append(std::to_string(i));
-    field.unit = "*";
-    field.is_optional = i > 0;
-    field.text = "measured value of row " + std::to_string(i) + ", in the unit of the block";
-    spec.fields.push_back(std::move(field));
+    FieldSpec z = field::level(name_of_row(i), "*")
+                      .about("measured value of row " + std::to_string(i) + ", in the unit of the block");
+    z.is_optional = i > 0;
+    spec.fields.push_back(std::move(z));
   }
   spec.example = R"json({"channel": "vertical_gyro", "blocks": {"x": "roll_motion"}, "fields": {"z0": "roll"},
     "H": [[1, 0]], "sigma": [0.0087]})json";
@@ -72,45 +72,37 @@ ComponentSpec LinearMeasurement::spec() {
 }
 
 LinearMeasurement::LinearMeasurement(const Binding& binding)
-    : H_(observation(binding.parameters(), binding.block("x").dof)),
-      variance_(variances(binding.parameters(), H_.rows())),
-      has_bias_(binding.is_bound("bias")) {
+    : x_(binding.port("x")),
+      bias_(binding.port("bias")),
+      H_(observation(binding.parameters(), x_.dof())),
+      variance_(variances(binding.parameters(), H_.rows())) {
   const int rows = static_cast<int>(H_.rows());
-  for (int i = 0; i < rows; ++i)
-    if (!binding.has_field(i))
-      throw ComponentError("there are " + std::to_string(rows) + " rows, but the channel carries no field for 'z" +
-                               std::to_string(i) + "'",
+  for (int i = 0; i < rows; ++i) {
+    z_.push_back(binding.field(name_of_row(i)));
+    if (!z_.back().is_bound())
+      throw ComponentError("there are " + std::to_string(rows) + " rows, but the channel carries no field for '" +
+                               name_of_row(i) + "'",
                            "/fields");
-  if (has_bias_ && binding.block("bias").dof != rows)
-    throw ComponentError("the bias has " + std::to_string(binding.block("bias").dof) + " components for " +
-                             std::to_string(rows) + " rows",
+  }
+  if (bias_.is_bound() && bias_.dof() != rows)
+    throw ComponentError("the bias has " + std::to_string(bias_.dof()) + " components for " + std::to_string(rows) +
+                             " rows",
                          "/blocks/bias");
-  declaration_.max_rows = rows;
-  declaration_.read_ports = {x_port};
-  if (has_bias_) declaration_.read_ports.push_back(bias_port);
-  ResidualGroup group;
-  group.name = "z";
-  group.rows = rows;
-  group.unit = binding.block("x").components.front().unit;
-  group.port = binding.parameters().has("H") ? -1 : x_port;
-  declaration_.groups = {std::move(group)};
+  const std::string& unit = binding.block("x").components.front().unit;
+  declaration_.rows(rows).reads(x_).reads(bias_).group(binding.parameters().has("H") ? rows::these("z", rows, unit)
+                                                                                     : rows::of("z", x_));
 }
 
-Result LinearMeasurement::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                                    const legacy::Context& /*context*/, std::byte* /*memory*/,
-                                    legacy::Linearization& out) const {
-  const int rows = static_cast<int>(H_.rows());
-  const auto z = vector_at(sample.fields, rows);
-  if (!z.allFinite()) return Result::invalid("a measured value is not finite");
-  out.rows = rows;
-  auto residual = vector_at(out.residual, rows);
-  residual = z - H_.lazyProduct(vector_at(x[x_port], static_cast<int>(H_.cols())));
-  out.H[0].as() = H_;
-  if (has_bias_) {
-    residual -= vector_at(x[bias_port], rows);
-    out.H[1].as().setIdentity();
-  }
-  for (int i = 0; i < rows; ++i) out.R(i, i) = variance_[i];
+Result LinearMeasurement::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  out.rows = static_cast<int>(H_.rows());
+  auto residual = out.residual.as();
+  for (int i = 0; i < out.rows; ++i) residual[i] = in.sample[z_[static_cast<std::size_t>(i)]];
+  if (!residual.allFinite()) return Result::invalid("a measured value is not finite");
+  residual -= H_.lazyProduct(in.x[x_].as());
+  if (bias_.is_bound()) residual -= in.x[bias_].as();
+  if (const MatrixView H = out.H[x_]) H.as() = H_;
+  if (const MatrixView H = out.H[bias_]) H.as().setIdentity();
+  for (int i = 0; i < out.rows; ++i) out.R(i, i) = variance_[i];
   return Result::ok();
 }
 

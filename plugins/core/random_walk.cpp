@@ -16,30 +16,29 @@ ComponentSpec RandomWalk::spec() {
                          .at_least(0)
                          .required()
                          .about("root of the power spectral density of the rate: sigma after a time t is q sqrt(t)")};
-  spec.ports = {advances("x", "vector:*:*", "the vector that wanders")};
+  spec.ports = {advances("x", "vector:*:*").about("the vector that wanders")};
   spec.example = R"json({"blocks": {"x": "gyro_bias"}, "q": "2 deg/h/sqrt(h)"})json";
   spec.surroundings =
       R"json({"blocks": {"gyro_bias": {"type": "vector", "size": 3, "unit": "rad/s", "sigma": 1e-5}}})json";
   return spec;
 }
 
-RandomWalk::RandomWalk(const Binding& binding) {
+RandomWalk::RandomWalk(const Binding& binding)
+    : x_(binding.port("x")), q_(declaration_.adds_noise(x_, x_, Structure::diagonal)) {
   const auto q = binding.parameters().vector("q");
   for (const double root : q) density_.push_back(root * root);
-  declaration_.noise = {{0, 0, Structure::diagonal}};
-  declaration_.has_continuous_form = true;
-  declaration_.is_time_invariant = true;
+  declaration_.has_both_forms();
 }
 
-Result RandomWalk::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                             const legacy::ProcessOutput& out) const {
-  std::copy_n(x[0], density_.size(), out.x_plus[0]);
-  for (std::size_t i = 0; i < density_.size(); ++i) out.noise[0][i] = density_[i] * step.dt;
+Result RandomWalk::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  out.x[x_].as() = in.x[x_].as();
+  if (const BlockView Q = out.Qd[q_])
+    for (std::size_t i = 0; i < density_.size(); ++i) Q.data()[i] = density_[i] * in.step.dt;
   return Result::ok();
 }
 
-void RandomWalk::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
-  std::copy(density_.begin(), density_.end(), out.noise[0]);
+void RandomWalk::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {
+  std::copy(density_.begin(), density_.end(), out.GQGt[q_].data());
 }
 
 }  // namespace binnacle::core

@@ -4,24 +4,23 @@
 
 #include <vector>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::core {
 
 /// ẋ = w, E[w wᵀ] = diag(q²) δ(t), so Φ = I and Qd = diag(q²) dt.
-class RandomWalk final : public legacy::ProcessModel {
+class RandomWalk final : public ProcessModel {
  public:
   static ComponentSpec spec();
   explicit RandomWalk(const Binding& binding);
 
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const legacy::ProcessOutput& out) const override;
-  void linearized(const double* const* x, const legacy::ContinuousOutput& out) const override;
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override;
+  void linearized(const ContinuousInput& in, ContinuousOutput& out) const override;
 
  private:
-  ProcessDeclaration declaration_;
+  Port x_;
+  QBlock q_;
   std::vector<double> density_;  // q² [unit²/s]
 };
 

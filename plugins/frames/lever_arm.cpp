@@ -9,12 +9,6 @@
 
 namespace binnacle::frames {
 
-namespace {
-
-enum Port { position_port, attitude_port, arm_block_port };
-
-}  // namespace
-
 ComponentSpec LeverArm::spec() {
   ComponentSpec spec;
   spec.type = "lever_arm";
@@ -24,7 +18,7 @@ ComponentSpec LeverArm::spec() {
       "section 2.5.5";
   spec.kind = "position";
   spec.parameters = {lever_arm_parameter()};
-  spec.ports = {reads("position", "position", "of the IMU"), reads("attitude", "attitude", "of the body"),
+  spec.ports = {reads("position", "position").about("of the IMU"), reads("attitude", "attitude").about("of the body"),
                 lever_arm_port()};
   spec.example = R"json({"blocks": {"position": "position", "attitude": "attitude"},
     "lever_arm": ["0.6 m", "-0.1 m", "-1.2 m"]})json";
@@ -32,27 +26,22 @@ ComponentSpec LeverArm::spec() {
 }
 
 LeverArm::LeverArm(const Binding& binding)
-    : lever_arm_(fixed_lever_arm(binding)), has_arm_port_(binding.is_bound("lever_arm")) {
-  const PortBinding& position = binding.block("position");
-  declaration_.kind = position.kind;
-  declaration_.stored_size = position.stored_size;
-  declaration_.error = position.components;
-  declaration_.read_ports = {position_port, attitude_port};
-  if (has_arm_port_) declaration_.read_ports.push_back(arm_block_port);
+    : position_(binding.port("position")),
+      attitude_(binding.port("attitude")),
+      lever_arm_port_(binding.port("lever_arm")),
+      lever_arm_(fixed_lever_arm(binding)) {
+  declaration_.yields_like(binding.block("position")).reads(position_).reads(attitude_).reads(lever_arm_port_);
 }
 
-Result LeverArm::evaluate(const double* const* x, const legacy::Context& /*context*/, double* value,
-                          const MatrixView* J) const {
-  const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
+Result LeverArm::evaluate(const DerivedInput& in, DerivedOutput& out) const {
+  const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(in.x[attitude_].as<4>());
   Eigen::Vector3d lever_arm = lever_arm_;
-  if (has_arm_port_) lever_arm += vector_at<3>(x[arm_block_port]);
+  if (lever_arm_port_.is_bound()) lever_arm += in.x[lever_arm_port_].as<3>();
   const Eigen::Vector3d lever_arm_n = C_nb * lever_arm;
-  vector_at<3>(value) = strapdown::position_plus(vector_at<3>(x[position_port]), lever_arm_n);
-  if (J) {
-    J[0].as<3, 3>().setIdentity();
-    J[1].as<3, 3>() = -strapdown::skew(lever_arm_n);
-    if (has_arm_port_) J[2].as<3, 3>() = C_nb;
-  }
+  out.value.as<3>() = strapdown::position_plus(in.x[position_].as<3>(), lever_arm_n);
+  if (const MatrixView J = out.J[position_]) J.as<3, 3>().setIdentity();
+  if (const MatrixView J = out.J[attitude_]) J.as<3, 3>() = -strapdown::skew(lever_arm_n);
+  if (const MatrixView J = out.J[lever_arm_port_]) J.as<3, 3>() = C_nb;
   return Result::ok();
 }
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/derived_block.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::frames {
@@ -12,19 +12,16 @@ namespace binnacle::frames {
 /// p' = p ⊞ C_nb l, with l the parameter `lever_arm` plus the block on port `lever_arm` [m, body axes].
 /// J: I for the position, −[(C_nb l)×] for the attitude (C_true = exp([phi×]) C), C_nb for the lever arm.
 /// The metres are taken by the radii of curvature at p: J is good to |l| tan(lat)/R, 1e-6 for a lever arm of 5 m.
-class LeverArm final : public legacy::DerivedBlock {
+class LeverArm final : public DerivedBlock {
  public:
   static ComponentSpec spec();
   explicit LeverArm(const Binding& binding);
 
-  const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
-  Result evaluate(const double* const* x, const legacy::Context& context, double* value,
-                  const MatrixView* J) const override;
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override;
 
  private:
-  DerivedDeclaration declaration_;
+  Port position_, attitude_, lever_arm_port_;
   Eigen::Vector3d lever_arm_;  // m
-  bool has_arm_port_;
 };
 
 }  // namespace binnacle::frames

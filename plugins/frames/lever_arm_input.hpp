@@ -16,9 +16,10 @@ inline ParameterSpec lever_arm_parameter() {
 }
 
 inline PortSpec lever_arm_port() {
-  return may_read("lever_arm", "vector:3:m",
-                  "a lever arm in body axes that is estimated; adds to the parameter 'lever_arm'")
-      .formerly("arm");
+  return reads("lever_arm", "vector:3:m")
+      .optional()
+      .formerly("arm")
+      .about("a lever arm in body axes that is estimated; adds to the parameter 'lever_arm'");
 }
 
 /// The fixed part. A lever arm that is neither given nor plugged in is a mistake, not zero.

@@ -11,7 +11,7 @@ namespace binnacle::gnss_fix {
 
 namespace {
 
-enum Field { lat, lon, height, first_sigma };
+constexpr const char* sigma_prefix = "position_sd";
 
 }  // namespace
 
@@ -21,32 +21,29 @@ ComponentSpec PositionFix::spec() {
   spec.summary = "A geodetic position from a receiver, with its own standard deviations where it has them.";
   spec.source = "paper 003, equation (11)";
   spec.parameters = ReportedSigma::parameters("m");
-  spec.ports = {reads("position", "position", "of the antenna: a position block, or a lever_arm")};
-  spec.fields = {{"lat", "rad", FieldKind::level, false, false, "geodetic latitude, WGS-84"},
-                 {"lon", "rad", FieldKind::level, false, false, "longitude, east positive"},
-                 {"height", "m", FieldKind::level, false, false, "above the ellipsoid"}};
-  for (FieldSpec& field : ReportedSigma::fields("position_sd", "m")) spec.fields.push_back(std::move(field));
+  spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm")};
+  spec.fields = {field::level("lat", "rad").about("geodetic latitude, WGS-84"),
+                 field::level("lon", "rad").about("longitude, east positive"),
+                 field::level("height", "m").about("above the ellipsoid")};
+  for (FieldSpec& field : ReportedSigma::fields(sigma_prefix, "m")) spec.fields.push_back(std::move(field));
   spec.example = R"json({"channel": "gnss", "blocks": {"position": "antenna"}, "sigma": ["2 m", "2 m", "4 m"],
     "floor": "0.5 m", "gate": 0.999})json";
   return spec;
 }
 
-PositionFix::PositionFix(const Binding& binding) : sigma_(binding, first_sigma) {
-  declaration_.max_rows = 3;
-  declaration_.read_ports = {0};
-  declaration_.groups = {{"position", 0, 3, "m", 0}};
+PositionFix::PositionFix(const Binding& binding)
+    : position_(binding.port("position")), z_(binding.fields("lat", "lon", "height")), sigma_(binding, sigma_prefix) {
+  declaration_.rows(3).reads(position_).group(rows::of("position", position_));
 }
 
-Result PositionFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                              const legacy::Context& /*context*/, std::byte* /*memory*/,
-                              legacy::Linearization& out) const {
-  const auto z = vector_at<3>(sample.fields);
+Result PositionFix::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  const Eigen::Vector3d z = in.sample[z_];
   if (!z.allFinite()) return Result::invalid("latitude, longitude or height is not finite");
-  if (std::abs(z[lat]) > std::numbers::pi / 2) return Result::invalid("the latitude lies beyond a pole");
-  if (const Result result = sigma_.write_variances(sample.fields, out.R); !result) return result;
+  if (std::abs(z[0]) > std::numbers::pi / 2) return Result::invalid("the latitude lies beyond a pole");
+  if (const Result result = sigma_.write_variances(in.sample, out.R); !result) return result;
   out.rows = 3;
-  vector_at<3>(out.residual) = strapdown::position_minus(z, vector_at<3>(x[0]));
-  out.H[0].as<3, 3>().setIdentity();
+  out.residual.as<3>() = strapdown::position_minus(z, in.x[position_].as<3>());
+  if (const MatrixView H = out.H[position_]) H.as<3, 3>().setIdentity();
   return Result::ok();
 }
 

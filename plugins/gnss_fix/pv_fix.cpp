@@ -16,10 +16,6 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr const char* names[6] = {"x", "y", "z", "vx", "vy", "vz"};
 
-FieldSpec level(const char* name, const char* unit, const char* text) {
-  return {name, unit, FieldKind::level, false, false, text};
-}
-
 }  // namespace
 
 ComponentSpec PvFix::spec() {
@@ -36,11 +32,10 @@ ComponentSpec PvFix::spec() {
                          .defaults("1")
                          .about("factor on the covariance: a filter's errors are correlated in time, which its "
                                 "covariance does not tell")};
-  spec.ports = {reads("position", "position", "of the antenna: a position block, or a lever_arm"),
-                reads("velocity", "velocity.ned", "of the antenna: a velocity block, or a lever_arm_velocity")};
-  spec.fields = {level("x", "m", "ECEF position"),    level("y", "m", "ECEF position"),
-                 level("z", "m", "ECEF position"),    level("vx", "m/s", "ECEF velocity"),
-                 level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
+  spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm"),
+                reads("velocity", "velocity.ned").about("of the antenna: a velocity block, or a lever_arm_velocity")};
+  for (int i = 0; i < 6; ++i)
+    spec.fields.push_back(field::level(names[i], i < 3 ? "m" : "m/s").about(i < 3 ? "ECEF position" : "ECEF velocity"));
   spec.example = R"json({"channel": "gps", "blocks": {"position": "position", "velocity": "velocity"},
     "fields": {"x": "position.x", "y": "position.y", "z": "position.z", "vx": "velocity.vx", "vy": "velocity.vy", "vz": "velocity.vz"}})json";
   spec.surroundings = R"json({"sources": {"gps": {"type": "core/pushed",
@@ -51,10 +46,13 @@ ComponentSpec PvFix::spec() {
   return spec;
 }
 
-PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("inflate")) {
-  declaration_.max_rows = 6;
-  declaration_.read_ports = {0, 1};
-  declaration_.groups = {{"position", 0, 3, "m", 0}, {"velocity", 3, 3, "m/s", 1}};
+PvFix::PvFix(const Binding& binding)
+    : position_(binding.port("position")),
+      velocity_(binding.port("velocity")),
+      z_(binding.fields("x", "y", "z", "vx", "vy", "vz")),
+      scale_(binding.parameters().number("inflate")) {
+  declaration_.rows(6).reads(position_).reads(velocity_);
+  declaration_.group(rows::of("position", position_)).group(rows::of("velocity", velocity_));
 
   const auto& there = binding.covariance();
   covariance_size_ = static_cast<int>(there.size());
@@ -75,26 +73,25 @@ PvFix::PvFix(const Binding& binding) : scale_(binding.parameters().number("infla
   }
 }
 
-Result PvFix::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                        const legacy::Context& /*context*/, std::byte* /*memory*/, legacy::Linearization& out) const {
-  const auto z = vector_at<6>(sample.fields);
+Result PvFix::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  const auto z = in.sample[z_];
   if (!z.allFinite()) return Result::invalid("a position or velocity is not finite");
-  if (!sample.covariance) return Result::unsupported("the sample comes without a covariance");
+  if (!in.sample.covariance) return Result::unsupported("the sample comes without a covariance");
   if (!(z.head<3>().norm() > 6.3e6 && z.head<3>().norm() < 1e8))
     return Result::invalid("a position that is not near the earth");
   const Eigen::Vector3d lla = strapdown::lla_from_ecef(z.head<3>());
   const Matrix3d C_ne = strapdown::C_en(lla[0], lla[1]).transpose();
   out.rows = 6;
-  vector_at<3>(out.residual) = strapdown::position_minus(lla, vector_at<3>(x[0]));
-  vector_at<3>(out.residual + 3) = C_ne * z.tail<3>() - vector_at<3>(x[1]);
-  out.H[0].as<6, 3>().topRows<3>().setIdentity();
-  out.H[1].as<6, 3>().bottomRows<3>().setIdentity();
+  out.residual.segment(0, 3).as<3>() = strapdown::position_minus(lla, in.x[position_].as<3>());
+  out.residual.segment(3, 3).as<3>() = C_ne * z.tail<3>() - in.x[velocity_].as<3>();
+  if (const MatrixView H = out.H[position_]) H.as<6, 3>().topRows<3>().setIdentity();
+  if (const MatrixView H = out.H[velocity_]) H.as<6, 3>().bottomRows<3>().setIdentity();
 
   Matrix6d sigma;
   for (int j = 0; j < 6; ++j)
     for (int i = 0; i < 6; ++i)
-      sigma(i, j) = sample.covariance[components_[static_cast<std::size_t>(i)] +
-                                      components_[static_cast<std::size_t>(j)] * covariance_size_];
+      sigma(i, j) = in.sample.covariance[components_[static_cast<std::size_t>(i)] +
+                                         components_[static_cast<std::size_t>(j)] * covariance_size_];
   if (!(sigma.diagonal().minCoeff() > 0)) return Result::invalid("a variance is not positive");
   auto R = out.R.as<6, 6>();
   for (int j = 0; j < 2; ++j)

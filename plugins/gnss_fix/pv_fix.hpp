@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::gnss_fix {
@@ -13,17 +13,16 @@ namespace binnacle::gnss_fix {
 ///     r = (lla(r_e) ⊟ p̂, Cᵀ v_e − v̂)  [m, m/s; north east down]      H = I      R = T Σ Tᵀ,  T = diag(Cᵀ, Cᵀ)
 /// Paper 003 (11), which has one row too many: its H is I₆. What the error of r_e turns C by, v/R = 1e-5 1/s for an
 /// aeroplane, is left out of T.
-class PvFix final : public legacy::MeasurementModel {
+class PvFix final : public MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit PvFix(const Binding& binding);
 
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  MeasurementDeclaration declaration_;
+  Port position_, velocity_;
+  Fields<6> z_;                    // x, y, z, vx, vy, vz
   std::array<int, 6> components_;  // where x y z vx vy vz stand in the channel's covariance
   int covariance_size_;
   double scale_;  // of R

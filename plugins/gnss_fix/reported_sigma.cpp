@@ -21,31 +21,31 @@ std::vector<ParameterSpec> ReportedSigma::parameters(const std::string& unit) {
 }
 
 std::vector<FieldSpec> ReportedSigma::fields(const std::string& prefix, const std::string& unit) {
-  std::vector<FieldSpec> fields;
-  for (const auto& [suffix, axis] : {std::pair{"_n", "north"}, std::pair{"_e", "east"}, std::pair{"_d", "down"}})
-    fields.push_back(
-        {prefix + suffix, unit, FieldKind::level, true, false, std::string("reported standard deviation, ") + axis});
-  return fields;
+  const auto of_axis = [&](const char* suffix, const char* axis) {
+    return field::level(prefix + suffix, unit).optional().about(std::string("reported standard deviation, ") + axis);
+  };
+  return {of_axis("_n", "north"), of_axis("_e", "east"), of_axis("_d", "down")};
 }
 
-ReportedSigma::ReportedSigma(const Binding& binding, int first_field)
-    : scale_(binding.parameters().number("scale")), first_field_(first_field) {
+ReportedSigma::ReportedSigma(const Binding& binding, const std::string& prefix)
+    : scale_(binding.parameters().number("scale")) {
   const Parameters& parameters = binding.parameters();
   const auto floor = parameters.vector("floor");
+  const Fields<3> reported = binding.fields(prefix + "_n", prefix + "_e", prefix + "_d");
   for (int axis = 0; axis < 3; ++axis) {
-    const bool is_reported = binding.has_field(first_field + axis);
+    const bool is_reported = reported[axis].is_bound();
     if (!is_reported && !parameters.has("sigma"))
       throw ComponentError("the channel reports no standard deviation for every axis: give 'sigma'", "/sigma");
-    axes_.push_back({is_reported, is_reported ? 0.0 : parameters.vector("sigma")[axis], floor[axis]});
+    axes_.push_back({reported[axis], is_reported ? 0.0 : parameters.vector("sigma")[axis], floor[axis]});
   }
 }
 
-Result ReportedSigma::write_variances(const double* sample_fields, const MatrixView& R) const {
+Result ReportedSigma::write_variances(const SampleView& sample, const MatrixView& R) const {
   for (int i = 0; i < 3; ++i) {
     const Axis& axis = axes_[static_cast<std::size_t>(i)];
     double sigma = axis.sigma;
-    if (axis.is_reported) {
-      const double reported = sample_fields[first_field_ + i];
+    if (axis.reported.is_bound()) {
+      const double reported = sample[axis.reported];
       if (!std::isfinite(reported)) return Result::invalid("a reported standard deviation is not finite");
       if (reported <= 0.0) return Result::invalid("a reported standard deviation is not positive");
       sigma = std::max(scale_ * reported, axis.floor);

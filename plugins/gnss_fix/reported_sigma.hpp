@@ -9,6 +9,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/result.hpp"
+#include "binnacle/sample.hpp"
 #include "binnacle/spec.hpp"
 #include "binnacle/view.hpp"
 
@@ -21,21 +22,19 @@ class ReportedSigma {
   /// The optional fields PREFIX_n, PREFIX_e, PREFIX_d.
   static std::vector<FieldSpec> fields(const std::string& prefix, const std::string& unit);
 
-  /// first_field: where the three fields begin in the component's spec.
-  ReportedSigma(const Binding& binding, int first_field);
+  ReportedSigma(const Binding& binding, const std::string& prefix);
 
-  /// Writes R's diagonal; `invalid` if the receiver reports what is no standard deviation. sample_fields: all fields.
-  Result write_variances(const double* sample_fields, const MatrixView& R) const;
+  /// Writes R's diagonal; `invalid` if the receiver reports what is no standard deviation.
+  Result write_variances(const SampleView& sample, const MatrixView& R) const;
 
  private:
   struct Axis {
-    bool is_reported;
-    double sigma;  // used when it is not
+    Field reported;
+    double sigma;  // used when the channel reports none
     double floor;
   };
   std::vector<Axis> axes_;
   double scale_;
-  int first_field_;
 };
 
 }  // namespace binnacle::gnss_fix

@@ -13,11 +13,11 @@ namespace binnacle::gnss_range {
 
 namespace {
 
-/// The index of the one that is bound.
-int one_of(const Binding& binding, const char* ned, const char* ecef) {
+/// The one that is bound.
+Port one_of(const Binding& binding, const char* ned, const char* ecef) {
   if (binding.is_bound(ned) == binding.is_bound(ecef))
     throw ComponentError(std::string("plug a block into one of the ports '") + ned + "' and '" + ecef + "'", "/blocks");
-  return binding.port_index(binding.is_bound(ecef) ? ecef : ned);
+  return binding.port(binding.is_bound(ecef) ? ecef : ned);
 }
 
 constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
@@ -35,21 +35,24 @@ Eigen::Matrix3d axes_per_metre(const Eigen::Vector3d& lla) {
 }
 
 std::vector<PortSpec> position_ports() {
-  return {may_read("position", "position", "of the antenna: a position block, a lever_arm; this or ecef_position"),
-          may_read("ecef_position", "position.ecef", "of the antenna in ECEF axes; this or position")};
+  return {reads("position", "position")
+              .optional()
+              .about("of the antenna: a position block, a lever_arm; this or ecef_position"),
+          reads("ecef_position", "position.ecef").optional().about("of the antenna in ECEF axes; this or position")};
 }
 
 std::vector<PortSpec> velocity_ports() {
-  return {may_read("velocity", "velocity.ned",
-                   "of the antenna: a velocity block, a lever_arm_velocity; this or ecef_velocity"),
-          may_read("ecef_velocity", "velocity.ecef", "of the antenna in ECEF axes; this or velocity")};
+  return {reads("velocity", "velocity.ned")
+              .optional()
+              .about("of the antenna: a velocity block, a lever_arm_velocity; this or ecef_velocity"),
+          reads("ecef_velocity", "velocity.ecef").optional().about("of the antenna in ECEF axes; this or velocity")};
 }
 
 AntennaPosition::AntennaPosition(const Binding& binding)
     : port_(one_of(binding, "position", "ecef_position")), is_ecef_(binding.is_bound("ecef_position")) {}
 
-Result AntennaPosition::read(const double* const* x, gnss::AntennaPlace& place) const {
-  const auto value = vector_at<3>(x[port_]);
+Result AntennaPosition::read(const PortValues& x, gnss::AntennaPlace& place) const {
+  const auto value = x[port_].as<3>();
   if (!value.allFinite()) return Result::invalid("the position is not finite");
   if (is_ecef_) {
     if (value.cwiseAbs().maxCoeff() > 1e8 || value.norm() < lowest)
@@ -74,8 +77,8 @@ AntennaVelocity::AntennaVelocity(const Binding& binding)
                          "/blocks");
 }
 
-Eigen::Vector3d AntennaVelocity::read(const double* const* x, const gnss::AntennaPlace& place) const {
-  const Eigen::Vector3d v = vector_at<3>(x[port_]);
+Eigen::Vector3d AntennaVelocity::read(const PortValues& x, const gnss::AntennaPlace& place) const {
+  const Eigen::Vector3d v = x[port_].as<3>();
   return is_ecef_ ? v : Eigen::Vector3d(place.C_en * v);
 }
 
@@ -83,10 +86,10 @@ Eigen::RowVector3d AntennaVelocity::by_error(const gnss::AntennaPlace& place, co
   return is_ecef_ ? by_ecef : Eigen::RowVector3d(by_ecef * place.C_en);
 }
 
-Eigen::RowVector3d AntennaVelocity::by_position(const double* const* x, const gnss::AntennaPlace& place,
+Eigen::RowVector3d AntennaVelocity::by_position(const PortValues& x, const gnss::AntennaPlace& place,
                                                 const Eigen::RowVector3d& by_ecef) const {
   if (is_ecef_) return Eigen::RowVector3d::Zero();
-  const Eigen::Vector3d v = vector_at<3>(x[port_]);
+  const Eigen::Vector3d v = x[port_].as<3>();
   // d(C_en v) = C_en (dθ × v); as a row on δ in north, east, down, and from there to ECEF.
   const Eigen::Matrix3d dtheta = axes_per_metre(place.lla);
   Eigen::Matrix3d turned;

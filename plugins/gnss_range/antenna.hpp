@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/spec.hpp"
 #include "gnss/corrections.hpp"
@@ -22,13 +23,13 @@ std::vector<PortSpec> velocity_ports();
 class AntennaPosition {
  public:
   explicit AntennaPosition(const Binding& binding);
-  int port() const noexcept { return port_; }
-  Result read(const double* const* x, gnss::AntennaPlace& place) const;
+  Port port() const noexcept { return port_; }
+  Result read(const PortValues& x, gnss::AntennaPlace& place) const;
   /// What ∂/∂r_e becomes in the error of the port that is bound.
   Eigen::RowVector3d by_error(const gnss::AntennaPlace& place, const Eigen::RowVector3d& by_ecef) const;
 
  private:
-  int port_;
+  Port port_;
   bool is_ecef_;
 };
 
@@ -36,15 +37,15 @@ class AntennaPosition {
 class AntennaVelocity {
  public:
   explicit AntennaVelocity(const Binding& binding);
-  int port() const noexcept { return port_; }
-  Eigen::Vector3d read(const double* const* x, const gnss::AntennaPlace& place) const;
+  Port port() const noexcept { return port_; }
+  Eigen::Vector3d read(const PortValues& x, const gnss::AntennaPlace& place) const;
   Eigen::RowVector3d by_error(const gnss::AntennaPlace& place, const Eigen::RowVector3d& by_ecef) const;
   /// What ∂/∂v_e brings to the error of the position: north, east, down axes turn with it. In ECEF.
-  Eigen::RowVector3d by_position(const double* const* x, const gnss::AntennaPlace& place,
+  Eigen::RowVector3d by_position(const PortValues& x, const gnss::AntennaPlace& place,
                                  const Eigen::RowVector3d& by_ecef) const;
 
  private:
-  int port_;
+  Port port_;
   bool is_ecef_;
 };
 

@@ -2,8 +2,6 @@
 // How a receiver's clock wanders: two states.
 #include "clock_process.hpp"
 
-#include "binnacle/view.hpp"
-
 namespace binnacle::gnss_range {
 
 ComponentSpec ClockProcess::spec() {
@@ -19,7 +17,7 @@ ComponentSpec ClockProcess::spec() {
                          .at_least(0)
                          .required()
                          .about("density of the random walk of frequency, times c^2")};
-  spec.ports = {advances("clock", "receiver_clock", "bias and drift")};
+  spec.ports = {advances("clock", "receiver_clock").about("bias and drift")};
   spec.example = R"json({"blocks": {"clock": "clock"}, "S_f": "0.009 m^2/s", "S_g": "0.0355 m^2/s^3"})json";
   spec.surroundings =
       R"json({"blocks": {"clock": {"type": "gnss_range/receiver_clock", "init": {"bias": 0, "drift": 0}, "sigma": ["1 m", "0.1 m/s"]}}})json";
@@ -27,19 +25,22 @@ ComponentSpec ClockProcess::spec() {
 }
 
 ClockProcess::ClockProcess(const Binding& binding)
-    : S_f_(binding.parameters().number("S_f")), S_g_(binding.parameters().number("S_g")) {
-  declaration_.transition = {{0, 0, Structure::dense}};
-  declaration_.noise = {{0, 0, Structure::dense}};
-}
+    : clock_(binding.port("clock")),
+      phi_(declaration_.couples(clock_, clock_)),
+      q_(declaration_.adds_noise(clock_, clock_)),
+      S_f_(binding.parameters().number("S_f")),
+      S_g_(binding.parameters().number("S_g")) {}
 
-Result ClockProcess::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                               const legacy::ProcessOutput& out) const {
-  const double dt = step.dt;
-  out.x_plus[0][0] = x[0][0] + dt * x[0][1];
-  out.x_plus[0][1] = x[0][1];
-  matrix_at<2, 2>(out.transition[0]) << 1, dt, 0, 1;
-  const double cross = S_g_ * dt * dt / 2;
-  matrix_at<2, 2>(out.noise[0]) << S_f_ * dt + S_g_ * dt * dt * dt / 3, cross, cross, S_g_ * dt;
+Result ClockProcess::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  const double dt = in.step.dt;
+  const double bias = in.x[clock_][0], drift = in.x[clock_][1];
+  out.x[clock_][0] = bias + dt * drift;
+  out.x[clock_][1] = drift;
+  if (const BlockView phi = out.phi[phi_]) phi.as<2, 2>() << 1, dt, 0, 1;
+  if (const BlockView Q = out.Qd[q_]) {
+    const double cross = S_g_ * dt * dt / 2;
+    Q.as<2, 2>() << S_f_ * dt + S_g_ * dt * dt * dt / 3, cross, cross, S_g_ * dt;
+  }
   return Result::ok();
 }
 

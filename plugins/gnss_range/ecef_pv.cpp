@@ -2,8 +2,6 @@
 // A receiver that moves with nearly constant velocity: the GPS-only filter.
 #include "ecef_pv.hpp"
 
-#include <algorithm>
-
 namespace binnacle::gnss_range {
 
 ComponentSpec EcefPv::spec() {
@@ -22,8 +20,8 @@ ComponentSpec EcefPv::spec() {
           .defaults("0")
           .about("density of white noise added to the velocity: position that wanders by itself; large: every epoch "
                  "stands alone")};
-  spec.ports = {advances("position", "position.ecef", "of the antenna"),
-                advances("velocity", "velocity.ecef", "of the antenna")};
+  spec.ports = {advances("position", "position.ecef").about("of the antenna"),
+                advances("velocity", "velocity.ecef").about("of the antenna")};
   spec.example = R"json({"blocks": {"position": "r", "velocity": "v"}, "S_a": "0.12 m^2/s^3"})json";
   spec.surroundings = R"json({"blocks": {
     "r": {"type": "gnss_range/ecef_position", "init": {"x": -3976219, "y": 3382371, "z": 3652511}, "sigma": "10 m"},
@@ -32,20 +30,26 @@ ComponentSpec EcefPv::spec() {
 }
 
 EcefPv::EcefPv(const Binding& binding)
-    : S_a_(binding.parameters().number("S_a")), S_v_(binding.parameters().number("S_v")) {
-  declaration_.transition = {{0, 1, Structure::diagonal}};
-  declaration_.noise = {{0, 0, Structure::diagonal}, {0, 1, Structure::diagonal}, {1, 1, Structure::diagonal}};
-}
+    : position_(binding.port("position")),
+      velocity_(binding.port("velocity")),
+      phi_pv_(declaration_.couples(position_, velocity_, Structure::diagonal)),
+      q_pp_(declaration_.adds_noise(position_, position_, Structure::diagonal)),
+      q_pv_(declaration_.adds_noise(position_, velocity_, Structure::diagonal)),
+      q_vv_(declaration_.adds_noise(velocity_, velocity_, Structure::diagonal)),
+      S_a_(binding.parameters().number("S_a")),
+      S_v_(binding.parameters().number("S_v")) {}
 
-Result EcefPv::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                         const legacy::ProcessOutput& out) const {
-  const double dt = step.dt;
-  for (int i = 0; i < 3; ++i) out.x_plus[0][i] = x[0][i] + dt * x[1][i];
-  std::copy_n(x[1], 3, out.x_plus[1]);
-  std::fill_n(out.transition[0], 3, dt);
-  std::fill_n(out.noise[0], 3, S_a_ * dt * dt * dt / 3 + S_v_ * dt);
-  std::fill_n(out.noise[1], 3, S_a_ * dt * dt / 2);
-  std::fill_n(out.noise[2], 3, S_a_ * dt);
+Result EcefPv::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  const double dt = in.step.dt;
+  const auto v = in.x[velocity_].as<3>();
+  out.x[position_].as<3>() = in.x[position_].as<3>() + dt * v;
+  out.x[velocity_].as<3>() = v;
+  if (out.phi) out.phi[phi_pv_].diagonal<3>().setConstant(dt);
+  if (out.Qd) {
+    out.Qd[q_pp_].diagonal<3>().setConstant(S_a_ * dt * dt * dt / 3 + S_v_ * dt);
+    out.Qd[q_pv_].diagonal<3>().setConstant(S_a_ * dt * dt / 2);
+    out.Qd[q_vv_].diagonal<3>().setConstant(S_a_ * dt);
+  }
   return Result::ok();
 }
 

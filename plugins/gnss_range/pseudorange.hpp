@@ -15,12 +15,11 @@ class Pseudorange final : public RangeModel {
   static ComponentSpec spec();
   explicit Pseudorange(const Binding& binding);
 
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
   gnss::ElevationNoise noise_;
-  int galileo_port_;  // −1: none
+  Port galileo_bias_;
 };
 
 }  // namespace binnacle::gnss_range

@@ -5,16 +5,13 @@
 #include <array>
 
 #include "antenna.hpp"
-#include "binnacle/legacy.hpp"
+#include "binnacle/measurement_model.hpp"
 #include "gnss/corrections.hpp"
 #include "satellite_limit.hpp"
 
 namespace binnacle::gnss_range {
 
-class RangeModel : public legacy::MeasurementModel {
- public:
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-
+class RangeModel : public MeasurementModel {
  protected:
   using Sightings = std::array<gnss::Sighting, gnss::most_rows>;
 
@@ -22,24 +19,22 @@ class RangeModel : public legacy::MeasurementModel {
       : corrections_(binding),
         limit_(binding.parameters()),
         antenna_(binding),
-        clock_port_(binding.port_index("clock")) {
-    declaration_.max_rows = limit_.most();
+        clock_(binding.port("clock")),
+        ephemeris_(binding.input(gnss::ephemeris_port().name)),
+        klobuchar_(binding.input(gnss::klobuchar_port().name)) {
+    declaration_.rows(limit_.most()).reads(antenna_.port());
   }
 
-  static constexpr int ephemeris_input = 0;
-  static constexpr int klobuchar_input = 1;
-
   /// Satellites to be used; both models choose the same ones of an epoch.
-  Result sight(const SampleView& sample, const SampleView* auxiliary, const double* const* x, gnss::AntennaPlace& place,
-               Sightings& sightings, int& count) const {
-    if (!auxiliary[ephemeris_input].available) return Result::unsupported("no broadcast ephemeris has come yet");
-    if (corrections_.wants_klobuchar() && !auxiliary[klobuchar_input].available)
+  Result sight(const MeasurementInput& in, gnss::AntennaPlace& place, Sightings& sightings, int& count) const {
+    const SampleView &ephemeris = in.auxiliary[ephemeris_], &klobuchar = in.auxiliary[klobuchar_];
+    if (!ephemeris.available) return Result::unsupported("no broadcast ephemeris has come yet");
+    if (corrections_.wants_klobuchar() && !klobuchar.available)
       return Result::unsupported("no ionosphere coefficients have come yet, or no channel is on input 'iono'");
-    if (const Result result = antenna_.read(x, place); !result) return result;
+    if (const Result result = antenna_.read(in.x, place); !result) return result;
     const gnss::Corrections::Tally tally =
-        corrections_.sight({sample.t, &sample, &auxiliary[ephemeris_input], &auxiliary[klobuchar_input]}, place, true,
-                           sightings);
-    count = gnss::Corrections::keep_highest(sightings, tally.used, limit_.at(sample.t));
+        corrections_.sight({in.sample.t, &in.sample, &ephemeris, &klobuchar}, place, true, sightings);
+    count = gnss::Corrections::keep_highest(sightings, tally.used, limit_.at(in.sample.t));
     if (count >= limit_.fewest()) return Result::ok();
     if (count > 0) return Result::unsupported("fewer satellites than 'min_satellites'");
     if (tally.used > 0) return Result::unsupported("a cut leaves no satellite");
@@ -47,11 +42,11 @@ class RangeModel : public legacy::MeasurementModel {
     return Result::unsupported("no satellite is above the masks");
   }
 
-  MeasurementDeclaration declaration_;
   gnss::Corrections corrections_;
   SatelliteLimit limit_;
   AntennaPosition antenna_;
-  int clock_port_;
+  Port clock_;
+  Input ephemeris_, klobuchar_;
 };
 
 /// The parameters, inputs and ports that both have.

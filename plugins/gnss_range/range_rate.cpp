@@ -17,7 +17,7 @@ ComponentSpec RangeRateModel::spec() {
   describe_range_model(spec);
   spec.ports = position_ports();
   for (auto& port : velocity_ports()) spec.ports.push_back(std::move(port));
-  spec.ports.push_back(reads("clock", "receiver_clock", "of the receiver"));
+  spec.ports.push_back(reads("clock", "receiver_clock").about("of the receiver"));
   spec.fields = gnss::observation_fields(false);
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris"},
     "blocks": {"position": "antenna", "velocity": "antenna_velocity", "clock": "clock"}, "sigma": "0.05 m/s"})json";
@@ -27,31 +27,31 @@ ComponentSpec RangeRateModel::spec() {
 
 RangeRateModel::RangeRateModel(const Binding& binding)
     : RangeModel(binding), noise_(binding.parameters(), false), velocity_(binding) {
-  declaration_.read_ports = {antenna_.port(), velocity_.port(), clock_port_};
-  declaration_.groups = {{"range_rate", 0, 0, "m/s", -1}};
+  declaration_.reads(velocity_.port()).reads(clock_).group(rows::like("range_rate", "m/s"));
 }
 
-Result RangeRateModel::linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                                 const legacy::Context& /*context*/, std::byte* /*memory*/,
-                                 legacy::Linearization& out) const {
+Result RangeRateModel::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
   gnss::AntennaPlace place;
   Sightings sightings;
   int count = 0;
-  if (const Result result = sight(sample, auxiliary, x, place, sightings, count); !result) return result;
-  const Eigen::Vector3d v_e = velocity_.read(x, place);
+  if (const Result result = sight(in, place, sightings, count); !result) return result;
+  const Eigen::Vector3d v_e = velocity_.read(in.x, place);
   if (!(v_e.cwiseAbs().maxCoeff() < 1e5)) return Result::unsupported("the antenna is faster than any vehicle");
+  const double clock_drift = in.x[clock_][1];
   int rows = 0;
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
     const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());
-    out.residual[rows] = s.range_rate - (predicted.rate + x[clock_port_][1] + s.rate_delay);
-    out.H[0].as<Eigen::Dynamic, 3>().row(rows) =
-        antenna_.by_error(place, predicted.by_position + velocity_.by_position(x, place, predicted.by_velocity));
-    out.H[1].as<Eigen::Dynamic, 3>().row(rows) = velocity_.by_error(place, predicted.by_velocity);
-    out.H[2](rows, 1) = 1;
+    out.residual[rows] = s.range_rate - (predicted.rate + clock_drift + s.rate_delay);
+    if (out.H) {
+      out.H[antenna_.port()].as().row(rows) =
+          antenna_.by_error(place, predicted.by_position + velocity_.by_position(in.x, place, predicted.by_velocity));
+      out.H[velocity_.port()].as().row(rows) = velocity_.by_error(place, predicted.by_velocity);
+      out.H[clock_](rows, 1) = 1;
+    }
     out.R(rows, rows) = noise_.variance(s);
-    out.row_keys[rows] = s.satellite;
+    out.row_keys[static_cast<std::size_t>(rows)] = s.satellite;
     ++rows;
   }
   out.rows = rows;  // none: in a stack the pseudoranges of the epoch count all the same

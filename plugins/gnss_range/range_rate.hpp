@@ -14,8 +14,7 @@ class RangeRateModel final : public RangeModel {
   static ComponentSpec spec();
   explicit RangeRateModel(const Binding& binding);
 
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
   gnss::ElevationNoise noise_;

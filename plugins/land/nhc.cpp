@@ -7,7 +7,7 @@ namespace binnacle::land {
 namespace {
 
 FieldSpec rate(std::string name) {
-  return {std::move(name), "rad/s", FieldKind::rate, true, false, "angular rate; for 'slip' and 'max_turn_rate'"};
+  return field::rate(std::move(name), "rad/s").optional().about("angular rate; for 'slip' and 'max_turn_rate'");
 }
 
 double squared(double value) { return value * value; }
@@ -48,8 +48,9 @@ ComponentSpec Nhc::spec() {
 }
 
 Nhc::Nhc(const Binding& binding)
-    : velocity_(binding),
-      spacing_(binding),
+    : velocity_(binding, declaration_),
+      spacing_(binding, declaration_),
+      omega_(binding.driving_rates("wx", "wy", "wz")),
       sigma_(binding.parameters().vector("sigma")),
       angle_(binding.parameters().number("angle")),
       slip_(binding.parameters().number("slip")),
@@ -58,23 +59,18 @@ Nhc::Nhc(const Binding& binding)
   first_ = axes == "z" ? 1 : 0;
   rows_ = axes == "yz" ? 2 : 1;
   if (binding.parameters().has("max_turn_rate")) max_turn_rate_ = binding.parameters().number("max_turn_rate");
-  declaration_.max_rows = rows_;
-  declaration_.read_ports = velocity_.read_ports();
-  declaration_.groups = {{"across", 0, rows_, "m/s", -1}};
-  declaration_.memory_bytes = spacing_.memory_bytes();
+  declaration_.rows(rows_).group(rows::these("across", rows_, "m/s"));
 }
 
-Result Nhc::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                      const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const {
-  if (const Result result = spacing_.pass(sample.t, memory); !result) return result;
-  const auto value = velocity_.at(x);
+Result Nhc::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  if (const Result result = spacing_.pass(in); !result) return result;
+  const auto value = velocity_.at(in.x);
   const double speed = value.v_v.norm();
   if (!(speed >= min_speed_)) return Result::unsupported("slower than 'min_speed'");
   double turn_rate = 0;
   if (slip_ > 0 || max_turn_rate_) {
-    if (!context.driving_rates || !vector_at<3>(context.driving_rates).allFinite())
-      return Result::unsupported("the angular rate is not known");
-    turn_rate = vector_at<3>(context.driving_rates).norm();
+    if (!in.u.rates || !in.u.rates[omega_].allFinite()) return Result::unsupported("the angular rate is not known");
+    turn_rate = in.u.rates[omega_].norm();
     if (max_turn_rate_ && turn_rate > *max_turn_rate_)
       return Result::unsupported("turning faster than 'max_turn_rate'");
   }

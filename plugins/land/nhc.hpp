@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"
 #include "spacing.hpp"
 #include "vehicle_velocity.hpp"
@@ -15,20 +15,17 @@ namespace binnacle::land {
 
 /// r = 0 − (v_v)_yz [m/s], H = +∂(v_v)_yz/∂δ: paper 001 (4), and (9) when the misalignment is plugged in. (9) prints
 /// δζ = true − estimate and its other errors as computed − true; here all of them are true − estimate.
-class Nhc final : public legacy::MeasurementModel {
+class Nhc final : public MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit Nhc(const Binding& binding);
 
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  void start(std::byte* memory) const override { spacing_.start(memory); }
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
   VehicleVelocity velocity_;
   Spacing spacing_;
-  MeasurementDeclaration declaration_;
+  DrivingRateVector<3> omega_;
   Eigen::Vector2d sigma_;                // m/s: y, z
   double angle_;                         // rad
   double slip_;                          // rad per m/s²

@@ -6,12 +6,6 @@
 
 namespace binnacle::land {
 
-namespace {
-
-constexpr int scale_port = 3;  // after those of VehicleVelocity
-
-}  // namespace
-
 ComponentSpec Odometer::spec() {
   ComponentSpec spec;
   spec.type = "odometer";
@@ -30,8 +24,8 @@ ComponentSpec Odometer::spec() {
                          .about("a sample of less is unsupported: many sensors tell nothing of creeping")};
   spec.ports = VehicleVelocity::ports();
   spec.ports.push_back(
-      may_read("scale", "vector:1:1", "scale factor error s: the sensor tells (1 + s) times the speed"));
-  spec.fields = {{"speed", "m/s", FieldKind::level, false, false, "along the vehicle's x axis, negative in reverse"}};
+      reads("scale", "vector:1:1").optional().about("scale factor error s: the sensor tells (1 + s) times the speed"));
+  spec.fields = {field::level("speed", "m/s").about("along the vehicle's x axis, negative in reverse")};
   spec.example = R"json({"channel": "wheel", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment", "scale": "scale"}, "sigma": "0.05 m/s", "gate": 0.999})json";
   spec.surroundings = R"json({"blocks": {
@@ -43,31 +37,27 @@ ComponentSpec Odometer::spec() {
 }
 
 Odometer::Odometer(const Binding& binding)
-    : velocity_(binding),
+    : velocity_(binding, declaration_),
+      scale_(binding.port("scale")),
+      speed_(binding.field("speed")),
       sigma_(binding.parameters().number("sigma")),
       relative_(binding.parameters().number("relative")),
-      min_speed_(binding.parameters().number("min_speed")),
-      has_scale_(binding.is_bound("scale")) {
-  declaration_.max_rows = 1;
-  declaration_.read_ports = velocity_.read_ports();
-  if (has_scale_) declaration_.read_ports.push_back(scale_port);
-  declaration_.groups = {{"speed", 0, 1, "m/s", -1}};
+      min_speed_(binding.parameters().number("min_speed")) {
+  declaration_.rows(1).reads(scale_).group(rows::these("speed", 1, "m/s"));
 }
 
-Result Odometer::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const legacy::Context& /*context*/, std::byte* /*memory*/,
-                           legacy::Linearization& out) const {
-  const double speed = sample.fields[0];
+Result Odometer::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  const double speed = in.sample[speed_];
   if (!std::isfinite(speed)) return Result::invalid("the speed is not finite");
   if (std::abs(speed) < min_speed_) return Result::unsupported("slower than 'min_speed'");
-  const auto value = velocity_.at(x);
+  const auto value = velocity_.at(in.x);
   const double forward = value.v_v[0];
-  const double factor = has_scale_ ? 1.0 + x[scale_port][0] : 1.0;
+  const double factor = scale_.is_bound() ? 1.0 + in.x[scale_][0] : 1.0;
   out.rows = 1;
   out.residual[0] = speed - factor * forward;
   out.R(0, 0) = sigma_ * sigma_ + relative_ * speed * relative_ * speed;
   velocity_.write_jacobians<1>(value, Eigen::RowVector3d(factor, 0, 0), out.H);
-  if (has_scale_) out.H[declaration_.read_ports.size() - 1](0, 0) = forward;
+  if (const MatrixView H = out.H[scale_]) H(0, 0) = forward;
   return Result::ok();
 }
 

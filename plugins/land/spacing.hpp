@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spacing: the least time between two accepted samples, for models that listen to a fast channel.
+// Spacing: the least time between two accepted samples, for models that subscribe to a fast channel.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/measurement_model.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/spec.hpp"
 #include "binnacle/time.hpp"
@@ -21,26 +20,29 @@ class Spacing {
         "samples nearer than this to the last accepted one are unsupported");
   }
 
-  explicit Spacing(const Binding& binding) : spacing_(binding.parameters().time("spacing")) {}
-
-  std::size_t memory_bytes() const { return spacing_ > 0 ? sizeof(Time) : 0; }
-  void start(std::byte* memory) const {
-    if (spacing_ > 0) std::memcpy(memory, &no_time, sizeof(Time));
+  Spacing(const Binding& binding, MeasurementDeclaration& declaration)
+      : spacing_(binding.parameters().time("spacing")) {
+    if (spacing_ > 0) last_ = declaration.keeps<LastAccepted>();
   }
-  /// Whether a sample at t comes late enough; notes it then.
-  Result pass(Time t, std::byte* memory) const {
+
+  /// Whether the sample comes late enough; remembers its time then.
+  Result pass(const MeasurementInput& in) const {
     if (spacing_ == 0) return Result::ok();
-    Time last = no_time;
-    std::memcpy(&last, memory, sizeof(Time));
-    const auto age = static_cast<std::uint64_t>(t) - static_cast<std::uint64_t>(last);
-    if (last != no_time && t >= last && age < static_cast<std::uint64_t>(spacing_))
+    const Time t = in.sample.t;
+    LastAccepted& last = in.memory[last_];
+    const auto age = static_cast<std::uint64_t>(t) - static_cast<std::uint64_t>(last.t);
+    if (last.t != no_time && t >= last.t && age < static_cast<std::uint64_t>(spacing_))
       return Result::unsupported("the last accepted sample is nearer than 'spacing'");
-    std::memcpy(memory, &t, sizeof(Time));
+    last.t = t;
     return Result::ok();
   }
 
  private:
+  struct LastAccepted {
+    Time t = no_time;
+  };
   Time spacing_;
+  Memory<LastAccepted> last_;
 };
 
 }  // namespace binnacle::land

@@ -4,28 +4,24 @@
 
 #include <vector>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::ship_motion {
 
 /// z = x + e + v per axis; e is the block on the axis' error port: an accumulated drift, shared with another gyro or not.
-class Gyro : public legacy::MeasurementModel {
+class Gyro : public MeasurementModel {
  public:
-  const MeasurementDeclaration& declaration() const noexcept final { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const final;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const final;
 
  protected:
   explicit Gyro(const Binding& binding);
 
  private:
   struct Axis {
-    int field = 0;
-    int port = 0, error_port = -1;          // −1: none
-    int jacobian = 0, error_jacobian = -1;  // index in MeasurementDeclaration::reads
+    Field z;
+    Port x, error;
   };
-  MeasurementDeclaration declaration_;
   std::vector<Axis> axes_;
   double variance_;
 };

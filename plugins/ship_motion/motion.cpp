@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "motion.hpp"
 
+#include <array>
+
+#include <Eigen/Core>
+
 #include "motion_parameters.hpp"
 
 namespace binnacle::ship_motion {
@@ -12,10 +16,12 @@ ComponentSpec Motion::spec() {
   spec.source =
       "paper 004, section 2; Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23(3), 1978";
   spec.parameters = motion_parameters("@angle");
-  spec.ports = {advances("angle", "vector:1:*", "roll, pitch, yaw, heave"),
-                advances("rate", "vector:1:*", "its rate, in the unit of the angle per second"),
-                may_advance("forcing", "vector:1:*", "order 4: what drives the angle, in its unit per second squared"),
-                may_advance("forcing_rate", "vector:1:*", "order 4: rate of the forcing")};
+  spec.ports = {advances("angle", "vector:1:*").about("roll, pitch, yaw, heave"),
+                advances("rate", "vector:1:*").about("its rate, in the unit of the angle per second"),
+                advances("forcing", "vector:1:*")
+                    .optional()
+                    .about("order 4: what drives the angle, in its unit per second squared"),
+                advances("forcing_rate", "vector:1:*").optional().about("order 4: rate of the forcing")};
   spec.example =
       R"json({"blocks": {"angle": "pitch", "rate": "pitch_rate"}, "omega": [1.98], "zeta": [0.2235], "sigma": "0.825 deg"})json";
   spec.surroundings = R"json({"blocks": {"pitch": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.0144},
@@ -31,22 +37,22 @@ Motion::Motion(const Binding& binding) {
       throw ComponentError(std::string("the port '") + name +
                                (is_fourth ? "' is needed for order 4" : "' is for order 4, two frequencies"),
                            "/blocks");
-  F_ = filter.dynamics();
+  const Eigen::MatrixXd F = filter.dynamics();
   density_ = filter.noise_density();
-  const int order = static_cast<int>(F_.rows());
-  for (int i = 0; i < order; ++i)
-    for (int j = 0; j < order; ++j)
-      if (F_(i, j) != 0) declaration_.transition.push_back({i, j, Structure::dense});
-  declaration_.noise = {{order - 1, order - 1, Structure::dense}};
-  declaration_.has_closed_form = false;
-  declaration_.has_continuous_form = true;
-  declaration_.is_time_invariant = true;
+  const std::array ports{binding.port("angle"), binding.port("rate"), binding.port("forcing"),
+                         binding.port("forcing_rate")};
+  const auto port = [&](Eigen::Index i) { return ports[static_cast<std::size_t>(i)]; };
+  for (Eigen::Index i = 0; i < F.rows(); ++i)
+    for (Eigen::Index j = 0; j < F.rows(); ++j)
+      if (F(i, j) != 0) F_.push_back({declaration_.couples(port(i), port(j)), F(i, j)});
+  const Port last = port(F.rows() - 1);
+  q_ = declaration_.adds_noise(last, last);
+  declaration_.only_continuous();
 }
 
-void Motion::linearized(const double* const* /*x*/, const legacy::ContinuousOutput& out) const {
-  for (std::size_t k = 0; k < declaration_.transition.size(); ++k)
-    out.dynamics[k][0] = F_(declaration_.transition[k].to, declaration_.transition[k].from);
-  out.noise[0][0] = density_;
+void Motion::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {
+  for (const Element& element : F_) out.F[element.place].as<1, 1>()(0) = element.value;
+  out.GQGt[q_].as<1, 1>()(0) = density_;
 }
 
 }  // namespace binnacle::ship_motion

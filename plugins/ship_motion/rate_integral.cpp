@@ -3,10 +3,6 @@
 
 namespace binnacle::ship_motion {
 
-namespace {
-enum Port { angle, drift };
-}  // namespace
-
 ComponentSpec RateIntegral::spec() {
   ComponentSpec spec;
   spec.type = "rate_integral";
@@ -17,14 +13,9 @@ ComponentSpec RateIntegral::spec() {
                          .required()
                          .about("root of the power spectral density of the gyro's noise: per sample of T seconds, its "
                                 "sigma times sqrt(T)")};
-  spec.ports = {advances("angle", "vector:1:rad", "roll, pitch or yaw"),
-                may_read("drift", "vector:1:rad/s", "b, the gyro's drift")};
-  FieldSpec rate;
-  rate.name = "rate";
-  rate.unit = "rad/s";
-  rate.kind = FieldKind::rate;
-  rate.text = "the gyro's reading, mean over the interval";
-  spec.fields = {rate};
+  spec.ports = {advances("angle", "vector:1:rad").about("roll, pitch or yaw"),
+                reads("drift", "vector:1:rad/s").optional().about("b, the gyro's drift")};
+  spec.fields = {field::rate("rate", "rad/s").about("the gyro's reading, mean over the interval")};
   spec.example =
       R"json({"input": "rate_gyro", "blocks": {"angle": "pitch", "drift": "rate_drift"}, "noise": "0.5 deg/sqrt(s)"})json";
   spec.surroundings = R"json({"blocks": {"pitch": {"type": "vector", "size": 1, "unit": "rad", "sigma": 0.0144},
@@ -32,20 +23,23 @@ ComponentSpec RateIntegral::spec() {
   return spec;
 }
 
-RateIntegral::RateIntegral(const Binding& binding) : has_drift_(binding.is_bound("drift")) {
+RateIntegral::RateIntegral(const Binding& binding)
+    : angle_(binding.port("angle")),
+      drift_(binding.port("drift")),
+      rate_(binding.field("rate")),
+      phi_(declaration_.couples(angle_, drift_)),
+      q_(declaration_.adds_noise(angle_, angle_)) {
   const double noise = binding.parameters().number("noise");
   density_ = noise * noise;
-  if (has_drift_) declaration_.transition = {{angle, drift, Structure::dense}};
-  declaration_.noise = {{angle, angle, Structure::dense}};
 }
 
-Result RateIntegral::propagate(const Step& step, const double* const* x, std::byte* /*memory*/,
-                               const legacy::ProcessOutput& out) const {
+Result RateIntegral::propagate(const ProcessInput& in, ProcessOutput& out) const {
   double turned = 0;
-  for (const auto& sample : step.samples) turned += sample.fields[0] * sample.dt;
-  out.x_plus[angle][0] = x[angle][0] + turned - (has_drift_ ? x[drift][0] * step.dt : 0.0);
-  if (has_drift_) out.transition[0][0] = -step.dt;
-  out.noise[0][0] = density_ * step.dt;
+  const double dt = in.step.dt;
+  for (const auto& sample : in.step.samples) turned += sample[rate_] * sample.dt;
+  out.x[angle_][0] = in.x[angle_][0] + turned - (drift_.is_bound() ? in.x[drift_][0] * dt : 0.0);
+  if (const BlockView phi = out.phi[phi_]) phi.as<1, 1>()(0) = -dt;
+  if (const BlockView Q = out.Qd[q_]) Q.as<1, 1>()(0) = density_ * dt;
   return Result::ok();
 }
 

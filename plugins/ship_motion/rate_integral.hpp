@@ -2,25 +2,25 @@
 // An angle driven by a rate gyro: filter C.
 #pragma once
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::ship_motion {
 
 /// θ̇ = u − b − n: the gyro's reading u, its drift b, its white noise n.
-class RateIntegral final : public legacy::ProcessModel {
+class RateIntegral final : public ProcessModel {
  public:
   static ComponentSpec spec();
   explicit RateIntegral(const Binding& binding);
 
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const legacy::ProcessOutput& out) const override;
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override;
 
  private:
-  ProcessDeclaration declaration_;
+  Port angle_, drift_;
+  Field rate_;
+  PhiBlock phi_;
+  QBlock q_;
   double density_;  // of n [unit²/s]
-  bool has_drift_;
 };
 
 }  // namespace binnacle::ship_motion

@@ -19,13 +19,13 @@ constexpr double degree = std::numbers::pi / 180.0;
 
 /// The attitude of axes that are fixed in the SINS and would be those of the ship if the mounting were the nominal one.
 /// Where the SINS stands upright its own roll and yaw are ill conditioned; these are not.
-Fields level_attitude_fields() {
+FieldList level_attitude_fields() {
   return {level("level_roll", "rad", "roll of the SINS turned back by the nominal mounting"),
           level("level_pitch", "rad", "pitch of the SINS turned back by the nominal mounting"),
           level("level_yaw", "rad", "yaw of the SINS turned back by the nominal mounting")};
 }
 
-Fields navigation_fields() { return joined({position_fields(), velocity_fields(), attitude_fields()}); }
+FieldList navigation_fields() { return joined({position_fields(), velocity_fields(), attitude_fields()}); }
 
 std::vector<ParameterSpec> start_members() {
   using namespace parameter;
@@ -227,11 +227,11 @@ ComponentSpec declare_component() {
 }
 
 std::vector<ChannelDeclaration> declare_channels(Time imu_interval) {
-  const Fields mins = joined({velocity_fields(), position_fields(), attitude_fields()});
-  const Fields state = joined({navigation_fields(), level_attitude_fields()});
-  const Fields mounting = {level("mx", "rad", "misalignment about MINS x (forward)"),
-                           level("my", "rad", "misalignment about MINS y (right)"),
-                           level("mz", "rad", "misalignment about MINS z (down)")};
+  const FieldList mins = joined({velocity_fields(), position_fields(), attitude_fields()});
+  const FieldList state = joined({navigation_fields(), level_attitude_fields()});
+  const FieldList mounting = {level("mx", "rad", "misalignment about MINS x (forward)"),
+                              level("my", "rad", "misalignment about MINS y (right)"),
+                              level("mz", "rad", "misalignment about MINS z (down)")};
   return {{"imu", imu_fields(false), 0, {}, imu_interval},
           {"mins", mins, 0, {}, 0},
           {"truth", state, 0, {}, 0},

@@ -11,10 +11,8 @@ namespace {
 using Eigen::Matrix3d;
 using strapdown::dcm_from_quaternion;
 
-enum Port { attitude, mounting };
-
 FieldSpec angle(std::string name, std::string text) {
-  return {std::move(name), "rad", FieldKind::level, false, false, std::move(text)};
+  return field::level(std::move(name), "rad").about(std::move(text));
 }
 
 }  // namespace
@@ -32,8 +30,8 @@ ComponentSpec DcmMatch::spec() {
       parameter::choice("jacobian", {"tangent", "chord"})
           .defaults("\"tangent\"")
           .about("at the estimate, or right to second order over the whole residual: for large errors at the start")};
-  spec.ports = {reads("attitude", "attitude", "of the slave (SINS)"),
-                reads("mounting", "mounting", "of the slave in the master's axes")};
+  spec.ports = {reads("attitude", "attitude").about("of the slave (SINS)"),
+                reads("mounting", "mounting").about("of the slave in the master's axes")};
   spec.fields = {angle("roll", "of the master (MINS)"), angle("pitch", "of the master"),
                  angle("yaw", "of the master, from true north")};
   spec.example = R"json({"channel": "mins", "blocks": {"attitude": "attitude", "mounting": "mounting"},
@@ -47,33 +45,33 @@ ComponentSpec DcmMatch::spec() {
 }
 
 DcmMatch::DcmMatch(const Binding& binding)
-    : is_chord_(binding.parameters().text("jacobian") == "chord"),
+    : attitude_(binding.port("attitude")),
+      mounting_(binding.port("mounting")),
+      angles_(binding.fields("roll", "pitch", "yaw")),
+      is_chord_(binding.parameters().text("jacobian") == "chord"),
       variance_(binding.parameters().vector("sigma").cwiseAbs2()) {
-  declaration_.max_rows = 3;
-  declaration_.read_ports = {attitude, mounting};
-  declaration_.groups = {{"attitude", 0, 3, "rad", attitude}};
+  declaration_.rows(3).reads(attitude_).reads(mounting_).group(rows::of("attitude", attitude_));
 }
 
-Result DcmMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                           const legacy::Context& /*context*/, std::byte* /*memory*/,
-                           legacy::Linearization& out) const {
-  const auto angles = vector_at<3>(sample.fields);
+Result DcmMatch::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  const Eigen::Vector3d angles = in.sample[angles_];
   if (!angles.allFinite()) return Result::invalid("an angle of the master is not finite");
   const Matrix3d C_M = dcm_from_quaternion(strapdown::quaternion_from_euler(angles));
-  const Matrix3d C_S = dcm_from_quaternion(vector_at<4>(x[attitude]));
-  const Matrix3d A = C_M * dcm_from_quaternion(vector_at<4>(x[mounting])) * C_S.transpose();
+  const Matrix3d C_S = dcm_from_quaternion(in.x[attitude_].as<4>());
+  const Matrix3d A = C_M * dcm_from_quaternion(in.x[mounting_].as<4>()) * C_S.transpose();
   // tr A = 1 + 2 cos: from a right angle on, the antisymmetric part shrinks again and tells two attitudes.
   const double trace = A.trace();
   if (!(trace > 1.0)) return Result::unsupported("slave and master are more than a right angle from their mounting");
   out.rows = 3;
-  vector_at<3>(out.residual) << 0.5 * (A(2, 1) - A(1, 2)), 0.5 * (A(0, 2) - A(2, 0)), 0.5 * (A(1, 0) - A(0, 1));
+  out.residual.as<3>() << 0.5 * (A(2, 1) - A(1, 2)), 0.5 * (A(0, 2) - A(2, 0)), 0.5 * (A(1, 0) - A(0, 1));
+  out.R.as<3, 3>().diagonal() = variance_;
+  if (!out.H) return Result::ok();
   const Matrix3d scaled = 0.5 * trace * Matrix3d::Identity();
   Matrix3d of_attitude = scaled - 0.5 * A.transpose(), of_mounting = scaled - 0.5 * A;
   if (is_chord_)
     for (Matrix3d* H : {&of_attitude, &of_mounting}) *H = 0.5 * (*H + Matrix3d::Identity());
-  out.H[attitude].as<3, 3>() = of_attitude;
-  out.H[mounting].as<3, 3>() = -of_mounting * C_M;
-  out.R.as<3, 3>().diagonal() = variance_;
+  out.H[attitude_].as<3, 3>() = of_attitude;
+  out.H[mounting_].as<3, 3>() = -of_mounting * C_M;
   return Result::ok();
 }
 

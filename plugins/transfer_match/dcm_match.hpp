@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::transfer_match {
@@ -21,17 +21,16 @@ namespace binnacle::transfer_match {
 /// r = log(exp(−m) exp(ψ)) = ψ − m + ½ r × ½(ψ + m) to second order, m = C_M δμ, what is right over the whole of r is
 ///   H_ψ = I + ¼ [r×]           H_μ = −(I − ¼ [r×]) C_M
 /// the mean of both: the chord. P⁺ is then tight where the residual was, after the blocks' reset Jacobians too.
-class DcmMatch final : public legacy::MeasurementModel {
+class DcmMatch final : public MeasurementModel {
  public:
   static ComponentSpec spec();
   explicit DcmMatch(const Binding& binding);
 
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  MeasurementDeclaration declaration_;
+  Port attitude_, mounting_;
+  Fields<3> angles_;  // roll, pitch, yaw of the master
   bool is_chord_;
   Eigen::Vector3d variance_;  // rad²
 };

@@ -17,19 +17,16 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using strapdown::skew;
 
-enum Port { velocity_port, lever_arm_port, attitude_port, gyro_bias_port };
-enum Field { vn, ve, vd, roll, pitch, yaw, lat };
-
-FieldSpec speed(std::string name, bool is_optional, std::string text) {
-  return {std::move(name), "m/s", FieldKind::level, is_optional, false, std::move(text)};
+FieldSpec speed(std::string name, std::string text) {
+  return field::level(std::move(name), "m/s").about(std::move(text));
 }
 FieldSpec angle(std::string name, std::string text) {
-  return {std::move(name), "rad", FieldKind::level, true, false, std::move(text)};
+  return field::level(std::move(name), "rad").optional().about(std::move(text));
 }
 FieldSpec rate(std::string name) {
-  return {std::move(name), "rad/s",
-          FieldKind::rate, true,
-          false,           "angular rate of the slave with respect to inertial space, for a lever arm"};
+  return field::rate(std::move(name), "rad/s")
+      .optional()
+      .about("angular rate of the slave with respect to inertial space, for a lever arm");
 }
 
 }  // namespace
@@ -52,9 +49,9 @@ ComponentSpec VelocityMatch::spec() {
       may_read("lever_arm", "vector:3:m", "from the master to the slave, in the master's body axes").formerly("arm"),
       may_read("attitude", "attitude", "of the slave; needed with a lever arm"),
       may_read("gyro_bias", "vector:3:rad/s", "of the slave, taken off its rate; for a lever arm")};
-  spec.fields = {speed("vn", false, "of the master (MINS) over ground, north"),
-                 speed("ve", false, "of the master over ground, east"),
-                 speed("vd", true, "of the master over ground, down; needed for all axes"),
+  spec.fields = {speed("vn", "of the master (MINS) over ground, north"),
+                 speed("ve", "of the master over ground, east"),
+                 speed("vd", "of the master over ground, down; needed for all axes").optional(),
                  angle("roll", "of the master; needed with a lever arm"),
                  angle("pitch", "of the master; needed with a lever arm"),
                  angle("yaw", "of the master; needed with a lever arm"),
@@ -65,62 +62,66 @@ ComponentSpec VelocityMatch::spec() {
 }
 
 VelocityMatch::VelocityMatch(const Binding& binding)
-    : variance_(binding.parameters().vector("sigma").cwiseAbs2()),
-      rows_(binding.parameters().text("axes") == "all" ? 3 : 2),
-      has_lever_arm_(binding.is_bound("lever_arm")),
-      has_latitude_(binding.has_field(lat)) {
-  if (rows_ == 3 && !binding.has_field(vd))
-    throw ComponentError("'axes' is 'all', but the channel has no 'vd'", "/axes");
-  if (has_lever_arm_ && !binding.is_bound("attitude"))
+    : velocity_(binding.port("velocity")),
+      lever_arm_(binding.port("lever_arm")),
+      attitude_(binding.port("attitude")),
+      gyro_bias_(binding.port("gyro_bias")),
+      v_(binding.fields("vn", "ve", "vd")),
+      angles_(binding.fields("roll", "pitch", "yaw")),
+      lat_(binding.field("lat")),
+      omega_(binding.driving_rates("wx", "wy", "wz")),
+      variance_(binding.parameters().vector("sigma").cwiseAbs2()),
+      rows_(binding.parameters().text("axes") == "all" ? 3 : 2) {
+  if (rows_ == 3 && !v_[2].is_bound()) throw ComponentError("'axes' is 'all', but the channel has no 'vd'", "/axes");
+  if (lever_arm_.is_bound() && !attitude_.is_bound())
     throw ComponentError("a lever arm needs the slave's attitude: plug a block into port 'attitude'",
                          "/blocks/lever_arm");
-  for (const Field field : {roll, pitch, yaw})
-    if (has_lever_arm_ && !binding.has_field(field))
-      throw ComponentError("a lever arm needs the master's roll, pitch and yaw in the channel", "/blocks/lever_arm");
-  declaration_.max_rows = rows_;
-  declaration_.read_ports = {velocity_port};
-  if (has_lever_arm_) {
-    declaration_.read_ports.push_back(lever_arm_port);
-    declaration_.read_ports.push_back(attitude_port);
-    if (binding.is_bound("gyro_bias")) declaration_.read_ports.push_back(gyro_bias_port);
-  }
-  declaration_.groups = {{"velocity", 0, rows_, "m/s", rows_ == 3 ? static_cast<int>(velocity_port) : -1}};
+  if (lever_arm_.is_bound() && !angles_.is_bound())
+    throw ComponentError("a lever arm needs the master's roll, pitch and yaw in the channel", "/blocks/lever_arm");
+  declaration_.rows(rows_).reads(velocity_);
+  if (lever_arm_.is_bound()) declaration_.reads(lever_arm_).reads(attitude_).reads(gyro_bias_);
+  declaration_.group(rows_ == 3 ? rows::of("velocity", velocity_) : rows::these("velocity", rows_, "m/s"));
 }
 
 Vector3d VelocityMatch::earth_rate(const SampleView& sample) const {
-  return has_latitude_ ? strapdown::omega_ie_n(sample.fields[lat]) : Vector3d::Zero();
+  return lat_.is_bound() ? strapdown::omega_ie_n(sample[lat_]) : Vector3d::Zero();
 }
 
-Result VelocityMatch::linearize(const SampleView& sample, const SampleView* /*auxiliary*/, const double* const* x,
-                                const legacy::Context& context, std::byte* /*memory*/,
-                                legacy::Linearization& out) const {
-  const double* z = sample.fields;
+Result VelocityMatch::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  const MatrixView H = out.H[velocity_];
   for (int row = 0; row < rows_; ++row) {
-    if (!std::isfinite(z[row])) return Result::invalid("a velocity of the master is not finite");
-    out.residual[row] = z[row] - x[velocity_port][row];
-    out.H[0](row, row) = 1.0;
+    const double z = in.sample[v_[row]];
+    if (!std::isfinite(z)) return Result::invalid("a velocity of the master is not finite");
+    out.residual[row] = z - in.x[velocity_][row];
+    if (H) H(row, row) = 1.0;
     out.R(row, row) = variance_[row];
   }
   out.rows = rows_;
-  if (!has_lever_arm_) return Result::ok();
+  return lever_arm_.is_bound() ? add_lever_arm(in, out) : Result::ok();
+}
 
-  if (!context.driving_rates)
-    return Result::unsupported("a lever arm needs the slave's rate, and no input sample has come yet");
-  if (!vector_at<3>(z + roll).allFinite()) return Result::invalid("an angle of the master is not finite");
-  const Matrix3d C_M = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(vector_at<3>(z + roll)));
-  const Matrix3d C_S = strapdown::dcm_from_quaternion(vector_at<4>(x[attitude_port]));
-  Vector3d omega = vector_at<3>(context.driving_rates);
-  if (x[gyro_bias_port]) omega -= vector_at<3>(x[gyro_bias_port]);
-  const Vector3d omega_ib_n = C_S * omega, omega_eb_n = omega_ib_n - earth_rate(sample);
-  const Vector3d lever_arm_n = C_M * vector_at<3>(x[lever_arm_port]);
+Result VelocityMatch::add_lever_arm(const MeasurementInput& in, MeasurementOutput& out) const {
+  if (!in.u.rates) return Result::unsupported("a lever arm needs the slave's rate, and no input sample has come yet");
+  const Vector3d angles = in.sample[angles_];
+  if (!angles.allFinite()) return Result::invalid("an angle of the master is not finite");
+  const Matrix3d C_M = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles));
+  const Matrix3d C_S = strapdown::dcm_from_quaternion(in.x[attitude_].as<4>());
+  Vector3d omega = in.u.rates[omega_];
+  if (gyro_bias_.is_bound()) omega -= in.x[gyro_bias_].as<3>();
+  const Vector3d omega_ib_n = C_S * omega, omega_eb_n = omega_ib_n - earth_rate(in.sample);
+  const Vector3d lever_arm_n = C_M * in.x[lever_arm_].as<3>();
   const Vector3d turning_n = omega_eb_n.cross(lever_arm_n);
-  const Matrix3d minus_arm = skew(-lever_arm_n);
-  const Matrix3d by_arm = skew(-omega_eb_n) * C_M;
-  const Matrix3d by_attitude = minus_arm * skew(omega_ib_n);
   for (int row = 0; row < rows_; ++row) out.residual[row] += turning_n[row];
-  out.H[1].as().topRows(rows_) = by_arm.topRows(rows_);
-  out.H[2].as().topRows(rows_) = by_attitude.topRows(rows_);
-  if (declaration_.read_ports.size() > 3) out.H[3].as().topRows(rows_) = (minus_arm * C_S).topRows(rows_);
+  const Matrix3d minus_arm = skew(-lever_arm_n);
+  if (const MatrixView H = out.H[lever_arm_]) {
+    const Matrix3d by_arm = skew(-omega_eb_n) * C_M;
+    H.as() = by_arm.topRows(rows_);
+  }
+  if (const MatrixView H = out.H[attitude_]) {
+    const Matrix3d by_attitude = minus_arm * skew(omega_ib_n);
+    H.as() = by_attitude.topRows(rows_);
+  }
+  if (const MatrixView H = out.H[gyro_bias_]) H.as() = (minus_arm * C_S).topRows(rows_);
   return Result::ok();
 }
 

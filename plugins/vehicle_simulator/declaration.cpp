@@ -19,13 +19,13 @@ using namespace simulation;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-Fields deviation_fields(const std::string& quantity, const std::string& unit) {
+FieldList deviation_fields(const std::string& quantity, const std::string& unit) {
   const std::string text = "standard deviation that the receiver states for its " + quantity + ", ";
   return {level(quantity + "_sd_n", unit, text + "north"), level(quantity + "_sd_e", unit, text + "east"),
           level(quantity + "_sd_d", unit, text + "down")};
 }
 
-Fields truth_fields() {
+FieldList truth_fields() {
   return joined({position_fields(),
                  velocity_fields(),
                  attitude_fields(),

@@ -25,8 +25,8 @@ list(TRANSFORM plugins APPEND _plugin)
 install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime)
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/docs"
-  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/examples" "${PROJECT_SOURCE_DIR}/sdk/docs"
+  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE)
 
 file(GLOB documents RELATIVE "${PROJECT_SOURCE_DIR}" CONFIGURE_DEPENDS
   LICENSE *.md CITATION.cff kernel/*.md sdk/packages.txt plugins/*/README.md)

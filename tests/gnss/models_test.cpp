@@ -443,7 +443,8 @@ TEST_CASE("blocks, and an ECEF antenna as geodetic blocks") {
   const std::vector<double> r = scene.ecef(), v = scene.ecef_velocity();
   const double* x[] = {r.data(), v.data()};
   double value[3];
-  REQUIRE(legacy::evaluate(*model, x, {}, value, nullptr));
+  DerivedOutput made{{value, 3}, {}};
+  REQUIRE(model->evaluate({x, {}}, made));
   CHECK((vector_at<3>(static_cast<const double*>(value)) - scene.v_n).norm() < 1e-9);
 }
 

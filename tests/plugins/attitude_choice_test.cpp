@@ -81,7 +81,8 @@ Vector4d walked(const json& choice, int samples, double size, double duration, i
     Eigen::Matrix3d Q;
     double* out_x[] = {x_plus.data()};
     double* out_Q[] = {Q.data()};
-    REQUIRE(legacy::propagate(*model, step, x, memory.data(), {out_x, nullptr, out_Q}));
+    ProcessOutput out{out_x, {}, out_Q};
+    REQUIRE(model->propagate({step, x, {}, memory.data(), {}}, out));
     q = x_plus;
   }
   return q;

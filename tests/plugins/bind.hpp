@@ -21,7 +21,7 @@ namespace binnacle::test {
 /// Which state block each port is plugged into; a port that is not named stays open.
 using Ports = std::map<std::string, const StateBlock*>;
 
-/// What a component is bound to. `without`: optional fields that the channel lacks.
+/// What a component is bound to. `without`: optional fields that the channel lacks, inputs that stay open.
 struct Setup {
   nlohmann::json parameters = nlohmann::json::object();
   Ports ports;
@@ -29,6 +29,10 @@ struct Setup {
   int samples_per_step = 1;
   std::vector<NamedUnit> covariance = {};  // of the channel
 };
+
+inline bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 namespace detail {
 
@@ -136,8 +140,7 @@ inline std::vector<PortBinding> port_bindings(const ComponentSpec& spec, const S
 inline std::vector<bool> fields_bound(const ComponentSpec& spec, const Setup& setup) {
   std::vector<bool> bound;
   const auto add = [&](const std::vector<FieldSpec>& fields) {
-    for (const FieldSpec& field : fields)
-      bound.push_back(std::find(setup.without.begin(), setup.without.end(), field.name) == setup.without.end());
+    for (const FieldSpec& field : fields) bound.push_back(!contains(setup.without, field.name));
   };
   add(spec.fields);
   for (const ChannelPort& input : spec.inputs) add(input.fields);
@@ -151,9 +154,12 @@ template <class Component>
 std::unique_ptr<Component> bind(const Setup& setup = {}) {
   const ComponentSpec spec = Component::spec();
   const ParameterValue parameters = detail::object_value(spec.parameters, setup.parameters, setup);
-  const Binding binding("under_test", Parameters(parameters), detail::port_bindings(spec, setup),
-                        detail::fields_bound(spec, setup), setup.samples_per_step, {setup.covariance});
-  return std::make_unique<Component>(binding);
+  std::vector<bool> inputs_bound;
+  for (const ChannelPort& input : spec.inputs) inputs_bound.push_back(!contains(setup.without, input.name));
+  return std::make_unique<Component>(Binding("under_test", Parameters(parameters), detail::port_bindings(spec, setup),
+                                             detail::fields_bound(spec, setup), setup.samples_per_step,
+                                             {setup.covariance})
+                                         .of(spec, inputs_bound, true));
 }
 
 }  // namespace binnacle::test

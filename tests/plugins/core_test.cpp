@@ -39,7 +39,6 @@ void check_closed_form(const ProcessModel& model, const ComponentSpec& spec, con
     REQUIRE_NO_COMPLAINTS(check.transition(ports, step_of(dt), {}, {1e-9}));
     REQUIRE_NO_COMPLAINTS(check.noise(ports, step_of(dt), parts_of(dt, 7), {}, 1e-9));
     REQUIRE(model.declaration().has_continuous_form);
-    REQUIRE(model.declaration().is_time_invariant);
     Complaints out;
     const auto [F, GQG] = check.continuous(ports, out);
     const auto [Phi, Q] = van_loan(F, GQG, dt);
@@ -142,7 +141,8 @@ TEST_CASE("integrated: with the process of its rate it has the cross terms of Qd
   const auto integral = bind<Integrated>({{{"q", 0.3}}, {{"x", &angle}, {"rate", &drift}}, {}});
   const auto process = bind<GaussMarkov>({{{"tau", 2.0}, {"sigma", 0.5}}, {{"x", &drift}}, {}});
   REQUIRE_FALSE(integral->declaration().has_closed_form);
-  REQUIRE(legacy::propagate(*integral, step_of(1), nullptr, nullptr, {}).refusal == Refusal::failed);
+  ProcessOutput nowhere;
+  REQUIRE(integral->propagate({step_of(1), {}, {}, {}, {}}, nowhere).refusal == Refusal::failed);
   Complaints out;
   const auto [F1, Q1] = ProcessCheck(*integral, Integrated::spec()).continuous({{&angle, {1.0}}, {&drift, {2.0}}}, out);
   const auto [F2, Q2] = ProcessCheck(*process, GaussMarkov::spec()).continuous({{&drift, {2.0}}}, out);

@@ -49,10 +49,11 @@ PortState attitude_state(const AttitudeKind& kind, const Place& place) {
 }
 
 template <int Size>
-Eigen::Matrix<double, Size, 1> value_of(const DerivedBlock& model, const PortStates& ports,
-                                        const legacy::Context& context) {
+Eigen::Matrix<double, Size, 1> value_of(const DerivedBlock& model, const PortStates& ports, const Driving& u) {
   Eigen::Matrix<double, Size, 1> value;
-  REQUIRE(legacy::evaluate(model, test::detail::pointers(ports).data(), context, value.data(), nullptr));
+  const auto x = test::detail::pointers(ports);
+  DerivedOutput out{{value.data(), Size}, {}};
+  REQUIRE(model.evaluate({x.data(), u}, out));
   return value;
 }
 
@@ -122,7 +123,7 @@ TEST_CASE("lever arm velocity: Jacobians", "[frames]") {
     // The earth's rate is small: weighed up by turning slowly, so that its part of the attitude block is seen.
     for (const double share : {1.0, 1e-4}) {
       const Vector3d omega = share * place.omega;
-      const legacy::Context context{0, omega.data()};
+      const Driving context{0, omega.data()};
       PortStates ports{{&velocity, numbers(place.v_n), 1.0, 1e-13},
                        attitude_state(attitude, place),
                        {&position, numbers(place.lla), 1e4, 4e-9},
@@ -148,7 +149,8 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
                     {}};
   const auto model = bind<LeverArmVelocity>(setup);
   const PortState none{};
-  REQUIRE(legacy::evaluate(*model, nullptr, {}, nullptr, nullptr).refusal == Refusal::unsupported);
+  DerivedOutput nowhere;
+  REQUIRE(model->evaluate({}, nowhere).refusal == Refusal::unsupported);
 
   for (const Place& place : places) {
     INFO(place.name);
@@ -157,7 +159,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
     const Vector3d omega_ie_n = strapdown::omega_ie_n(place.lla[0]);
     const PortState at = position_state(position, place), attitude_at = attitude_state(attitude, place);
     const auto moving = [&](const Vector3d& v_n, const Vector3d& omega_ib_b) {
-      const legacy::Context context{0, omega_ib_b.data()};
+      const Driving context{0, omega_ib_b.data()};
       return Vector3d(value_of<3>(*model, {{&velocity, numbers(v_n)}, attitude_at, at, none, none, none}, context));
     };
     const Vector3d earth_b = C_nb.transpose() * omega_ie_n;
@@ -177,7 +179,7 @@ TEST_CASE("lever arm velocity: a turntable, a body at rest on the earth, the pat
     };
     const Vector3d chord = (point(after) - point(start)) / dt;
     const Matrix3d C_ne = strapdown::C_en(middle.lla[0], middle.lla[1]).transpose();
-    const legacy::Context context{0, place.omega.data()};
+    const Driving context{0, place.omega.data()};
     const Vector3d relative = value_of<3>(
         *model,
         {{&velocity, {0, 0, 0}}, {&attitude, numbers(middle.q_nb)}, {&position, numbers(middle.lla)}, none, none, none},

@@ -56,7 +56,7 @@ SampleView at(double t, const std::vector<double>& fields = {}) {
 }
 
 Measured measured(const MeasurementModel& model, const SampleView& sample, const PortStates& ports,
-                  const legacy::Context& context = {}) {
+                  const Driving& context = {}) {
   Complaints out;
   Measured m = linearize(model, sample, ports, context, out);
   REQUIRE_NO_COMPLAINTS(out);
@@ -113,7 +113,8 @@ TEST_CASE("nhc: its own misalignment port is that of a mounted attitude") {
   Matrix3d by_attitude, by_zeta;
   MatrixView J[] = {{by_attitude.data(), 3, 3, 3}, {by_zeta.data(), 3, 3, 3}};
   const double* x[] = {ports[1].x.data(), ports[2].x.data()};
-  REQUIRE(mounted->evaluate(x, {}, q.data(), J));
+  DerivedOutput evaluated{{q.data(), 4}, J};
+  REQUIRE(mounted->evaluate({x, {}}, evaluated));
   ports[1].x = q;
   ports[2] = {};
   const auto plain = bind<Nhc>({{{"sigma", 0.2}}, bench.with(nullptr), {}});
@@ -149,11 +150,10 @@ TEST_CASE("nhc and zupt: refusals, and samples too near to the last") {
   model->start(memory.data());
   const auto refusal = [&](const MeasurementModel& of, double t) {
     const int rows = of.declaration().max_rows;
-    std::vector<double> r(static_cast<std::size_t>(rows)), S(static_cast<std::size_t>(rows * rows)), a(9), b(9);
-    MatrixView H[] = {{a.data(), rows, 3, rows}, {b.data(), rows, 3, rows}};
-    std::int64_t row_keys[3] = {0, 1, 2};
-    legacy::Linearization out{0, r.data(), H, {S.data(), rows, rows, rows}, row_keys};
-    return legacy::linearize(of, at(t), nullptr, detail::pointers(ports).data(), {}, memory.data(), out).refusal;
+    std::vector<double> r(static_cast<std::size_t>(rows)), S(static_cast<std::size_t>(rows * rows));
+    const auto x = detail::pointers(ports);
+    MeasurementOutput out{0, {r.data(), rows}, {}, {S.data(), rows, rows, rows}};
+    return of.linearize({at(t), {}, x.data(), {}, memory.data(), {}, {}}, out).refusal;
   };
   REQUIRE(refusal(*model, 10.0) == Refusal::none);
   REQUIRE(refusal(*model, 10.5) == Refusal::unsupported);

@@ -314,8 +314,9 @@ TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_err
   const PortStates ports = bench.ports(pole);
   std::array<double, 10> x_plus;
   double* at[] = {x_plus.data(), x_plus.data() + 3, x_plus.data() + 6, nullptr, nullptr, nullptr, nullptr};
-  const Result result = legacy::propagate(*bench.model, step, test::detail::pointers(ports).data(), memory.data(),
-                                          {at, nullptr, nullptr});
+  const auto x = test::detail::pointers(ports);
+  ProcessOutput values{at, {}, {}};
+  const Result result = bench.model->propagate({step, x.data(), {}, memory.data(), {}}, values);
   REQUIRE(result.refusal == Refusal::failed);
   REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
 }

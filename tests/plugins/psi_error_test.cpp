@@ -35,19 +35,17 @@ MatrixXd in_psi(const PortStates& at) {
 }
 
 /// A model with one block of Φ multiplied: what a wrong sign in its equations makes of it.
-class Mutated final : public legacy::ProcessModel {
+class Mutated final : public ProcessModel {
  public:
   Mutated(const ProcessModel& model, int to, int from, double factor)
       : model_(model), to_(to), from_(from), factor_(factor) {}
   const ProcessDeclaration& declaration() const noexcept override { return model_.declaration(); }
-  void start(std::byte* memory) const override { model_.start(memory); }
-  Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const legacy::ProcessOutput& out) const override {
-    const Result result = legacy::propagate(model_, step, x, memory, out);
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    const Result result = model_.propagate(in, out);
     const auto& couplings = declaration().transition;
-    for (std::size_t i = 0; i < couplings.size(); ++i) {
+    for (std::size_t i = 0; out.phi && i < couplings.size(); ++i) {
       if (couplings[i].to != to_ || couplings[i].from != from_) continue;
-      auto block = matrix_at<3, 3>(out.transition[i]);
+      auto block = matrix_at<3, 3>(out.phi.pointers()[i]);
       if (to_ == from_) block -= Matrix3d::Identity();
       block *= factor_;
       if (to_ == from_) block += Matrix3d::Identity();
@@ -86,8 +84,9 @@ Long travel(const Bench& bench, PortStates ports, const std::vector<Step>& steps
   const int columns = bench.has_sensor_errors ? 21 : 9;
   MatrixXd all = MatrixXd::Identity(columns, columns), one(columns, columns);
   for (const Step& step : steps) {
-    const Result result = legacy::propagate(*bench.model, step, test::detail::pointers(ports).data(), memory.data(),
-                                            {x_at.data(), Phi_at.data(), Q_at.data()});
+    const auto x = test::detail::pointers(ports);
+    ProcessOutput out{x_at.data(), Phi_at.data(), Q_at.data()};
+    const Result result = bench.model->propagate({step, x.data(), {}, memory.data(), {}}, out);
     if (!result) throw std::runtime_error(result.reason);
     for (std::size_t i = 0; i < 3; ++i) ports[i].x = x_plus[i];
     if (!with_transition) continue;

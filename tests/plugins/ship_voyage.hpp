@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"

@@ -51,15 +51,14 @@ SampleView sample_of(const std::vector<double>& fields) {
 }
 
 /// A model whose H of one port is multiplied.
-class Mutated final : public legacy::MeasurementModel {
+class Mutated final : public MeasurementModel {
  public:
   Mutated(const MeasurementModel& model, std::size_t read, double factor)
       : model_(model), read_(read), factor_(factor) {}
   const MeasurementDeclaration& declaration() const noexcept override { return model_.declaration(); }
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context& context, std::byte* memory, legacy::Linearization& out) const override {
-    const Result result = legacy::linearize(model_, sample, auxiliary, x, context, memory, out);
-    if (result) out.H[read_].as() *= factor_;
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    const Result result = model_.linearize(in, out);
+    if (result && out.H) out.H.pointers()[declaration().read_ports[read_]].as() *= factor_;
     return result;
   }
 
@@ -258,13 +257,9 @@ TEST_CASE("dcm_match: the chord is right to second order in errors of attitude a
     double r[3], H_psi[9] = {}, H_mu[9] = {}, R[9] = {};
     std::int64_t keys[3] = {};
     const MatrixView H[] = {{H_psi, 3, 3, 3}, {H_mu, 3, 3, 3}};
-    legacy::Linearization out;
-    out.residual = r;
-    out.H = H;
-    out.R = {R, 3, 3, 3};
-    out.row_keys = keys;
+    MeasurementOutput out{0, {r, 3}, H, {R, 3, 3, 3}, keys};
     const double* x[] = {q_nS.data(), q_SM.data()};
-    REQUIRE(legacy::linearize(*model, sample_of(values(shown)), nullptr, x, {}, nullptr, out));
+    REQUIRE(model->linearize({sample_of(values(shown)), {}, x, {}, {}, {}, {}}, out));
     return (vector_at<3>(r) - H[0].as<3, 3>() * psi - H[1].as<3, 3>() * mu).norm();
   };
   CHECK(miss("tangent") > 1e-4);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/memory.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
@@ -77,8 +78,6 @@ class BlockView {
   Structure structure_ = Structure::dense;
 };
 
-namespace detail {
-
 /// A block that a ProcessDeclaration lists.
 class BlockHandle {
  public:
@@ -100,15 +99,13 @@ class BlockHandle {
   Structure structure_ = Structure::dense;
 };
 
-}  // namespace detail
-
 /// Handle of a block of Φ (of F in linearized()), from ProcessDeclaration::couples().
-class PhiBlock : public detail::BlockHandle {
-  using detail::BlockHandle::BlockHandle;
+class PhiBlock : public BlockHandle {
+  using BlockHandle::BlockHandle;
 };
 /// Handle of a block of Qd (of GQGᵀ in linearized()), from ProcessDeclaration::adds_noise().
-class QBlock : public detail::BlockHandle {
-  using detail::BlockHandle::BlockHandle;
+class QBlock : public BlockHandle {
+  using BlockHandle::BlockHandle;
 };
 
 /// Blocks by handle: `phi[phi_pv]`.
@@ -139,7 +136,7 @@ struct ProcessDeclaration : MemoryDeclaration {
   std::vector<Coupling> noise;       // between advanced ports, one of (a, b) and (b, a) at most; the kernel mirrors it
   bool has_closed_form = true;       // propagate() is implemented
   bool has_continuous_form = false;  // linearized() is implemented: a linear model
-  bool is_time_invariant = false;    // linearized() depends on neither x nor u
+  Differentiation differentiation = Differentiation::by_hand;
 
   /// Φ has a block with the rows of `to`, which is advanced, and the columns of `from`. Of an open port: nothing.
   PhiBlock couples(Port to, Port from, Structure structure = Structure::dense) {
@@ -159,6 +156,12 @@ struct ProcessDeclaration : MemoryDeclaration {
   ProcessDeclaration& only_continuous() {
     has_closed_form = false;
     has_continuous_form = true;
+    return *this;
+  }
+
+  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
+  ProcessDeclaration& differentiated_by(Differentiation how) {
+    differentiation = how;
     return *this;
   }
 

@@ -155,6 +155,12 @@ Json port_names(const FilterPlan& filter, const std::vector<int>& values) {
   return names;
 }
 
+/// Only where it is not by hand.
+void explain_jacobians(Differentiation how, Json& entry) {
+  if (how == Differentiation::dual_numbers) entry["jacobians"] = "dual numbers";
+  if (how == Differentiation::differences) entry["jacobians"] = "differences";
+}
+
 Json explain_derived(const FilterPlan& filter) {
   Json derived = Json::array();
   for (const auto& value : filter.derived) {
@@ -165,6 +171,7 @@ Json explain_derived(const FilterPlan& filter) {
                        {"kind", value.derived->declaration().kind},
                        {"reads", port_names(filter, value.ports)},
                        {"depends_on", std::move(depends)}});
+    explain_jacobians(value.derived->declaration().differentiation, derived.back());
   }
   return derived;
 }
@@ -183,6 +190,7 @@ Json explain_processes(const CompositionPlan& plan, const FilterPlan& filter) {
     Json entry{{"name", process.name}, {"type", process.type}, {"advances", advances}, {"reads", reads}};
     if (process.uses_input) entry["input"] = plan.channels[as_size(filter.input_channel)].name;
     if (process.van_loan_group >= 0) entry["discretized_with_group"] = process.van_loan_group;
+    explain_jacobians(process.model->declaration().differentiation, entry);
     processes.push_back(std::move(entry));
   }
   return processes;
@@ -193,11 +201,13 @@ Json explain_measurements(const CompositionPlan& plan, const FilterPlan& filter)
   Json measurements = Json::array();
   for (const auto& measurement : filter.measurements) {
     Json parts = Json::array();
-    for (const auto& part : measurement.parts)
+    for (const auto& part : measurement.parts) {
       parts.push_back({{"name", part.name},
                        {"type", part.type},
                        {"reads", port_names(filter, part.ports)},
                        {"columns", explain_columns(filter, part)}});
+      explain_jacobians(part.model->declaration().differentiation, parts.back());
+    }
     Json entry{{"name", measurement.name},
                {"channel", plan.channels[as_size(measurement.channel)].name},
                {"max_rows", measurement.max_rows},

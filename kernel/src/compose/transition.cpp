@@ -172,11 +172,9 @@ class TransitionBuilder {
   void add_group(const std::vector<int>& members) {
     VanLoanGroup group;
     group.processes = members;
-    group.is_time_invariant = true;
     for (const int member : members) {
       auto& process = plan_.processes[as_size(member)];
       process.van_loan_group = static_cast<int>(plan_.van_loan.size());
-      group.is_time_invariant = group.is_time_invariant && process.model->declaration().is_time_invariant;
     }
     add_declared(members, number_columns(members, group), group);
     add_reachable(group);

@@ -34,9 +34,8 @@ struct VanLoanGroup {
   std::vector<Block> noise;     // GQGᵀ as the models write it
   std::vector<Block> phi;       // the discrete blocks that are made of them
   std::vector<Block> qd;
-  int rows = 0;     // Σ dof of advanced
-  int columns = 0;  // rows + Σ dof of read
-  bool is_time_invariant = false;
+  int rows = 0;          // Σ dof of advanced
+  int columns = 0;       // rows + Σ dof of read
   std::size_t work = 0;  // offset in the workspace: van_loan_doubles(columns)
 };
 

@@ -39,7 +39,7 @@ class Counting : public NoiseEstimator {
 };
 
 /// y = (x0² , x0 x1): a chain with a state-dependent Jacobian.
-class Square : public legacy::DerivedBlock {
+class Square : public DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -50,26 +50,27 @@ class Square : public legacy::DerivedBlock {
     spec.example = R"({"blocks": {"x": "x"}})";
     return spec;
   }
-  explicit Square(const Binding&) { declaration_ = {"vector:2:m^2", 2, {{"x", "m^2"}, {"y", "m^2"}}, {0}}; }
-  const DerivedDeclaration& declaration() const noexcept override { return declaration_; }
-  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
-    const double a = x[0][0], b = x[0][1];
-    value[0] = a * a;
-    value[1] = a * b;
-    if (J) {
-      J[0](0, 0) = 2 * a;
-      J[0](1, 0) = b;
-      J[0](1, 1) = a;
+  explicit Square(const Binding& binding) : x_(binding.port("x")) {
+    declaration_.yields("vector:2:m^2", 2, {{"x", "m^2"}, {"y", "m^2"}}).reads(x_);
+  }
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override {
+    const double a = in.x[x_][0], b = in.x[x_][1];
+    out.value[0] = a * a;
+    out.value[1] = a * b;
+    if (const MatrixView J = out.J[x_]) {
+      J(0, 0) = 2 * a;
+      J(1, 0) = b;
+      J(1, 1) = a;
     }
     return Result::ok();
   }
 
  private:
-  DerivedDeclaration declaration_;
+  Port x_;
 };
 
 /// Breaks on purpose after `after` seconds.
-class Breaking : public legacy::ProcessModel {
+class Breaking : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -84,62 +85,60 @@ class Breaking : public legacy::ProcessModel {
   explicit Breaking(const Binding& binding)
       : after_(binding.parameters().time("after")),
         politely_(binding.parameters().boolean("politely")),
-        dof_(binding.block("x").dof) {
+        x_(binding.port("x")) {
     binding.tell("breaks after", seconds(after_), "s");
     if (!politely_) binding.note("it breaks without a word");
   }
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  Result propagate(const Step& step, const double* const* x, std::byte*,
-                   const legacy::ProcessOutput& out) const override {
-    const bool breaks = step.t1 > after_;
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    const bool breaks = in.step.t1 > after_;
     if (breaks && politely_) return Result::failed("it is too late");
-    for (int i = 0; i < dof_; ++i) out.x_plus[0][i] = breaks ? std::nan("") : x[0][i];
+    for (int i = 0; i < x_.dof(); ++i) out.x[x_][i] = breaks ? std::nan("") : in.x[x_][i];
     return Result::ok();
   }
 
  private:
   Time after_;
   bool politely_;
-  int dof_;
-  ProcessDeclaration declaration_;
+  Port x_;
 };
 
 /// z = x, refused below 0 (unsupported) and above 100 (invalid); NaN residual at exactly 50.
-class Picky : public legacy::MeasurementModel {
+class Picky : public MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "picky";
     spec.summary = "Refuses some samples.";
     spec.ports = {reads("x", "vector:1:*", "what is seen")};
-    spec.fields = {{"z", "", FieldKind::level, false, false, "the value"}};
+    spec.fields = {field::level("z", "").about("the value")};
     spec.example = R"({"channel": "z", "blocks": {"x": "x"}})";
     return spec;
   }
-  explicit Picky(const Binding&) {
-    declaration_.max_rows = 1;
-    declaration_.read_ports = {0};
-    declaration_.memory_bytes = sizeof(double);
+  explicit Picky(const Binding& binding)
+      : x_(binding.port("x")), z_(binding.field("z")), calls_(declaration_.keeps<double>()) {
+    declaration_.rows(1).reads(x_);
   }
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
-                   std::byte* memory, legacy::Linearization& out) const override {
-    *reinterpret_cast<double*>(memory) += 1;  // kept only when accepted
-    if (sample.fields[0] < 0) return Result::unsupported("it is negative");
-    if (sample.fields[0] > 100) return Result::invalid("it is too large");
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    double& calls = in.memory[calls_];
+    calls += 1;  // kept only when accepted
+    const double z = in.sample[z_];
+    if (z < 0) return Result::unsupported("it is negative");
+    if (z > 100) return Result::invalid("it is too large");
     out.rows = 1;
-    out.residual[0] = sample.fields[0] == 50 ? std::nan("") : sample.fields[0] - x[0][0];
-    out.H[0](0, 0) = 1;
-    out.R(0, 0) = *reinterpret_cast<double*>(memory);
+    out.residual[0] = z == 50 ? std::nan("") : z - in.x[x_][0];
+    if (const MatrixView H = out.H[x_]) H(0, 0) = 1;
+    out.R(0, 0) = calls;
     return Result::ok();
   }
 
  private:
-  MeasurementDeclaration declaration_;
+  Port x_;
+  Field z_;
+  Memory<double> calls_;
 };
 
 /// Every row of the sample sees z = x0 + slope · x1, with a variance of its own; as many rows as there are.
-class Rows : public legacy::MeasurementModel {
+class Rows : public MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -147,32 +146,34 @@ class Rows : public legacy::MeasurementModel {
     spec.summary = "As many rows as the sample has.";
     spec.ports = {reads("x", "vector:2:*", "what is seen")};
     for (const char* name : {"key", "z", "slope", "variance"})
-      spec.fields.push_back({name, "", FieldKind::level, false, true, "per row"});
+      spec.fields.push_back(field::level(name, "").per_row().about("per row"));
     spec.example = R"({"channel": "z", "blocks": {"x": "x"}})";
     return spec;
   }
-  explicit Rows(const Binding&) {
-    declaration_.max_rows = 8;
-    declaration_.read_ports = {0};
-    declaration_.groups = {{"seen", 0, 0, "m", -1}};
+  explicit Rows(const Binding& binding)
+      : x_(binding.port("x")),
+        key_(binding.row_field("key")),
+        z_(binding.row_field("z")),
+        slope_(binding.row_field("slope")),
+        variance_(binding.row_field("variance")) {
+    declaration_.rows(8).reads(x_).group(rows::like("seen", "m"));
   }
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
-                   std::byte*, legacy::Linearization& out) const override {
-    out.rows = sample.rows;
-    for (int i = 0; i < sample.rows; ++i) {
-      const double* row = sample.row_fields + 4 * i;
-      out.row_keys[i] = static_cast<std::int64_t>(row[0]);
-      out.residual[i] = row[1] - x[0][0] - row[2] * x[0][1];
-      out.H[0](i, 0) = 1;
-      out.H[0](i, 1) = row[2];
-      out.R(i, i) = row[3];
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    out.rows = in.sample.rows;
+    const ConstVectorView x = in.x[x_];
+    for (int i = 0; i < out.rows; ++i) {
+      const double slope = in.sample(i, slope_);
+      out.row_keys[static_cast<std::size_t>(i)] = static_cast<std::int64_t>(in.sample(i, key_));
+      out.residual[i] = in.sample(i, z_) - x[0] - slope * x[1];
+      if (const MatrixView H = out.H[x_]) H(i, 0) = 1, H(i, 1) = slope;
+      out.R(i, i) = in.sample(i, variance_);
     }
     return Result::ok();
   }
 
  private:
-  MeasurementDeclaration declaration_;
+  Port x_;
+  RowField key_, z_, slope_, variance_;
 };
 
 }  // namespace

@@ -83,7 +83,7 @@ class Thrower final : public Source {
 };
 
 /// A process model without any state of its own.
-class Rest final : public legacy::ProcessModel {
+class Rest final : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -95,10 +95,6 @@ class Rest final : public legacy::ProcessModel {
     return spec;
   }
   explicit Rest(const Binding&) {}
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-
- private:
-  ProcessDeclaration declaration_;
 };
 
 }  // namespace loader_test

@@ -25,17 +25,18 @@ using strapdown::NoiseBlocks;
 using strapdown::Order;
 using strapdown::TransitionBlocks;
 
-enum Port { position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, accel_scale };
+/// Ports, in the order of the spec and of the error state.
+enum Place { position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, accel_scale };
+constexpr std::array place_names = {"position",   "velocity",   "attitude",   "gyro_bias",
+                                    "accel_bias", "gyro_scale", "accel_scale"};
 
 constexpr double least_cos_lat = 1e-5;  // 64 m from a pole
 constexpr const char* near_pole =
     "north-east-down axes have no meaning at a pole, which the position came within 64 m of";
 
-static_assert(std::is_trivially_copyable_v<SampleMemory>, "the arena is copied as bytes");
-
 /// Where the blocks of the error model stand. Those whose least order is the second vanish in a first-order transition.
 struct TransitionPlace {
-  Port to, from;
+  Place to, from;
   Matrix3d TransitionBlocks::*block;
   Order least_order;
 };
@@ -63,7 +64,7 @@ constexpr TransitionPlace transition_places[] = {
 
 /// Q to first order is A dt and G dt alone.
 struct NoisePlace {
-  Port to, from;
+  Place to, from;
   Matrix3d NoiseBlocks::*block;
   Order least_order;
 };
@@ -74,19 +75,10 @@ constexpr NoisePlace noise_places[] = {
 };
 
 /// Of an attitude that moves alone: itself and the gyros.
-constexpr bool turns_attitude(Port from) { return from == attitude || from == gyro_bias || from == gyro_scale; }
+constexpr bool turns_attitude(Place from) { return from == attitude || from == gyro_bias || from == gyro_scale; }
 
 FieldSpec increment_field(std::string name, std::string unit, std::string text) {
-  return {std::move(name), std::move(unit), FieldKind::increment, false, false, std::move(text)};
-}
-
-strapdown::SensorErrors sensor_errors(const double* const* x) {
-  strapdown::SensorErrors errors;
-  if (x[gyro_bias]) errors.gyro_bias = vector_at<3>(x[gyro_bias]);
-  if (x[accel_bias]) errors.accel_bias = vector_at<3>(x[accel_bias]);
-  if (x[gyro_scale]) errors.gyro_scale = vector_at<3>(x[gyro_scale]);
-  if (x[accel_scale]) errors.accel_scale = vector_at<3>(x[accel_scale]);
-  return errors;
+  return field::increment(std::move(name), std::move(unit)).about(std::move(text));
 }
 
 strapdown::MeanRates corrected(const strapdown::MeanRates& measured, const strapdown::SensorErrors& errors) {
@@ -153,13 +145,13 @@ void InertialProcess::describe(ComponentSpec& spec) {
           .about("of the transition matrix in the step: I + F dt, or with F^2 dt^2/2 (and Q likewise)"),
       attitude::choice_parameter(),
   };
-  spec.ports = {advances("position", "position", "of the inertial sensor"),
-                advances("velocity", "velocity.ned", "of the inertial sensor over ground"),
-                advances("attitude", "attitude", "of the sensor's (body) axes"),
-                may_read("gyro_bias", "vector:3:rad/s", "measured = (1 + scale) true + bias"),
-                may_read("accel_bias", "vector:3:m/s^2", "measured = (1 + scale) true + bias"),
-                may_read("gyro_scale", "vector:3:1", "scale factor error of the gyros"),
-                may_read("accel_scale", "vector:3:1", "scale factor error of the accelerometers")};
+  spec.ports = {advances("position", "position").about("of the inertial sensor"),
+                advances("velocity", "velocity.ned").about("of the inertial sensor over ground"),
+                advances("attitude", "attitude").about("of the sensor's (body) axes"),
+                reads("gyro_bias", "vector:3:rad/s").optional().about("measured = (1 + scale) true + bias"),
+                reads("accel_bias", "vector:3:m/s^2").optional().about("measured = (1 + scale) true + bias"),
+                reads("gyro_scale", "vector:3:1").optional().about("scale factor error of the gyros"),
+                reads("accel_scale", "vector:3:1").optional().about("scale factor error of the accelerometers")};
   for (const char* axis : {"x", "y", "z"})
     spec.fields.push_back(increment_field(std::string("w") + axis, "rad",
                                           "integral of the angular rate with respect to inertial space, body axes"));
@@ -172,46 +164,60 @@ InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
   algorithm_ = attitude::read_choice(binding);
   density_.gyro = binding.parameters().vector("gyro_noise").cwiseAbs2();
   density_.accel = binding.parameters().vector("accel_noise").cwiseAbs2();
-  for (const Port port : {gyro_bias, accel_bias, gyro_scale, accel_scale})
-    has_sensor_errors_ = has_sensor_errors_ || binding.ports()[static_cast<std::size_t>(port)].bound;
-  declaration_.memory_bytes = sizeof(SampleMemory);
-  declare_transition(binding);
+  for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i] = binding.port(place_names[i]);
+  for (const Place place : {gyro_bias, accel_bias, gyro_scale, accel_scale})
+    has_sensor_errors_ = has_sensor_errors_ || ports_[place].is_bound();
+  fields_ = {binding.fields("wx", "wy", "wz"), binding.fields("fx", "fy", "fz")};
+  memory_ = declaration_.keeps<SampleMemory>();
+  declare_transition();
   declare_noise();
 }
 
-void InertialProcess::declare_transition(const Binding& binding) {
+strapdown::SensorErrors InertialProcess::sensor_errors(const PortValues& x) const {
+  strapdown::SensorErrors errors;
+  if (const auto bias = x[ports_[gyro_bias]]) errors.gyro_bias = bias.as<3>();
+  if (const auto bias = x[ports_[accel_bias]]) errors.accel_bias = bias.as<3>();
+  if (const auto scale = x[ports_[gyro_scale]]) errors.gyro_scale = scale.as<3>();
+  if (const auto scale = x[ports_[accel_scale]]) errors.accel_scale = scale.as<3>();
+  return errors;
+}
+
+void InertialProcess::declare_transition() {
   for (const auto& place : transition_places) {
     const bool vanishes = (place.least_order == Order::second && order_ == Order::first) ||
                           (model_.attitude_moves_alone && place.to == attitude && !turns_attitude(place.from));
-    if (vanishes || !binding.ports()[static_cast<std::size_t>(place.from)].bound) continue;
-    transition_[declaration_.transition.size()] = place.block;
-    declaration_.transition.push_back({place.to, place.from, Structure::dense});
+    if (vanishes) continue;
+    const PhiBlock block = declaration_.couples(ports_[place.to], ports_[place.from]);
+    if (block.is_declared()) transition_.push_back({block, place.block, place.to == place.from});
   }
 }
 
 void InertialProcess::declare_noise() {
   for (const auto& place : noise_places) {
     if (place.least_order == Order::second && order_ == Order::first) continue;
-    noise_[declaration_.noise.size()] = place.block;
-    declaration_.noise.push_back({place.to, place.from, Structure::dense});
+    noise_.push_back({declaration_.adds_noise(ports_[place.to], ports_[place.from]), place.block});
   }
 }
 
-Result InertialProcess::propagate(const Step& step, const double* const* x, std::byte* memory,
-                                  const legacy::ProcessOutput& out) const {
-  const strapdown::SensorErrors errors = sensor_errors(x);
-  strapdown::Navigation nav{vector_at<3>(x[position]), vector_at<3>(x[velocity]), vector_at<4>(x[attitude])};
-  SampleMemory remembered = SampleMemory::load(memory);
+Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  const strapdown::SensorErrors errors = sensor_errors(in.x);
+  strapdown::Navigation nav{in.x[ports_[position]].as<3>(), in.x[ports_[velocity]].as<3>(),
+                            in.x[ports_[attitude]].as<4>()};
+  const bool wants_errors = out.phi || out.Qd;
+  SampleMemory remembered = in.memory[memory_];
   std::optional<Folded> folded;
   bool is_moved = false;
-  for (auto rest = step.samples; !rest.empty();) {
+  for (auto rest = in.step.samples; !rest.empty();) {
     SampleGroup group;
-    if (!group.take(rest, algorithm_.samples(), SensorFields::gyro_and_accelerometer))
-      return Result::failed(SampleGroup::implausible);
+    if (!group.take(rest, algorithm_.samples(), fields_)) return Result::failed(SampleGroup::implausible);
     if (group.count() == 0) continue;
     const strapdown::BodyMotion body = motion(group, errors, remembered);
     const strapdown::Step advanced = strapdown::step(nav, body, algorithm_.update());
     if (!(advanced.mid.cos_lat > least_cos_lat)) return Result::failed(near_pole);
+    if (!wants_errors) {
+      nav = advanced.nav;
+      continue;
+    }
     const strapdown::InputSensitivity input = input_sensitivity(correct(group.sum(), errors), errors);
     const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
                                 strapdown::process_noise(advanced.mid, density_)};
@@ -224,10 +230,10 @@ Result InertialProcess::propagate(const Step& step, const double* const* x, std:
     }
     is_moved = true;
   }
-  remembered.save(memory);
-  vector_at<3>(out.x_plus[position]) = nav.lla;
-  vector_at<3>(out.x_plus[velocity]) = nav.v_n;
-  vector_at<4>(out.x_plus[attitude]) = nav.q_nb;
+  in.memory[memory_] = remembered;
+  out.x[ports_[position]].as<3>() = nav.lla;
+  out.x[ports_[velocity]].as<3>() = nav.v_n;
+  out.x[ports_[attitude]].as<4>() = nav.q_nb;
   if (!is_moved) {
     write_identity(out);
   } else if (folded) {
@@ -254,20 +260,19 @@ strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const st
   return body_motion(std::span(increments).first(group.count()), algorithm_);
 }
 
-void InertialProcess::write(const Linearized& linearized, const legacy::ProcessOutput& out) const {
-  for (std::size_t i = 0; i < declaration_.transition.size(); ++i)
-    matrix_at<3, 3>(out.transition[i]) = linearized.transition.*transition_[i];
-  for (std::size_t i = 0; i < declaration_.noise.size(); ++i)
-    matrix_at<3, 3>(out.noise[i]) = linearized.noise.*noise_[i];
+void InertialProcess::write(const Linearized& linearized, const ProcessOutput& out) const {
+  if (out.phi)
+    for (const auto& [place, block, is_own] : transition_) out.phi[place].as<3, 3>() = linearized.transition.*block;
+  if (out.Qd)
+    for (const auto& [place, block] : noise_) out.Qd[place].as<3, 3>() = linearized.noise.*block;
 }
 
-void InertialProcess::write_identity(const legacy::ProcessOutput& out) const {
-  for (std::size_t i = 0; i < declaration_.transition.size(); ++i) {
-    auto block = matrix_at<3, 3>(out.transition[i]);
-    block.setZero();
-    if (declaration_.transition[i].to == declaration_.transition[i].from) block.setIdentity();
-  }
-  for (std::size_t i = 0; i < declaration_.noise.size(); ++i) matrix_at<3, 3>(out.noise[i]).setZero();
+void InertialProcess::write_identity(const ProcessOutput& out) const {
+  if (out.phi)
+    for (const auto& [place, block, is_own] : transition_)
+      is_own ? out.phi[place].set_identity() : out.phi[place].set_zero();
+  if (out.Qd)
+    for (const auto& [place, block] : noise_) out.Qd[place].set_zero();
 }
 
 }  // namespace binnacle::inertial

@@ -10,35 +10,35 @@ FieldSpec level(std::string name, std::string unit, std::string text) {
   return {std::move(name), std::move(unit), FieldKind::level, false, false, std::move(text)};
 }
 
-Fields joined(std::initializer_list<Fields> parts) {
-  Fields all;
-  for (const Fields& part : parts) all.insert(all.end(), part.begin(), part.end());
+FieldList joined(std::initializer_list<FieldList> parts) {
+  FieldList all;
+  for (const FieldList& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
 }
 
-Fields triad(const std::string& prefix, const std::string& unit, const std::string& text) {
+FieldList triad(const std::string& prefix, const std::string& unit, const std::string& text) {
   return {level(prefix + "x", unit, text + ", body x (forward)"), level(prefix + "y", unit, text + ", body y (right)"),
           level(prefix + "z", unit, text + ", body z (down)")};
 }
 
-Fields position_fields() {
+FieldList position_fields() {
   return {level("lat", "rad", "geodetic latitude, WGS-84"), level("lon", "rad", "longitude, east positive"),
           level("height", "m", "above the ellipsoid")};
 }
 
-Fields velocity_fields() {
+FieldList velocity_fields() {
   return {level("vn", "m/s", "velocity over ground, north"), level("ve", "m/s", "velocity over ground, east"),
           level("vd", "m/s", "velocity over ground, down")};
 }
 
-Fields attitude_fields() {
+FieldList attitude_fields() {
   return {level("roll", "rad", "right side down positive"), level("pitch", "rad", "nose up positive"),
           level("yaw", "rad", "heading of body x, from north to east")};
 }
 
-Fields imu_fields(bool emits_rates) {
-  Fields fields = joined({triad("w", emits_rates ? "rad/s" : "rad", "angular rate against inertial space"),
-                          triad("f", emits_rates ? "m/s^2" : "m/s", "specific force")});
+FieldList imu_fields(bool emits_rates) {
+  FieldList fields = joined({triad("w", emits_rates ? "rad/s" : "rad", "angular rate against inertial space"),
+                             triad("f", emits_rates ? "m/s^2" : "m/s", "specific force")});
   for (FieldSpec& field : fields) field.kind = emits_rates ? FieldKind::rate : FieldKind::increment;
   return fields;
 }

@@ -7,10 +7,7 @@ namespace {
 
 class Animal final : public faulty::Process {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) {
-    declared.has_continuous_form = true;
-    declared.is_time_invariant = true;
-  }
+  explicit Animal(const binnacle::Binding& binding) : Process(binding) { declared.has_continuous_form = true; }
   void linearized(const double* const*, const binnacle::legacy::ContinuousOutput& out) const override {
     for (int i = 0; i < 2; ++i) {
       out.dynamics[0][i] = 1;

@@ -5,17 +5,18 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "attitude/algorithm.hpp"
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/spec.hpp"
+#include "inertial/sample_memory.hpp"
 #include "strapdown/error_model.hpp"
 #include "strapdown/mechanization.hpp"
 
 namespace binnacle::inertial {
 
 class SampleGroup;
-class SampleMemory;
 
 /// The error model of one sample, or of a group of them.
 struct Linearized {
@@ -46,11 +47,9 @@ struct ErrorModel {
 ///
 /// Several updates in one step are folded: Φ = Φ_n … Φ_1, Q = Φ_n Q Φ_nᵀ + Q_n. Blocks of such a product which the
 /// declaration lacks are of the order that is neglected anyway.
-class InertialProcess : public legacy::ProcessModel {
+class InertialProcess : public ProcessModel {
  public:
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  Result propagate(const Step& step, const double* const* x, std::byte* memory,
-                   const legacy::ProcessOutput& out) const override;
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override;
 
  protected:
   /// Adds parameters, ports and fields that every such model has.
@@ -58,20 +57,30 @@ class InertialProcess : public legacy::ProcessModel {
   InertialProcess(const Binding& binding, ErrorModel model);
 
  private:
-  /// Which block of the error model stands at a place of the declaration.
-  using TransitionBlock = Eigen::Matrix3d strapdown::TransitionBlocks::*;
-  using NoiseBlock = Eigen::Matrix3d strapdown::NoiseBlocks::*;
+  /// A declared block, and which of the error model's stands there.
+  struct Transition {
+    PhiBlock place;
+    Eigen::Matrix3d strapdown::TransitionBlocks::*block;
+    bool is_own;  // of a port on itself
+  };
+  struct Noise {
+    QBlock place;
+    Eigen::Matrix3d strapdown::NoiseBlocks::*block;
+  };
 
   strapdown::BodyMotion motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
                                SampleMemory& remembered) const;
-  void declare_transition(const Binding& binding);
+  strapdown::SensorErrors sensor_errors(const PortValues& x) const;
+  void declare_transition();
   void declare_noise();
-  void write(const Linearized& linearized, const legacy::ProcessOutput& out) const;
-  void write_identity(const legacy::ProcessOutput& out) const;
+  void write(const Linearized& linearized, const ProcessOutput& out) const;
+  void write_identity(const ProcessOutput& out) const;
 
-  ProcessDeclaration declaration_;
-  std::array<TransitionBlock, 19> transition_{};  // as many as declaration_.transition
-  std::array<NoiseBlock, 6> noise_{};             // as many as declaration_.noise
+  std::array<Port, 7> ports_;
+  SensorFields fields_;
+  Memory<SampleMemory> memory_;
+  std::vector<Transition> transition_;
+  std::vector<Noise> noise_;
   ErrorModel model_;
   strapdown::Order order_;
   attitude::Algorithm algorithm_;

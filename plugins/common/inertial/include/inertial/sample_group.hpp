@@ -7,7 +7,7 @@
 #include <span>
 
 #include "attitude/rotation_vector.hpp"
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "inertial/sample_memory.hpp"
 #include "strapdown/mechanization.hpp"
 
@@ -22,7 +22,7 @@ class SampleGroup {
   /// Takes up to `most` whole samples from the front of `rest`, or one fragment; what has no length is passed over. Samples
   /// of less than half or more than twice the first one's length begin a group of their own: a polynomial through lengths as
   /// unequal as 1:1:30:1 has weights in the hundreds. False: a sample is implausible.
-  bool take(std::span<const InputSample>& rest, int most, SensorFields fields) {
+  bool take(std::span<const InputSample>& rest, int most, const SensorFields& fields) {
     while (!rest.empty() && count_ < static_cast<std::size_t>(most)) {
       const InputSample& sample = rest.front();
       if (sample.is_fragment() && count_ > 0) return true;

@@ -2,17 +2,17 @@
 // What an inertial process remembers between steps, as plain bytes for the arena.
 #pragma once
 
-#include <cstddef>
-#include <cstring>
-
-#include "binnacle/legacy.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/view.hpp"
 #include "strapdown/mechanization.hpp"
 
 namespace binnacle::inertial {
 
-/// What the fields of a sample are: increments of the gyros, and behind them of the accelerometers.
-enum class SensorFields { gyro, gyro_and_accelerometer };
+/// The increments of a sample. Without accelerometers dv stays as it is made: not bound.
+struct SensorFields {
+  Fields<3> dtheta;  // rad
+  Fields<3> dv;      // m/s
+};
 
 /// The neighbours of the sample to come, as measured, and the sample last begun. All zero: nothing is known.
 ///
@@ -20,19 +20,12 @@ enum class SensorFields { gyro, gyro_and_accelerometer };
 /// were corrected differently would show a change of the estimate as a motion.
 class SampleMemory {
  public:
-  static SampleMemory load(const std::byte* memory) {
-    SampleMemory m;
-    std::memcpy(&m, memory, sizeof m);
-    return m;
-  }
-  void save(std::byte* memory) const { std::memcpy(memory, this, sizeof *this); }
-
-  /// The increment of a sample or fragment, told from which whole sample it was cut.
-  static strapdown::Increment increment(const InputSample& sample, SensorFields fields) {
+  /// The increment of a sample or fragment, with the place of a fragment in its whole sample.
+  static strapdown::Increment increment(const InputSample& sample, const SensorFields& fields) {
     strapdown::Increment increment;
     increment.dt = sample.dt;
-    increment.dtheta = vector_at<3>(sample.fields);
-    if (fields == SensorFields::gyro_and_accelerometer) increment.dv = vector_at<3>(sample.fields + 3);
+    increment.dtheta = sample[fields.dtheta];
+    if (fields.dv.is_bound()) increment.dv = sample[fields.dv];
     if (sample.is_fragment()) {
       // Labels may differ from the length the numbers belong to (a fixed `interval`): scale by the label's share.
       const double per_label = sample.dt / static_cast<double>(sample.t1 - sample.t0);

@@ -13,17 +13,17 @@
 
 namespace binnacle::simulation {
 
-using Fields = std::vector<FieldSpec>;
+using FieldList = std::vector<FieldSpec>;
 
 FieldSpec level(std::string name, std::string unit, std::string text);
-Fields joined(std::initializer_list<Fields> parts);
+FieldList joined(std::initializer_list<FieldList> parts);
 /// PREFIXx, PREFIXy, PREFIXz in body axes.
-Fields triad(const std::string& prefix, const std::string& unit, const std::string& text);
-Fields position_fields();  // lat lon height
-Fields velocity_fields();  // vn ve vd
-Fields attitude_fields();  // roll pitch yaw
+FieldList triad(const std::string& prefix, const std::string& unit, const std::string& text);
+FieldList position_fields();  // lat lon height
+FieldList velocity_fields();  // vn ve vd
+FieldList attitude_fields();  // roll pitch yaw
 /// wx wy wz fx fy fz, as rates or as increments.
-Fields imu_fields(bool emits_rates);
+FieldList imu_fields(bool emits_rates);
 /// position.*, velocity.*, attitude.*, each north, east, down.
 std::vector<NamedUnit> navigation_covariance();
 

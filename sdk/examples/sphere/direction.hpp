@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// A direction as a state block.
+#pragma once
+
+#include <binnacle/plugin.hpp>
+
+#include <cmath>
+
+#include "s2.hpp"
+
+/// Kind "direction": three numbers of length one, two degrees of freedom [rad].
+class Direction final : public binnacle::StateBlock {
+ public:
+  static binnacle::ComponentSpec spec() {
+    binnacle::ComponentSpec spec;
+    spec.type = "direction";
+    spec.summary = "A direction: a point of the unit sphere, its error in the plane that touches it.";
+    spec.source = "Hertzberg, Wagner, Frese, Schroeder, Integrating generic sensor fusion algorithms, 2013, section 3";
+    spec.kind = "direction";
+    spec.example = R"json({"init": {"x": 0, "y": 0.6, "z": 0.8}, "sigma": "5 deg"})json";
+    return spec;
+  }
+
+  explicit Direction(const binnacle::Binding&) {
+    using binnacle::output;
+    declaration_.kind = "direction";
+    declaration_.stored_size = 3;
+    declaration_.error = {{"first", "rad"}, {"second", "rad"}};
+    for (const char* axis : {"x", "y", "z"})
+      declaration_.outputs.push_back(output(axis, "1").unscored().about("component of the unit vector"));
+    declaration_.norms = {{"angle", {0, 1}}};
+    declaration_.error_display_unit = "deg";
+  }
+
+  const binnacle::StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
+  void plus(const double* x, const double* delta, double* result) const override {
+    binnacle::vector_at<3>(result) = s2::plus(binnacle::vector_at<3>(x), binnacle::vector_at<2>(delta));
+  }
+  void minus(const double* y, const double* x, double* delta) const override {
+    binnacle::vector_at<2>(delta) = s2::minus(binnacle::vector_at<3>(y), binnacle::vector_at<3>(x));
+  }
+  void read(const double* x, double* outputs) const override {
+    binnacle::vector_at<3>(outputs) = binnacle::vector_at<3>(x);
+  }
+  binnacle::Result write(const double* outputs, double* x) const override {
+    const s2::Vector3 v = binnacle::vector_at<3>(outputs);
+    const double length = v.norm();
+    if (!(std::abs(length - 1) < 0.01)) return binnacle::Result::invalid("x, y, z are a vector of length 1");
+    binnacle::vector_at<3>(x) = v / length;
+    return binnacle::Result::ok();
+  }
+
+ private:
+  binnacle::StateBlockDeclaration declaration_;
+};
