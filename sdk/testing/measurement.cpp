@@ -89,7 +89,7 @@ std::vector<std::byte> MeasurementCaller::fresh_memory() const {
 }
 
 Measured MeasurementCaller::linearize(const Given& given, const PortStates& ports, const std::vector<std::byte>& memory,
-                                      double fill) const {
+                                      double fill, bool with_H) const {
   Inputs inputs;
   SampleView sample = given.sample;
   std::vector<SampleView> auxiliary(given.auxiliary.begin(), given.auxiliary.end());
@@ -102,6 +102,7 @@ Measured MeasurementCaller::linearize(const Given& given, const PortStates& port
   const auto x = pointers(ports, spec_, inputs);
   const Covariance P(ports, inputs);
   Outputs outputs(model_->declaration(), ports, fill);
+  if (!with_H) outputs.at.H = {};
   Measured out;
   out.memory = memory;
   const MeasurementInput input{sample,
@@ -146,6 +147,23 @@ Complaints check_measurement(const MeasurementCaller& measurement, const Given& 
              resolution},
             ports, port, predicted, tolerance.steps, out);
   }
+  return out;
+}
+
+Complaints check_values(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
+                        const std::vector<std::byte>& memory) {
+  Complaints out;
+  const Measured with = measurement.linearize(given, ports, memory);
+  const Measured without = measurement.linearize(given, ports, memory, unwritten(), false);
+  const auto same = [](const auto& a, const auto& b) {
+    return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data(), same_bits);
+  };
+  if (!without.damage.empty()) out.add("without H: ", without.damage);
+  if (with.result.refusal != without.result.refusal) out.add("without H it refuses otherwise");
+  if (!same(with.residual, without.residual)) out.add("the residual is another one when no H is wanted");
+  if (!same(with.R, without.R)) out.add("R is another one when no H is wanted");
+  if (with.keys != without.keys) out.add("the keys of the rows are others when no H is wanted");
+  if (with.memory != without.memory) out.add("its memory is another one when no H is wanted");
   return out;
 }
 

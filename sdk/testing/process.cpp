@@ -89,6 +89,21 @@ double transition_error(const ProcessCaller& process, const PortStates& ports, c
   return largest;
 }
 
+Complaints check_values(const ProcessCaller& process, const PortStates& ports, const Step& step,
+                        const std::vector<std::byte>& memory) {
+  Complaints out;
+  const Propagated with = process.propagate(ports, step, memory);
+  const Propagated without = process.propagate(ports, step, memory, unwritten(), false);
+  if (!without.damage.empty()) out.add("without Phi and Qd: ", without.damage);
+  if (with.result.refusal != without.result.refusal) out.add("without Phi and Qd it refuses otherwise");
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    if (!std::equal(with.x_plus[i].begin(), with.x_plus[i].end(), without.x_plus[i].begin(), without.x_plus[i].end(),
+                    same_bits))
+      out.add("the value on '", process.spec().ports[i].name, "' is another one when neither Phi nor Qd is wanted");
+  if (with.memory != without.memory) out.add("its memory is another one when neither Phi nor Qd is wanted");
+  return out;
+}
+
 Complaints check_rest(const ProcessCaller& process, const PortStates& ports, const Step& step,
                       const std::vector<std::byte>& memory, const Eigen::MatrixXd& ordinary, double rounding) {
   Complaints out;

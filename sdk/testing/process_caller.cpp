@@ -64,7 +64,7 @@ std::vector<std::byte> ProcessCaller::fresh_memory() const {
 }
 
 Propagated ProcessCaller::propagate(const PortStates& ports, const Step& step, const std::vector<std::byte>& memory,
-                                    double fill) const {
+                                    double fill, bool with_errors) const {
   Propagated out;
   Blocks transition("transition", declared().transition, ports, fill), noise("noise", declared().noise, ports, fill);
   std::vector<Guarded> x_plus;
@@ -77,7 +77,8 @@ Propagated ProcessCaller::propagate(const PortStates& ports, const Step& step, c
   out.memory = memory;
   const std::vector<SampleView> auxiliary = guarded_inputs(auxiliary_, *spec_, inputs);
   const ProcessInput input{guarded.step, x.data(), auxiliary.data(), out.memory.data(), {}};
-  ProcessOutput output{x_at.data(), transition.at(), noise.at()};
+  ProcessOutput output{x_at.data(), {}, {}};
+  if (with_errors) output.phi = transition.at(), output.Qd = noise.at();
   out.result = called("propagate", [&] { return model_->propagate(input, output); });
 
   out.damage = inputs.damage("propagate");
@@ -86,8 +87,7 @@ Propagated ProcessCaller::propagate(const PortStates& ports, const Step& step, c
     append(out.numbers, x_plus[i].values());
     out.x_plus.push_back(x_plus[i].values());
   }
-  transition.collect(out, out.transition);
-  noise.collect(out, out.noise);
+  if (with_errors) transition.collect(out, out.transition), noise.collect(out, out.noise);
   if (!out.result) out.numbers.clear();
   return out;
 }

@@ -126,9 +126,10 @@ class ProcessCaller {
       : model_(&model), spec_(&spec), auxiliary_(auxiliary) {}
 
   std::vector<std::byte> fresh_memory() const;
-  /// The closed form. `memory` is copied; the copy the call wrote to is in the answer.
+  /// The closed form. `memory` is copied; the copy the call wrote to is in the answer. with_errors false: neither Φ nor Qd
+  /// is wanted, and the answer has none.
   Propagated propagate(const PortStates& ports, const Step& step, const std::vector<std::byte>& memory,
-                       double fill = unwritten()) const;
+                       double fill = unwritten(), bool with_errors = true) const;
   /// The continuous form.
   Propagated linearized(const PortStates& ports, double fill = unwritten()) const;
 
@@ -161,6 +162,9 @@ Complaints check_transition(const ProcessCaller& process, const PortStates& port
                             const std::vector<std::byte>& memory, const Tolerance& tolerance);
 /// The greatest difference between Φ and the differences of x⁺, in units of the scales; shows its order in dt.
 double transition_error(const ProcessCaller& process, const PortStates& ports, const Step& step,
+                        const std::vector<std::byte>& memory);
+/// x⁺ and memory are the same to the bit when neither Φ nor Qd is wanted.
+Complaints check_values(const ProcessCaller& process, const PortStates& ports, const Step& step,
                         const std::vector<std::byte>& memory);
 /// dt = 0: x⁺ = x, Φ = I, Qd = 0, each to `rounding` of the scales (Qd: of `ordinary`, a Qd over an ordinary dt).
 Complaints check_rest(const ProcessCaller& process, const PortStates& ports, const Step& step,
@@ -213,8 +217,9 @@ class MeasurementCaller {
 
   std::vector<std::byte> fresh_memory() const;
   /// Where the model wants the covariance of what it reads, it is given that of independent errors of the ports' scales.
+  /// with_H false: only values are wanted, and H in the answer is zero.
   Measured linearize(const Given& given, const PortStates& ports, const std::vector<std::byte>& memory,
-                     double fill = unwritten()) const;
+                     double fill = unwritten(), bool with_H = true) const;
   const MeasurementModel& model() const { return *model_; }
   const ComponentSpec& spec() const { return *spec_; }
 
@@ -227,6 +232,9 @@ class MeasurementCaller {
 /// |numeric − H|_ij ≤ (relative · Σ_k |H_ik| scale_k + neglected · √R_ii + 8 · resolution / step) / scale_j.
 Complaints check_measurement(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
                              const std::vector<std::byte>& memory, const Tolerance& tolerance, double resolution = 0);
+/// Residual, R, keys and memory are the same to the bit when no H is wanted.
+Complaints check_values(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
+                        const std::vector<std::byte>& memory);
 /// R is symmetric and positive semidefinite.
 Complaints check_covariance(const Eigen::MatrixXd& R);
 
