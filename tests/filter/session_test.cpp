@@ -23,7 +23,7 @@ Session compose() {
     "sources": {"rate": {"type": "pushed", "fields": {"dx": {"unit": "m/s", "kind": "rate"}}},
                 "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {
-      "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "init": 0, "sigma": 1}},
+      "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "sigma": 1}},
       "process": {"p": {"type": "random_walk", "blocks": {"x": "x"}, "q": 0.1}},
       "measurements": {
         "fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1], "H": [[1, 0]]}}}}})",
