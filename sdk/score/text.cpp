@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "binnacle/diagnostic.hpp"
 #include "binnacle/unit.hpp"
 
 namespace binnacle::score {
