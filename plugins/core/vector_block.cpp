@@ -71,6 +71,7 @@ VectorBlock::VectorBlock(const Binding& binding) {
   const std::string& unit = parameters.text("unit");
   const std::string& display = parameters.text("display");
   declaration_.kind = "vector:" + std::to_string(size) + ":" + unit;
+  declaration_.starts_at_zero = true;
   declaration_.stored_size = size;
   declaration_.error_display_unit = display;
   for (const std::string& name : component_names(parameters, size)) {

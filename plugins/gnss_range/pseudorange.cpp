@@ -2,6 +2,8 @@
 // Pseudoranges: a row for each satellite of an epoch.
 #include "pseudorange.hpp"
 
+#include "example_sky.hpp"
+
 namespace binnacle::gnss_range {
 
 ComponentSpec Pseudorange::spec() {
@@ -19,6 +21,7 @@ ComponentSpec Pseudorange::spec() {
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "blocks": {"position": "antenna", "clock": "clock"}, "sigma": "0.5 m", "sigma_elevation": "0.5 m",
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";
+  spec.surroundings = example_sky;
   return spec;
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "example_sky.hpp"
+
 namespace binnacle::gnss_range {
 
 ComponentSpec RangeRateModel::spec() {
@@ -19,6 +21,7 @@ ComponentSpec RangeRateModel::spec() {
   spec.fields = gnss::observation_fields(false);
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris"},
     "blocks": {"position": "antenna", "velocity": "antenna_velocity", "clock": "clock"}, "sigma": "0.05 m/s"})json";
+  spec.surroundings = example_sky;
   return spec;
 }
 

@@ -48,10 +48,18 @@ install(CODE "
 
 # Whoever writes plugins needs no Boost: the kernel's library is an export set of its own.
 install(TARGETS binnacle_headers EXPORT BinnacleTargets INCLUDES DESTINATION include)
-install(TARGETS binnacle_kernel EXPORT BinnacleKernelTargets
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/score/include/score" "${PROJECT_SOURCE_DIR}/sdk/document/include/document"
+  DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "*.hpp")
+# The suite's checkers, for a plugin's own tests: like the suite itself not built by sdk/run.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/testing/include/binnacle" DESTINATION include COMPONENT dev
+  FILES_MATCHING PATTERN "*.hpp")
+install(TARGETS binnacle_testing EXPORT BinnacleTestingTargets
+  ARCHIVE DESTINATION lib COMPONENT dev OPTIONAL
+  INCLUDES DESTINATION include)
+install(TARGETS binnacle_kernel binnacle_score binnacle_document EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
-foreach(set IN ITEMS BinnacleTargets BinnacleKernelTargets)
+foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets)
   install(EXPORT ${set} NAMESPACE Binnacle:: DESTINATION ${package_folder} COMPONENT dev)
 endforeach()
 

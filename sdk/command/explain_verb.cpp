@@ -93,6 +93,12 @@ std::string layout_text(const Json& filter, const Json& filter_config) {
   return section("State", table);
 }
 
+/// With where its Jacobians come from, when not from a pencil.
+std::string type_text(const Json& model) {
+  const std::string type = model.at("type");
+  return model.contains("jacobians") ? type + " (Jacobians by " + value_text(model.at("jacobians")) + ")" : type;
+}
+
 std::string blocks_text(const Json& filter) {
   Table table("llll");
   for (const auto& block : filter.at("blocks")) {
@@ -101,7 +107,7 @@ std::string blocks_text(const Json& filter) {
                process.empty() ? "advanced by nothing" : "advanced by " + process});
   }
   for (const auto& derived : filter.at("derived"))
-    table.row({derived.at("name"), derived.at("type"), derived.at("kind"),
+    table.row({derived.at("name"), type_text(derived), derived.at("kind"),
                "derived of " + listed_or_dash(derived.at("reads"))});
   return section("Blocks", table);
 }
@@ -109,7 +115,7 @@ std::string blocks_text(const Json& filter) {
 std::string processes_text(const Json& filter) {
   Table table("lllll");
   for (const auto& process : filter.at("process"))
-    table.row({process.at("name"), process.at("type"), "advances " + listed_or_dash(process.at("advances")),
+    table.row({process.at("name"), type_text(process), "advances " + listed_or_dash(process.at("advances")),
                "reads " + listed_or_dash(process.at("reads")),
                process.contains("input") ? "driven by " + value_text(process.at("input")) : ""});
   return section("Process models", table);
@@ -140,7 +146,7 @@ std::string couplings_text(const Json& filter) {
 std::string parts_text(const Json& measurement) {
   std::vector<std::string> parts;
   for (const auto& part : measurement.at("parts"))
-    parts.push_back(fmt::format("{} sees {}", value_text(part.at("type")), listed_or_dash(part.at("reads"))));
+    parts.push_back(fmt::format("{} sees {}", type_text(part), listed_or_dash(part.at("reads"))));
   return joined(parts, "; ");
 }
 
@@ -194,14 +200,14 @@ std::string found_text(const Json& found) {
   Table table("llrl");
   for (const auto& component : found) {
     std::string at = component.at("at");
-    for (const auto& found : component.at("figures")) {
-      double value = found.at("value");
-      std::string unit = found.at("unit");
+    for (const auto& finding : component.at("figures")) {
+      double value = finding.at("value");
+      std::string unit = finding.at("unit");
       if (unit == "rad") {
         value = to_unit(value, *parse_unit("deg"));
         unit = "deg";
       }
-      table.row({at, found.at("name"), figure(value), unit == "1" ? "" : unit});
+      table.row({at, finding.at("name"), figure(value), unit == "1" ? "" : unit});
       at.clear();
     }
   }

@@ -132,7 +132,8 @@ int guarded_main(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is told like a full disk
+  std::signal(SIGXFSZ,
+              SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is reported like a full disk
   binnacle::command::watch_exit();
   return binnacle::command::leave(guarded_main(argc, argv));
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <random>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@
 
 namespace binnacle::conform {
 
-/// `skip` has a reason: a prerequisite failed, or the check does not apply.
+/// `skip` has a reason: a prerequisite failed, the check could not be tried, or it does not apply.
 enum class Status { pass, warn, fail, crash, timeout, skip };
 const char* status_name(Status status);
 
@@ -27,9 +28,16 @@ class Report {
   virtual void stage(const char* call) = 0;
 };
 
-/// Thrown by a check that does not apply; the reason stands in the report.
+/// Thrown by a check that could not be tried, or does not apply to this component; the reason stands in the report.
 struct Skip {
   std::string reason;
+  bool applies = true;
+};
+
+/// Thrown where Source::open refuses, which it may: what it reported, kept by the host.
+class OpenRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// One check of one component (or of the library, where `type` is empty), in a process of its own.
@@ -71,7 +79,16 @@ class Trial {
     return holds;
   }
   void stage(const char* call) { report_.stage(call); }
-  [[noreturn]] static void skip(std::string reason) { throw Skip{std::move(reason)}; }
+  /// What should hold could not be tried.
+  [[noreturn]] static void skip(std::string reason) { throw Skip{std::move(reason), true}; }
+  /// There is nothing that should hold.
+  [[noreturn]] static void not_applicable(std::string reason) { throw Skip{std::move(reason), false}; }
+  /// Fails with each; whether there was none.
+  template <class Complaints>
+  bool expect_none(const Complaints& complaints) {
+    for (const auto& line : complaints.lines()) fail(line);
+    return complaints.empty();
+  }
 
  private:
   template <class... Parts>

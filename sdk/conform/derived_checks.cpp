@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // numbers.derived: its Jacobians against differences, its value with and without them.
-#include "compare.hpp"
+#include "fixture.hpp"
 
 namespace binnacle::conform {
 
@@ -9,35 +9,17 @@ namespace {
 void jacobian(Trial& trial) {
   const auto composition = compose_example(trial);
   const DerivedFixture derived(trial, *composition);
-  const auto& reads = derived.part.model->declaration().read_ports;
+  const auto& errors = derived.yields->declaration().error;
+  Eigen::VectorXd scale(static_cast<Eigen::Index>(errors.size()));
+  for (std::size_t i = 0; i < errors.size(); ++i) scale[static_cast<Eigen::Index>(i)] = scale_of(errors[i].unit);
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(600 + static_cast<std::uint64_t>(repeat));
     const PortStates ports = derived.ports(random, 0.3);
-    const auto nominal = derived.call(ports, unwritten());
-    if (!nominal.answer.result) Trial::skip(std::string("it refuses ordinary values: ") + nominal.answer.result.reason);
-    for (std::size_t port = 0; port < ports.size(); ++port) {
-      if (ports[port].is_open()) continue;
-      const auto found = std::find(reads.begin(), reads.end(), static_cast<int>(port));
-      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(derived.yields->declaration().dof(), ports[port].dof());
-      if (found != reads.end()) J = nominal.J[static_cast<std::size_t>(found - reads.begin())];
-      const auto change = [&](const PortStates& at) -> Eigen::VectorXd {
-        const auto evaluated = derived.call(at, unwritten());
-        Eigen::VectorXd delta = Eigen::VectorXd::Constant(derived.yields->declaration().dof(), NAN);
-        if (evaluated.answer.result) derived.yields->minus(evaluated.value.data(), nominal.value.data(), delta.data());
-        return delta;
-      };
-      const double largest = J.cwiseAbs().maxCoeff();
-      const auto& errors = derived.yields->declaration().error;
-      const Mismatch m = compare_over_steps(ports, port, J, change, [&](Eigen::Index i, Eigen::Index j) {
-        return 1e-3 * largest + 1e-6 * scale_of(errors[static_cast<std::size_t>(i)].unit) / ports[port].scale[j];
-      });
-      if (!trial.expect(!m.is_there, "J of '", derived.part.type->spec.ports[port].name, "' (", m.row, ",", m.column,
-                        "): ",
-                        found == reads.end() ? "the port is not declared as read"
-                                             : "declared " + std::to_string(m.declared),
-                        ", differences of the value give ", m.numeric))
-        return;
-    }
+    const auto nominal = derived.caller.evaluate(ports, derived.u());
+    if (!nominal.result) Trial::skip(std::string("it refuses ordinary values: ") + nominal.result.reason);
+    if (!trial.expect_none(testing::check_derived(derived.caller, *derived.yields, scale, ports, derived.u(),
+                                                  {1e-3, 1e-6, testing::step_sweep})))
+      return;
   }
 }
 
@@ -46,9 +28,7 @@ void value(Trial& trial) {
   const DerivedFixture derived(trial, *composition);
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     auto random = trial.random(700 + static_cast<std::uint64_t>(repeat));
-    const PortStates ports = derived.ports(random, 0.3);
-    if (!trial.expect(derived.call(ports, unwritten()).value == derived.call(ports, unwritten(), false).value,
-                      "the value is another one when no Jacobian is wanted"))
+    if (!trial.expect_none(testing::check_derived_value(derived.caller, derived.ports(random, 0.3), derived.u())))
       return;
   }
 }

@@ -1,164 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver.hpp"
 
-#include <fcntl.h>
 #include <fnmatch.h>
 #include <poll.h>
-#include <signal.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
-#include <csignal>
-#include <cstring>
-#include <map>
 #include <set>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
+#include "child.hpp"
 #include "miniature.hpp"
-#include "run_check.hpp"
 
 namespace binnacle::conform {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// A child process that talks on a pipe and may be stopped.
-class Child {
- public:
-  Child(const std::function<int(const Wire&)>& work, double time_limit) : limit_(time_limit), start_(Clock::now()) {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe is to be had");
-    void* shared = ::mmap(nullptr, stage_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (shared == MAP_FAILED) throw std::runtime_error("no shared memory is to be had");
-    stage_ = static_cast<char*>(shared);
-    const pid_t driver = ::getpid();
-    pid_ = ::fork();
-    if (pid_ < 0) throw std::runtime_error("no process is to be had");
-    if (pid_ == 0) {
-      ::setpgid(0, 0);
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a driver that is killed leaves no endless loop behind
-      if (::getppid() != driver) ::_exit(70);
-      for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
-      ::close(ends[0]);
-      const int null = ::open("/dev/null", O_RDWR);
-      for (const int stream : {0, 1, 2}) ::dup2(null, stream);
-      try {
-        ::_exit(work(Wire{ends[1], stage_}));
-      } catch (...) {
-        ::_exit(70);  // what the driver made is not the child's to unmake
-      }
-    }
-    ::close(ends[1]);
-    pipe_ = ends[0];
-    ::fcntl(pipe_, F_SETFL, O_NONBLOCK);
-  }
-  Child(const Child&) = delete;
-  ~Child() {
-    if (!is_over_) stop();
-    ::close(pipe_);
-    ::munmap(stage_, stage_bytes);
-  }
-
-  /// Takes in what it said; true once it is over.
-  bool poll() {
-    drain();
-    int status = 0;
-    if (!is_over_ && ::waitpid(pid_, &status, WNOHANG) == pid_) end(status);
-    if (!is_over_ && seconds_since(start_) > limit_) {
-      timed_out_ = true;
-      stop();
-    }
-    return is_over_;
-  }
-  /// −1, which poll() passes over, once nobody can say anything more.
-  int pipe() const { return is_silent_ ? -1 : pipe_; }
-  const std::string& said() const { return said_; }
-  bool timed_out() const { return timed_out_; }
-  int status() const { return status_; }
-  double seconds() const { return seconds_; }
-  std::string stage() const { return std::string(stage_, strnlen(stage_, stage_bytes)); }
-
- private:
-  void drain() {
-    char buffer[4096];
-    ssize_t count = 0;
-    while ((count = ::read(pipe_, buffer, sizeof buffer)) > 0) said_.append(buffer, static_cast<std::size_t>(count));
-    if (count == 0) is_silent_ = true;
-  }
-  void stop() {
-    ::kill(-pid_, SIGKILL);
-    ::kill(pid_, SIGKILL);
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    end(status);
-  }
-  void end(int status) {
-    status_ = status;
-    is_over_ = true;
-    seconds_ = seconds_since(start_);
-    ::kill(-pid_, SIGKILL);  // whatever it started goes with it
-    drain();
-  }
-
-  pid_t pid_ = -1;
-  int pipe_ = -1, status_ = 0;
-  char* stage_ = nullptr;
-  double limit_ = 0, seconds_ = 0;
-  Clock::time_point start_;
-  std::string said_;
-  bool is_over_ = false, timed_out_ = false, is_silent_ = false;
-};
-
-std::string signal_name(int signal) {
-  const char* name = sigabbrev_np(signal);
-  return name ? std::string("SIG") + name : "signal " + std::to_string(signal);
-}
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
-
-/// Ctrl-C ends the run as an exception does: children are stopped, their folders go.
-class Interruptible {
- public:
-  Interruptible() {
-    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, interrupt);
-  }
-  ~Interruptible() {
-    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
-  }
-  static void check() {
-    if (interrupted) throw std::runtime_error("interrupted");
-  }
-};
-
-/// A folder of its own, gone at the end.
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern = (fs::temp_directory_path() / "binnacle-conform-XXXXXX").string();
-    if (!::mkdtemp(pattern.data()))
-      throw std::runtime_error("no temporary folder is to be had in " + fs::temp_directory_path().string());
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::vector<nlohmann::json> lines_of(const std::string& said) {
   std::vector<nlohmann::json> lines;
@@ -170,7 +31,7 @@ std::vector<nlohmann::json> lines_of(const std::string& said) {
   return lines;
 }
 
-/// The components of the library, told by a process that loads it. `why` when that fails.
+/// The components of the library, as a process that loads it finds them. `why` when that fails.
 std::vector<Component> enumerate(const Options& options, std::string& why) {
   const auto work = [&](const Wire& wire) {
     Catalog catalog;
@@ -216,7 +77,10 @@ Outcome conclude(const Child& child, Outcome outcome, double time_limit) {
     messages.push_back(line.at("message"));
     if (kind == "fail") outcome.status = Status::fail;
     if (kind == "warn" && outcome.status == Status::pass) outcome.status = Status::warn;
-    if (kind == "skip" && outcome.status == Status::pass) outcome.status = Status::skip;
+    if ((kind == "skip" || kind == "not applicable") && outcome.status == Status::pass) {
+      outcome.status = Status::skip;
+      outcome.applies = kind == "skip";
+    }
   }
   const std::string during = child.stage().empty() ? "" : " in " + child.stage() + "()";
   if (child.timed_out()) {
@@ -243,6 +107,12 @@ Outcome conclude(const Child& child, Outcome outcome, double time_limit) {
 }
 
 bool is_bad(Status status) { return status == Status::fail || status == Status::crash || status == Status::timeout; }
+
+/// "core/vector:life.calls"; the library's own begin with the colon.
+bool is_named(const std::string& name, const std::vector<std::string>& globs) {
+  return std::any_of(globs.begin(), globs.end(),
+                     [&](const std::string& glob) { return ::fnmatch(glob.c_str(), name.c_str(), 0) == 0; });
+}
 
 /// One check of one component, from waiting to over.
 struct Job {
@@ -324,11 +194,8 @@ class Scheduler {
   void drop_unwanted() {
     std::set<std::string> wanted;
     const auto matches = [&](const Job& job) {
-      if (job.check->level > options_.level) return false;
-      if (options_.filters.empty()) return true;
-      const std::string name = job.outcome.type + ":" + job.check->id;
-      return std::any_of(options_.filters.begin(), options_.filters.end(),
-                         [&](const std::string& glob) { return ::fnmatch(glob.c_str(), name.c_str(), 0) == 0; });
+      return job.check->level <= options_.level &&
+             (options_.filters.empty() || is_named(job.outcome.type + ":" + job.check->id, options_.filters));
     };
     std::function<void(const Job&)> want = [&](const Job& job) {
       if (!wanted.insert(job.outcome.role + ":" + job.outcome.type + ":" + job.check->id).second) return;
@@ -397,6 +264,28 @@ int Verdict::count(Status status) const {
   return static_cast<int>(
       std::count_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.status == status; }));
 }
+int Verdict::not_applicable() const {
+  return static_cast<int>(std::count_if(outcomes.begin(), outcomes.end(),
+                                        [](const Outcome& o) { return o.status == Status::skip && !o.applies; }));
+}
+int Verdict::skipped() const { return count(Status::skip) - not_applicable(); }
+int Verdict::tried() const { return static_cast<int>(outcomes.size()) - count(Status::skip); }
+int Verdict::failed() const { return count(Status::fail) + count(Status::crash) + count(Status::timeout); }
+
+std::vector<std::string> Verdict::untried() const {
+  std::vector<std::string> names;
+  for (const auto& component : components) {
+    int ran = 0, apply = 0;
+    for (const auto& outcome : outcomes) {
+      if (outcome.type != component.type || outcome.role != role_name(component.role)) continue;
+      if (!outcome.is_wanted || !outcome.applies || outcome.check.rfind("numbers.", 0) != 0) continue;
+      ++apply;
+      ran += outcome.status != Status::skip;
+    }
+    if (apply > 0 && ran == 0) names.push_back(component.type);
+  }
+  return names;
+}
 
 bool Verdict::passes(bool warnings_fail) const {
   const bool any_bad = std::any_of(outcomes.begin(), outcomes.end(), [&](const Outcome& o) {
@@ -405,7 +294,38 @@ bool Verdict::passes(bool warnings_fail) const {
   const bool any_wanted_ran = std::any_of(outcomes.begin(), outcomes.end(), [](const Outcome& o) {
     return o.is_wanted && (o.status == Status::pass || o.status == Status::warn);
   });
-  return enumeration.empty() && !components.empty() && any_wanted_ran && !any_bad;
+  return enumeration.empty() && !components.empty() && any_wanted_ran && !any_bad && untried().empty();
+}
+
+int run_in_process(const Options& options) {
+  std::string why;
+  const std::vector<Component> components = enumerate(options, why);
+  std::vector<std::pair<const Check*, Component>> found;
+  std::string names;
+  const auto consider = [&](const Check& check, const Component& component) {
+    const std::string name = component.type + ":" + check.id;
+    if (!is_named(name, options.filters)) return;
+    found.emplace_back(&check, component);
+    names += "\n  " + name + (component.type.empty() ? "" : std::string("  (") + role_name(component.role) + ")");
+  };
+  for (const auto& check : all_checks()) {
+    if (check.roles.empty()) consider(check, {});
+    for (const auto& component : components)
+      if (std::find(check.roles.begin(), check.roles.end(), component.role) != check.roles.end())
+        consider(check, component);
+  }
+  if (found.size() != 1)
+    throw std::invalid_argument("--in-process runs one check of one component, and --only names " +
+                                (found.empty() ? std::string("none") + (why.empty() ? "" : "; the library: " + why)
+                                               : std::to_string(found.size()) + ":" + names));
+  const auto& [check, component] = found.front();
+  char stage[stage_bytes] = {};
+  const Wire wire{-1, stage};
+  const Scratch scratch;
+  const auto report = wire_report(wire);
+  Trial trial(options.library, component.type, component.role, std::max(options.level, check->level), options.seed,
+              scratch.path(), *report);
+  return run_check(*check, trial, wire);
 }
 
 Verdict run_checks(const Options& options, const std::function<void(const Outcome&)>& progress) {

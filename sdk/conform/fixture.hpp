@@ -11,10 +11,16 @@
 #include <Eigen/Core>
 
 #include "binnacle/parts.hpp"
+#include "binnacle/testing.hpp"
 #include "check.hpp"
 #include "miniature.hpp"
+#include "sample_numbers.hpp"
 
 namespace binnacle::conform {
+
+using testing::PortState;
+using testing::PortStates;
+using testing::unwritten;
 
 /// What a call gave: a verdict, and every number and byte of memory it wrote.
 struct Answer {
@@ -47,124 +53,119 @@ class Fixture {
 std::unique_ptr<Fixture> fixture(Trial& trial, std::shared_ptr<const Composition> composition);
 std::unique_ptr<Fixture> fixture_of_example(Trial& trial);
 
+/// By role; the composition is that of fixture().
+std::unique_ptr<Fixture> block_fixture(Trial& trial, std::shared_ptr<const Composition> composition);
+std::unique_ptr<Fixture> model_fixture(Trial& trial, std::shared_ptr<const Composition> composition);
+std::unique_ptr<Fixture> stream_fixture(Trial& trial, std::shared_ptr<const Composition> composition);
+
+// ---- hostile input
+
+std::vector<std::string> finite_hostilities();
+std::vector<std::string> nonfinite_hostilities();
+/// What stands in place of the i-th of a component's input numbers.
+double hostile_number(const std::string& name, std::size_t i, double ordinary);
+
 // ---- what the checks of numbers build on
-
-/// A port with the block behind it, or for derived values a block of the same kind.
-struct PortState {
-  std::string name;
-  std::shared_ptr<const StateBlock> block;  // null: open
-  std::vector<double> x;                    // stored value
-  Eigen::VectorXd scale;                    // a plausible error per component
-  bool is_open() const { return block == nullptr; }
-  int dof() const { return block ? block->declaration().dof() : 0; }
-};
-
-using PortStates = std::vector<PortState>;
 
 /// A block of the same kind as `kind` that is a state block, made of its own example. Throws Skip where there is none.
 std::shared_ptr<const StateBlock> block_of_kind(Trial& trial, const Composition& composition, const std::string& kind);
 
-/// Ports of a part, each value a random step (of `spread` scales) from where the config starts it.
+/// Ports of a part, each value a random step (of `spread` scales) from where the config starts it. The blocks are the
+/// part's, and must outlive the states.
 PortStates port_states(const std::vector<parts::Value>& ports, std::mt19937_64& random, double spread);
-std::vector<const double*> pointers(const PortStates& ports);
 
-/// A plausible size of an error with this unit.
-double scale_of(const std::string& unit);
 double normal(std::mt19937_64& random);
 Eigen::VectorXd normals(std::mt19937_64& random, Eigen::Index count);
+/// Of a covariance, which may be singular.
+Eigen::VectorXd draw(const Eigen::MatrixXd& covariance, std::mt19937_64& random);
+/// Of the chi-squared distribution.
+double quantile(double dof, double p);
 
-/// Doubles between canaries.
-class Guarded {
+/// The samples of the auxiliary channels: what the surroundings specify, and where they specify nothing what is plausible.
+/// settings: those of the component, with the inputs that are connected.
+class AuxiliaryNumbers {
  public:
-  Guarded(std::size_t size, double fill);
-  double* data() { return values_.data() + margin; }
-  const double* data() const { return values_.data() + margin; }
-  std::size_t size() const { return values_.size() - 2 * margin; }
-  bool is_intact() const;
-  /// Whether an element still holds the fill, to the bit; asked of NaN fills only.
-  bool has_unwritten() const;
-  std::vector<double> values() const { return {data(), data() + size()}; }
+  AuxiliaryNumbers(Trial& trial, const ComponentSpec& spec, const Json& settings);
+  AuxiliaryNumbers(const AuxiliaryNumbers&) = delete;
+  const std::vector<SampleView>& views() const { return views_; }
 
  private:
-  static constexpr std::size_t margin = 8;
-  std::vector<double> values_;
-  double fill_;
+  std::vector<SampleNumbers> numbers_;  // per input of the spec
+  std::vector<SampleView> views_;
 };
 
-/// A NaN that no arithmetic makes.
-double unwritten();
+/// One step of a process model, with one sample where it takes input.
+class DrivenStep {
+ public:
+  DrivenStep(double dt, std::vector<double> fields, bool takes_input);
+  DrivenStep(const DrivenStep& other) : DrivenStep(other.step_.dt, other.fields_, !other.step_.samples.empty()) {}
+  DrivenStep& operator=(const DrivenStep&) = delete;
+  const Step& step() const { return step_; }
+  const std::vector<double>& fields() const { return fields_; }
 
-/// One call of a process model.
-struct Propagated {
-  Answer answer;
-  std::vector<std::vector<double>> x_plus;  // per port; empty for those only read
-  std::vector<Eigen::MatrixXd> transition;  // per declared coupling, dense
-  std::vector<Eigen::MatrixXd> noise;
-};
-
-struct ProcessInput {
-  double dt = 0.01;
-  std::vector<double> fields;
+ private:
+  std::vector<double> fields_;
+  InputSample sample_;
+  Step step_;
 };
 
 class ProcessFixture {
  public:
   ProcessFixture(Trial& trial, const Composition& composition);
-  Propagated call(const PortStates& ports, const ProcessInput& input, std::byte* memory, double fill) const;
-  PortStates ports(std::mt19937_64& random, double spread) const;
+  PortStates ports(std::mt19937_64& random, double spread) const { return port_states(part.ports, random, spread); }
   /// Mean rates (or increments over dt) that a vehicle might feel.
-  ProcessInput input(std::mt19937_64& random, double dt) const;
-  bool advances(std::size_t port) const { return part.type->spec.ports[port].access == PortAccess::advances; }
+  DrivenStep step(std::mt19937_64& random, double dt) const;
+  /// The halves that make up the step, each.
+  DrivenStep half(const DrivenStep& whole) const;
+  /// By its closed form, or where it has none its continuous form.
+  testing::Propagated call(const PortStates& ports, const DrivenStep& step, const std::vector<std::byte>& memory,
+                           double fill = unwritten()) const;
+  bool is_closed() const { return part.model->declaration().has_closed_form; }
 
   parts::Part<ProcessModel> part;
 
  private:
-  Trial& trial_;
-};
+  AuxiliaryNumbers auxiliary_;
 
-struct Measured {
-  Answer answer;
-  Eigen::VectorXd residual;
-  std::vector<Eigen::MatrixXd> H;  // per entry of reads
-  Eigen::MatrixXd R;
+ public:
+  testing::ProcessCaller caller;
 };
 
 class MeasurementFixture {
  public:
   MeasurementFixture(Trial& trial, const Composition& composition);
-  Measured call(const PortStates& ports, const std::vector<double>& fields, std::byte* memory, double fill,
-                int rows = -1) const;
-  PortStates ports(std::mt19937_64& random, double spread) const;
-  /// Fields near what the state at `ports` would show: residual ≈ `wanted` (zero where that is empty).
-  std::vector<double> fields(const PortStates& ports, std::mt19937_64& random,
-                             const Eigen::VectorXd& wanted = {}) const;
+  testing::Measured call(const PortStates& ports, const SampleNumbers& sample, const std::vector<std::byte>& memory,
+                         double fill = unwritten()) const;
+  /// The sample and what else the model is given, as the kernel hands it out. Valid as long as `sample`.
+  testing::Given given(const SampleNumbers& sample) const;
+  PortStates ports(std::mt19937_64& random, double spread) const { return port_states(part.ports, random, spread); }
+  /// A sample near what the state at `ports` would show: residual ≈ `wanted` (zero where that is empty).
+  SampleNumbers sample(const PortStates& ports, std::mt19937_64& random, const Eigen::VectorXd& wanted = {}) const;
 
   parts::Part<MeasurementModel> part;
+  testing::MeasurementCaller caller;
   std::vector<bool> has_field;  // per field of the spec, whether the miniature's channel carries it
 
  private:
-  Eigen::VectorXd residual(const PortStates& ports, const std::vector<double>& fields) const;
+  Eigen::VectorXd residual(const PortStates& ports, const SampleNumbers& sample) const;
+  SampleNumbers first_guess(const PortStates& ports, std::mt19937_64& random) const;
 
-  Trial& trial_;
+  Surroundings around_;
+  AuxiliaryNumbers auxiliary_;
   std::vector<double> driving_rates_;
 };
 
 class DerivedFixture {
  public:
   DerivedFixture(Trial& trial, const Composition& composition);
-  struct Evaluated {
-    Answer answer;
-    std::vector<double> value;
-    std::vector<Eigen::MatrixXd> J;
-  };
-  Evaluated call(const PortStates& ports, double fill, bool with_jacobian = true) const;
-  PortStates ports(std::mt19937_64& random, double spread) const;
+  PortStates ports(std::mt19937_64& random, double spread) const { return port_states(part.ports, random, spread); }
+  Driving u() const { return {2'000'000'000, driving_rates_.empty() ? nullptr : driving_rates_.data()}; }
 
   parts::Part<DerivedBlock> part;
+  testing::DerivedCaller caller;
   std::shared_ptr<const StateBlock> yields;
 
  private:
-  Trial& trial_;
   std::vector<double> driving_rates_;
 };
 
@@ -175,5 +176,17 @@ struct CallMeter {
 };
 /// Null: calls are not metered.
 void meter_calls(CallMeter* meter);
+
+/// Reports to the trial what is being called, and the meter how long it took; for the life of this object.
+class CallWatch {
+ public:
+  explicit CallWatch(Trial& trial);
+  ~CallWatch();
+  CallWatch(const CallWatch&) = delete;
+
+ private:
+  class Observer;
+  std::unique_ptr<Observer> observer_;
+};
 
 }  // namespace binnacle::conform

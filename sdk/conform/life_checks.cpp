@@ -103,7 +103,7 @@ void defaults(Trial& trial) {
   for (const auto& parameter : type.spec.parameters)
     if (!parameter.default_json.empty() && !spelled.contains(parameter.name))
       spelled[parameter.name] = Json::parse(parameter.default_json, nullptr, true, true);
-  if (spelled == example) Trial::skip("no parameter with a default is left to the default in the example");
+  if (spelled == example) Trial::not_applicable("no parameter with a default is left to the default in the example");
   const auto implied = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));
   const auto given = fixture(trial, compose(trial, miniature(trial, type, catalog, spelled)));
   auto a = implied->fresh_memory(), b = given->fresh_memory();
@@ -116,7 +116,7 @@ void defaults(Trial& trial) {
 
 void snapshot(Trial& trial) {
   const auto subject = fixture_of_example(trial);
-  if (subject->memory_bytes() == 0) Trial::skip("it has no memory");
+  if (subject->memory_bytes() == 0) Trial::not_applicable("it has no memory");
   auto memory = subject->fresh_memory();
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
   for (std::uint64_t k = 0; k < turns; ++k) subject->turn(k, memory.data(), unwritten());
@@ -155,7 +155,7 @@ void threads(Trial& trial) {
 
 void leaks(Trial& trial) {
 #ifdef __SANITIZE_ADDRESS__
-  Trial::skip("the sanitizer's own allocator tells leaks");
+  Trial::not_applicable("the sanitizer's own allocator tells leaks");
 #else
   const auto life = [&] {
     auto subject = fixture_of_example(trial);

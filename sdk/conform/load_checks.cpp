@@ -18,7 +18,7 @@ Diagnostics loading(const Trial& trial) {
 }
 
 /// Fails with every error that has one of these codes; warnings become warnings.
-void tell(Trial& trial, const Diagnostics& diagnostics, const std::vector<std::string>& codes) {
+void report(Trial& trial, const Diagnostics& diagnostics, const std::vector<std::string>& codes) {
   for (const auto& item : diagnostics.items()) {
     if (std::find(codes.begin(), codes.end(), item.code) == codes.end()) continue;
     if (item.severity == Severity::error)
@@ -28,8 +28,8 @@ void tell(Trial& trial, const Diagnostics& diagnostics, const std::vector<std::s
   }
 }
 
-void file(Trial& trial) { tell(trial, loading(trial), {"B040", "B044"}); }
-void guard(Trial& trial) { tell(trial, loading(trial), {"B041", "B042", "B043"}); }
+void file(Trial& trial) { report(trial, loading(trial), {"B040", "B044"}); }
+void guard(Trial& trial) { report(trial, loading(trial), {"B041", "B042", "B043"}); }
 /// Whatever the loader has against it besides.
 void registration(Trial& trial) {
   const Diagnostics diagnostics = loading(trial);

@@ -22,7 +22,7 @@ enum ExitStatus { ok = 0, failed = 1, usage = 2, data = 5 };
 struct CommandLine {
   Options options;
   std::string library, json, junit;
-  bool verbose = false, strict = false, list = false;
+  bool verbose = false, strict = false, list = false, in_process = false;
 };
 
 void list_checks() {
@@ -58,6 +58,7 @@ int carry_out(const CommandLine& line) {
   }
   Options options = line.options;
   options.library = std::filesystem::canonical(line.library);
+  if (line.in_process) return run_in_process(options) == 0 ? ok : failed;
   const bool prints = line.json != "-" && line.junit != "-";
   if (prints) fmt::print("{}  level {}  seed {}\n", line.library, options.level, options.seed);
   const Verdict verdict = run_checks(options, [&](const Outcome& outcome) {
@@ -91,8 +92,10 @@ int main(int argc, char** argv) {
   app.add_option("--jobs", line.options.jobs, "Checks at once")->check(CLI::Range(1, 256));
   app.add_option("--json", line.json, "Results as JSON to this file; - for stdout");
   app.add_option("--junit", line.junit, "Results as JUnit XML to this file; - for stdout");
+  app.add_flag("--in-process", line.in_process,
+               "Run the one check that --only names in this process, without time limit: for gdb and valgrind");
   app.add_flag("--strict", line.strict, "Warnings fail");
-  app.add_flag("--verbose", line.verbose, "Every check, not only those that tell something");
+  app.add_flag("--verbose", line.verbose, "Every check, not only those that found something");
   app.add_flag("--list", line.list, "The checks there are");
   try {
     app.parse(argc, argv);
@@ -104,6 +107,9 @@ int main(int argc, char** argv) {
   }
   try {
     return carry_out(line);
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return usage;
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return failed;

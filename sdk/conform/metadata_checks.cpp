@@ -85,10 +85,7 @@ void example(Trial& trial) {
   if (!trial.expect(!type.spec.example.empty(), "has no example in its spec")) return;
   const Json settings = Json::parse(type.spec.example, nullptr, false, true);
   if (!trial.expect(settings.is_object(), "its example is no JSON object: ", type.spec.example)) return;
-  if (!type.spec.surroundings.empty() &&
-      !trial.expect(Json::parse(type.spec.surroundings, nullptr, false, true).is_object(),
-                    "its surroundings are no JSON object"))
-    return;
+  if (const std::string wrong = wrong_shape(type.spec); !trial.expect(wrong.empty(), wrong)) return;
   const Json config = miniature(trial, type, catalog, settings);
   trial.stage("constructor");
   try {
@@ -211,7 +208,7 @@ void declared(Trial& trial) {
     case Role::source: return declared_channels(trial, parts::source(composition, component_name).model->channels());
     case Role::transform:
       return declared_channels(trial, parts::transform(composition, component_name).model->channels());
-    default: Trial::skip("this role declares nothing once it is bound");
+    default: Trial::not_applicable("this role declares nothing once it is bound");
   }
 }
 

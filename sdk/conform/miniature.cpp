@@ -50,6 +50,7 @@ class Builder {
         plug_ports();
         filter()["process"][component_name] = subject;
         feed("input", type_.spec.fields);
+        feed_inputs();
         break;
       case Role::measurement_model:
         plug_ports();

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "catch.hpp"
 
+#include <dlfcn.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <thread>
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/diagnostic.hpp"
+#include "fixture.hpp"
 #include "run_check.hpp"
 
 namespace binnacle::conform {
@@ -23,6 +26,10 @@ struct Current {
 } current;
 
 void send(const Wire& wire, const char* kind, const std::string& message) {
+  if (wire.pipe < 0) {
+    std::fprintf(stderr, "%s%s%s\n", kind, message.empty() ? "" : ": ", message.c_str());
+    return;
+  }
   const std::string line = nlohmann::json({{"kind", kind}, {"message", message}})
                                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
                            "\n";
@@ -54,12 +61,20 @@ class WireReport final : public Report {
   std::thread::id owner_ = std::this_thread::get_id();
 };
 
+/// Where a component is examined its library stays until the process ends: what a model throws is read after the model
+/// is gone. The checks of the library itself watch it come and go.
+void keep_loaded(const Trial& trial) {
+  if (!trial.type.empty()) ::dlopen(trial.library.c_str(), RTLD_LAZY | RTLD_LOCAL);
+}
+
 }  // namespace
 
 std::unique_ptr<Report> wire_report(const Wire& wire) { return std::make_unique<WireReport>(wire); }
 
 int run_check(const Check& check, Trial& trial, const Wire& wire) {
   current = {&check, &trial, wire};
+  keep_loaded(trial);
+  const CallWatch watch(trial);
   Catch::Session session;
   const char* arguments[] = {"binnacle-conform", "--reporter", "compact"};
   if (session.applyCommandLine(3, arguments) != 0) return 1;
@@ -70,18 +85,28 @@ int run_check(const Check& check, Trial& trial, const Wire& wire) {
 
 TEST_CASE("conformance") {
   using namespace binnacle::conform;
+  const auto during = [] {
+    return current.wire.stage[0] ? std::string(" in ") + current.wire.stage + "()" : std::string();
+  };
   try {
     current.check->run(*current.trial);
     SUCCEED();
   } catch (const Skip& skip) {
-    send(current.wire, "skip", skip.reason);
+    send(current.wire, skip.applies ? "skip" : "not applicable", skip.reason);
     SUCCEED();
+  } catch (const OpenRefused& refusal) {
+    const std::string text = refusal.what();
+    if (text.find(" threw: ") == std::string::npos)
+      send(current.wire, "skip", "open() refuses its example: " + text);
+    else
+      current.trial->fail(text, "; throw ComponentError for what is refused");
+    SUCCEED();
+  } catch (const binnacle::testing::CallThrew& thrown) {
+    current.trial->fail(thrown.what());
   } catch (const std::exception& error) {
-    const std::string during = current.wire.stage[0] ? std::string(" in ") + current.wire.stage + "()" : "";
-    current.trial->fail("an exception crosses", during, ": ", error.what());
+    current.trial->fail("an exception crosses", during(), ": ", error.what());
   } catch (...) {
-    const std::string during = current.wire.stage[0] ? std::string(" in ") + current.wire.stage + "()" : "";
-    current.trial->fail("something that is no std::exception crosses", during);
+    current.trial->fail("something that is no std::exception crosses", during());
   }
   send(current.wire, "done", "");
 }

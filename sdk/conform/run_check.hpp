@@ -6,7 +6,8 @@
 
 namespace binnacle::conform {
 
-/// What the process tells the driver: lines on a pipe, and in shared memory what it is calling.
+/// What the process tells the driver: lines on a pipe, and in shared memory what it is calling. Without a pipe it reports
+/// to people on stderr.
 struct Wire {
   int pipe = -1;
   char* stage = nullptr;  // `stage_bytes`, shared

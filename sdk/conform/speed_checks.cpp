@@ -34,7 +34,7 @@ void allocation(Trial& trial) {
 
 void call(Trial& trial) {
   CallMeter meter = metered_turns(trial, trial.repeats(500));
-  if (meter.seconds.empty()) Trial::skip("nothing was called");
+  if (meter.seconds.empty()) Trial::not_applicable("nothing was called");
   std::sort(meter.seconds.begin(), meter.seconds.end());
   const double p99 = meter.seconds[meter.seconds.size() * 99 / 100];
   if (p99 > 100e-6) trial.warn("one call in a hundred takes longer than ", p99 * 1e6, " us");

@@ -19,6 +19,8 @@ void source_order(Trial& trial) {
     const auto status = static_cast<SourceStatus>(static_cast<int>(answer.numbers.front()));
     if (!trial.expect(status != SourceStatus::error, "its example ends with an error after ", count, " samples"))
       return;
+    if (status == SourceStatus::wait && count == 0)
+      Trial::not_applicable("it waits for live input, and its example has no sample of its own");
     if (status != SourceStatus::sample) break;
     ++count;
     const double t = answer.numbers[2];

@@ -23,8 +23,8 @@ constexpr double settled_before = 0.9;   // of the duration; what comes to rest 
 /// Channels fed the same values at fixed rates, as a program would push them.
 void feed(const Plan& plan, Follower& follower) {
   Session filter(plan.composition);
-  filter.attach(plan.filter, follower.model_log());
-  if (follower.true_log()) filter.attach(plan.truth, follower.true_log());
+  filter.attach({plan.filter}, follower.model_log());
+  if (follower.true_log()) filter.attach({plan.truth}, follower.true_log());
   std::vector<Time> next;
   for (const auto& feed : plan.feeds) next.push_back(feed.is_of_intervals ? feed.interval : 0);
   while (!follower.is_over()) {
@@ -41,7 +41,7 @@ void feed(const Plan& plan, Follower& follower) {
       next[i] += feed.interval;
     }
     filter.commit(t);
-    for (const int f : {plan.filter, plan.truth})
+    for (const FilterId f : {FilterId{plan.filter}, FilterId{plan.truth}})
       if (!filter.healthy(f)) throw Broken(filter.diagnosis(f));
   }
 }
@@ -51,8 +51,8 @@ class Watch final : public RunObserver {
  public:
   Watch(const Plan& plan, Follower& follower) : plan_(plan), follower_(follower) {}
   void begin(Session& session) override {
-    if (follower_.true_log()) session.attach(plan_.truth, follower_.true_log());
-    session.attach(plan_.filter, follower_.model_log());
+    if (follower_.true_log()) session.attach({plan_.truth}, follower_.true_log());
+    session.attach({plan_.filter}, follower_.model_log());
   }
   bool progress(Time /*t*/) override { return !follower_.is_over(); }
 

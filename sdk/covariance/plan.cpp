@@ -317,6 +317,29 @@ Parsed<score::Metric> read_metric(const Composition& composition, std::string_vi
 
 Request request_of(const std::string& metric) { return *read_request(metric); }
 
+namespace {
+
+/// The analysed composition, with the truth's filter beside its own; null with an error where it cannot be composed.
+std::shared_ptr<const Composition> compose_error_free(const Section& section, const Config& config,
+                                                      const std::filesystem::path& path, const std::string& name,
+                                                      const std::string& truth) {
+  try {
+    return score::parse(error_free_root(section, config.root(), name, truth).dump(), path);
+  } catch (const Error& error) {
+    const bool has_truth = section.at(under("truth")) != nullptr;
+    for (const auto& item : error.diagnostics().items()) {
+      const bool is_of_source = item.pointer.starts_with("/sources");
+      section.error(item.code, is_of_source || !has_truth ? under("error_free") : under("truth"),
+                    (is_of_source ? "with the sources free of errors: "
+                                  : "with the truth merged over filter " + in_quotes(name) + ": ") +
+                        item.message);
+    }
+    return nullptr;
+  }
+}
+
+}  // namespace
+
 Plan read_plan(const Config& config, const std::filesystem::path& path,
                const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics) {
   const Section section(config, diagnostics);
@@ -359,18 +382,9 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   const bool has_truth = section.object(under("truth")) != nullptr;
   if (diagnostics.has_errors()) return plan;
   const std::string truth = name + " (truth)";
-  try {
-    plan.composition = score::parse(error_free_root(section, config.root(), name, truth).dump(), path);
-  } catch (const Error& error) {
-    for (const auto& item : error.diagnostics().items()) {
-      const bool is_of_source = item.pointer.starts_with("/sources");
-      section.error(item.code, is_of_source || !has_truth ? under("error_free") : under("truth"),
-                    (is_of_source ? "with the sources free of errors: "
-                                  : "with the truth merged over filter " + in_quotes(name) + ": ") +
-                        item.message);
-    }
-    return plan;
-  }
+  const auto error_free = compose_error_free(section, config, path, name, truth);
+  if (!error_free) return plan;
+  plan.composition = error_free;
   const auto& filters = plan.composition->filters();
   for (std::size_t f = 0; f < filters.size(); ++f) {
     if (filters[f].name == name) plan.filter = plan.truth = static_cast<int>(f);

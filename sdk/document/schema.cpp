@@ -18,7 +18,7 @@ namespace {
 Json text_schema(const char* description) { return {{"type", "string"}, {"description", description}}; }
 
 /// The schema with what an editor shows of it, and the reference prints.
-Json told(const char* description, Json schema) {
+Json described(const char* description, Json schema) {
   schema["description"] = description;
   return schema;
 }
@@ -273,9 +273,9 @@ void add_components(const Catalog& catalog, Json& definitions) {
   definitions["lone_measurement"] = or_patch(choice_of(choices[Role::measurement_model]));
 }
 
-// ---- what the kernel owns
+// ---- what is no component's
 
-void add_kernel_definitions(Json& definitions) {
+void add_value_definitions(Json& definitions) {
   const Json quantity = quantity_schema(parameter::number("", "1"));
   const Json name = {{"type", "string"}};
   definitions["quantity"] = quantity;
@@ -295,23 +295,33 @@ void add_kernel_definitions(Json& definitions) {
         quantity}}};
   definitions["sigma"] = {{"description", "initial standard deviation: by component, as a list, or one for all"},
                           {"anyOf", {named(quantity), list_of(quantity), quantity}}};
+}
+
+/// Keys of a block, beside its parameters.
+void add_block_definitions(Json& definitions) {
+  const Json name = {{"type", "string"}};
   const Json components = {{"anyOf", {{{"type", "boolean"}}, name, list_of(name)}}};
   definitions["estimate"] =
-      told("error components that are estimated (default: all); the others are frozen", components);
-  definitions["consider"] = told("components that keep their covariance and are never corrected (Schmidt)", components);
-  definitions["hold"] = told("frozen components do not move with their process", {{"type", "boolean"}});
+      described("error components that are estimated (default: all); the others are frozen", components);
+  definitions["consider"] =
+      described("components that keep their covariance and are never corrected (Schmidt)", components);
+  definitions["hold"] = described("frozen components do not move with their process", {{"type", "boolean"}});
   definitions["learn_from_gated"] =
-      told("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
-  definitions["samples_per_step"] = told("inputs that go into one step, for multi-sample attitude algorithms",
-                                         {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
+      described("what a gated sample taught is kept; else it is taken back", {{"type", "boolean"}});
+  definitions["samples_per_step"] = described("inputs that go into one step, for multi-sample attitude algorithms",
+                                              {{"type", "integer"}, {"minimum", 1}, {"maximum", 16}});
+}
+
+void add_measurement_definitions(Json& definitions) {
+  const Json quantity = quantity_schema(parameter::number("", "1"));
   const Json probability{{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}};
   definitions["gate"] = {{"description", "probability with which a right sample passes, or a right row or key"},
                          {"anyOf",
                           {probability,
                            closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
                                          {"probability"})}}};
-  definitions["noise"] = told("a noise estimator: R from what the residuals were", ref("noise_estimator"));
-  definitions["recover"] = told(
+  definitions["noise"] = described("a noise estimator: R from what the residuals were", ref("noise_estimator"));
+  definitions["recover"] = described(
       "reopens a filter that locks the measurement out: after so many gated samples in a row these 1-sigma are set",
       closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
                     {"after", "inflate"}));
@@ -320,8 +330,8 @@ void add_kernel_definitions(Json& definitions) {
       {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
   definitions["stacked_measurement"] =
-      or_patch(closed_object({{"stack", told("measurement models whose rows make one update",
-                                             some_named(ref("measurement_model")))},
+      or_patch(closed_object({{"stack", described("measurement models whose rows make one update",
+                                                  some_named(ref("measurement_model")))},
                               {"channel", ref("channel")},
                               {"noise", ref("noise")},
                               {"gate", ref("gate")},
@@ -331,26 +341,31 @@ void add_kernel_definitions(Json& definitions) {
   definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
                                 {"then", ref("stacked_measurement")},
                                 {"else", ref("lone_measurement")}};
+}
+
+void add_filter_definitions(Json& definitions) {
+  const Json name = {{"type", "string"}};
   definitions["filter"] = or_patch(closed_object(
-      {{"blocks", told("what is estimated", some_named(ref("state_block")))},
-       {"derived", told("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
-       {"process", told("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
-       {"measurements", told("what is seen of them; at one instant in this order", named(ref("measurement")))},
-       {"implied_states",
-        told("a block as one measurement tells it, all else in it taken from the filter; scored and recorded",
-             named(or_patch(
-                 closed_object({{"measurement", told("whose samples", name)}, {"block", told("what they tell", name)}},
-                               {"measurement", "block"}))))}},
+      {{"blocks", described("what is estimated", some_named(ref("state_block")))},
+       {"derived",
+        described("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
+       {"process", described("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
+       {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
+       {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
+                                    "filter; scored and recorded",
+                                    named(or_patch(closed_object({{"measurement", described("whose samples", name)},
+                                                                  {"block", described("what they imply", name)}},
+                                                                 {"measurement", "block"}))))}},
       {"blocks"}));
   definitions["reference"] = {
       {"anyOf",
-       {closed_object({{"withheld", told("a measurement with withheld samples", name)},
-                       {"filter", told("whose; needed where several have it", name)}},
+       {closed_object({{"withheld", described("a measurement with withheld samples", name)},
+                       {"filter", described("whose; needed where several have it", name)}},
                       {"withheld"}),
-        closed_object({{"channel", told("the channel with the truth", name)},
-                       {"blocks", told("FILTER/BLOCK: the channel's fields for its outputs",
-                                       named({{"anyOf", {list_of(name), named(name)}}}))},
-                       {"invalid", told("a value that means there is none", {{"type", "number"}})}},
+        closed_object({{"channel", described("the channel with the truth", name)},
+                       {"blocks", described("FILTER/BLOCK: the channel's fields for its outputs",
+                                            named({{"anyOf", {list_of(name), named(name)}}}))},
+                       {"invalid", described("a value that means there is none", {{"type", "number"}})}},
                       {"channel", "blocks"})}}};
 }
 
@@ -358,39 +373,42 @@ Json evaluate_schema() {
   const Json name = {{"type", "string"}};
   const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
-  return closed_object(
-      {{"after", told("nothing earlier is scored", ref("time"))},
-       {"until", told("nothing later is scored", ref("time"))},
-       {"windows", told("spans of time that are scored on their own too: [from, to]",
-                        named({{"anyOf", {ref("window"), window_of_filter}}}))},
-       {"metrics", told("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name", {{"anyOf", {metric, list_of(metric)}}})}});
+  return closed_object({{"after", described("nothing earlier is scored", ref("time"))},
+                        {"until", described("nothing later is scored", ref("time"))},
+                        {"windows", described("spans of time that are scored on their own too: [from, to]",
+                                              named({{"anyOf", {ref("window"), window_of_filter}}}))},
+                        {"metrics", described("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name",
+                                              {{"anyOf", {metric, list_of(metric)}}})}});
 }
 
 Json sections() {
   const Json name = {{"type", "string"}};
   return {{"binnacle", {{"const", 1}, {"description", "version of the config's format"}}},
-          {"title", told("one line, for people", name)},
-          {"description", told("anything, for people", Json::object())},
-          {"extends",
-           told("a config that this one is merged over (RFC 7386), or several", {{"anyOf", {name, list_of(name)}}})},
-          {"plugins", told("where else plugins are searched for",
-                           list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}}))},
-          {"vars",
-           told("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it", {{"type", "object"}})},
-          {"sources", told("where samples come from: files, simulators", named(ref("source")))},
-          {"transforms", told("what makes samples out of samples", named(ref("transform")))},
-          {"filters", told("the filters; a later one may read an earlier one's estimates as a channel",
-                           some_named(ref("filter")))},
-          {"sinks", told("where samples go", named(ref("sink")))},
-          {"reference",
-           told("what the filters are scored against", {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
-          {"evaluate", told("when and by what the errors are scored", evaluate_schema())},
+          {"title", described("one line, for people", name)},
+          {"description", described("anything, for people", Json::object())},
+          {"extends", described("a config that this one is merged over (RFC 7386), or several",
+                                {{"anyOf", {name, list_of(name)}}})},
+          {"plugins", described("where else plugins are searched for",
+                                list_of({{"type", "string"}, {"description", "a plugin file, or a folder of them"}}))},
+          {"vars", described("text for \"${NAME}\" anywhere in the config; --var NAME=TEXT overrides it",
+                             {{"type", "object"}})},
+          {"sources", described("where samples come from: files, simulators", named(ref("source")))},
+          {"transforms", described("what makes samples out of samples", named(ref("transform")))},
+          {"filters", described("the filters; a later one may read an earlier one's estimates as a channel",
+                                some_named(ref("filter")))},
+          {"sinks", described("where samples go", named(ref("sink")))},
+          {"reference", described("what the filters are scored against",
+                                  {{"anyOf", {ref("reference"), list_of(ref("reference"))}}})},
+          {"evaluate", described("when and by what the errors are scored", evaluate_schema())},
           {"record",
-           told("what --out records",
-                closed_object({{"every", told("least time between two records; else every step", ref("quantity"))}}))},
-          {"study", told("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
-          {"covariance", told("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
-          {"metrics", told("what a study tells of every run, as \"metrics\" of \"study\"", Json::object())}};
+           described("what --out records",
+                     closed_object({{"every", described("one record for every multiple of this after the first, of the "
+                                                        "instant nearest to it; else every step",
+                                                        ref("quantity"))}}))},
+          {"study", described("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
+          {"covariance",
+           described("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
+          {"metrics", described("what a study reports of every run, as \"metrics\" of \"study\"", Json::object())}};
 }
 
 }  // namespace
@@ -398,7 +416,10 @@ Json sections() {
 Json schema(const Catalog& catalog) {
   Json definitions = Json::object();
   add_components(catalog, definitions);
-  add_kernel_definitions(definitions);
+  add_value_definitions(definitions);
+  add_block_definitions(definitions);
+  add_measurement_definitions(definitions);
+  add_filter_definitions(definitions);
   const Json whole = sections();
   Json any = Json::object();
   for (const auto& [key, section] : whole.items()) any[key] = Json::object();

@@ -118,7 +118,7 @@ void FilterScore::show_errors(RunObserver& observer) const {
 
 MetricValue FilterScore::value(const Metric& metric) const {
   if (metric.quantity == MetricQuantity::nis) {
-    const MeasurementCounts counts = session_->counts(filter_, metric.subject);
+    const MeasurementCounts counts = session_->counts({{filter_}, metric.subject});
     if (counts.nis_count == 0) return {not_a_number, 0, 0};
     return {counts.nis_mean, counts.dof_mean, static_cast<double>(counts.nis_count)};
   }

@@ -163,7 +163,7 @@ void FilterScore::add_subjects() {
 void FilterScore::attach(Session& session, StepObserver* next) {
   session_ = &session;
   next_ = next;
-  session.attach(filter_, this);
+  session.attach({filter_}, this);
 }
 
 void FilterScore::watch(const Metric& metric) {
@@ -201,7 +201,7 @@ void FilterScore::reference(int channel, const SampleView& sample) {
   for (std::size_t i = 0; i < references_.size(); ++i) {
     const auto& plan = *references_[i].plan;
     if (plan.channel != channel) continue;
-    if (!session_->started(filter_) || sample.t < start()) continue;
+    if (!session_->started(FilterId{filter_}) || sample.t < start()) continue;
     Pending pending;
     pending.reference = static_cast<int>(i);
     if (!read(plan, sample, pending)) continue;
@@ -211,8 +211,8 @@ void FilterScore::reference(int channel, const SampleView& sample) {
       continue;
     }
     // The filter may have passed this instant already: then only an estimate at that very time will do.
-    if (sample.t == session_->time(filter_) && info_.input_channel < 0) {
-      score(pending, session_->state(filter_).data());
+    if (sample.t == session_->time(FilterId{filter_}) && info_.input_channel < 0) {
+      score(pending, session_->state(FilterId{filter_}).data());
       continue;
     }
     pending_.push_back(pending);
@@ -247,7 +247,7 @@ void FilterScore::stepped(const StepRecord& record) {
 void FilterScore::offered(const UpdateRecord& record) {
   if (next_) next_->offered(record);
   for (std::size_t r = 0; r < implied_states_.size(); ++r)
-    if (implied_states_[r].take(record, record.P0 ? record.P0 : session_->covariance(filter_)))
+    if (implied_states_[r].take(record, record.P0 ? record.P0 : session_->covariance(FilterId{filter_})))
       score_implied_state(static_cast<int>(r));
   if (record.outcome == Outcome::withheld)
     score_withheld(record);
@@ -257,7 +257,7 @@ void FilterScore::offered(const UpdateRecord& record) {
 
 void FilterScore::finish() {
   for (const auto& pending : pending_)
-    if (pending.t == session_->time(filter_)) score(pending, session_->state(filter_).data());
+    if (pending.t == session_->time(FilterId{filter_})) score(pending, session_->state(FilterId{filter_}).data());
   pending_.clear();
   pending_of_implied_states_.clear();
 }
@@ -291,7 +291,7 @@ void FilterScore::keep_noise(const UpdateRecord& record) {
 
 void FilterScore::score(const Pending& pending, const double* state) {
   const auto& block = *references_[as_size(pending.reference)].block;
-  score_block(pending, state + block.stored_offset, session_->covariance(filter_));
+  score_block(pending, state + block.stored_offset, session_->covariance(FilterId{filter_}));
 }
 
 /// An implied state is of its instant: only a reference of that very time shows whether it is right.

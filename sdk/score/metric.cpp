@@ -106,7 +106,7 @@ std::string find_scored(const ScorePlan& plan, std::string_view subject, Metric&
   const char* const by = metric.quantity == MetricQuantity::error ? " is scored by a reference"
                          : metric.quantity == MetricQuantity::sigma
                              ? " has a sigma and is scored by a reference"
-                             : " has a NEES: its reference must tell all outputs";
+                             : " has a NEES: its reference must give all outputs";
   const auto& filter = plan.filters[as_size(metric.filter)];
   return "no " + in_quotes(subject) + " of filter " + in_quotes(filter.name) + by + help(subject, names, "there are");
 }

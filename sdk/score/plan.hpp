@@ -45,6 +45,7 @@ struct ScorePlan : SectionData {
   TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
   std::vector<NamedWindow> windows;
   std::vector<Metric> metrics;
+  std::vector<UnknownMetric> unknown_metrics;
   Time record_every = 0;  // 0: at every step
 
   std::string explain(int filter) const override;

@@ -25,7 +25,7 @@ std::vector<RecordColumn> estimate_columns(const FilterInfo& filter) {
 }  // namespace
 
 Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every)
-    : session_(session), scores_(scores), observer_(observer), every_(every) {
+    : session_(session), scores_(scores), observer_(observer) {
   const auto& filters = session.composition().filters();
   std::size_t width = 1;
   for (std::size_t f = 0; f < filters.size(); ++f) {
@@ -34,7 +34,8 @@ Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& ob
     const auto noise = scores[f]->noise_columns();
     columns.insert(columns.end(), implied_states.begin(), implied_states.end());
     columns.insert(columns.end(), noise.begin(), noise.end());
-    filters_.push_back({implied_states.size(), noise.size()});
+    filters_.push_back({implied_states.size(), RecordEpochs(every), no_time, no_time, {}});
+    filters_.back().kept.resize(columns.size());
     width = std::max(width, columns.size());
     observer.begin(static_cast<int>(f), filters[f].name, columns);
   }
@@ -42,37 +43,52 @@ Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& ob
 }
 
 void Recorder::after_instant() {
+  using enum RecordEpochs::Choice;
   for (std::size_t f = 0; f < filters_.size(); ++f) {
-    const int index = static_cast<int>(f);
+    const FilterId id{static_cast<int>(f)};
     Filter& filter = filters_[f];
-    if (!session_.started(index) || !session_.healthy(index)) continue;
-    const Time t = session_.time(index);
-    if (t == filter.last || (filter.next != no_time && t < filter.next)) continue;
+    if (!session_.started(id) || !session_.healthy(id)) continue;
+    const Time t = session_.time(id);
+    if (t == filter.last) continue;
     filter.last = t;
-    if (every_ > 0)
-      filter.next = filter.next == no_time ? t + every_ : filter.next + (1 + (t - filter.next) / every_) * every_;
-    record(index, t);
+    const auto choice = filter.epochs.on(t);
+    if (choice == release || choice == release_and_take || choice == release_and_keep) write_kept(f);
+    if (choice == take || choice == release_and_take) {
+      const std::span<double> values(values_.data(), filter.kept.size());
+      read(f, t, values);
+      observer_.record(id.index, t, values);
+    } else if (choice == keep || choice == release_and_keep) {
+      read(f, t, filter.kept);
+      filter.kept_at = t;
+    }
   }
 }
 
-void Recorder::record(int filter, Time t) {
-  const auto& blocks = session_.composition().filters()[as_size(filter)].blocks;
+void Recorder::finish() {
+  for (std::size_t f = 0; f < filters_.size(); ++f)
+    if (filters_[f].epochs.finish()) write_kept(f);
+}
+
+void Recorder::write_kept(std::size_t filter) {
+  observer_.record(static_cast<int>(filter), filters_[filter].kept_at, filters_[filter].kept);
+}
+
+void Recorder::read(std::size_t filter, Time t, std::span<double> values) {
+  const auto& blocks = session_.composition().filters()[filter].blocks;
+  const FilterId id{static_cast<int>(filter)};
   std::size_t at = 0;
-  const auto for_each_block = [&](const auto& read) {
+  const auto for_each_block = [&](const auto& read_block) {
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const std::size_t count = blocks[b].declaration->outputs.size();
-      read(Session::Block{filter, static_cast<int>(b)}, std::span<double>(values_.data() + at, count));
+      read_block(BlockId{id, static_cast<int>(b)}, values.subspan(at, count));
       at += count;
     }
   };
-  for_each_block([&](Session::Block block, std::span<double> values) { session_.read(block, values); });
-  for_each_block([&](Session::Block block, std::span<double> values) { session_.read_sigma(block, values); });
-  FilterScore& score = *scores_[as_size(filter)];
-  score.latest_implied_states(t, values_.data() + at);
-  at += filters_[as_size(filter)].implied_state_columns;
-  score.latest_noise(values_.data() + at);
-  at += filters_[as_size(filter)].noise_columns;
-  observer_.record(filter, t, {values_.data(), at});
+  for_each_block([&](BlockId block, std::span<double> outputs) { session_.read(block, outputs); });
+  for_each_block([&](BlockId block, std::span<double> sigmas) { session_.read_sigma(block, sigmas); });
+  FilterScore& score = *scores_[filter];
+  score.latest_implied_states(t, values.data() + at);
+  score.latest_noise(values.data() + at + filters_[filter].implied_state_columns);
 }
 
 }  // namespace binnacle::score

@@ -7,6 +7,7 @@
 
 #include "binnacle/session.hpp"
 #include "filter_score.hpp"
+#include "record_epochs.hpp"
 #include "score/run.hpp"
 
 namespace binnacle::score {
@@ -15,21 +16,24 @@ using Scores = std::vector<std::unique_ptr<FilterScore>>;
 
 class Recorder {
  public:
-  /// Shows the columns to the observer. `every`: least time between two records; 0: after every step.
+  /// Shows the columns to the observer. `every`: RecordEpochs; 0: after every step.
   Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every);
   void after_instant();
+  void finish();
 
  private:
   struct Filter {
-    std::size_t implied_state_columns = 0, noise_columns = 0;
-    Time next = no_time, last = no_time;
+    std::size_t implied_state_columns = 0;
+    RecordEpochs epochs;
+    Time last = no_time, kept_at = no_time;
+    std::vector<double> kept;  // a row that is written unless one nearer to its epoch comes
   };
-  void record(int filter, Time t);
+  void read(std::size_t filter, Time t, std::span<double> values);
+  void write_kept(std::size_t filter);
 
   const Session& session_;
   const Scores& scores_;
   RunObserver& observer_;
-  Time every_;
   std::vector<Filter> filters_;
   std::vector<double> values_;
 };

@@ -53,7 +53,7 @@ void read_implied_state(CompositionDraft& draft, const FilterInfo& filter, const
   const auto& seen = measurement.blocks;
   if (std::find(seen.begin(), seen.end(), implied_state.block) == seen.end() || rows > measurement.max_rows) {
     draft.error("B015", pointer,
-                "measurement '" + measurement.name + "' does not tell block '" + implied_state.value.name +
+                "measurement '" + measurement.name + "' does not determine block '" + implied_state.value.name +
                     "': it must see all " + std::to_string(rows) + " of its components");
     return;
   }

@@ -44,6 +44,7 @@ class Scorer final : public binnacle::RunObserver {
   bool progress(Time t) override { return observer_.progress(t); }
 
   void finished() override {
+    if (recorder_) recorder_->finish();
     for (auto& score : scores_) score->finish();
     if (records_)
       for (const auto& score : scores_) score->show_errors(observer_);

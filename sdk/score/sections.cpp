@@ -73,8 +73,11 @@ void read_metric_at(CompositionDraft& draft, const std::string& pointer, ScorePl
   if (!name) return;
   auto metric = read_metric(plan, *name);
   if (!metric) {
-    // Where variants of a study lack what others have, their metrics go without saying.
-    if (!draft.is_patched()) draft.error("B027", name_pointer, metric.error());
+    // A variant of a study may lack what others have.
+    if (draft.is_patched())
+      plan.unknown_metrics.push_back({*name, name_pointer, metric.error()});
+    else
+      draft.error("B027", name_pointer, metric.error());
     return;
   }
   Metric shown = *metric;
@@ -135,6 +138,10 @@ std::shared_ptr<const ScorePlan> plan_of(const Composition& composition) {
   plan->filters = composition.filters();
   plan->implied_states.resize(plan->filters.size());
   return plan;
+}
+
+std::vector<UnknownMetric> unknown_metrics(const Composition& composition) {
+  return plan_of(composition)->unknown_metrics;
 }
 
 LoadOptions with_sections(LoadOptions options) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/unit.hpp"
 
 namespace binnacle::score {
 

@@ -95,6 +95,17 @@ std::vector<Variant> load_variants(const std::filesystem::path& path, const Load
     }
   }
   if (failure.status()) throw Error(failure.status(), errors.merged(wanted.size()));
+  std::vector<std::shared_ptr<const Composition>> compositions;
+  for (const auto& variant : variants) compositions.push_back(variant.composition);
+  for (const auto& variant : variants) {
+    LoadOptions load = options;
+    load.patches = variant.patches;
+    const Diagnostics misspelt = misspelt_metrics(*variant.composition, compositions, path, load);
+    if (!misspelt.has_errors()) continue;
+    errors.add(variant.name, misspelt);
+    failure.add(ConfigError(misspelt));
+  }
+  if (failure.status()) throw Error(failure.status(), errors.merged(wanted.size()));
   warnings.merge(notes.merged(wanted.size()));
   return variants;
 }

@@ -109,13 +109,13 @@ std::string config(const Named& named, int states) {
 /// All samples of one step pushed.
 void step(benchmark::State& state, const Named& named, int states) {
   Session filter(Composition::parse(config(named, states), "bench.json"));
-  const int imu = filter.channel("imu");
+  const auto imu = filter.channel("imu");
   const double increments[6] = {1e-4, -2e-4, 5e-4, 0.002, 0.001, -0.04904};
   constexpr Time interval = 5'000'000;
   Time t = 0;
   for (auto _ : state)
     for (int i = 0; i < named.samples; ++i, t += interval) filter.push(imu, t, t + interval, increments);
-  if (!filter.healthy(0)) state.SkipWithError(filter.diagnosis(0).c_str());
+  if (!filter.healthy(FilterId{0})) state.SkipWithError(filter.diagnosis(FilterId{0}).c_str());
 }
 
 }  // namespace

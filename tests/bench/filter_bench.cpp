@@ -89,7 +89,7 @@ struct Ins {
 
   static constexpr Time interval = 5'000'000;
   Session filter;
-  int imu, gnss;
+  ChannelId imu, gnss;
   Time t = 0;
   double increments[6] = {1e-4, -2e-4, 5e-4, 0.002, 0.001, -0.04904};
   double position[3] = {0.8377580409572782, 0.19198621771937624, 500};
@@ -116,12 +116,12 @@ const char* const ship_config = R"({"binnacle": 1,
 /// Prediction over 20 ms, Van Loan's discretization included, and the update.
 void ship_cycle(benchmark::State& state) {
   Session filter(Composition::parse(ship_config, "bench.json"));
-  const int vertical = filter.channel("vertical");
+  const auto vertical = filter.channel("vertical");
   constexpr Time interval = 20'000'000;
   const double angle = 0.01;
   Time t = 0;
   for (auto _ : state) filter.push(vertical, no_time, t += interval, {&angle, 1});
-  if (filter.counts(0, 0).offered != filter.counts(0, 0).by_outcome[0]) state.SkipWithError("not accepted");
+  if (filter.counts({{0}, 0}).offered != filter.counts({{0}, 0}).by_outcome[0]) state.SkipWithError("not accepted");
 }
 
 /// The same numbers by dense fixed-size Eigen with Φ and Q known beforehand: the least that a cycle can be.
@@ -180,7 +180,7 @@ void dense_joseph(benchmark::State& state) {
 void imu_step(benchmark::State& state) {
   Ins ins(static_cast<int>(state.range(0)));
   for (auto _ : state) ins.step();
-  if (!ins.filter.healthy(0)) state.SkipWithError(ins.filter.diagnosis(0).c_str());
+  if (!ins.filter.healthy(FilterId{0})) state.SkipWithError(ins.filter.diagnosis(FilterId{0}).c_str());
 }
 
 void imu_step_first_order(benchmark::State& state) {
@@ -191,7 +191,8 @@ void imu_step_first_order(benchmark::State& state) {
 void fix_update(benchmark::State& state) {
   Ins ins(static_cast<int>(state.range(0)));
   for (auto _ : state) ins.fix();
-  if (ins.filter.counts(0, 0).offered != ins.filter.counts(0, 0).by_outcome[0]) state.SkipWithError("not accepted");
+  if (ins.filter.counts({{0}, 0}).offered != ins.filter.counts({{0}, 0}).by_outcome[0])
+    state.SkipWithError("not accepted");
 }
 
 void assembly(benchmark::State& state) {

@@ -61,7 +61,7 @@ struct Average {
 };
 
 /// NEES of each block and of all together at the picked instants.
-class Nees : public runtime::SampleListener {
+class Nees : public runtime::SampleSubscriber {
  public:
   Nees(runtime::Runtime& runtime, const Composition& composition)
       : runtime_(runtime),
@@ -73,7 +73,7 @@ class Nees : public runtime::SampleListener {
         row[b].dof = static_cast<int>(plan_.blocks[b].active.size());
       row.back().dof = plan_.n;
     }
-    runtime.listen(this, {scored_->references.front().channel});
+    runtime.subscribe(this, {scored_->references.front().channel});
   }
 
   void sampled(int channel, const SampleView& truth) override {

@@ -33,7 +33,7 @@ std::string summary(const std::shared_ptr<const Composition>& composition, score
 }
 
 /// All numbers of a field, "drive.imu wx", over a run; its times under "drive.imu t".
-class Samples : public runtime::SampleListener {
+class Samples : public runtime::SampleSubscriber {
  public:
   Samples(const std::shared_ptr<const Composition>& composition, score::RunOptions options)
       : plan_(composition->plan()) {
@@ -41,7 +41,7 @@ class Samples : public runtime::SampleListener {
     runtime::Runtime runtime(plan_);
     std::vector<int> channels;
     for (std::size_t c = 0; c < plan_.channels.size(); ++c) channels.push_back(static_cast<int>(c));
-    runtime.listen(this, channels);
+    runtime.subscribe(this, channels);
     runtime.reset(options.seed, options.run);
     while (runtime.next_instant()) {
     }

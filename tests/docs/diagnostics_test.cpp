@@ -5,7 +5,7 @@
 #include <string>
 
 #include "catch.hpp"
-#include "config/codes.hpp"
+#include "document/codes.hpp"
 #include "document.hpp"
 
 namespace {
@@ -24,11 +24,11 @@ std::string reference() {
       "B08x\n"
       "about running filters, B09x about studies. Exit status: 3 when the config is wrong, 4 when a plugin cannot be\n"
       "loaded, 5 when only data are, 1 when a filter broke or never started, 2 when a journal is of another study.\n"
-      "Warnings (B031, B032, B043, B065 and others that a source reports) do not change it.\n\n"
-      "This file is made from the table in `kernel/src/config/codes.cpp`; `BINNACLE_WRITE_DOCS=1 tests/run -L docs` "
+      "Warnings (B031, B032, B043, B047, B065 and others that a source reports) do not change it.\n\n"
+      "This file is made from the table in `sdk/document/codes.cpp`; `BINNACLE_WRITE_DOCS=1 tests/run -L docs` "
       "writes\n"
       "it anew.\n";
-  for (const auto& entry : config::diagnostic_codes())
+  for (const auto& entry : document::diagnostic_codes())
     text += "\n## " + std::string(entry.code) + ": " + std::string(entry.title) + "\n\n" + std::string(entry.cause) +
             "\n\n*Remedy:* " + std::string(entry.mend) + "\n";
   return text;

@@ -71,10 +71,10 @@ TEST_CASE("the components of these tests work as long as they are not asked to f
 
 TEST_CASE("exit() in a plugin is exit status 1 and an error that names the call, and leaves nothing") {
   struct Case {
-    const char *component, *call, *told;
+    const char *component, *call, *expected;
   };
   const Workbench bench;
-  for (const auto& [component, call, told] :
+  for (const auto& [component, call, expected] :
        {Case{"tick", "constructor", "component 'ticking': its constructor"},
         Case{"tick", "open", "component 'ticking': open"}, Case{"tick", "start", "component 'ticking': start"},
         Case{"tick", "next", "component 'ticking': next at 2 s"}, Case{"pass", "on", "component 'passing': on at 3 s"},
@@ -87,7 +87,7 @@ TEST_CASE("exit() in a plugin is exit status 1 and an error that names the call,
       INFO(component << " " << call << " " << outcome.err);
       CHECK(outcome.status == 1);
       CHECK(outcome.out == "");
-      CHECK(outcome.err.find(std::string("error: plugin 'sick', ") + told) == 0);
+      CHECK(outcome.err.find(std::string("error: plugin 'sick', ") + expected) == 0);
       CHECK(outcome.err.find("ended the program by exit()") != std::string::npos);
       CHECK(names_in(bench.folder()) == before);
     }
@@ -127,10 +127,10 @@ TEST_CASE("std::terminate() in a plugin names the call") {
 
 TEST_CASE("a plugin that loops is ended within two seconds of the first signal, by name") {
   struct Case {
-    const char *component, *call, *told;
+    const char *component, *call, *expected;
   };
-  for (const auto& [component, call, told] : {Case{"tick", "next", "component 'ticking': next at 2 s"},
-                                              Case{"move", "propagate", "component 'moving': propagate at 3 s"}})
+  for (const auto& [component, call, expected] : {Case{"tick", "next", "component 'ticking': next at 2 s"},
+                                                  Case{"move", "propagate", "component 'moving': propagate at 3 s"}})
     for (const int signal : {SIGTERM, SIGINT}) {
       const Workbench bench;
       write_config(bench, component, "loop", call);
@@ -143,7 +143,7 @@ TEST_CASE("a plugin that loops is ended within two seconds of the first signal, 
       CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(2));
       CHECK(outcome.status == 1);
       CHECK(outcome.err == std::string("error: interrupted, but the run does not stop; under way: plugin 'sick', ") +
-                               told + "; nothing was written\n");
+                               expected + "; nothing was written\n");
       CHECK(names_in(bench.folder()) == before);
     }
 }
@@ -184,10 +184,10 @@ TEST_CASE("what a source, transform or sink throws names plugin, component, call
   struct Case {
     const char *component, *call;
     int status;
-    std::string told;
+    std::string expected;
   };
   const Workbench bench;
-  for (const auto& [component, call, status, told] :
+  for (const auto& [component, call, status, expected] :
        {Case{"tick", "start", 1, "/sources/tick: plugin 'sick', component 'ticking': start threw: "},
         Case{"tick", "next", 5, "/sources/tick: plugin 'sick', component 'ticking': next at 2 s threw: "},
         Case{"pass", "start", 1, "/transforms/pass: plugin 'sick', component 'passing': start threw: "},
@@ -201,7 +201,7 @@ TEST_CASE("what a source, transform or sink throws names plugin, component, call
       const auto outcome = run(bench);
       INFO(outcome.err);
       CHECK(outcome.status == status);
-      CHECK(outcome.err.find("error[B045] " + told + what) != std::string::npos);
+      CHECK(outcome.err.find("error[B045] " + expected + what) != std::string::npos);
       CHECK(outcome.err.find("internal") == std::string::npos);
       CHECK(names_in(bench.folder()) == before);
     }

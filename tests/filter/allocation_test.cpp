@@ -50,12 +50,12 @@ TEST_CASE("a temporary of Eigen's in a plugin's call shows up in the run loop") 
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1],
                                  "noise": {"type": "counting"}}}}}})",
                                        "test.json", options));
-    const int channel = session.channel("z");
+    const auto channel = session.channel("z");
     const double z[] = {0.5};
     session.push(channel, no_time, 0, z);
     const auto before = allocations();
     for (Time s = 1; s <= 10; ++s) session.push(channel, no_time, s * 1'000'000'000, z);
-    REQUIRE(session.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] >= 10);
+    REQUIRE(session.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] >= 10);
     REQUIRE((allocations() - before >= 10) == allocates);
     REQUIRE((allocations() == before) == !allocates);
   }
@@ -65,7 +65,7 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
   if (!are_counted()) return;
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   Session filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json"));
-  const int imu = filter.channel("imu"), gnss = filter.channel("gnss");
+  const auto imu = filter.channel("imu"), gnss = filter.channel("gnss");
   const auto position = filter.block("ins/position");
   const double still[] = {0, 0, 0, 0, 0, -0.0981};
   double fix[] = {0.8377580409572782, 0.19198621771937624, 500};
@@ -92,7 +92,7 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
     faults((s + 1) * 1000 * ms);
   }
   REQUIRE(allocations() == before);
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 19);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::gated)] == 19);
   REQUIRE(counts.before_start == 1);
@@ -114,7 +114,7 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
       "measurements": {"see": {"channel": "z", "gate": {"probability": 0.999, "by": "key"},
         "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})",
                                     "test.json", options));
-  const int channel = filter.channel("z");
+  const auto channel = filter.channel("z");
   double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1},
                        {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};
   const auto offer = [&](Time t) {
@@ -132,5 +132,5 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
     offer(s * 1'000'000'000);
   }
   REQUIRE(allocations() == before);
-  REQUIRE(filter.counts(0, 0).rows_left_out == 2 * (16 + 8));
+  REQUIRE(filter.counts({{0}, 0}).rows_left_out == 2 * (16 + 8));
 }

@@ -80,7 +80,7 @@ void require_equal(Session& filter, const DenseLine& expected) {
   filter.read(filter.block("velocity"), {&velocity, 1});
   REQUIRE(std::abs(position - expected.x(0)) < 1e-12);
   REQUIRE(std::abs(velocity - expected.x(1)) < 1e-12);
-  REQUIRE((dense(filter.covariance(0)) - expected.P).norm() < 1e-12 * expected.P.norm());
+  REQUIRE((dense(filter.covariance(FilterId{0})) - expected.P).norm() < 1e-12 * expected.P.norm());
 }
 
 }  // namespace
@@ -97,13 +97,13 @@ TEST_CASE("a composed filter equals the dense one: joint discretization, update,
     const double z = 1 + 0.5 * t + normal(engine);
     if (i > 0) {
       t += dt;
-      expected.advance(seconds(nanoseconds(t)) - filter.time(0) * 1e-9);
+      expected.advance(seconds(nanoseconds(t)) - filter.time(FilterId{0}) * 1e-9);
     }
     nis += expected.update(z, 0.49);
     push(filter, "z", t, {z});
   }
   require_equal(filter, expected);
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.offered == samples);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == samples);
   REQUIRE(std::abs(counts.nis_mean - nis / samples) < 1e-10);
@@ -126,7 +126,7 @@ TEST_CASE("a frozen component has no row in P but still moves others") {
   Session filter = compose(line("", "", R"(, "estimate": [])"));
   push(filter, "z", 0, {1.0});
   push(filter, "z", 2, {1.0});
-  REQUIRE(filter.covariance(0).rows == 1);
+  REQUIRE(filter.covariance(FilterId{0}).rows == 1);
   // Advanced by the frozen 0.5 m/s for 2 s, variance untouched by the missing process noise.
   const double P0 = 1 / (1 / 4.0 + 1 / 0.49);
   double position = 0;
@@ -160,8 +160,8 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
   REQUIRE(std::abs(x[1] - 2 * std::exp(-1.0)) < 1e-15);
   held.read(held.block("x"), x);
   REQUIRE(x[1] == 2);
-  REQUIRE(free.covariance(0).rows == 2);
-  REQUIRE(std::abs(free.covariance(0)(0, 1) - free.covariance(0)(1, 0)) == 0);
+  REQUIRE(free.covariance(FilterId{0}).rows == 2);
+  REQUIRE(std::abs(free.covariance(FilterId{0})(0, 1) - free.covariance(FilterId{0})(1, 0)) == 0);
 }
 
 TEST_CASE("late samples are refused and counted") {
@@ -169,10 +169,10 @@ TEST_CASE("late samples are refused and counted") {
   push(filter, "z", 1, {1});
   push(filter, "z", 2, {1});
   push(filter, "z", 1.5, {1});
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.offered == 3);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 1);
-  REQUIRE(filter.time(0) == nanoseconds(2));
+  REQUIRE(filter.time(FilterId{0}) == nanoseconds(2));
 }
 
 TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
@@ -186,21 +186,21 @@ TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
     if (i % 2 == 0) expected.update(1.0 + i, 0.49);
   }
   require_equal(some, expected);
-  REQUIRE(some.counts(0, 0).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
-  REQUIRE(window.counts(0, 0).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
-  REQUIRE(window.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 4);
+  REQUIRE(some.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
+  REQUIRE(window.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::withheld)] == 4);
+  REQUIRE(window.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 4);
 }
 
 TEST_CASE("the gate keeps outliers out, and recovery reopens a filter that locks a sensor out") {
   Session filter = compose(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
   for (int i = 0; i < 20; ++i) push(filter, "z", 0.1 * i, {1.0});
   for (int i = 20; i < 23; ++i) push(filter, "z", 0.1 * i, {500.0});
-  auto counts = filter.counts(0, 0);
+  auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::gated)] == 3);
   REQUIRE(counts.recoveries == 1);
   REQUIRE(counts.last_reason == "NIS beyond the gate");
   push(filter, "z", 2.3, {500.0});
-  REQUIRE(filter.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 21);
+  REQUIRE(filter.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 21);
   double position = 0;
   filter.read(filter.block("position"), {&position, 1});
   REQUIRE(std::abs(position - 500) < 1);
@@ -217,12 +217,12 @@ TEST_CASE("refusals are typed, and a refused sample's memory is rolled back") {
   push(filter, "z", 2, {101});  // invalid
   push(filter, "z", 3, {50});   // residual NaN
   push(filter, "z", 4, {std::nan("")});
-  const auto counts = filter.counts(0, 0);
+  const auto counts = filter.counts({{0}, 0});
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::unsupported)] == 1);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::invalid)] == 3);
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 1);
   push(filter, "z", 5, {1});  // its memory counts accepted samples only: R = 2
-  REQUIRE(std::abs(filter.covariance(0)(0, 0) - 1 / (1 + 1 + 0.5)) < 1e-15);
+  REQUIRE(std::abs(filter.covariance(FilterId{0})(0, 0) - 1 / (1 + 1 + 0.5)) < 1e-15);
 }
 
 TEST_CASE("a noise estimator's memory is rolled back when its sample is gated, unless it learns from gated ones") {
@@ -231,7 +231,7 @@ TEST_CASE("a noise estimator's memory is rolled back when its sample is gated, u
     push(filter, "z", 0, {1});
     push(filter, "z", 0, {1e4});  // gated
     push(filter, "z", 0, {1});
-    return filter.covariance(0)(0, 0);
+    return filter.covariance(FilterId{0})(0, 0);
   };
   const auto after = [](double R1, double R2) { return 1 / (1 / 4.0 + 1 / R1 + 1 / R2); };
   REQUIRE(std::abs(variance_after(R"({"type": "counting"})") - after(0.49, 2 * 0.49)) < 1e-14);
@@ -255,9 +255,9 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
   Session apart = compose(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
   for (int i = 0; i < 10; ++i)
     for (Session* filter : {&stacked, &apart}) push(*filter, "z", i, {0.3 * i, 0.3});
-  REQUIRE((dense(stacked.covariance(0)) - dense(apart.covariance(0))).norm() < 1e-13);
-  REQUIRE(std::abs(stacked.state(0)[0] - apart.state(0)[0]) < 1e-12);
-  REQUIRE(stacked.counts(0, 0).dof_mean == 2);
+  REQUIRE((dense(stacked.covariance(FilterId{0})) - dense(apart.covariance(FilterId{0}))).norm() < 1e-13);
+  REQUIRE(std::abs(stacked.state(FilterId{0})[0] - apart.state(FilterId{0})[0]) < 1e-12);
+  REQUIRE(stacked.counts({{0}, 0}).dof_mean == 2);
 }
 
 namespace {
@@ -288,7 +288,7 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "twice"}, "sigma": [1]}}}}})");
   KeepRecord observer;
-  filter.attach(0, &observer);
+  filter.attach({0}, &observer);
   push(filter, "z", 0, {0, 0});
   const auto h = [](double a, double b) { return Eigen::Vector2d(a * a * a * a, a * a * a * b); };
   const double e = 1e-6;
@@ -319,7 +319,7 @@ TEST_CASE("the observer's H has a column per row of P: chained through derived b
                                  "blocks": {"x": "squared", "bias": "offset"})" +
                              withheld + R"(}}}}})");
     KeepRecord observer;
-    filter.attach(0, &observer);
+    filter.attach({0}, &observer);
     push(filter, "z", 0, {0.3, 0.2});
     return observer;
   };
@@ -360,10 +360,10 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
   for (const char* more : {"", R"(, "politely": true)"}) {
     Session filter = compose(config(more));
     for (int t = 0; t <= 4; ++t) push(filter, "z", t, {1});
-    REQUIRE_FALSE(filter.healthy(0));
-    REQUIRE(filter.diagnosis(0) ==
+    REQUIRE_FALSE(filter.healthy(FilterId{0}));
+    REQUIRE(filter.diagnosis(FilterId{0}) ==
             (*more ? "process 'bad' cannot go on at 3 s: it is too late" : "block 'x' is not finite at 3 s"));
-    REQUIRE(filter.counts(0, 0).by_outcome[0] == 3);
+    REQUIRE(filter.counts({{0}, 0}).by_outcome[0] == 3);
   }
 }
 
@@ -406,7 +406,7 @@ struct InsDrive {
     filter.push(gnss, no_time, t, fields);
   }
   Session& filter;
-  int imu, gnss;
+  ChannelId imu, gnss;
 };
 
 std::vector<std::byte> bytes_of(const Session& filter) {
@@ -427,10 +427,10 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
     b.input(i * 10 * ms, (i + 1) * 10 * ms);
   }
   a.fix(104 * ms);  // not yet covered by input
-  REQUIRE(ahead.counts(0, 0).by_outcome[0] == 0);
+  REQUIRE(ahead.counts({{0}, 0}).by_outcome[0] == 0);
   a.input(100 * ms, 110 * ms);
-  REQUIRE(ahead.counts(0, 0).by_outcome[0] == 1);
-  REQUIRE(ahead.time(0) == 110 * ms);
+  REQUIRE(ahead.counts({{0}, 0}).by_outcome[0] == 1);
+  REQUIRE(ahead.time(FilterId{0}) == 110 * ms);
 
   // The same with the sample cut by hand: equal rates over both pieces.
   const double s = seconds(110 * ms);
@@ -438,7 +438,8 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
   split.push(b.imu, 100 * ms, 104 * ms, fields);
   b.fix(104 * ms);
   split.push(b.imu, 104 * ms, 110 * ms, fields);
-  REQUIRE((dense(ahead.covariance(0)) - dense(split.covariance(0))).norm() < 1e-6 * dense(split.covariance(0)).norm());
+  REQUIRE((dense(ahead.covariance(FilterId{0})) - dense(split.covariance(FilterId{0}))).norm() <
+          1e-6 * dense(split.covariance(FilterId{0})).norm());
   double pa[3], pb[3];
   ahead.read(ahead.block("position"), pa);
   split.read(split.block("position"), pb);
@@ -451,8 +452,8 @@ TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow 
   InsDrive drive(filter);
   drive.input(0, 10 * ms);
   for (int i = 0; i < 70; ++i) drive.fix((20 + i) * ms);
-  REQUIRE(filter.counts(0, 0).by_outcome[static_cast<int>(Outcome::rejected)] == 6);
-  REQUIRE(filter.counts(0, 0).last_reason == "the queue of samples ahead of the input is full");
+  REQUIRE(filter.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::rejected)] == 6);
+  REQUIRE(filter.counts({{0}, 0}).last_reason == "the queue of samples ahead of the input is full");
 }
 
 TEST_CASE("samples of one instant may come in any order") {
@@ -464,10 +465,11 @@ TEST_CASE("samples of one instant may come in any order") {
     if (i % 10 == 9) b.fix((i + 1) * 10 * ms);
     b.input(i * 10 * ms, (i + 1) * 10 * ms);
   }
-  REQUIRE(first.counts(0, 0).by_outcome[0] == 10);
-  REQUIRE(last.counts(0, 0).by_outcome[0] == 10);
-  REQUIRE((dense(first.covariance(0)).array() == dense(last.covariance(0)).array()).all());
-  REQUIRE(std::memcmp(first.state(0).data(), last.state(0).data(), first.state(0).size_bytes()) == 0);
+  REQUIRE(first.counts({{0}, 0}).by_outcome[0] == 10);
+  REQUIRE(last.counts({{0}, 0}).by_outcome[0] == 10);
+  REQUIRE((dense(first.covariance(FilterId{0})).array() == dense(last.covariance(FilterId{0})).array()).all());
+  REQUIRE(std::memcmp(first.state(FilterId{0}).data(), last.state(FilterId{0}).data(),
+                      first.state(FilterId{0}).size_bytes()) == 0);
 }
 
 TEST_CASE("restored and continued equals uninterrupted, bit for bit") {
@@ -518,12 +520,12 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
       if (i % 25 == 20)
         drive->fix((i + 1) * 5 * ms - 2 * ms);  // inside the sample just taken: late for one, not for four
     }
-  REQUIRE(one.time(0) == 1000 * ms);
+  REQUIRE(one.time(FilterId{0}) == 1000 * ms);
   // Up to three whole samples wait for their group.
-  REQUIRE(four.time(0) <= 1000 * ms);
-  REQUIRE(four.time(0) > 980 * ms);
-  REQUIRE(one.counts(0, 0).by_outcome[static_cast<int>(Outcome::late)] == 8);
-  REQUIRE(four.counts(0, 0).by_outcome[static_cast<int>(Outcome::late)] < 8);
+  REQUIRE(four.time(FilterId{0}) <= 1000 * ms);
+  REQUIRE(four.time(FilterId{0}) > 980 * ms);
+  REQUIRE(one.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::late)] == 8);
+  REQUIRE(four.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::late)] < 8);
   double pa[3], pb[3];
   one.read(one.block("attitude"), pa);
   four.read(four.block("attitude"), pb);
@@ -535,8 +537,8 @@ TEST_CASE("a hole in the input is bridged with the rates held, and counted") {
   InsDrive drive(filter);
   for (int i = 0; i < 10; ++i) drive.input(i * 10 * ms, (i + 1) * 10 * ms);
   drive.input(150 * ms, 160 * ms);
-  REQUIRE(filter.time(0) == 160 * ms);
-  REQUIRE(filter.healthy(0));
+  REQUIRE(filter.time(FilterId{0}) == 160 * ms);
+  REQUIRE(filter.healthy(FilterId{0}));
 }
 
 namespace {
@@ -562,7 +564,7 @@ Session in_groups(int samples, bool of_increments) {
 void swing(Session& filter, int count, int first_lost, int last_lost, bool of_increments) {
   std::mt19937 engine(7);
   std::normal_distribution<double> normal;
-  const int imu = filter.channel("imu");
+  const auto imu = filter.channel("imu");
   for (int i = 0; i < count; ++i) {
     const double t = 0.01 * i, scale = of_increments ? 0.01 : 1.0;
     double fields[6] = {0.3 * std::sin(2 * t) + 0.002 * normal(engine),
@@ -585,8 +587,8 @@ TEST_CASE("a hole in the input is bridged alone, wherever in a group of samples 
       Session one = in_groups(1, of_increments), four = in_groups(4, of_increments);
       // 1000 samples less the lost ones are no multiple of four plus `place`: both end at the same time.
       for (Session* filter : {&one, &four}) swing(*filter, 1000, 500 + place, 559 + place, of_increments);
-      REQUIRE(four.healthy(0));
-      REQUIRE(one.time(0) - four.time(0) <= 30 * ms);
+      REQUIRE(four.healthy(FilterId{0}));
+      REQUIRE(one.time(FilterId{0}) - four.time(FilterId{0}) <= 30 * ms);
       double a[3], b[3], u[3], v[3];
       one.read(one.block("attitude"), a);
       four.read(four.block("attitude"), b);
@@ -603,7 +605,7 @@ TEST_CASE("a hole inside the first group of increments is bridged by what came b
     CAPTURE(samples);
     Session filter = in_groups(samples, true);
     swing(filter, 100, 3, 9, true);
-    REQUIRE(filter.healthy(0));
-    REQUIRE(filter.time(0) >= 960 * ms);
+    REQUIRE(filter.healthy(FilterId{0}));
+    REQUIRE(filter.time(FilterId{0}) >= 960 * ms);
   }
 }

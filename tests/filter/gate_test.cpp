@@ -76,8 +76,8 @@ TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as i
   Session gated = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
   Session clean = compose(seen(""));
   Keep kept, expected;
-  gated.attach(0, &kept);
-  clean.attach(0, &expected);
+  gated.attach({0}, &kept);
+  clean.attach({0}, &expected);
   push(gated, 0, with_outlier);
   push(clean, 0, good);
   REQUIRE(kept.outcome == Outcome::accepted);
@@ -86,11 +86,12 @@ TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as i
   REQUIRE(std::abs(kept.nis - expected.nis) < 1e-12);
   REQUIRE((kept.S - expected.S).norm() < 1e-12);
   for (int i = 0; i < 2; ++i)
-    REQUIRE(std::abs(gated.state(0)[static_cast<std::size_t>(i)] - clean.state(0)[static_cast<std::size_t>(i)]) <
-            1e-12);
-  REQUIRE((Eigen::MatrixXd(gated.covariance(0).as()) - Eigen::MatrixXd(clean.covariance(0).as())).norm() < 1e-13);
-  REQUIRE(gated.counts(0, 0).rows_left_out == 1);
-  REQUIRE(clean.counts(0, 0).rows_left_out == 0);
+    REQUIRE(std::abs(gated.state(FilterId{0})[static_cast<std::size_t>(i)] -
+                     clean.state(FilterId{0})[static_cast<std::size_t>(i)]) < 1e-12);
+  REQUIRE((Eigen::MatrixXd(gated.covariance(FilterId{0}).as()) - Eigen::MatrixXd(clean.covariance(FilterId{0}).as()))
+              .norm() < 1e-13);
+  REQUIRE(gated.counts({{0}, 0}).rows_left_out == 1);
+  REQUIRE(clean.counts({{0}, 0}).rows_left_out == 0);
 }
 
 TEST_CASE("an error that all rows share is no row's, while the filter leaves it open") {
@@ -98,19 +99,19 @@ TEST_CASE("an error that all rows share is no row's, while the filter leaves it 
   for (auto& row : all) row.z += 300;
   Session open = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 1e3));
   push(open, 0, all);
-  REQUIRE(open.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
-  REQUIRE(open.counts(0, 0).rows_left_out == 0);
+  REQUIRE(open.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
+  REQUIRE(open.counts({{0}, 0}).rows_left_out == 0);
 
   Session sure = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"},
     "recover": {"after": 2, "inflate": {"x.x0": 1000}})",
                               0.5));
   push(sure, 0, all);
-  REQUIRE(sure.counts(0, 0).by_outcome[static_cast<int>(Outcome::gated)] == 1);
-  REQUIRE(sure.counts(0, 0).last_reason == "no majority of its rows agrees with the rest");
+  REQUIRE(sure.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::gated)] == 1);
+  REQUIRE(sure.counts({{0}, 0}).last_reason == "no majority of its rows agrees with the rest");
   push(sure, 1, all);
   push(sure, 2, all);
-  REQUIRE(sure.counts(0, 0).recoveries == 1);
-  REQUIRE(sure.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
+  REQUIRE(sure.counts({{0}, 0}).recoveries == 1);
+  REQUIRE(sure.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
 }
 
 TEST_CASE("several outliers are left out one after the other") {
@@ -119,7 +120,7 @@ TEST_CASE("several outliers are left out one after the other") {
   rows[3].z -= 80;
   Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
   Keep kept;
-  filter.attach(0, &kept);
+  filter.attach({0}, &kept);
   push(filter, 0, rows);
   REQUIRE(kept.outcome == Outcome::accepted);
   REQUIRE(kept.left_out == std::vector<std::int64_t>{14, 12});
@@ -131,7 +132,7 @@ TEST_CASE("a gate by key leaves out the rows of one key in all parts of a stack,
   rows[0].z += 200;
   Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "key"})", 10, true));
   Keep kept;
-  filter.attach(0, &kept);
+  filter.attach({0}, &kept);
   push(filter, 0, rows);
   REQUIRE(kept.outcome == Outcome::accepted);
   REQUIRE(kept.left_out == std::vector<std::int64_t>{11, 11});
@@ -153,8 +154,8 @@ TEST_CASE("a gate by row lets right rows pass as often as it says") {
     for (int k = 0; k < 5; ++k) rows.push_back({static_cast<double>(k), normal(), 0});
     push(filter, 0, rows);
   }
-  REQUIRE(filter.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] >= 3999);
-  REQUIRE(std::abs(static_cast<double>(filter.counts(0, 0).rows_left_out) - 200) < 71);
+  REQUIRE(filter.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] >= 3999);
+  REQUIRE(std::abs(static_cast<double>(filter.counts({{0}, 0}).rows_left_out) - 200) < 71);
 }
 
 TEST_CASE("what is wrong with a gate is told at its place") {
@@ -186,18 +187,19 @@ TEST_CASE("a noise estimator learns once from a sample whose outliers are left o
   push(with, 0, rows);
   push(without, 0, clean_rows);
   for (Session* filter : {&with, &without}) push(*filter, 1, good);
-  REQUIRE(with.counts(0, 0).rows_left_out == 1);
-  REQUIRE((Eigen::MatrixXd(with.covariance(0).as()) - Eigen::MatrixXd(without.covariance(0).as())).norm() < 1e-13);
+  REQUIRE(with.counts({{0}, 0}).rows_left_out == 1);
+  REQUIRE((Eigen::MatrixXd(with.covariance(FilterId{0}).as()) - Eigen::MatrixXd(without.covariance(FilterId{0}).as()))
+              .norm() < 1e-13);
 }
 
 TEST_CASE("a sample gated for want of a majority tells what was left out before, and the NIS of all its rows") {
   const std::vector<Row> split = {{1, 0, 0}, {2, 0, 0}, {3, 900, 0}, {4, -900, 0}, {5, 1800, 0}};
   Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
   Keep kept;
-  filter.attach(0, &kept);
+  filter.attach({0}, &kept);
   push(filter, 0, split);
   REQUIRE(kept.outcome == Outcome::gated);
   REQUIRE(kept.left_out.size() == 3);
   REQUIRE(kept.nis > 1e6);
-  REQUIRE(filter.counts(0, 0).rows_left_out == 0);
+  REQUIRE(filter.counts({{0}, 0}).rows_left_out == 0);
 }

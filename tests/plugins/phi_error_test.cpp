@@ -125,7 +125,7 @@ TEST_CASE("transition: every block against differences of the mechanization", "[
           Samples samples(flight);
           const Bench bench(order, with_sensor_errors);
           PortStates ports = bench.ports(flight);
-          ports[0].step = metres;
+          ports[0].scale.setConstant(metres);
           // Relative to each block's largest element: what is left out is one power of dt higher, the more so as the
           // rates change by several times themselves per second.
           const Tolerance tolerance{6 * dt, 20 * std::pow(dt, power)};

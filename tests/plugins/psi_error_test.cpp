@@ -164,7 +164,7 @@ TEST_CASE("psi_error: every block of the transition against differences of the m
           Samples samples(flight);
           const Bench bench(order, with_sensor_errors);
           PortStates ports = bench.ports(flight);
-          ports[0].step = metres;
+          ports[0].scale.setConstant(metres);
           const Tolerance tolerance{6 * dt, 20 * std::pow(dt, power)};
           REQUIRE_NO_COMPLAINTS(bench.check().transition(ports, samples.whole(0, dt).step(),
                                                          memory_before(bench, flight, dt), tolerance));
@@ -196,7 +196,7 @@ TEST_CASE("psi_error: a wrong sign of any block of the transition is seen", "[ps
       const double dt = 1e-3;
       Samples samples(flight);
       PortStates ports = bench.ports(flight);
-      ports[0].step = 2e3;
+      ports[0].scale.setConstant(2e3);
       const Mutated mutated(*bench.model, coupling.to, coupling.from, -1);
       const ProcessCheck check(mutated, PsiErrorProcess::spec());
       const Step step = samples.whole(0, dt).step();

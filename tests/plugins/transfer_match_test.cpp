@@ -382,7 +382,7 @@ Aligned align(const nlohmann::json& change) {
   ordered["sources"]["mins"] = {{"type", "pushed"}, {"fields", mins}};
   const auto composition = Composition::parse(ordered.dump(), "alignment.json");
   Session filter(composition);
-  const int imu_channel = filter.channel("imu"), mins_channel = filter.channel("mins");
+  const auto imu_channel = filter.channel("imu"), mins_channel = filter.channel("mins");
   const VoyageSamples samples(voyage, 100.0, 0.01, VoyageSamples::Increments::integrals);
   for (std::size_t k = 0; k < samples.steps().size(); ++k) {
     const InputSample& sample = samples.steps()[k].samples[0];
@@ -394,9 +394,9 @@ Aligned align(const nlohmann::json& change) {
     const double fields[6] = {now.v_n[0], now.v_n[1], now.v_n[2], master[0], master[1], master[2]};
     filter.push(mins_channel, no_time, sample.t1, fields);
   }
-  REQUIRE(filter.healthy(0));
-  REQUIRE(filter.counts(0, 0).by_outcome[static_cast<int>(Outcome::accepted)] == 500);
-  const auto state = filter.state(0);
+  REQUIRE(filter.healthy(FilterId{0}));
+  REQUIRE(filter.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 500);
+  const auto state = filter.state(FilterId{0});
   const auto quaternion = [&](const std::string& name) -> Vector4d {
     for (const BlockInfo& block : composition->filters()[0].blocks)
       if (block.name == name) return vector_at<4>(state.data() + block.stored_offset);

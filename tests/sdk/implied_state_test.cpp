@@ -188,5 +188,5 @@ TEST_CASE("what is wrong with an implied state is reported") {
   const auto outcome = binnacle::test::binnacle(bench, {"check", "unseen.json"});
   INFO(outcome.err);
   CHECK(outcome.status == 3);
-  CHECK(outcome.err.find("measurement 'seen' does not tell block 'idle'") != std::string::npos);
+  CHECK(outcome.err.find("measurement 'seen' does not determine block 'idle'") != std::string::npos);
 }

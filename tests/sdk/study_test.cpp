@@ -284,6 +284,46 @@ TEST_CASE("what is wrong with a study is reported before anything runs") {
   CHECK(command(bench, {"check", "study.json"}).status == 0);
 }
 
+TEST_CASE("a metric that no variant knows is misspelt, wherever it stands; one that some lack is not") {
+  const Workbench bench;
+  const auto with_metrics = [&](const std::string& metrics, const std::string& variants) {
+    std::string text = good_config;
+    const std::string from = R"~("evaluate": {)~";
+    text.replace(text.find(from), from.size(), from + R"~( "metrics": )~" + metrics + ",");
+    text.insert(text.rfind('}'),
+                ",\n  \"study\": { \"metrics\": [\"walk/place.x/rms\"], \"variants\": " + variants + "}\n");
+    bench.write("study.json", text);
+  };
+  const std::string told =
+      " /evaluate/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean 'rms'? (statistics: "
+      "mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)";
+  const auto each = [&](const auto& look) {
+    for (const auto& arguments : {std::vector<std::string>{"check", "study.json"},
+                                  {"study", "study.json"},
+                                  {"run", "study.json", "--variant", "a"}})
+      look(command(bench, arguments), arguments.front());
+  };
+  // In the variant's own patch: at its place there.
+  with_metrics("[]", R"~({ "a": { "evaluate": { "metrics": ["walk/place.x/rsm"] } }, "b": {} })~");
+  each([&](const Outcome& outcome, const std::string& verb) {
+    INFO(verb << ": " << outcome.err);
+    CHECK(outcome.status == 3);
+    const std::string whose = verb == "run" ? "" : " (variant 'a')";
+    CHECK(outcome.err == "study.json:26:102: error[B027]" + told + whose + "\n1 error\n");
+  });
+  // Among those of all variants.
+  with_metrics(R"~(["walk/place.x/rsm"])~", R"~({ "a": {}, "b": {} })~");
+  each([&](const Outcome& outcome, const std::string& verb) {
+    INFO(verb << ": " << outcome.err);
+    CHECK(outcome.status == 3);
+    CHECK(outcome.err == "study.json:24:30: error[B027]" + told + "\n1 error\n");
+  });
+  // Variant a has no reference, so no error to make the metric of.
+  with_metrics(R"~(["walk/place.x/rms"])~", R"~({ "a": { "reference": null }, "b": {} })~");
+  CHECK(command(bench, {"run", "study.json", "--variant", "a", "--quiet"}).status == 0);
+  CHECK(command(bench, {"run", "study.json", "--variant", "b", "--quiet"}).status == 0);
+}
+
 TEST_CASE("tables are laid out as the config says, beside the paper's") {
   const Workbench bench;
   write_study(bench, R"~({

@@ -7,7 +7,7 @@ ctest=$1 folder=$2 sample=$3
 # shows BINNACLE_SAMPLE TEST WORDS: ctest's line of that test has the words.
 shows() {
   local line
-  line=$(BINNACLE_SAMPLE=$1 "$ctest" --test-dir "$folder" --no-tests=error -R "^skipping: $2\$" 2>&1 |
+  line=$(BINNACLE_SAMPLE=$1 "$ctest" --test-dir "$folder" --no-tests=error -R "^skipping: ?$2\$" 2>&1 |
     grep -F "Test #" | head -n 1 || true)
   [[ $line == *"$3"* ]] || {
     printf 'FAILED: with BINNACLE_SAMPLE=%s ctest shows\n%s\nand not "%s"\n' "$1" "$line" "$3" >&2

@@ -12,7 +12,7 @@ shift
 sources=(--include='*.cpp' --include='*.hpp' --include='*.h' --include='*.inc')
 not_ours=(--exclude-dir=build --exclude-dir=.git --exclude-dir=.cache --exclude=.git --exclude=LICENSE)
 
-# Who includes whom: plugins → kernel/include ← sdk.
+# Who includes whom: plugins → kernel/include ← sdk; in kernel/src each folder only those before it.
 includes() {
   awk -f "$here/includes.awk" \
     <(find kernel plugins sdk -type f \( -name '*.hpp' -o -name '*.h' -o -name '*.inc' -o -name '*.cpp' \) 2>/dev/null) \
@@ -29,6 +29,14 @@ links() {
 state() {
   find plugins -type f \( -name '*.cpp' -o -name '*.hpp' -o -name '*.h' -o -name '*.inc' \) -print0 |
     xargs -0r awk -f "$here/state.awk"
+}
+
+# The kernel composes and runs. What judges runs, what is made of them and what components are about are no words of it.
+kernel_words() {
+  {
+    grep -rnIwiE "${sources[@]}" 'stud(y|ies)|attitude|implied_states?|metrics?|random_constant|strapdown' kernel/src || true
+    grep -rnIE "${sources[@]}" '"vector"|"/(covariance|reference|evaluate|record|metrics)' kernel/src || true
+  } | sort -u | sed 's/^\([^:]*:[0-9]*\):\(.*\)/\1: no word of the kernel:\2/'
 }
 
 words() {
@@ -94,7 +102,7 @@ libraries() {
 
 case $rule in
   libraries) found=$(libraries "$@" || true) ;;
-  includes | links | state | words | paths | license | format | vocabulary)
+  includes | links | state | kernel_words | words | paths | license | format | vocabulary)
     if [ "$rule" = format ] && ! $formatter --version 2>/dev/null | grep -q 'version 14[.]'; then
       echo "SKIPPED: no clang-format 14 (Debian package clang-format)"
       if [ "${CI:-}" = true ]; then exit 1; else exit 77; fi

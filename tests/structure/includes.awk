@@ -27,7 +27,14 @@ function plugin_of(path,    part) {
   return "plugins/" part[2] "/"
 }
 
+# The place of a folder of kernel/src in their order; 0 elsewhere.
+function order_of(path,    part) {
+  split(path, part, "/")
+  return part[1] == "kernel" && part[2] == "src" ? index(" base config spec plugin filter compose run ", " " part[3] " ") : 0
+}
+
 function may_include(from, to) {
+  if (order_of(from) && order_of(to)) return order_of(to) <= order_of(from)
   if (under(from, "kernel/include/")) return under(to, "kernel/include/")
   if (under(from, "kernel/")) return under(to, "kernel/")
   if (under(from, "plugins/"))

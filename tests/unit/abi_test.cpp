@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/version.hpp"
 #include "catch.hpp"
 
 using namespace binnacle;
@@ -31,7 +32,7 @@ void check_one(const std::function<void(Guard&)>& change, const std::string& fie
   CHECK(differences[0].field == field);
   CHECK(differences[0].severity == severity);
   CHECK(differences[0].host != differences[0].plugin);
-  CHECK(!differences[0].mend.empty());
+  CHECK(!differences[0].remedy.empty());
 }
 
 }  // namespace
@@ -64,12 +65,23 @@ TEST_CASE("what would corrupt memory is refused", "[abi]") {
   check_one([](Guard& g) { g.sanitizers ^= abi::thread_sanitizer; }, "sanitizers", refused);
 }
 
+TEST_CASE("a plugin that needs a newer API, or other headers before 1.0, is refused", "[abi]") {
+  using enum abi::Severity;
+  static_assert(BINNACLE_VERSION_MAJOR == 0);  // from 1.0 on, another header hash only warns
+  check_one([](Guard& g) { ++g.api_minor; }, "API minor", refused);
+  check_one([](Guard& g) { g.header_hash ^= 1; }, "header hash", refused);
+}
+
+TEST_CASE("an older minor version of the API is no difference", "[abi]") {
+  Guard newer = abi::guard_of_host();
+  ++newer.api_minor;
+  CHECK(abi::compare(newer, abi::guard_of_host(), everything).empty());
+}
+
 TEST_CASE("what may differ is warned of", "[abi]") {
   using enum abi::Severity;
-  check_one([](Guard& g) { ++g.api_minor; }, "API minor", warned);
   check_one([](Guard& g) { g.eigen_version += 1; }, "Eigen version", warned);
   check_one([](Guard& g) { g.eigen_max_align *= 4; }, "EIGEN_MAX_ALIGN_BYTES", warned);
-  check_one([](Guard& g) { g.header_hash ^= 1; }, "header hash", warned);
   check_one([](Guard& g) { g.compiler[0] = '?'; }, "compiler", warned);
   check_one([](Guard& g) { g.container_assertions ^= 1; }, "container assertions", warned);
 }

@@ -159,10 +159,10 @@ TEST_CASE("each field of a foreign guard is reported, and no code of it runs", "
   CHECK(found[4].find("wrong_guard.so: error[B042]: ParameterSpec: host size ") == 0);
   CHECK(found[5].find(
             "wrong_guard.so: error[B042]: instruction sets: host this processor lacks bit 63, plugin bit 63") == 0);
-  CHECK(found[6].find("wrong_guard.so: warning[B043]: container assertions: ") == 0);
-  CHECK(found[7].find("wrong_guard.so: warning[B043]: Eigen version: host 3.") == 0);
-  CHECK(found[8].find("wrong_guard.so: warning[B043]: EIGEN_MAX_ALIGN_BYTES: host ") == 0);
-  CHECK(found[9].find("wrong_guard.so: warning[B043]: header hash: host 0x") == 0);
+  CHECK(found[6].find("wrong_guard.so: error[B042]: header hash: host 0x") == 0);
+  CHECK(found[7].find("wrong_guard.so: warning[B043]: container assertions: ") == 0);
+  CHECK(found[8].find("wrong_guard.so: warning[B043]: Eigen version: host 3.") == 0);
+  CHECK(found[9].find("wrong_guard.so: warning[B043]: EIGEN_MAX_ALIGN_BYTES: host ") == 0);
   CHECK(found[10].find("wrong_guard.so: warning[B043]: compiler: host ") == 0);
   CHECK(::getenv("BINNACLE_TEST_CODE_RAN") == nullptr);
 }
@@ -271,6 +271,38 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
         "warning[B040]: BINNACLE_PLUGIN_PATH: there is no folder '/nowhere/at/all'");
   CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
   CHECK(catalog.find(Role::state_block, "second/still") != nullptr);
+}
+
+TEST_CASE("a stale library in a searched folder is a warning, until a type is wanted that it may have", "[catalog]") {
+  const Scratch scratch;
+  fs::copy_file(plugin("good"), scratch.path / "good.so");
+  fs::copy_file(plugin("newer"), scratch.path / "newer.so");
+  const std::string why = "API minor: host " + std::to_string(abi::api_minor) + ", plugin " +
+                          std::to_string(abi::api_minor + 1) +
+                          "; update this program, or rebuild the plugin with this version's headers";
+  const std::string file = (scratch.path / "newer.so").string();
+  const auto find = [&](const std::string& name) {
+    Catalog catalog;
+    Diagnostics loading, finding;
+    catalog.load_search_path({{scratch.path, {"c.json", 2, 14}, "/plugins/0"}}, loading);
+    CHECK_FALSE(loading.has_errors());
+    REQUIRE(loading.items().size() == 1);
+    CHECK(to_string(loading.items()[0]) == file + ": warning[B047]: not loaded: " + why);
+    catalog.find(Role::state_block, name, {"c.json", 3, 5}, "/x/type", finding);
+    return finding.text();
+  };
+  CHECK(find("still") == "");
+  CHECK(find("modern") == "c.json:3:5: error[B047] /x/type: unknown state block 'modern'; '" + file +
+                              "' may have it, but is not loaded: " + why);
+  CHECK(find("newer/modern") == "c.json:3:5: error[B047] /x/type: unknown state block 'newer/modern'; '" + file +
+                                    "' may have it, but is not loaded: " + why);
+  CHECK(find("good/stil") ==
+        "c.json:3:5: error[B011] /x/type: unknown state block 'good/stil'; did you mean 'good/still'?");
+
+  Catalog named;
+  Diagnostics diagnostics;
+  named.load_search_path({{file, {"c.json", 2, 14}, "/plugins/0"}}, diagnostics);
+  CHECK(diagnostics.text() == file + ": error[B042]: " + why);
 }
 
 TEST_CASE("what a constructor throws is contained, and names plugin, component, call", "[catalog]") {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "config/codes.hpp"
+#include "document/codes.hpp"
 
 using namespace binnacle;
 
@@ -101,7 +101,7 @@ TEST_CASE("a transposition is nearer than another edit", "[diagnostic]") {
 TEST_CASE("the codes are sorted, unique and explained", "[diagnostic]") {
   std::set<std::string> seen;
   std::string last;
-  for (const config::CodeEntry& entry : config::diagnostic_codes()) {
+  for (const document::CodeEntry& entry : document::diagnostic_codes()) {
     const std::string code = entry.code;
     INFO(code);
     CHECK(code.size() == 4);

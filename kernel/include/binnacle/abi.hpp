@@ -24,7 +24,8 @@ namespace binnacle::abi {
 
 inline constexpr std::uint64_t magic = 0x454c'4341'4e4e'4942;  // "BINNACLE", little-endian
 inline constexpr std::uint32_t api_major = 1;                  // changes with any interface; refused
-inline constexpr std::uint32_t api_minor = 0;                  // additions that old plugins need not know
+inline constexpr std::uint32_t api_minor =
+    0;  // additions that old plugins need not know; a newer one than the host's is refused
 
 struct TypeLayout {
   std::uint32_t size;

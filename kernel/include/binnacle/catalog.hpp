@@ -112,7 +112,7 @@ std::vector<std::string> exported_symbols(const std::filesystem::path& file);
 /// beside the folder of the running program, which is the installed and the build tree's.
 std::vector<std::filesystem::path> plugin_folders();
 
-/// Whatever is wrong goes to the diagnostics (codes B040…B046), to be thrown by the caller as LoadError.
+/// Whatever is wrong goes to the diagnostics (codes B040…B047), to be thrown by the caller as LoadError.
 class Catalog {
  public:
   Catalog();
@@ -122,12 +122,14 @@ class Catalog {
 
   /// Loads a plugin file; nothing happens if it is loaded already.
   void load(const std::filesystem::path& file, Diagnostics& diagnostics);
-  /// Loads the config's plugins, then those in plugin_folders().
+  /// Loads the config's plugins, then those in plugin_folders(). What is named and cannot be loaded is an error; what
+  /// merely lies in a folder is a warning (B047), and an error once find() wants a type that it may have.
   void load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics);
 
   /// `name`: "vector" or "core/vector". Null where there is none, or several.
   const ComponentType* find(Role role, std::string_view name) const;
-  /// As above, saying what is wrong: unknown with the nearest name (B011), or ambiguous with the full names (B022).
+  /// As above, reporting what is wrong: unknown with the nearest name (B011), perhaps in a library that was not loaded
+  /// (B047), or ambiguous with the full names (B022).
   const ComponentType* find(Role role, std::string_view name, const Origin& origin, const std::string& pointer,
                             Diagnostics& diagnostics) const;
   /// Those of any role that `name` may mean; for `describe`.
@@ -141,6 +143,8 @@ class Catalog {
   std::vector<PluginInfo> plugins() const;
 
  private:
+  void load_folder(const std::filesystem::path& folder, Diagnostics& diagnostics);
+
   struct Contents;
   std::unique_ptr<Contents> contents_;
 };

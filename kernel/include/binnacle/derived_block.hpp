@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
@@ -21,6 +22,7 @@ struct DerivedDeclaration {
   int stored_size = 0;
   std::vector<NamedUnit> error;  // error components, those of the kind
   std::vector<int> read_ports;   // ports with a Jacobian block, by index in the spec's order; only bound ones
+  Differentiation differentiation = Differentiation::by_hand;
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
 
@@ -37,6 +39,12 @@ struct DerivedDeclaration {
   /// J has a block with respect to this port. An open port is ignored.
   DerivedDeclaration& reads(Port port) {
     if (port.is_bound()) read_ports.push_back(port.index());
+    return *this;
+  }
+
+  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
+  DerivedDeclaration& differentiated_by(Differentiation how) {
+    differentiation = how;
     return *this;
   }
 };

@@ -22,7 +22,7 @@ enum class Severity { error, warning };
 
 struct Diagnostic {
   Severity severity = Severity::error;
-  std::string code;  ///< "B012"; every code has its entry in kernel/src/config/codes.hpp
+  std::string code;  ///< "B012"; every code has its entry in sdk/document/codes.cpp
   Origin origin;
   std::string pointer;  ///< JSON pointer into the resolved config; empty where there is none
   std::string message;  ///< one line, no full stop

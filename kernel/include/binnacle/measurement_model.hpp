@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/memory.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
@@ -52,6 +53,7 @@ struct MeasurementDeclaration : MemoryDeclaration {
   std::vector<int> read_ports;  // ports with a Jacobian block, by index in the spec's order; only bound ones
   std::vector<ResidualGroup> groups;
   bool needs_covariance = false;
+  Differentiation differentiation = Differentiation::by_hand;
 
   /// The largest number of rows.
   MeasurementDeclaration& rows(int most) {
@@ -76,6 +78,12 @@ struct MeasurementDeclaration : MemoryDeclaration {
   /// MeasurementInput::P is there, for the ports that are read.
   MeasurementDeclaration& wants_covariance() {
     needs_covariance = true;
+    return *this;
+  }
+
+  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
+  MeasurementDeclaration& differentiated_by(Differentiation how) {
+    differentiation = how;
     return *this;
   }
 };

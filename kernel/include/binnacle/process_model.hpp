@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/memory.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
@@ -135,6 +136,7 @@ struct ProcessDeclaration : MemoryDeclaration {
   std::vector<Coupling> noise;       // between advanced ports, one of (a, b) and (b, a) at most; the kernel mirrors it
   bool has_closed_form = true;       // propagate() is implemented
   bool has_continuous_form = false;  // linearized() is implemented: a linear model
+  Differentiation differentiation = Differentiation::by_hand;
 
   /// Φ has a block with the rows of `to`, which is advanced, and the columns of `from`. Of an open port: nothing.
   PhiBlock couples(Port to, Port from, Structure structure = Structure::dense) {
@@ -154,6 +156,12 @@ struct ProcessDeclaration : MemoryDeclaration {
   ProcessDeclaration& only_continuous() {
     has_closed_form = false;
     has_continuous_form = true;
+    return *this;
+  }
+
+  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
+  ProcessDeclaration& differentiated_by(Differentiation how) {
+    differentiation = how;
     return *this;
   }
 

@@ -35,25 +35,47 @@ struct MeasurementCounts {
   std::string last_reason;         // of the newest sample that was not accepted
 };
 
+/// Counts of what was pushed on a channel since the Session was made or reset.
+struct ChannelCounts {
+  std::int64_t pushed = 0;
+  /// Older than another that came before on the channel. A measurement that is behind its filter is counted `late`; a
+  /// driving input that is behind is not used.
+  std::int64_t behind = 0;
+};
+
+/// What a name stands for, in Sessions of one Composition; `index` counts as Composition lists them. Made by Session's
+/// look-ups, or by hand: FilterId{0} is the first filter.
+struct ChannelId {
+  int index = -1;
+};
+struct FilterId {
+  int index = -1;
+};
+struct BlockId {
+  FilterId filter;
+  int index = -1;
+};
+struct MeasurementId {
+  FilterId filter;
+  int index = -1;
+};
+
 /// One running composition: all of its filters and transforms, none of its sources.
 ///
 /// Look up names once, before the loop; inside it push() and the readers neither allocate nor search. Not thread safe;
-/// any number of Filters may share one Composition across threads.
+/// any number of Sessions may share one Composition across threads. What is wrong in a call is refused before anything
+/// changes: std::out_of_range for an id that the composition does not have, std::invalid_argument for a span of another
+/// size or an interval that does not end after it began. What a plugin throws breaks its filter, or is a FilterError that
+/// names plugin, component, call and time.
 ///
 ///     auto composition = binnacle::Composition::load("ins.json");
-///     binnacle::Session filter(composition);
-///     const int imu = filter.channel("imu");
-///     const auto position = filter.block("ins/position");
-///     filter.push(imu, t0, t1, {fields, 6});
-///     filter.read(position, outputs);
+///     binnacle::Session session(composition);
+///     const auto imu = session.channel("imu");
+///     const auto position = session.block("ins/position");
+///     session.push(imu, t0, t1, {fields, 6});
+///     session.read(position, outputs);
 class Session {
  public:
-  /// A state block of a filter, found once by name.
-  struct Block {
-    int filter = 0;
-    int block = 0;
-  };
-
   /// As after reset(seed, run).
   explicit Session(std::shared_ptr<const Composition> composition, std::uint64_t seed = 0, int run = 0);
   ~Session();
@@ -61,45 +83,49 @@ class Session {
   Session& operator=(Session&&) noexcept;
 
   /// "imu". Throws ConfigError (B020) with the nearest name.
-  int channel(std::string_view name) const;
+  ChannelId channel(std::string_view name) const;
   /// "ins/position"; the block alone where there is one filter. Throws ConfigError (B015) with the nearest name.
-  Block block(std::string_view name) const;
-  /// "ins". Throws ConfigError (B027).
-  int filter(std::string_view name) const;
+  BlockId block(std::string_view name) const;
+  /// "ins". Throws ConfigError (B027) with the nearest name.
+  FilterId filter(std::string_view name) const;
+  /// "ins/fix"; the measurement alone where there is one filter. Throws ConfigError (B027) with the nearest name.
+  MeasurementId measurement(std::string_view name) const;
 
   /// A sample on a channel: per-epoch fields in the channel's order, SI. t0 < t for rates and increments, no_time else.
-  /// Samples of one channel come in order of time; a measurement may be ahead of the driving input, then it waits.
-  void push(int channel, Time t0, Time t, std::span<const double> fields);
+  /// Samples of one channel come in order of time: one that is older than another before it is taken, and counted
+  /// (ChannelCounts::behind). A measurement may be ahead of the driving input, then it waits.
+  void push(ChannelId channel, Time t0, Time t, std::span<const double> fields);
   /// The same with rows or a covariance.
-  void push(int channel, const SampleView& sample);
-  /// Several samples of one instant, worked on together: inputs first, then measurements in config order. (One push()
-  /// is an instant of its own.)
-  void add(int channel, const SampleView& sample);
+  void push(ChannelId channel, const SampleView& sample);
+  /// Several samples of one instant t, at most one per channel, worked on together: inputs first, then measurements in
+  /// config order. (One push() is an instant of its own.) commit() takes the time that the samples have.
+  void add(ChannelId channel, const SampleView& sample);
   void commit(Time t);
 
-  bool started(int filter) const;
+  bool started(FilterId filter) const;
   /// False once the filter is broken: diagnosis() says why, and it takes no more samples.
-  bool healthy(int filter) const;
-  std::string diagnosis(int filter) const;
+  bool healthy(FilterId filter) const;
+  std::string diagnosis(FilterId filter) const;
   /// Of the filter's estimates; no_time before it has started.
-  Time time(int filter) const;
+  Time time(FilterId filter) const;
 
   /// When it started; no_time before.
-  Time start_time(int filter) const;
+  Time start_time(FilterId filter) const;
 
-  /// The block's readable outputs (roll, pitch, yaw), in the order of its declaration [SI].
-  void read(Block block, std::span<double> outputs) const;
-  /// Standard deviations of those outputs, to first order [SI]. `outputs.size()` numbers.
-  void read_sigma(Block block, std::span<double> sigmas) const;
+  /// The block's readable outputs (roll, pitch, yaw), in the order of its declaration [SI]; the span has as many.
+  void read(BlockId block, std::span<double> outputs) const;
+  /// Standard deviations of those outputs, to first order [SI]; the span has as many.
+  void read_sigma(BlockId block, std::span<double> sigmas) const;
   /// The block's part of P: one row and column per estimated or considered error component.
-  MatrixView covariance(Block block) const;
-  /// The whole P of a filter, rows as FilterInfo tells.
-  MatrixView covariance(int filter) const;
-  /// The filter's stored state, laid out as FilterInfo tells.
-  std::span<const double> state(int filter) const;
+  MatrixView covariance(BlockId block) const;
+  /// The whole P of a filter, rows as FilterInfo gives them.
+  MatrixView covariance(FilterId filter) const;
+  /// The filter's stored state, laid out as FilterInfo gives it.
+  std::span<const double> state(FilterId filter) const;
 
-  MeasurementCounts counts(int filter, int measurement) const;
-  void attach(int filter, StepObserver* observer);
+  MeasurementCounts counts(MeasurementId measurement) const;
+  ChannelCounts counts(ChannelId channel) const;
+  void attach(FilterId filter, StepObserver* observer);
 
   /// Everything that this run is, as bytes; restored into a Session of the same composition it goes on bit for bit.
   std::size_t snapshot_size() const;
@@ -113,8 +139,18 @@ class Session {
   runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
 
  private:
+  struct Intake;
+  void check(FilterId filter) const;
+  void check(BlockId block, const std::span<double>* outputs) const;
+  const Intake& intake(ChannelId channel) const;
+  void take(ChannelId channel, const SampleView& sample);
+  template <class Call>
+  void guarded(BlockId block, const char* call_name, Call&& call) const;
+
   std::shared_ptr<const Composition> composition_;
   std::unique_ptr<runtime::Runtime> runtime_;
+  std::vector<Intake> intake_;  // by channel
+  Time instant_ = no_time;      // of what was added and is not committed
   mutable std::vector<double> scratch_;
 };
 

@@ -57,6 +57,7 @@ struct StateBlockDeclaration {
   std::vector<Output> outputs;
   std::vector<Norm> norms;
   std::string error_display_unit;  // for tables: "deg"; "" = the SI unit of the components
+  bool starts_at_zero = false;     // without "init" all outputs are zero; in it, one number stands for all of them
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
 };

@@ -10,7 +10,7 @@ namespace binnacle::compose {
 
 namespace {
 
-/// "velocity" of "velocity.ned", "vector" of "vector:3:m".
+/// "velocity" of "velocity.ned".
 std::string family(const std::string& kind) { return kind.substr(0, kind.find_first_of(".:")); }
 
 }  // namespace
@@ -138,80 +138,42 @@ void Composer::read_uses(BlockPlan& block, const std::string& pointer) {
 }
 
 void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::string& pointer) {
-  const auto& declaration = block.declaration();
-  const auto& outputs = declaration.outputs;
   const std::string init_pointer = join_pointer(pointer, "init");
   const auto* init = at(init_pointer);
-  std::vector<std::string> names;
-  for (const auto& output : outputs) names.push_back(output.name);
-  const std::string what = "block '" + block.name + "'";
-  const bool is_vector = family(declaration.kind) == "vector";
-  std::vector<double> values(outputs.size(), 0.0);
   const std::size_t errors = error_count();
+  if (init && init->is_object() && init->contains("channel")) {
+    read_initial_channel(build, block, init_pointer);
+    return;
+  }
+  std::vector<double> values(block.declaration().outputs.size(), 0.0);
+  if (!read_initial_values(block, pointer, values) || error_count() != errors) return;
+  block.initial.value.assign(static_cast<std::size_t>(block.declaration().stored_size), 0.0);
+  const Result result = block.block->write(values.data(), block.initial.value.data());
+  if (!result) error("B030", init_pointer, "block '" + block.name + "' refuses its initial value: " + result.reason);
+}
 
+bool Composer::read_initial_values(const BlockPlan& block, const std::string& pointer, std::vector<double>& values) {
+  const auto& outputs = block.declaration().outputs;
+  const bool starts_at_zero = block.declaration().starts_at_zero;
+  const auto names = names_of(outputs);
+  const std::string what = "block '" + block.name + "'";
+  const std::string init_pointer = join_pointer(pointer, "init");
+  const auto read = [&](const std::string& value_pointer, const std::string& name, std::size_t output) {
+    return read_quantity(document(), value_pointer, parameter::number(name, outputs[output].unit), diagnostics_);
+  };
+  const auto* init = at(init_pointer);
   if (!init) {
-    if (!is_vector)
+    if (!starts_at_zero)
       key_error("B026", pointer,
                 "the initial value of " + what + " is missing: \"init\": {\"" +
                     (names.empty() ? std::string("…") : names.front()) + "\": …} or {\"channel\": …}");
-  } else if (init->is_object() && init->contains("channel")) {
-    check_keys(document(), init_pointer, {"channel", "fields", "max_age", "covariance"}, "'init' of " + what,
-               diagnostics_);
-    const std::string channel_pointer = join_pointer(init_pointer, "channel");
-    const auto name = read_string(document(), channel_pointer, diagnostics_);
-    if (!name) return;
-    bool is_told = false;
-    const int channel = channel_named(*name, channel_pointer, is_told);
-    if (channel < 0) {
-      build.is_complete = false;
-      return;
-    }
-    std::vector<FieldSpec> wanted;
-    for (const auto& output : outputs) wanted.push_back({output.name, output.unit, FieldKind::level, false, false, {}});
-    FieldMap map;
-    if (!map_fields(wanted, channel, init_pointer, channel_pointer, block.type, map)) return;
-    for (const auto& item : map.epoch) block.initial.fields.push_back(item.index);
-    Time max_age = 0;
-    const std::string age_pointer = join_pointer(init_pointer, "max_age");
-    if (at(age_pointer))
-      if (const auto age = read_time(document(), age_pointer, diagnostics_)) max_age = *age;
-    const auto [entry, is_new] = build.initial_channels.emplace(*name, static_cast<int>(build.plan.initial.size()));
-    if (is_new) build.plan.initial.push_back(LatestPlan{channel, max_age, {}, {}, {}});
-    block.initial.channel = entry->second;
-    auto& latest = build.plan.initial[static_cast<std::size_t>(entry->second)];
-    if (max_age > 0) latest.max_age = latest.max_age == 0 ? max_age : std::min(latest.max_age, max_age);
-
-    // Which components of the sample's covariance are this block's: "BLOCK.north", "position.north" or "north".
-    const auto& covariance = plan_->channels[static_cast<std::size_t>(channel)].declaration.covariance;
-    std::vector<std::string> wanted_names;
-    const std::string covariance_pointer = join_pointer(init_pointer, "covariance");
-    if (at(covariance_pointer))
-      if (const auto given = read_names(document(), covariance_pointer, diagnostics_)) wanted_names = *given;
-    for (std::size_t c = 0; c < declaration.error.size() && !covariance.empty(); ++c) {
-      const std::string& component = declaration.error[c].name;
-      std::vector<std::string> candidates{block.name + "." + component, family(declaration.kind) + "." + component,
-                                          component};
-      if (c < wanted_names.size()) candidates = {wanted_names[c]};
-      int found = -1;
-      for (const auto& candidate : candidates)
-        for (std::size_t i = 0; i < covariance.size() && found < 0; ++i)
-          if (covariance[i].name == candidate) found = static_cast<int>(i);
-      if (found < 0) {
-        block.initial.covariance.clear();
-        break;
-      }
-      block.initial.covariance.push_back(found);
-    }
-    return;
   } else if (init->is_object()) {
     check_keys(document(), init_pointer, names, "'init' of " + what, diagnostics_);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       const std::string value_pointer = join_pointer(init_pointer, outputs[i].name);
       if (at(value_pointer)) {
-        if (const auto value = read_quantity(document(), value_pointer,
-                                             parameter::number(outputs[i].name, outputs[i].unit), diagnostics_))
-          values[i] = *value;
-      } else if (!is_vector) {
+        if (const auto value = read(value_pointer, outputs[i].name, i)) values[i] = *value;
+      } else if (!starts_at_zero) {
         key_error("B026", init_pointer, "'" + outputs[i].name + "' of the initial value of " + what + " is missing");
       }
     }
@@ -220,25 +182,72 @@ void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::str
       error("B013", init_pointer,
             "the initial value of " + what + " has " + std::to_string(outputs.size()) + " elements (" + listed(names) +
                 "); found " + std::to_string(init->size()));
-      return;
+      return false;
     }
     for (std::size_t i = 0; i < outputs.size(); ++i)
-      if (const auto value = read_quantity(document(), join_pointer(init_pointer, i),
-                                           parameter::number(outputs[i].name, outputs[i].unit), diagnostics_))
-        values[i] = *value;
-  } else if (outputs.size() == 1 || is_vector) {
-    if (const auto value =
-            read_quantity(document(), init_pointer, parameter::number("init", outputs[0].unit), diagnostics_))
-      std::fill(values.begin(), values.end(), *value);
+      if (const auto value = read(join_pointer(init_pointer, i), outputs[i].name, i)) values[i] = *value;
+  } else if (outputs.size() == 1 || starts_at_zero) {
+    if (const auto value = read(init_pointer, "init", 0)) std::fill(values.begin(), values.end(), *value);
   } else {
     error("B006", init_pointer,
           "the initial value of " + what + " is an object with " + listed(names) + ", or {\"channel\": …}; found " +
               abbreviated(*init));
   }
-  if (error_count() != errors) return;
-  block.initial.value.assign(static_cast<std::size_t>(declaration.stored_size), 0.0);
-  const Result result = block.block->write(values.data(), block.initial.value.data());
-  if (!result) error("B030", init_pointer, what + " refuses its initial value: " + result.reason);
+  return true;
+}
+
+void Composer::read_initial_channel(FilterBuild& build, BlockPlan& block, const std::string& init_pointer) {
+  check_keys(document(), init_pointer, {"channel", "fields", "max_age", "covariance"},
+             "'init' of block '" + block.name + "'", diagnostics_);
+  const std::string channel_pointer = join_pointer(init_pointer, "channel");
+  const auto name = read_string(document(), channel_pointer, diagnostics_);
+  if (!name) return;
+  bool is_told = false;
+  const int channel = channel_named(*name, channel_pointer, is_told);
+  if (channel < 0) {
+    build.is_complete = false;
+    return;
+  }
+  std::vector<FieldSpec> wanted;
+  for (const auto& output : block.declaration().outputs)
+    wanted.push_back({output.name, output.unit, FieldKind::level, false, false, {}});
+  FieldMap map;
+  if (!map_fields(wanted, channel, init_pointer, channel_pointer, block.type, map)) return;
+  for (const auto& item : map.epoch) block.initial.fields.push_back(item.index);
+  Time max_age = 0;
+  const std::string age_pointer = join_pointer(init_pointer, "max_age");
+  if (at(age_pointer))
+    if (const auto age = read_time(document(), age_pointer, diagnostics_)) max_age = *age;
+  const auto [entry, is_new] = build.initial_channels.emplace(*name, static_cast<int>(build.plan.initial.size()));
+  if (is_new) build.plan.initial.push_back(LatestPlan{channel, max_age, {}, {}, {}});
+  block.initial.channel = entry->second;
+  auto& latest = build.plan.initial[static_cast<std::size_t>(entry->second)];
+  if (max_age > 0) latest.max_age = latest.max_age == 0 ? max_age : std::min(latest.max_age, max_age);
+  find_initial_covariance(block, channel, join_pointer(init_pointer, "covariance"));
+}
+
+// Which components of the sample's covariance are this block's: "BLOCK.north", "position.north" or "north".
+void Composer::find_initial_covariance(BlockPlan& block, int channel, const std::string& covariance_pointer) {
+  const auto& declaration = block.declaration();
+  const auto names = names_of(plan_->channels[static_cast<std::size_t>(channel)].declaration.covariance);
+  if (names.empty()) return;
+  std::vector<std::string> wanted_names;
+  if (at(covariance_pointer))
+    if (const auto given = read_names(document(), covariance_pointer, diagnostics_)) wanted_names = *given;
+  for (std::size_t c = 0; c < declaration.error.size(); ++c) {
+    const std::string& component = declaration.error[c].name;
+    std::vector<std::string> candidates{block.name + "." + component, family(declaration.kind) + "." + component,
+                                        component};
+    if (c < wanted_names.size()) candidates = {wanted_names[c]};
+    auto found = names.end();
+    for (const auto& candidate : candidates)
+      if (found == names.end()) found = std::find(names.begin(), names.end(), candidate);
+    if (found == names.end()) {
+      block.initial.covariance.clear();
+      return;
+    }
+    block.initial.covariance.push_back(static_cast<int>(found - names.begin()));
+  }
 }
 
 void Composer::read_sigma(FilterBuild& build, BlockPlan& block, const std::string& pointer) {

@@ -38,7 +38,8 @@ void Composer::add_channels(const std::string& component, const std::string& poi
 void Composer::add_sources() {
   const auto* sources = object_at(document(), "/sources", "'sources'", diagnostics_);
   if (!sources) return;
-  for (const auto& [name, value] : sources->items()) {
+  for (const auto& item : sources->items()) {
+    const std::string& name = item.key();
     const std::string pointer = join_pointer("/sources", name);
     const std::size_t errors = error_count();
     SourcePlan source;
@@ -80,6 +81,47 @@ int Composer::channel_named(const std::string& name, const std::string& pointer,
   return -1;
 }
 
+bool Composer::fits(const FieldSpec& wanted, const FieldSpec& found, const ChannelPlan& channel,
+                    const std::string& pointer, const std::string& type, FieldMap::Conversion& conversion) {
+  const auto carried = parse_unit(found.unit.empty() ? "1" : found.unit);
+  const auto needed = parse_unit(takes_any_unit(wanted) ? "1" : wanted.unit);
+  Dimension have = carried ? carried->dimension : Dimension{};
+  const Dimension need = needed ? needed->dimension : Dimension{};
+  const Dimension second = parse_unit("s")->dimension;
+  const std::string what = "field '" + found.name + "' of channel '" + channel.name + "'";
+  if (wanted.kind == FieldKind::rate && found.kind == FieldKind::increment) {
+    conversion = FieldMap::Conversion::to_rate;
+    have = have / second;
+  } else if (wanted.kind == FieldKind::increment && found.kind == FieldKind::rate) {
+    conversion = FieldMap::Conversion::to_increment;
+    have = have * second;
+  } else if ((wanted.kind != FieldKind::level && found.kind == FieldKind::level) ||
+             (wanted.kind == FieldKind::level && found.kind == FieldKind::increment)) {
+    error("B021", pointer,
+          what + " is a " + kind_name(found.kind) + "; '" + type + "' needs a " + kind_name(wanted.kind) +
+              "; if it is one, say \"kind\": \"rate\" or \"increment\" in " +
+              (channel.pointer.empty() ? std::string("its source") : channel.pointer));
+    return false;
+  }
+  if (!takes_any_unit(wanted) && !(have == need)) {
+    const auto as = [&](const char* words, FieldKind kind) {
+      if (conversion == FieldMap::Conversion::none) return std::string();
+      return words + std::string(kind == FieldKind::rate ? "a rate" : "an increment");
+    };
+    error("B021", pointer,
+          what + " is " + dimension_name(carried->dimension) + as(" and said to be ", found.kind) + "; '" + type +
+              "' needs " + dimension_name(need) + as(" as ", wanted.kind));
+    return false;
+  }
+  if (found.is_per_row != wanted.is_per_row) {
+    error("B021", pointer,
+          what + " has " + (found.is_per_row ? "one value per row" : "one value per sample") + "; '" + type +
+              "' needs " + (wanted.is_per_row ? "one per row" : "one per sample"));
+    return false;
+  }
+  return true;
+}
+
 bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_index, const std::string& component_pointer,
                           const std::string& channel_pointer, const std::string& type, FieldMap& map,
                           const std::vector<FieldSpec>& mappable) {
@@ -88,11 +130,9 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
   const std::string mapping_pointer = join_pointer(component_pointer, "fields");
   const auto* mapping = object_at(document(), mapping_pointer, "'fields'", diagnostics_);
   const std::size_t errors = error_count();
-  if (mapping) {
-    std::vector<std::string> allowed;
-    for (const auto& field : mappable.empty() ? wanted : mappable) allowed.push_back(field.name);
-    check_keys(document(), mapping_pointer, allowed, "'fields' of '" + type + "'", diagnostics_);
-  }
+  if (mapping)
+    check_keys(document(), mapping_pointer, names_of(mappable.empty() ? wanted : mappable),
+               "'fields' of '" + type + "'", diagnostics_);
   int declared = 0;
   for (const auto& field : wanted) {
     FieldMap::Item item;
@@ -108,59 +148,15 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
     }
     const auto found = std::find_if(fields.begin(), fields.end(), [&](const FieldSpec& f) { return f.name == name; });
     const std::string at_pointer = is_mapped ? join_pointer(mapping_pointer, field.name) : channel_pointer;
-    if (found == fields.end()) {
-      if (!field.is_optional || is_mapped)
-        error("B021", at_pointer,
-              "channel '" + channel.name + "' has no field '" + name + "'" +
-                  (takes_any_unit(field) ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
-                  suggestion(name, names_of(channel.declaration.fields)) + " (it has " +
-                  listed(names_of(channel.declaration.fields)) + "; map another with \"fields\": {\"" + field.name +
-                  "\": …})");
-    } else {
-      const auto carried = parse_unit(found->unit.empty() ? "1" : found->unit);
-      const auto needed = parse_unit(takes_any_unit(field) ? "1" : field.unit);
-      Dimension have = carried ? carried->dimension : Dimension{};
-      const Dimension need = needed ? needed->dimension : Dimension{};
-      const Dimension second = parse_unit("s")->dimension;
-      bool kind_fits = true;
-      if (field.kind == FieldKind::rate && found->kind == FieldKind::increment) {
-        item.conversion = FieldMap::Conversion::to_rate;
-        have = have / second;
-      } else if (field.kind == FieldKind::increment && found->kind == FieldKind::rate) {
-        item.conversion = FieldMap::Conversion::to_increment;
-        have = have * second;
-      } else if (field.kind != FieldKind::level && found->kind == FieldKind::level) {
-        kind_fits = false;
-      } else if (field.kind == FieldKind::level && found->kind == FieldKind::increment) {
-        kind_fits = false;
-      }
-      if (!kind_fits) {
-        error("B021", at_pointer,
-              "field '" + name + "' of channel '" + channel.name + "' is a " + kind_name(found->kind) + "; '" + type +
-                  "' needs a " + kind_name(field.kind) + "; if it is one, say \"kind\": \"rate\" or \"increment\" in " +
-                  (channel.pointer.empty() ? std::string("its source") : channel.pointer));
-        continue;
-      }
-      if (!takes_any_unit(field) && !(have == need)) {
-        const bool is_converted = item.conversion != FieldMap::Conversion::none;
-        error("B021", at_pointer,
-              "field '" + name + "' of channel '" + channel.name + "' is " + dimension_name(carried->dimension) +
-                  (is_converted
-                       ? std::string(" and said to be ") + (found->kind == FieldKind::rate ? "a rate" : "an increment")
-                       : std::string()) +
-                  "; '" + type + "' needs " + dimension_name(need) +
-                  (is_converted ? std::string(" as ") + (field.kind == FieldKind::rate ? "a rate" : "an increment")
-                                : std::string()));
-        continue;
-      }
-      if (found->is_per_row != field.is_per_row) {
-        error("B021", at_pointer,
-              "field '" + name + "' of channel '" + channel.name + "' has " +
-                  (found->is_per_row ? "one value per row" : "one value per sample") + "; '" + type + "' needs " +
-                  (field.is_per_row ? "one per row" : "one per sample"));
-        continue;
-      }
+    if (found != fields.end()) {
+      if (!fits(field, *found, channel, at_pointer, type, item.conversion)) continue;
       item.index = channel.position[static_cast<std::size_t>(found - fields.begin())];
+    } else if (!field.is_optional || is_mapped) {
+      error("B021", at_pointer,
+            "channel '" + channel.name + "' has no field '" + name + "'" +
+                (takes_any_unit(field) ? std::string() : " (" + field.unit + ")") + " that '" + type + "' needs" +
+                suggestion(name, names_of(fields)) + " (it has " + listed(names_of(fields)) +
+                "; map another with \"fields\": {\"" + field.name + "\": …})");
     }
     (field.is_per_row ? map.row : map.epoch).push_back(item);
   }
@@ -207,82 +203,83 @@ bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer
   return error_count() == errors && !is_told;
 }
 
+void Composer::create_transform(TransformPlan& transform, const ParameterValue& parameters) {
+  const ComponentSpec& spec = transform.type->spec;
+  std::vector<PortBinding> inputs;
+  std::vector<bool> fields_bound, inputs_bound;
+  std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
+  for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
+    const int channel = transform.inputs[i].channel;
+    PortBinding input;
+    input.name = spec.inputs[i].name;
+    input.bound = channel >= 0;
+    inputs.push_back(input);
+    inputs_bound.push_back(input.bound);
+    if (input.bound) covariances[i] = plan_->channels[static_cast<std::size_t>(channel)].declaration.covariance;
+    const auto first = fields_bound.size();
+    fields_bound.resize(first + spec.inputs[i].fields.size(), false);
+    for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})
+      for (const auto& item : *items) fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
+  }
+  guarded(transform.pointer, [&](Findings& findings) {
+    transform.transform = transform.type->create_transform(
+        Binding(transform.name, Parameters(parameters), inputs, fields_bound, 1, covariances)
+            .of(spec, inputs_bound)
+            .telling(findings));
+    add_channels(transform.name, transform.pointer, transform.transform->channels(), transform.channels);
+  });
+}
+
+bool Composer::add_transform(const std::string& name) {
+  const std::size_t errors = error_count();
+  TransformPlan transform;
+  transform.name = name;
+  transform.pointer = join_pointer("/transforms", name);
+  transform.type = type_of(Role::transform, transform.pointer);
+  if (!transform.type) return false;
+  const ComponentSpec& spec = transform.type->spec;
+  const auto parameters = check_parameters(spec.parameters, spec.type, document(), transform.pointer,
+                                           {"type", "input", "inputs", "fields"}, {}, diagnostics_);
+  const bool is_bound = read_inputs(spec, transform.pointer, transform.inputs);
+  if (is_bound && error_count() == errors) create_transform(transform, parameters);
+  if (!transform.transform || error_count() != errors) return false;
+  plan_->transforms.push_back(std::move(transform));
+  return true;
+}
+
 void Composer::add_transforms() {
   const auto* transforms = object_at(document(), "/transforms", "'transforms'", diagnostics_);
   if (!transforms) return;
-  // In rounds: a transform can be bound once the channels that it listens to are known.
+  // In rounds: a transform can be bound once the channels that it subscribes to are known.
   std::vector<std::string> waiting;
-  for (const auto& [name, value] : transforms->items()) waiting.push_back(name);
-  const auto is_pending = [&](const std::string& pointer, const std::string& self) {
+  for (const auto& item : transforms->items()) waiting.push_back(item.key());
+  const auto is_of = [](const std::string& channel, const std::string& transform) {
+    return channel == transform || channel.rfind(transform + ".", 0) == 0;
+  };
+  const auto is_pending = [&](const std::string& name) {
     std::vector<std::string> wanted;
     for (const char* key : {"input", "inputs"})
-      if (const auto* value = at(join_pointer(pointer, key))) {
+      if (const auto* value = at(join_pointer(join_pointer("/transforms", name), key))) {
         if (value->is_string()) wanted.push_back(value->get<std::string>());
         if (value->is_object())
-          for (const auto& [port, channel] : value->items())
+          for (const auto& channel : *value)
             if (channel.is_string()) wanted.push_back(channel.get<std::string>());
       }
     return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& channel) {
       return plan_->channel(channel) < 0 && std::any_of(waiting.begin(), waiting.end(), [&](const std::string& other) {
-               return channel == other || channel.rfind(other + ".", 0) == 0 || (channel == self);
+               return is_of(channel, other) || channel == name;
              });
     });
   };
   while (!waiting.empty()) {
     std::vector<std::string> later;
-    bool has_progress = false;
     for (const auto& name : waiting) {
-      const std::string pointer = join_pointer("/transforms", name);
-      if (is_pending(pointer, name)) {
+      if (is_pending(name))
         later.push_back(name);
-        continue;
-      }
-      has_progress = true;
-      const std::size_t errors = error_count();
-      bool is_bound = true;
-      TransformPlan transform;
-      transform.name = name;
-      transform.pointer = pointer;
-      transform.type = type_of(Role::transform, pointer);
-      if (transform.type) {
-        const auto parameters = check_parameters(transform.type->spec.parameters, transform.type->spec.type, document(),
-                                                 pointer, {"type", "input", "inputs", "fields"}, {}, diagnostics_);
-        is_bound = read_inputs(transform.type->spec, pointer, transform.inputs);
-        if (error_count() == errors && is_bound) {
-          std::vector<PortBinding> inputs;
-          std::vector<bool> fields_bound, inputs_bound;
-          std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
-          for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
-            PortBinding input;
-            input.name = transform.type->spec.inputs[i].name;
-            input.bound = transform.inputs[i].channel >= 0;
-            inputs.push_back(input);
-            inputs_bound.push_back(input.bound);
-            if (input.bound)
-              covariances[i] =
-                  plan_->channels[static_cast<std::size_t>(transform.inputs[i].channel)].declaration.covariance;
-            const auto first = fields_bound.size();
-            fields_bound.resize(first + transform.type->spec.inputs[i].fields.size(), false);
-            for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})
-              for (const auto& item : *items)
-                fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
-          }
-          guarded(pointer, [&](Findings& findings) {
-            transform.transform = transform.type->create_transform(
-                Binding(name, Parameters(parameters), inputs, fields_bound, 1, covariances)
-                    .of(transform.type->spec, inputs_bound)
-                    .telling(findings));
-            add_channels(name, pointer, transform.transform->channels(), transform.channels);
-          });
-        }
-      }
-      if (error_count() != errors || !is_bound || !transform.transform) {
+      else if (!add_transform(name))
         failed_components_.insert(name);
-        continue;
-      }
-      plan_->transforms.push_back(std::move(transform));
     }
-    if (!has_progress) {
+    if (later.size() == waiting.size()) {
       error("B023", join_pointer("/transforms", later.front()), "these transforms feed each other: " + listed(later));
       for (const auto& name : later) failed_components_.insert(name);
       return;
@@ -294,7 +291,8 @@ void Composer::add_transforms() {
 void Composer::add_sinks() {
   const auto* sinks = object_at(document(), "/sinks", "'sinks'", diagnostics_);
   if (!sinks) return;
-  for (const auto& [name, value] : sinks->items()) {
+  for (const auto& item : sinks->items()) {
+    const std::string& name = item.key();
     const std::string pointer = join_pointer("/sinks", name);
     const std::size_t errors = error_count();
     SinkPlan sink;

@@ -74,12 +74,17 @@ class Composer {
   // channels.cpp
   void add_sources();
   void add_transforms();
+  bool add_transform(const std::string& name);
+  void create_transform(TransformPlan& transform, const ParameterValue& parameters);
   void add_sinks();
   void add_channels(const std::string& component, const std::string& pointer,
                     const std::vector<ChannelDeclaration>& declarations, std::vector<int>& indices);
   bool read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs);
   /// −1 with an error when there is no such channel (no error when its source failed on its own).
   int channel_named(const std::string& name, const std::string& pointer, bool& is_told);
+  /// Whether a channel's field can serve as the wanted one, with what conversion; reports why not.
+  bool fits(const FieldSpec& wanted, const FieldSpec& found, const ChannelPlan& channel, const std::string& pointer,
+            const std::string& type, FieldMap::Conversion& conversion);
   bool map_fields(const std::vector<FieldSpec>& wanted, int channel, const std::string& component_pointer,
                   const std::string& channel_pointer, const std::string& type, FieldMap& map,
                   const std::vector<FieldSpec>& mappable = {});
@@ -89,28 +94,51 @@ class Composer {
   void add_block(FilterBuild& build, const std::string& name, const std::string& pointer);
   void read_uses(BlockPlan& block, const std::string& pointer);
   void read_initial(FilterBuild& build, BlockPlan& block, const std::string& pointer);
+  bool read_initial_values(const BlockPlan& block, const std::string& pointer, std::vector<double>& values);
+  void read_initial_channel(FilterBuild& build, BlockPlan& block, const std::string& init_pointer);
+  void find_initial_covariance(BlockPlan& block, int channel, const std::string& covariance_pointer);
   void read_sigma(FilterBuild& build, BlockPlan& block, const std::string& pointer);
   void publish_estimates(FilterBuild& build);
 
   // models.cpp
   void finish_filters();
   void find_input(FilterBuild& build);
-  void add_derived(FilterBuild& build);
-  void add_processes(FilterBuild& build);
-  void add_measurements(FilterBuild& build);
-  bool add_measurement(FilterBuild& build, const std::string& name, const std::string& pointer);
-  bool add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name, const std::string& pointer,
-                const std::vector<std::string>& reserved);
+  void check_port_names(const ComponentSpec& spec, const std::string& blocks_pointer);
+  /// False where it is of no use and the reason is reported elsewhere, or not a name.
+  bool bind_port(const FilterBuild& build, const PortSpec& port, const std::string& type, const std::string& pointer,
+                 int& value, PortBinding& binding);
   bool bind_ports(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& ports,
                   std::vector<PortBinding>& bindings);
   bool find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
                           std::vector<int>& driving_rates);
+  void add_derived(FilterBuild& build);
+  bool add_derived_block(FilterBuild& build, const std::string& name, const std::string& pointer);
+  bool create_derived(FilterBuild& build, DerivedPlan& plan);
+  std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
+  void add_processes(FilterBuild& build);
+  bool add_process(FilterBuild& build, const std::string& name, const std::string& pointer, bool is_whole,
+                   std::vector<int>& values_read);
+  bool read_process_input(FilterBuild& build, ProcessPlan& plan, const ComponentSpec& spec,
+                          std::vector<bool>& fields_bound, int& samples_per_step);
+  bool check_couplings(const ProcessPlan& plan, const ComponentSpec& spec, const std::vector<PortBinding>& bindings);
+  void advance_blocks(FilterBuild& build, const ProcessPlan& plan, const ComponentSpec& spec,
+                      std::vector<int>& values_read);
+
+  // measurements.cpp
+  void add_measurements(FilterBuild& build);
+  bool add_measurement(FilterBuild& build, const std::string& name, const std::string& pointer);
+  bool add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name, const std::string& pointer,
+                const std::vector<std::string>& reserved);
+  bool read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
+                        const ComponentSpec& spec, std::vector<bool>& fields_bound);
+  bool read_auxiliary(FilterBuild& build, PartPlan& part, const ComponentSpec& spec, std::vector<bool>& fields_bound,
+                      std::vector<bool>& inputs_bound);
+  bool reserve_reads(FilterBuild& build, PartPlan& part, const std::string& type);
   void add_gate(MeasurementPlan& measurement, const std::string& pointer);
   void add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_withholding(MeasurementPlan& measurement, const std::string& pointer);
   void collect_touched(FilterBuild& build, MeasurementPlan& measurement);
-  std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
 
   // transition.cpp
   void plan_transition(FilterBuild& build);

@@ -148,14 +148,20 @@ Json explain_columns(const FilterPlan& filter, const PartPlan& part) {
   return names;
 }
 
-Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
-  Json explanation{{"name", filter.name}, {"dof", filter.n}, {"blocks", explain_blocks(filter)}};
-  const auto ports = [&](const std::vector<int>& values) {
-    Json names = Json::array();
-    for (const int value : values)
-      if (value >= 0) names.push_back(value_name(filter, value));
-    return names;
-  };
+/// Only where it is not by hand.
+void explain_jacobians(Differentiation how, Json& entry) {
+  if (how == Differentiation::dual_numbers) entry["jacobians"] = "dual numbers";
+  if (how == Differentiation::differences) entry["jacobians"] = "differences";
+}
+
+Json port_names(const FilterPlan& filter, const std::vector<int>& values) {
+  Json names = Json::array();
+  for (const int value : values)
+    if (value >= 0) names.push_back(value_name(filter, value));
+  return names;
+}
+
+Json explain_derived(const FilterPlan& filter) {
   Json derived = Json::array();
   for (const auto& value : filter.derived) {
     Json depends = Json::array();
@@ -163,10 +169,14 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     derived.push_back({{"name", value.name},
                        {"type", value.type},
                        {"kind", value.derived->declaration().kind},
-                       {"reads", ports(value.ports)},
+                       {"reads", port_names(filter, value.ports)},
                        {"depends_on", std::move(depends)}});
+    explain_jacobians(value.derived->declaration().differentiation, derived.back());
   }
-  explanation["derived"] = std::move(derived);
+  return derived;
+}
+
+Json explain_processes(const CompositionPlan& plan, const FilterPlan& filter) {
   Json processes = Json::array();
   for (std::size_t p = 0; p < filter.processes.size(); ++p) {
     const auto& process = filter.processes[p];
@@ -180,39 +190,51 @@ Json explain_filter(const CompositionPlan& plan, const FilterPlan& filter) {
     Json entry{{"name", process.name}, {"type", process.type}, {"advances", advances}, {"reads", reads}};
     if (process.uses_input) entry["input"] = plan.channels[as_size(filter.input_channel)].name;
     if (process.van_loan_group >= 0) entry["discretized_with_group"] = process.van_loan_group;
+    explain_jacobians(process.model->declaration().differentiation, entry);
     processes.push_back(std::move(entry));
   }
-  explanation["process"] = std::move(processes);
-  explanation["couplings"] = explain_transition(filter);
-  explanation["transition"] = explain_pattern(filter);
-  explanation["noise"] = explain_noise(filter);
+  return processes;
+}
+
+Json explain_measurements(const CompositionPlan& plan, const FilterPlan& filter) {
+  static constexpr const char* gate_units[] = {"sample", "row", "key"};
   Json measurements = Json::array();
   for (const auto& measurement : filter.measurements) {
     Json parts = Json::array();
-    for (const auto& part : measurement.parts)
+    for (const auto& part : measurement.parts) {
       parts.push_back({{"name", part.name},
                        {"type", part.type},
-                       {"reads", ports(part.ports)},
+                       {"reads", port_names(filter, part.ports)},
                        {"columns", explain_columns(filter, part)}});
+      explain_jacobians(part.model->declaration().differentiation, parts.back());
+    }
     Json entry{{"name", measurement.name},
                {"channel", plan.channels[as_size(measurement.channel)].name},
                {"max_rows", measurement.max_rows},
                {"parts", std::move(parts)}};
-    if (measurement.gate > 0) {
-      static constexpr const char* units[] = {"sample", "row", "key"};
+    if (measurement.gate > 0)
       entry["gate"] = {
           {"probability", measurement.gate},
-          {"by", units[static_cast<int>(measurement.gate_unit)]},
+          {"by", gate_units[static_cast<int>(measurement.gate_unit)]},
           {"nis_limit",
            measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(measurement.max_rows)]}};
-    }
     if (!measurement.noise_type.empty()) entry["noise"] = measurement.noise_type;
     measurements.push_back(std::move(entry));
   }
-  explanation["measurements"] = std::move(measurements);
-  const auto index = static_cast<int>(&filter - plan.filters.data());
+  return measurements;
+}
+
+Json explain_filter(const CompositionPlan& plan, std::size_t index) {
+  const FilterPlan& filter = plan.filters[index];
+  Json explanation{{"name", filter.name}, {"dof", filter.n}, {"blocks", explain_blocks(filter)}};
+  explanation["derived"] = explain_derived(filter);
+  explanation["process"] = explain_processes(plan, filter);
+  explanation["couplings"] = explain_transition(filter);
+  explanation["transition"] = explain_pattern(filter);
+  explanation["noise"] = explain_noise(filter);
+  explanation["measurements"] = explain_measurements(plan, filter);
   for (const auto& section : plan.sections)
-    if (const std::string added = section ? section->explain(index) : ""; !added.empty())
+    if (const std::string added = section ? section->explain(static_cast<int>(index)) : ""; !added.empty())
       explanation.update(Json::parse(added));
   Json initial = Json::array();
   for (const auto& latest : filter.initial) {
@@ -290,7 +312,7 @@ Json explain(const CompositionPlan& plan) {
     sources.push_back({{"name", source.name}, {"type", source.type->full_name()}, {"outputs", std::move(outputs)}});
   }
   Json filters = Json::array();
-  for (const auto& filter : plan.filters) filters.push_back(explain_filter(plan, filter));
+  for (std::size_t f = 0; f < plan.filters.size(); ++f) filters.push_back(explain_filter(plan, f));
   Json found = Json::array();
   for (const auto& component : plan.found) {
     Json figures = Json::array();

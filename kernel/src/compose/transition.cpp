@@ -91,20 +91,16 @@ class TransitionBuilder {
     }
   }
 
-  void add_group(const std::vector<int>& members) {
-    VanLoanGroup group;
-    group.processes = members;
-    std::map<int, int> first;  // value → row
-    for (const int member : members) {
-      auto& process = plan_.processes[as_size(member)];
-      process.van_loan_group = static_cast<int>(plan_.van_loan.size());
+  /// Rows for what the members advance, then columns for what else they read; by value, where each begins.
+  std::map<int, int> number_columns(const std::vector<int>& members, VanLoanGroup& group) {
+    std::map<int, int> first;
+    for (const int member : members)
       for (int b = 0; b < block_count(); ++b)
         if (block(b).process == member) {
           first[b] = group.rows;
           group.advanced.push_back({b, group.rows, dof(b)});
           group.rows += dof(b);
         }
-    }
     group.columns = group.rows;
     for (const int member : members) {
       const auto& process = plan_.processes[as_size(member)];
@@ -116,53 +112,72 @@ class TransitionBuilder {
         group.columns += dof(from);
       }
     }
-    // What can reach what, over any number of couplings.
-    std::vector<VanLoanGroup::Part> parts = group.advanced;
-    parts.insert(parts.end(), group.read.begin(), group.read.end());
-    const auto n = parts.size();
-    const auto part_of = [&](int value) {
-      for (std::size_t i = 0; i < n; ++i)
-        if (parts[i].value == value) return i;
-      return n;
-    };
-    std::vector<std::vector<bool>> reach(n, std::vector<bool>(n, false)), noise(n, std::vector<bool>(n, false));
-    for (std::size_t i = 0; i < n; ++i) reach[i][i] = true;
+    return first;
+  }
+
+  /// What the members write of F and GQGᵀ.
+  void add_declared(const std::vector<int>& members, const std::map<int, int>& first, VanLoanGroup& group) {
     for (const int member : members) {
       const auto& process = plan_.processes[as_size(member)];
       const auto& declaration = process.model->declaration();
-      for (std::size_t k = 0; k < declaration.transition.size(); ++k) {
-        const auto& coupling = declaration.transition[k];
+      const auto part = [&](int block, const Coupling& coupling) {
         const int to = process.ports[as_size(coupling.to)], from = process.ports[as_size(coupling.from)];
-        reach[part_of(to)][part_of(from)] = true;
-        group.dynamics.push_back({process.first_transition + static_cast<int>(k), first[to], first[from], dof(to),
-                                  dof(from), coupling.structure});
-      }
-      for (std::size_t k = 0; k < declaration.noise.size(); ++k) {
-        const auto& coupling = declaration.noise[k];
-        const int to = process.ports[as_size(coupling.to)], from = process.ports[as_size(coupling.from)];
-        noise[part_of(to)][part_of(from)] = noise[part_of(from)][part_of(to)] = true;
-        group.noise.push_back({process.first_noise + static_cast<int>(k), first[to], first[from], dof(to), dof(from),
-                               coupling.structure});
-      }
+        return VanLoanGroup::Block{block, first.at(to), first.at(from), dof(to), dof(from), coupling.structure};
+      };
+      for (std::size_t k = 0; k < declaration.transition.size(); ++k)
+        group.dynamics.push_back(part(process.first_transition + static_cast<int>(k), declaration.transition[k]));
+      for (std::size_t k = 0; k < declaration.noise.size(); ++k)
+        group.noise.push_back(part(process.first_noise + static_cast<int>(k), declaration.noise[k]));
+    }
+  }
+
+  /// The blocks of Φ and Qd that can be other than zero: what can reach what, over any number of couplings.
+  void add_reachable(VanLoanGroup& group) {
+    std::vector<VanLoanGroup::Part> parts = group.advanced;
+    parts.insert(parts.end(), group.read.begin(), group.read.end());
+    const auto n = parts.size();
+    const auto part_at = [&](int first) {
+      std::size_t i = 0;
+      while (i < n && parts[i].first != first) ++i;
+      return i;
+    };
+    std::vector<std::vector<bool>> reach(n, std::vector<bool>(n, false)), noise(n, std::vector<bool>(n, false));
+    for (std::size_t i = 0; i < n; ++i) reach[i][i] = true;
+    for (const auto& coupled : group.dynamics) reach[part_at(coupled.row)][part_at(coupled.column)] = true;
+    for (const auto& noisy : group.noise) {
+      const auto a = part_at(noisy.row), b = part_at(noisy.column);
+      noise[a][b] = noise[b][a] = true;
     }
     for (std::size_t k = 0; k < n; ++k)
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j) reach[i][j] = reach[i][j] || (reach[i][k] && reach[k][j]);
-    const std::size_t advanced = group.advanced.size();
-    for (std::size_t i = 0; i < advanced; ++i)
+    const auto block = [&](std::size_t i, std::size_t j, int index) {
+      return VanLoanGroup::Block{index, parts[i].first, parts[j].first, parts[i].dof, parts[j].dof, Structure::dense};
+    };
+    const auto is_noisy = [&](std::size_t i, std::size_t j) {
+      for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < n; ++b)
+          if (reach[i][a] && noise[a][b] && reach[j][b]) return true;
+      return false;
+    };
+    const auto size = [&](std::size_t i, std::size_t j) { return as_size(parts[i].dof * parts[j].dof); };
+    for (std::size_t i = 0; i < group.advanced.size(); ++i)
       for (std::size_t j = 0; j < n; ++j)
-        if (reach[i][j])
-          group.phi.push_back({add_block(plan_.transition_blocks, as_size(parts[i].dof * parts[j].dof)), parts[i].first,
-                               parts[j].first, parts[i].dof, parts[j].dof, Structure::dense});
-    for (std::size_t i = 0; i < advanced; ++i)
-      for (std::size_t j = 0; j <= i; ++j) {
-        bool is_noisy = false;
-        for (std::size_t a = 0; a < n; ++a)
-          for (std::size_t b = 0; b < n; ++b) is_noisy = is_noisy || (reach[i][a] && noise[a][b] && reach[j][b]);
-        if (is_noisy)
-          group.qd.push_back({add_block(plan_.noise_blocks, as_size(parts[i].dof * parts[j].dof)), parts[i].first,
-                              parts[j].first, parts[i].dof, parts[j].dof, Structure::dense});
-      }
+        if (reach[i][j]) group.phi.push_back(block(i, j, add_block(plan_.transition_blocks, size(i, j))));
+    for (std::size_t i = 0; i < group.advanced.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j)
+        if (is_noisy(i, j)) group.qd.push_back(block(i, j, add_block(plan_.noise_blocks, size(i, j))));
+  }
+
+  void add_group(const std::vector<int>& members) {
+    VanLoanGroup group;
+    group.processes = members;
+    for (const int member : members) {
+      auto& process = plan_.processes[as_size(member)];
+      process.van_loan_group = static_cast<int>(plan_.van_loan.size());
+    }
+    add_declared(members, number_columns(members, group), group);
+    add_reachable(group);
     group.work = build_.reserve(4 * as_size(group.columns * group.columns) + van_loan_doubles(group.columns));
     plan_.van_loan.push_back(std::move(group));
   }

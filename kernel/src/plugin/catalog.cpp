@@ -89,8 +89,34 @@ std::vector<fs::path> plugin_folders() {
   return folders;
 }
 
+namespace {
+
+/// A library of a searched folder that could not be loaded, and why, in a line.
+struct PassedOver {
+  fs::path file;
+  std::string name;  // of the plugin, where its guard could be read
+  std::string why;
+};
+
+std::string name_in(const fs::path& file) {
+  const plugin::LibraryFile library = plugin::inspect_library(file);
+  return library.guard ? abi::text_of(library.guard->name) : "";
+}
+
+/// The first error, and how many more there are.
+std::string in_a_line(const Diagnostics& diagnostics) {
+  std::string first;
+  std::size_t count = 0;
+  for (const Diagnostic& item : diagnostics.items())
+    if (item.severity == Severity::error && count++ == 0) first = item.message;
+  return count > 1 ? first + " (and " + std::to_string(count - 1) + " more)" : first;
+}
+
+}  // namespace
+
 struct Catalog::Contents {
   std::set<fs::path> seen;  // canonical
+  std::vector<PassedOver> passed_over;
   std::vector<PluginInfo> plugins;
   std::deque<ComponentType> components;  // a deque: pointers stay good while plugins are added
 };
@@ -120,11 +146,25 @@ void Catalog::load(const fs::path& file, Diagnostics& diagnostics) {
   for (ComponentType& type : plugin->types) contents_->components.push_back(std::move(type));
 }
 
+void Catalog::load_folder(const fs::path& folder, Diagnostics& diagnostics) {
+  for (const fs::path& file : libraries_in(folder)) {
+    Diagnostics found;
+    load(file, found);
+    if (!found.has_errors()) {
+      diagnostics.merge(found);
+      continue;
+    }
+    const std::string why = in_a_line(found);
+    contents_->passed_over.push_back({file, name_in(file), why});
+    diagnostics.warning("B047", {file.string(), 0, 0}, "", "not loaded: " + why);
+  }
+}
+
 void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics) {
   for (const PluginPath& entry : from_config) {
     std::error_code error;
     if (is_folder(entry.path)) {
-      for (const fs::path& file : libraries_in(entry.path)) load(file, diagnostics);
+      load_folder(entry.path, diagnostics);
     } else if (fs::exists(entry.path, error)) {
       load(entry.path, diagnostics);
     } else {
@@ -136,11 +176,9 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
     if (!is_folder(folder)) {
       diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: there is no folder '" + folder.string() + "'");
     }
-    for (const fs::path& file : libraries_in(folder)) load(file, diagnostics);
+    load_folder(folder, diagnostics);
   }
-  if (const auto folder = folder_of_program()) {
-    for (const fs::path& file : libraries_in(*folder)) load(file, diagnostics);
-  }
+  if (const auto folder = folder_of_program()) load_folder(*folder, diagnostics);
 }
 
 // ---- names
@@ -214,9 +252,20 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
   }
   const std::string near = closest(name, names_of(contents_->components, name,
                                                   [&](const ComponentType& type) { return type.role == role; }));
-  diagnostics.error("B011", origin, pointer,
-                    "unknown " + wanted + " " + in_quotes(name) + "; " +
-                        (near.empty() ? plugin_names(plugins()) : "did you mean " + in_quotes(near) + "?"));
+  const std::string unknown = "unknown " + wanted + " " + in_quotes(name) + "; ";
+  const std::string meant = near.empty() ? "" : "did you mean " + in_quotes(near) + "?";
+  // What a library brings is known once it is loaded; its name is known before.
+  const std::string_view plugin = name.substr(0, name.find('/') == std::string_view::npos ? 0 : name.find('/'));
+  bool may_be_there = false;
+  for (const auto& library : contents_->passed_over) {
+    if (!plugin.empty() && !library.name.empty() && library.name != plugin) continue;
+    may_be_there = true;
+    diagnostics.error("B047", origin, pointer,
+                      unknown + in_quotes(library.file.string()) + " may have it, but is not loaded: " + library.why +
+                          (meant.empty() ? "" : "; " + meant));
+  }
+  if (!may_be_there)
+    diagnostics.error("B011", origin, pointer, unknown + (meant.empty() ? plugin_names(plugins()) : meant));
   return nullptr;
 }
 

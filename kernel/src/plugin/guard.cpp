@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ABI guard compared field by field, with the mend for each.
+// The ABI guard compared field by field, with the remedy for each.
 #include "plugin/guard.hpp"
 
 #include <cstdio>
 #include <type_traits>
+
+#include "binnacle/version.hpp"
 
 namespace binnacle::abi {
 
@@ -13,6 +15,9 @@ static_assert(std::is_trivially_copyable_v<Guard> && std::is_standard_layout_v<G
 static_assert(std::has_unique_object_representations_v<Guard>, "the guard has padding");
 
 constexpr Guard host = make_guard("binnacle", "");
+
+/// Before 1.0 any header may change without its API number: a virtual function more moves those behind it.
+constexpr bool headers_may_differ = BINNACLE_VERSION_MAJOR >= 1;
 
 #define BINNACLE_ABI_NAME(...) #__VA_ARGS__,
 constexpr const char* type_names[] = {BINNACLE_ABI_TYPES(BINNACLE_ABI_NAME)};
@@ -81,7 +86,7 @@ std::string layout_text(const TypeLayout& layout) {
   return "size " + std::to_string(layout.size) + ", alignment " + std::to_string(layout.align);
 }
 
-std::string sanitizer_mend() {
+std::string sanitizer_remedy() {
   return host.sanitizers
              ? "rebuild the plugin with -fsanitize=" + std::string(host.sanitizers & thread_sanitizer   ? "thread"
                                                                    : host.sanitizers & memory_sanitizer ? "memory"
@@ -94,9 +99,9 @@ class Comparison {
  public:
   template <class T, class Text>
   void field(const char* name, const T& host_value, const T& plugin_value, Severity severity, const Text& text,
-             std::string mend) {
+             std::string remedy) {
     if (host_value == plugin_value) return;
-    differences.push_back({name, text(host_value), text(plugin_value), severity, std::move(mend)});
+    differences.push_back({name, text(host_value), text(plugin_value), severity, std::move(remedy)});
   }
 
   std::vector<Difference> differences;
@@ -136,7 +141,10 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   c.field("number of types", a.types_used, b.types_used, refused, number,
           "rebuild the plugin with this version's headers");
   if (!c.differences.empty()) return c.differences;
-  c.field("API minor", a.api_minor, b.api_minor, warned, number, "rebuild the plugin with this version's headers");
+  // What an older minor version has, a newer one has too.
+  if (b.api_minor > a.api_minor)
+    c.field("API minor", a.api_minor, b.api_minor, refused, number,
+            "update this program, or rebuild the plugin with this version's headers");
   c.field("standard library", a.standard_library, b.standard_library, refused, standard_library_text,
           "rebuild the plugin with " + standard_library_text(a.standard_library));
   if (a.standard_library == b.standard_library && a.standard_library_abi != b.standard_library_abi) {
@@ -146,16 +154,17 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   c.field("debug containers", a.debug_containers, b.debug_containers, refused, debug_containers_text,
           a.debug_containers ? "rebuild the plugin with the host's setting"
                              : "rebuild the plugin without _GLIBCXX_DEBUG");
-  c.field("sanitizers", a.sanitizers, b.sanitizers, refused, sanitizers_text, sanitizer_mend());
+  c.field("sanitizers", a.sanitizers, b.sanitizers, refused, sanitizers_text, sanitizer_remedy());
   compare_types(a, b, c.differences);
   compare_instruction_sets(b, host_supports, c.differences);
+  c.field("header hash", a.header_hash, b.header_hash, headers_may_differ ? warned : refused, hex,
+          "rebuild the plugin with this version's headers");
   c.field("container assertions", a.container_assertions, b.container_assertions, warned, on_off,
           "none needed; _GLIBCXX_ASSERTIONS changes no layout");
   c.field("Eigen version", a.eigen_version, b.eigen_version, warned, eigen_text,
           "none needed; rebuild both with one Eigen if results differ");
   c.field("EIGEN_MAX_ALIGN_BYTES", a.eigen_max_align, b.eigen_max_align, warned, number,
           "none needed; no owning Eigen object crosses");
-  c.field("header hash", a.header_hash, b.header_hash, warned, hex, "rebuild the plugin with this version's headers");
   c.field(
       "compiler", text_of(a.compiler), text_of(b.compiler), warned, [](const std::string& text) { return text; },
       "none needed; rebuild with one compiler if something is odd");
@@ -163,7 +172,7 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
 }
 
 std::string to_string(const Difference& difference) {
-  return difference.field + ": host " + difference.host + ", plugin " + difference.plugin + "; " + difference.mend;
+  return difference.field + ": host " + difference.host + ", plugin " + difference.plugin + "; " + difference.remedy;
 }
 
 std::vector<std::pair<std::string, std::string>> fields_of(const Guard& guard) {

@@ -19,7 +19,7 @@ struct Difference {
   std::string host;
   std::string plugin;
   Severity severity = Severity::refused;
-  std::string mend;  // one line
+  std::string remedy;  // one line
 };
 
 /// What this program was compiled with.

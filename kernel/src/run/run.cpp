@@ -114,7 +114,7 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
 }
 
 /// Hands the samples of subscribed channels on.
-class SampleRelay final : public SampleListener {
+class SampleRelay final : public SampleSubscriber {
  public:
   explicit SampleRelay(RunObserver& observer) : observer_(observer) {}
   void sampled(int channel, const SampleView& sample) override { observer_.sampled(channel, sample); }
@@ -132,15 +132,15 @@ std::vector<int> subscribed_channels(const compose::CompositionPlan& plan) {
 /// From the first instant to the end of the sources.
 void run_sources(Runtime& runtime, RunObserver& observer) {
   SampleRelay relay(observer);
-  runtime.listen(&relay, subscribed_channels(runtime.plan()));
+  runtime.subscribe(&relay, subscribed_channels(runtime.plan()));
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     observer.after_instant();
-    if (instants % 256 == 0 && !observer.progress(runtime.time())) break;
+    if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
   }
   runtime.finish();
   observer.after_instant();
   observer.finished();
-  runtime.listen(nullptr, {});
+  runtime.subscribe(nullptr, {});
 }
 
 nlohmann::ordered_json filter_summary(const Runtime& runtime, int filter) {

@@ -20,6 +20,32 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 using base::as_size;
 
+SampleSlot slot_at(double* data, const ChannelPlan& channel) {
+  SampleSlot slot;
+  slot.fields = data;
+  slot.row_fields = data + channel.epoch_fields;
+  slot.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
+  return slot;
+}
+
+/// Whether anybody subscribes to the channel.
+bool is_heard(const CompositionPlan& plan, int channel) {
+  bool heard = false;
+  const auto add = [&](int other) { heard |= other == channel; };
+  for (const auto& transform : plan.transforms)
+    for (const auto& input : transform.inputs) add(input.channel);
+  for (const auto& sink : plan.sinks)
+    for (const auto& input : sink.inputs) add(input.channel);
+  for (const auto& filter : plan.filters) {
+    add(filter.input_channel);
+    for (const auto& measurement : filter.measurements) add(measurement.channel);
+    for (const auto* list : {&filter.initial, &filter.auxiliary})
+      for (const auto& latest : *list) add(latest.channel);
+  }
+  for (const auto& subscription : plan.subscriptions) add(subscription.channel);
+  return heard;
+}
+
 std::string time_text(Time t) {
   char text[48];
   std::snprintf(text, sizeof text, "%.9g s", seconds(t));
@@ -42,22 +68,13 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
   for (std::size_t c = 0; c < plan.channels.size(); ++c) {
     const auto& channel = plan.channels[c];
     channels_[c].storage.assign(std::max<std::size_t>(channel.doubles(), 1), 0.0);
-    double* data = channels_[c].storage.data();
-    auto& slot = output_slots_[c];
-    slot.fields = data;
-    slot.row_fields = data + channel.epoch_fields;
-    slot.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
+    output_slots_[c] = slot_at(channels_[c].storage.data(), channel);
   }
   for (const auto& source : plan.sources) {
     std::vector<SampleSlot> slots;
     for (std::size_t i = 0; i < source.channels.size(); ++i) {
       const auto& channel = plan.channels[as_size(source.channels[i])];
-      double* data = source.slots[i].in(arena_.get());
-      SampleSlot slot;
-      slot.fields = data;
-      slot.row_fields = data + channel.epoch_fields;
-      slot.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
-      slots.push_back(slot);
+      slots.push_back(slot_at(source.slots[i].in(arena_.get()), channel));
     }
     source_slots_.push_back(std::move(slots));
   }
@@ -83,19 +100,7 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
       routes.auxiliary.emplace_back(filter.auxiliary[i].channel, static_cast<int>(i));
     for (std::size_t i = 0; i < filter.measurements.size(); ++i)
       routes.measurements.emplace_back(filter.measurements[i].channel, static_cast<int>(i));
-    const int output = filter.output_channel;
-    const auto hears = [output](const std::vector<NodeInput>& inputs) {
-      return std::any_of(inputs.begin(), inputs.end(), [&](const NodeInput& input) { return input.channel == output; });
-    };
-    for (const auto& transform : plan.transforms) routes.output_is_heard |= hears(transform.inputs);
-    for (const auto& sink : plan.sinks) routes.output_is_heard |= hears(sink.inputs);
-    for (const auto& other : plan.filters) {
-      routes.output_is_heard |= other.input_channel == output;
-      for (const auto& measurement : other.measurements) routes.output_is_heard |= measurement.channel == output;
-      for (const auto* list : {&other.initial, &other.auxiliary})
-        for (const auto& latest : *list) routes.output_is_heard |= latest.channel == output;
-    }
-    for (const auto& subscription : plan.subscriptions) routes.output_is_heard |= subscription.channel == output;
+    routes.output_is_heard = is_heard(plan, filter.output_channel);
     routes_.push_back(std::move(routes));
   }
 }
@@ -119,8 +124,8 @@ void Runtime::reset(std::uint64_t seed, int run) {
   time_ = no_time;
 }
 
-void Runtime::listen(SampleListener* listener, const std::vector<int>& channels) {
-  listener_ = listener;
+void Runtime::subscribe(SampleSubscriber* subscriber, const std::vector<int>& channels) {
+  subscriber_ = subscriber;
   heard_ = channels;
 }
 
@@ -265,9 +270,9 @@ void Runtime::end_instant(Time t) {
         if (feeds_sinks_) run_sink(node.index);
         break;
     }
-  if (listener_)
+  if (subscriber_)
     for (const int channel : heard_)
-      if (channels_[as_size(channel)].is_present) listener_->sampled(channel, channels_[as_size(channel)].view);
+      if (channels_[as_size(channel)].is_present) subscriber_->sampled(channel, channels_[as_size(channel)].view);
   for (auto& channel : channels_) channel.is_present = false;
 }
 

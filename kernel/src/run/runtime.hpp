@@ -14,9 +14,9 @@ namespace binnacle::runtime {
 using namespace compose;
 
 /// Sees every sample that flows, once everything at its instant has been worked on.
-class SampleListener {
+class SampleSubscriber {
  public:
-  virtual ~SampleListener() = default;
+  virtual ~SampleSubscriber() = default;
   virtual void sampled(int channel, const SampleView& sample) = 0;
 };
 
@@ -36,7 +36,7 @@ class Runtime {
   /// The end of the run.
   void finish();
 
-  void listen(SampleListener* listener, const std::vector<int>& channels);
+  void subscribe(SampleSubscriber* subscriber, const std::vector<int>& channels);
 
   void feed_sinks(bool wanted) { feeds_sinks_ = wanted; }
 
@@ -85,7 +85,7 @@ class Runtime {
   std::vector<double> input_rows_;
   std::vector<SampleSlot> output_slots_;  // per channel
   std::vector<int> heard_;
-  SampleListener* listener_ = nullptr;
+  SampleSubscriber* subscriber_ = nullptr;
   std::vector<double> filter_seconds_;
   std::vector<std::int64_t> sample_counts_;
   Time time_ = no_time;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
 #include "base/index.hpp"
 #include "base/text.hpp"
@@ -36,6 +38,12 @@ struct SnapshotHead {
 
 }  // namespace
 
+/// What came on a channel, to see what is out of order.
+struct Session::Intake {
+  Time newest = no_time;
+  ChannelCounts counts;
+};
+
 Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run)
     : composition_(std::move(composition)) {
   runtime_ = std::make_unique<Runtime>(composition_->plan());
@@ -49,40 +57,95 @@ Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 
-void Session::reset(std::uint64_t seed, int run) { runtime_->reset(seed, run); }
+void Session::reset(std::uint64_t seed, int run) {
+  runtime_->reset(seed, run);
+  intake_.assign(composition_->channels().size(), Intake{});
+  instant_ = no_time;
+}
 
-int Session::channel(std::string_view name) const {
+// ---- names
+
+ChannelId Session::channel(std::string_view name) const {
   const int index = composition_->plan().channel(name);
-  if (index >= 0) return index;
+  if (index >= 0) return {index};
   std::vector<std::string> names;
   for (const auto& channel : composition_->channels()) names.push_back(channel.name);
   no_such("B020", "channel", name, names);
 }
 
-int Session::filter(std::string_view name) const {
+FilterId Session::filter(std::string_view name) const {
   std::vector<std::string> names;
   for (std::size_t f = 0; f < composition_->filters().size(); ++f) {
     names.push_back(composition_->filters()[f].name);
-    if (names.back() == name) return static_cast<int>(f);
+    if (names.back() == name) return {static_cast<int>(f)};
   }
   no_such("B027", "filter", name, names);
 }
 
-Session::Block Session::block(std::string_view name) const {
+namespace {
+
+/// "ins/position", or "position" where there is one filter: (filter, index in its list).
+template <class List>
+std::pair<int, int> find_in_filters(const Composition& composition, List FilterInfo::*list, const char* code,
+                                    const char* what, std::string_view name) {
   std::vector<std::string> names;
-  const auto& filters = composition_->filters();
+  const auto& filters = composition.filters();
   for (std::size_t f = 0; f < filters.size(); ++f)
-    for (std::size_t b = 0; b < filters[f].blocks.size(); ++b) {
-      const std::string& block = filters[f].blocks[b].name;
-      names.push_back(filters[f].name + "/" + block);
-      if (names.back() == name || (filters.size() == 1 && block == name))
-        return {static_cast<int>(f), static_cast<int>(b)};
+    for (std::size_t i = 0; i < (filters[f].*list).size(); ++i) {
+      const std::string& own = (filters[f].*list)[i].name;
+      names.push_back(filters[f].name + "/" + own);
+      if (names.back() == name || (filters.size() == 1 && own == name))
+        return {static_cast<int>(f), static_cast<int>(i)};
     }
-  no_such("B015", "block", name, names);
+  no_such(code, what, name, names);
 }
 
-void Session::push(int channel, Time t0, Time t, std::span<const double> fields) {
-  const auto& plan = composition_->plan().channels.at(as_size(channel));
+}  // namespace
+
+BlockId Session::block(std::string_view name) const {
+  const auto [filter, index] = find_in_filters(*composition_, &FilterInfo::blocks, "B015", "block", name);
+  return {{filter}, index};
+}
+
+MeasurementId Session::measurement(std::string_view name) const {
+  const auto [filter, index] = find_in_filters(*composition_, &FilterInfo::measurements, "B027", "measurement", name);
+  return {{filter}, index};
+}
+
+// ---- what is wrong with a call
+
+namespace {
+
+void check_index(const char* what, int index, std::size_t count) {
+  if (index < 0 || as_size(index) >= count)
+    throw std::out_of_range(std::string("there is no ") + what + " " + std::to_string(index) + " (of " +
+                            std::to_string(count) + ")");
+}
+
+}  // namespace
+
+void Session::check(FilterId filter) const { check_index("filter", filter.index, composition_->filters().size()); }
+
+void Session::check(BlockId block, const std::span<double>* outputs) const {
+  check(block.filter);
+  const auto& blocks = composition_->filters()[as_size(block.filter.index)].blocks;
+  check_index("block", block.index, blocks.size());
+  const auto& info = blocks[as_size(block.index)];
+  if (outputs && outputs->size() != info.declaration->outputs.size())
+    throw std::invalid_argument("block '" + info.name + "' has " + std::to_string(info.declaration->outputs.size()) +
+                                " outputs; there is room for " + std::to_string(outputs->size()));
+}
+
+const Session::Intake& Session::intake(ChannelId channel) const {
+  check_index("channel", channel.index, intake_.size());
+  return intake_[as_size(channel.index)];
+}
+
+// ---- samples
+
+void Session::push(ChannelId channel, Time t0, Time t, std::span<const double> fields) {
+  intake(channel);
+  const auto& plan = composition_->plan().channels[as_size(channel.index)];
   if (static_cast<int>(fields.size()) != plan.epoch_fields)
     throw std::invalid_argument("channel '" + plan.name + "' has " + std::to_string(plan.epoch_fields) +
                                 " fields; got " + std::to_string(fields.size()));
@@ -94,56 +157,133 @@ void Session::push(int channel, Time t0, Time t, std::span<const double> fields)
   push(channel, sample);
 }
 
-void Session::push(int channel, const SampleView& sample) {
-  add(channel, sample);
+void Session::push(ChannelId channel, const SampleView& sample) {
+  if (instant_ != no_time)
+    throw std::invalid_argument("what was added for one instant must be committed before the next push");
+  take(channel, sample);
   runtime_->end_instant(sample.t);
 }
 
-void Session::add(int channel, const SampleView& sample) {
-  const auto& plan = composition_->plan().channels.at(as_size(channel));
+void Session::add(ChannelId channel, const SampleView& sample) {
+  if (instant_ != no_time && sample.t != instant_)
+    throw std::invalid_argument("samples that are added together have one time");
+  take(channel, sample);
+  instant_ = sample.t;
+}
+
+void Session::commit(Time t) {
+  if (instant_ != no_time && t != instant_)
+    throw std::invalid_argument("commit() takes the time of the samples that were added");
+  instant_ = no_time;
+  runtime_->end_instant(t);
+}
+
+void Session::take(ChannelId channel, const SampleView& sample) {
+  intake(channel);
+  Intake& taken = intake_[as_size(channel.index)];
+  const auto& plan = composition_->plan().channels[as_size(channel.index)];
   if (sample.rows < 0 || sample.rows > plan.declaration.max_rows)
     throw std::invalid_argument("channel '" + plan.name + "' takes at most " +
                                 std::to_string(plan.declaration.max_rows) + " rows; got " +
                                 std::to_string(sample.rows));
-  runtime_->deliver(channel, sample);
-}
-void Session::commit(Time t) { runtime_->end_instant(t); }
-
-bool Session::started(int filter) const { return runtime_->engine(filter).started(); }
-bool Session::healthy(int filter) const { return !runtime_->engine(filter).broken(); }
-std::string Session::diagnosis(int filter) const { return runtime_->engine(filter).diagnosis(); }
-Time Session::start_time(int filter) const { return runtime_->engine(filter).status().start; }
-Time Session::time(int filter) const { return runtime_->engine(filter).status().t; }
-
-void Session::read(Block block, std::span<double> outputs) const {
-  const auto& engine = runtime_->engine(block.filter);
-  const auto& plan = engine.plan().blocks[as_size(block.block)];
-  plan.block->read(engine.state() + plan.stored_offset, outputs.data());
+  if (sample.t == no_time) throw std::invalid_argument("a sample on channel '" + plan.name + "' has no time");
+  if (sample.t0 != no_time && sample.t0 >= sample.t)
+    throw std::invalid_argument("a sample on channel '" + plan.name + "' begins at " + std::to_string(sample.t0) +
+                                " ns and ends at " + std::to_string(sample.t) + " ns; t0 < t, or no_time");
+  ++taken.counts.pushed;
+  if (taken.newest != no_time && sample.t < taken.newest)
+    ++taken.counts.behind;
+  else
+    taken.newest = sample.t;
+  runtime_->deliver(channel.index, sample);
 }
 
-void Session::read_sigma(Block block, std::span<double> sigmas) const {
-  const auto& engine = runtime_->engine(block.filter);
-  const BlockInfo& info = composition_->filters().at(as_size(block.filter)).blocks.at(as_size(block.block));
-  output_sigmas(info, engine.state() + info.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
+// ---- estimates
+
+bool Session::started(FilterId filter) const {
+  check(filter);
+  return runtime_->engine(filter.index).started();
 }
 
-MatrixView Session::covariance(Block block) const {
-  const auto& engine = runtime_->engine(block.filter);
-  const auto& plan = engine.plan().blocks[as_size(block.block)];
+bool Session::healthy(FilterId filter) const {
+  check(filter);
+  return !runtime_->engine(filter.index).broken();
+}
+
+std::string Session::diagnosis(FilterId filter) const {
+  check(filter);
+  return runtime_->engine(filter.index).diagnosis();
+}
+
+Time Session::start_time(FilterId filter) const {
+  check(filter);
+  return runtime_->engine(filter.index).status().start;
+}
+
+Time Session::time(FilterId filter) const {
+  check(filter);
+  return runtime_->engine(filter.index).status().t;
+}
+
+template <class Call>
+void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
+  const auto& engine = runtime_->engine(block.filter.index);
+  const auto& plan = engine.plan().blocks[as_size(block.index)];
+  CallSite site;
+  site.enter(nullptr, plan.type, call_name);
+  site.set_time(engine.status().t);
+  const CallScope scope(site);
+  try {
+    std::forward<Call>(call)(engine);
+  } catch (const std::exception& error) {
+    throw FilterError(Diagnostic{Severity::error, "B045", composition_->plan().document.origin(plan.pointer),
+                                 plan.pointer, site.text() + " threw: " + error.what()});
+  }
+}
+
+void Session::read(BlockId block, std::span<double> outputs) const {
+  check(block, &outputs);
+  guarded(block, "read", [&](const auto& engine) {
+    const auto& plan = engine.plan().blocks[as_size(block.index)];
+    plan.block->read(engine.state() + plan.stored_offset, outputs.data());
+  });
+}
+
+void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
+  check(block, &sigmas);
+  guarded(block, "plus and read, for its 1-sigma", [&](const auto& engine) {
+    const BlockInfo& info = composition_->filters()[as_size(block.filter.index)].blocks[as_size(block.index)];
+    output_sigmas(info, engine.state() + info.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
+  });
+}
+
+MatrixView Session::covariance(BlockId block) const {
+  check(block, nullptr);
+  const auto& engine = runtime_->engine(block.filter.index);
+  const auto& plan = engine.plan().blocks[as_size(block.index)];
   const MatrixView P = engine.covariance();
   const int active = static_cast<int>(plan.active.size());
   return {P.data + plan.first + static_cast<std::ptrdiff_t>(plan.first) * P.stride, active, active, P.stride};
 }
 
-MatrixView Session::covariance(int filter) const { return runtime_->engine(filter).covariance(); }
+MatrixView Session::covariance(FilterId filter) const {
+  check(filter);
+  return runtime_->engine(filter.index).covariance();
+}
 
-std::span<const double> Session::state(int filter) const {
-  const auto& engine = runtime_->engine(filter);
+std::span<const double> Session::state(FilterId filter) const {
+  check(filter);
+  const auto& engine = runtime_->engine(filter.index);
   return {engine.state(), as_size(engine.plan().stored_size)};
 }
 
-MeasurementCounts Session::counts(int filter, int measurement) const {
-  const Ledger& ledger = runtime_->engine(filter).ledger(measurement);
+ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }
+
+MeasurementCounts Session::counts(MeasurementId measurement) const {
+  check(measurement.filter);
+  const auto& engine = runtime_->engine(measurement.filter.index);
+  check_index("measurement", measurement.index, engine.plan().measurements.size());
+  const Ledger& ledger = engine.ledger(measurement.index);
   MeasurementCounts counts;
   counts.offered = ledger.offered;
   std::copy(std::begin(ledger.outcomes), std::end(ledger.outcomes), counts.by_outcome);
@@ -158,7 +298,12 @@ MeasurementCounts Session::counts(int filter, int measurement) const {
   return counts;
 }
 
-void Session::attach(int filter, StepObserver* observer) { runtime_->engine(filter).attach(observer); }
+void Session::attach(FilterId filter, StepObserver* observer) {
+  check(filter);
+  runtime_->engine(filter.index).attach(observer);
+}
+
+// ---- snapshots
 
 std::size_t Session::snapshot_size() const { return sizeof(SnapshotHead) + runtime_->arena_size(); }
 
@@ -186,6 +331,8 @@ void Session::restore(std::span<const std::byte> from) {
   if (head.size != runtime_->arena_size() || from.size() != snapshot_size())
     refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(snapshot_size()));
   std::memcpy(runtime_->arena(), from.data() + sizeof head, runtime_->arena_size());
+  for (auto& taken : intake_) taken.newest = no_time;
+  instant_ = no_time;
 }
 
 }  // namespace binnacle

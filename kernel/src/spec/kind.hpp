@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Block kinds: "attitude", "vector:3:rad/s", and the patterns that ports match them with.
+// Block kinds: "velocity.ned", "vector:3:rad/s", and the patterns that ports match them with.
 #pragma once
 
 #include <string>

@@ -32,7 +32,7 @@ class Heading final : public StateBlock {
     declaration_.stored_size = 1;
     declaration_.error = {{"heading", "rad"}};
     declaration_.error_display_unit = "deg";
-    declaration_.outputs = {{"heading", "rad", "deg", true, true, "clockwise from north"}};
+    declaration_.outputs = {output("heading", "rad").shown_in("deg").angle().about("clockwise from north")};
   }
 
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
@@ -51,41 +51,39 @@ class Heading final : public StateBlock {
 };
 
 /// z = ψ + v, so r = z ⊟ ψ̂ and H = 1. A kind of one's own needs a model that has a port for it.
-class Compass final : public legacy::MeasurementModel {
+class Compass final : public MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "@NAME@_compass";
     spec.summary = "A compass: the heading, directly.";
     spec.parameters = {parameter::number("sigma", "rad").above(0).required().about("of the white noise")};
-    spec.ports = {reads("heading", "@NAME@", "what it sees")};
-    spec.fields = {{"heading", "rad", FieldKind::level, false, false, "clockwise from north"}};
+    spec.ports = {reads("heading", "@NAME@").about("what it sees")};
+    spec.fields = {field::level("heading", "rad").about("clockwise from north")};
     spec.example = R"json({"channel": "compass", "blocks": {"heading": "heading"}, "sigma": "5 deg"})json";
     spec.surroundings = R"json({"blocks": {"heading": {"type": "@NAME@", "init": {"heading": "170 deg"},
       "sigma": "10 deg"}}, "sample": {"heading": -3.05}})json";
     return spec;
   }
 
-  explicit Compass(const Binding& b) : sigma_(b.parameters().number("sigma")) {
-    declaration_.max_rows = 1;
-    declaration_.read_ports = {0};
-    declaration_.groups = {{"heading", 0, 1, "rad", 0}};
+  explicit Compass(const Binding& b)
+      : heading_(b.port("heading")), z_(b.field("heading")), sigma_(b.parameters().number("sigma")) {
+    declaration_.rows(1).reads(heading_).group(rows::of("heading", heading_));
   }
 
-  const MeasurementDeclaration& declaration() const noexcept override { return declaration_; }
-
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
-                   std::byte*, legacy::Linearization& out) const override {
-    if (!std::isfinite(sample.fields[0])) return Result::invalid("the heading is not finite");
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    const double z = in.sample[z_];
+    if (!std::isfinite(z)) return Result::invalid("the heading is not finite");
     out.rows = 1;
-    out.residual[0] = wrapped(sample.fields[0] - x[0][0]);
-    out.H[0](0, 0) = 1;
+    out.residual[0] = wrapped(z - in.x[heading_][0]);
+    if (auto H = out.H[heading_]) H(0, 0) = 1;
     out.R(0, 0) = sigma_ * sigma_;
     return Result::ok();
   }
 
  private:
-  MeasurementDeclaration declaration_;
+  Port heading_;
+  Field z_;
   double sigma_;  // rad
 };
 

@@ -5,7 +5,7 @@
 using namespace binnacle;
 
 /// dx/dt = w with E[w wᵀ] = q² δ(t): Φ = I, which need not be listed, and Qd = q² dt.
-class RandomWalk final : public legacy::ProcessModel {
+class RandomWalk final : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -13,28 +13,24 @@ class RandomWalk final : public legacy::ProcessModel {
     spec.summary = "A vector that wanders: its rate is white noise.";
     spec.source = "Gelb (ed.), Applied Optimal Estimation, 1974, section 3.8";
     spec.parameters = {parameter::number("q", "@x/sqrt(s)").at_least(0).required().about("sigma after 1 s")};
-    spec.ports = {advances("x", "vector:*:*", "the vector that wanders")};
+    spec.ports = {advances("x", "vector:*:*").about("the vector that wanders")};
     spec.example = R"json({"blocks": {"x": "height"}, "q": "0.1 m/sqrt(s)"})json";
     spec.surroundings = R"json({"blocks": {"height": {"type": "vector", "size": 1, "unit": "m", "sigma": "1 m"}}})json";
     return spec;
   }
 
-  explicit RandomWalk(const Binding& b) : size_(b.block("x").dof), q_(b.parameters().number("q")) {
-    declaration_.noise = {{0, 0, Structure::diagonal}};
-  }
+  explicit RandomWalk(const Binding& b)
+      : x_(b.port("x")), Q_(declaration_.adds_noise(x_, x_, Structure::diagonal)), q_(b.parameters().number("q")) {}
 
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-
-  Result propagate(const Step& step, const double* const* x, std::byte*,
-                   const legacy::ProcessOutput& out) const override {
-    vector_at(out.x_plus[0], size_) = vector_at(x[0], size_);
-    vector_at(out.noise[0], size_).setConstant(q_ * q_ * step.dt);
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    out.x[x_].as() = in.x[x_].as();
+    if (auto Q = out.Qd[Q_]) Q.diagonal().setConstant(q_ * q_ * in.step.dt);
     return Result::ok();
   }
 
  private:
-  ProcessDeclaration declaration_;
-  int size_;
+  Port x_;
+  QBlock Q_;
   double q_;  // unit of x per √s
 };
 

@@ -9,7 +9,6 @@
 
 #include <Eigen/Geometry>
 
-#include "ellipsoid.hpp"
 #include "series.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
@@ -67,18 +66,18 @@ struct Place {
   p.inverse_w = inverse_w;
   p.inverse_cos_lat = 1.0 / cos_lat;
   p.tan_lat = sin_lat * p.inverse_cos_lat;
-  p.radii = detail::radii(sin_lat, cos_lat, inverse_w);
+  p.radii = geodesy::radii(sin_lat, cos_lat, inverse_w);
   p.r_m = p.radii.meridian + height;
   p.r_t = p.radii.transverse + height;
   p.inverse_r_m = 1.0 / p.r_m;
   p.inverse_r_t = 1.0 / p.r_t;
-  p.gravity = detail::gravity(sin_lat, cos_lat, inverse_w, height);
+  p.gravity = geodesy::gravity(sin_lat, cos_lat, inverse_w, height);
   return p;
 }
 
 [[gnu::always_inline]] inline Place place(double lat, double height) {
   const double sin_lat = std::sin(lat);
-  return place(sin_lat, std::cos(lat), detail::inverse_w(sin_lat), height);
+  return place(sin_lat, std::cos(lat), geodesy::inverse_w(sin_lat), height);
 }
 
 /// The place a little to the north (d_lat, rad) and above, by series: relative remainders d_lat⁴/24 and (e² d_lat)³/3.

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "binnacle/time.hpp"
 #include "binnacle/unit.hpp"
@@ -44,6 +45,17 @@ struct MetricValue {
   double dof = 0;
   double n = 0;
 };
+
+/// A metric of "evaluate" that means nothing where patches were merged over the config: what it is of may be gone with
+/// them, or it is misspelt, which who knows the other variants can find out.
+struct UnknownMetric {
+  std::string name;
+  std::string pointer;
+  std::string error;  // one line, with the nearest name
+};
+
+/// Of a composition whose config was patched (a study's variant); without patches an unknown metric is an error.
+std::vector<UnknownMetric> unknown_metrics(const Composition& composition);
 
 /// Reads `FILTER/BLOCK.OUTPUT/STATISTIC` against what the composition's references score. Statistics: `mean`, `rms`,
 /// `max`, `final`, `drift`, `p50`, `p95`, `at 100 s`, `at start+100 s`; `sigma`: 1-σ where `final` is taken; `sigma at 100 s`;

@@ -43,7 +43,8 @@ class RunObserver {
   virtual bool wants_records() const { return true; }
   /// Before the first record of each filter: what its rows hold, outputs and then their 1-σ.
   virtual void begin(int /*filter*/, const std::string& /*name*/, const std::vector<RecordColumn>& /*columns*/) {}
-  /// Estimates at t, at most as often as the config's `record` says.
+  /// Estimates at t, as often as the config's `record` says: of every multiple of its `every` after the first record
+  /// the instant that is nearest, among the first behind it and those before it by at most a tenth of `every`.
   virtual void record(int /*filter*/, Time /*t*/, std::span<const double> /*values*/) {}
   /// A filter's own step observer, asked for before the run; null: none.
   virtual StepObserver* step_observer(int /*filter*/) { return nullptr; }

@@ -39,6 +39,14 @@ struct Variant {
   std::vector<int> position;           // per metric of the study: in `metrics`, −1
 };
 
+/// Errors (B027) of the variant's metrics under "evaluate" that none of `variants` which list them can make; `options`
+/// are those that the variant was loaded with.
+Diagnostics misspelt_metrics(const Composition& variant,
+                             const std::vector<std::shared_ptr<const Composition>>& variants,
+                             const std::filesystem::path& path, const LoadOptions& options);
+/// The same against all variants of the study in the config at `path`. Throws ConfigError.
+void refuse_misspelt_metrics(const Composition& variant, const std::filesystem::path& path, const LoadOptions& options);
+
 struct StudyMetric {
   std::string name;
   std::string unit;  // for display

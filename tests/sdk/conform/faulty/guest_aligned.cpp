@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Another Eigen alignment: accepted, for no owning Eigen object crosses, and told.
+// Another Eigen alignment: accepted, for no owning Eigen object crosses, with a warning.
 // fails: load.guard warn
 #include "faulty.hpp"
 

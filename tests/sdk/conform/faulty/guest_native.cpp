@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled with -march=native: accepted, and told where Eigen aligns otherwise.
+// Compiled with -march=native: accepted, with a warning where Eigen aligns otherwise.
 // fails: load.guard warn
 #include "faulty.hpp"
 

@@ -6,8 +6,8 @@
 #include <math/vector.hpp>  // bad
 #include <nlohmann/json.hpp>
 #include "../../../plugins/alpha/alpha.hpp"  // bad
-#include "../filter/engine.hpp"
+#include "../filter/engine.hpp"  // bad
 #include "alpha/alpha.hpp"    // bad
 #include "command/verbs.hpp"  // bad
-#include "filter/engine.hpp"
+#include "filter/engine.hpp"  // bad
 #include "sdk/command/verbs.hpp"  // bad

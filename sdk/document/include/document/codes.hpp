@@ -4,7 +4,7 @@
 
 #include <span>
 
-namespace binnacle::config {
+namespace binnacle::document {
 
 struct CodeEntry {
   const char* code;
@@ -16,4 +16,4 @@ struct CodeEntry {
 /// Sorted by code.
 std::span<const CodeEntry> diagnostic_codes();
 
-}  // namespace binnacle::config
+}  // namespace binnacle::document

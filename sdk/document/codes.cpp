@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one table of diagnostic codes: B00x-B03x config, B04x plugins, B06x data, B08x filters,
 // B09x studies.
-#include "config/codes.hpp"
+#include "document/codes.hpp"
 
-namespace binnacle::config {
+namespace binnacle::document {
 
 namespace {
 
@@ -96,6 +96,10 @@ constexpr CodeEntry entries[] = {
      "Report the message to the plugin's author."},
     {"B046", "duplicate type", "Two components register the same full name.",
      "Remove one of the plugin files; an old copy in another folder is the usual cause."},
+    {"B047", "plugin of a folder not loaded",
+     "A library that was found in a plugin folder cannot be loaded. A warning, unless the config has a type that it may "
+     "bring.",
+     "Rebuild or remove the file; the message gives the reason."},
     {"B060", "data file missing", "A file of samples cannot be opened.",
      "Correct the path; \"vars\" and --var are made for the folders of data."},
     {"B061", "truncated or corrupt data", "The file ends in the middle, or its checksum is wrong.",
@@ -139,4 +143,4 @@ constexpr CodeEntry entries[] = {
 
 std::span<const CodeEntry> diagnostic_codes() { return entries; }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::document

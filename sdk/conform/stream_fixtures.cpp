@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// Calls of noise estimators, sources and transforms.
+#include <algorithm>
+#include <array>
+
+#include "fixture.hpp"
+#include "guarded.hpp"
+
+namespace binnacle::conform {
+
+using testing::append;
+using testing::called;
+using testing::Guarded;
+using testing::Inputs;
+
+namespace {
+
+class CallsNoise final : public Fixture {
+ public:
+  CallsNoise(Trial& trial, std::shared_ptr<const Composition> composition)
+      : trial_(trial),
+        composition_(std::move(composition)),
+        noise_(parts::noise(*composition_, filter_name, "adapted")) {}
+  std::size_t memory_bytes() const override { return noise_.estimator->memory_bytes(); }
+  void start(std::byte* memory) const override { noise_.estimator->start(memory); }
+  Answer turn(std::uint64_t k, std::byte* memory, double fill) const override {
+    auto random = trial_.random(5000 + k);
+    return call(3.0 * normals(random, noise_.max_rows), 0.1, memory, fill);
+  }
+  std::vector<std::string> hostile_finite() const override {
+    return {"zero", "tiny 1e-300", "alternating 1e15", "dt 1e6", "dt -1"};
+  }
+  std::vector<std::string> hostile_nonfinite() const override { return nonfinite_hostilities(); }
+  Answer hostile(const std::string& input, std::byte* memory) const override {
+    auto random = trial_.random(4);
+    Eigen::VectorXd r = normals(random, noise_.max_rows);
+    for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = hostile_number(input, static_cast<std::size_t>(i), r[i]);
+    return call(r, input.rfind("dt ", 0) == 0 ? std::stod(input.substr(3)) : 0.1, memory, 0.0);
+  }
+
+ private:
+  /// A covariance as an input: a copy whose writing to is found.
+  static MatrixView diagonal(Inputs& inputs, const char* name, const Eigen::VectorXd& variances) {
+    const Eigen::MatrixXd all = variances.asDiagonal();
+    const int rows = static_cast<int>(variances.size());
+    return {const_cast<double*>(inputs.keep(name, all.data(), static_cast<std::size_t>(all.size()))), rows, rows, rows};
+  }
+
+  Answer call(const Eigen::VectorXd& r, double dt, std::byte* memory, double) const {
+    const int rows = noise_.max_rows;
+    const Eigen::VectorXd nominal =
+        Eigen::VectorXd::LinSpaced(rows, 1, rows).unaryExpr([](double i) { return i == 1 ? 4.0 : 9.0; });
+    Inputs inputs;
+    std::vector<std::int64_t> keys(static_cast<std::size_t>(rows));
+    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = static_cast<std::int64_t>(i);
+    const std::vector<int> groups(keys.size(), 0);  // the miniature's measurement has one
+    Innovation innovation;
+    innovation.t = 3'000'000'000;
+    innovation.dt = dt;
+    innovation.rows = rows;
+    innovation.row_keys = keys;
+    innovation.row_groups = groups;
+    innovation.residual = inputs.keep("the residual", r.data(), static_cast<std::size_t>(rows));
+    innovation.HPHt = diagonal(inputs, "HPHt", Eigen::VectorXd::Constant(rows, 0.5));
+    innovation.R_nominal = diagonal(inputs, "R_nominal", nominal);
+    Guarded R(static_cast<std::size_t>(rows * rows), 0.0);
+    Eigen::Map<Eigen::MatrixXd>(R.data(), rows, rows).diagonal() = nominal;
+    called("estimate", [&] { return noise_.estimator->estimate(innovation, memory, {R.data(), rows, rows, rows}), 0; });
+    if (noise_.estimator->wants_after()) {
+      const Eigen::VectorXd post_fit = 0.8 * r;
+      const double* post = inputs.keep("the post-fit residual", post_fit.data(), static_cast<std::size_t>(rows));
+      called("after", [&] { return noise_.estimator->after(Outcome::accepted, post, innovation.HPHt, memory), 0; });
+    }
+    Answer answer;
+    answer.damage = inputs.damage("estimate");
+    if (!R.is_intact()) answer.damage = "R: written beyond its end";
+    answer.numbers = R.values();
+    answer.memory.assign(memory, memory + memory_bytes());
+    return answer;
+  }
+  Trial& trial_;
+  std::shared_ptr<const Composition> composition_;
+  parts::NoisePart noise_;
+};
+
+/// The slots of a component's channels, as the kernel has them.
+class Slots {
+ public:
+  Slots(const std::vector<ChannelDeclaration>& channels, double fill) {
+    for (const auto& channel : channels) {
+      std::size_t epoch = 0, row = 0;
+      for (const auto& field : channel.fields) (field.is_per_row ? row : epoch) += 1;
+      fields_.emplace_back(epoch, fill);
+      rows_.emplace_back(row * static_cast<std::size_t>(channel.max_rows), fill);
+      covariance_.emplace_back(channel.covariance.size() * channel.covariance.size(), fill);
+    }
+    slots.resize(channels.size());
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      slots[i].fields = fields_[i].data();
+      slots[i].row_fields = rows_[i].data();
+      slots[i].covariance = covariance_[i].data();
+    }
+  }
+  bool is_intact() const {
+    const auto intact = [](const Guarded& part) { return part.is_intact(); };
+    return std::all_of(fields_.begin(), fields_.end(), intact) && std::all_of(rows_.begin(), rows_.end(), intact) &&
+           std::all_of(covariance_.begin(), covariance_.end(), intact);
+  }
+  void report(std::size_t channel, std::vector<double>& numbers) const {
+    const SampleSlot& slot = slots[channel];
+    numbers.push_back(static_cast<double>(channel));
+    numbers.push_back(static_cast<double>(slot.t));
+    append(numbers, fields_[channel].values());
+  }
+  std::vector<SampleSlot> slots;
+
+ private:
+  std::vector<Guarded> fields_, rows_, covariance_;
+};
+
+class CallsSource final : public Fixture {
+ public:
+  CallsSource(Trial& trial, std::shared_ptr<const Composition> composition)
+      : trial_(trial), composition_(std::move(composition)), source_(parts::source(*composition_, component_name)) {
+    struct Silent final : Reporter {
+      void warn(const std::string&, const std::string&, int, const std::string&) override {}
+    } silent;
+    trial_.stage("open");
+    try {
+      source_.type->guarded("open", [&] { std::const_pointer_cast<Source>(source_.model)->open(silent); });
+    } catch (const ComponentError& refusal) {
+      trial_.stage("");
+      throw OpenRefused(refusal.what());
+    }
+    trial_.stage("");
+  }
+  std::size_t memory_bytes() const override { return source_.model->memory_bytes(); }
+  void start(std::byte* memory) const override { source_.model->start(trial_.seed, memory); }
+  Answer turn(std::uint64_t, std::byte* memory, double fill) const override {
+    Slots slots(source_.model->channels(), fill);
+    int channel = 0;
+    const SourceStatus status =
+        called("next", [&] { return source_.model->next(memory, slots.slots.data(), channel); });
+    Answer answer;
+    if (!slots.is_intact()) answer.damage = "a slot: written beyond its end";
+    answer.numbers.push_back(static_cast<double>(status));
+    if (status == SourceStatus::sample) {
+      if (channel < 0 || channel >= static_cast<int>(slots.slots.size()))
+        answer.damage = "there is no channel " + std::to_string(channel);
+      else
+        slots.report(static_cast<std::size_t>(channel), answer.numbers);
+    }
+    answer.memory.assign(memory, memory + memory_bytes());
+    return answer;
+  }
+
+ private:
+  Trial& trial_;
+  std::shared_ptr<const Composition> composition_;
+  parts::Part<Source> source_;
+};
+
+class CallsTransform final : public Fixture {
+ public:
+  CallsTransform(Trial& trial, std::shared_ptr<const Composition> composition)
+      : trial_(trial),
+        composition_(std::move(composition)),
+        transform_(parts::transform(*composition_, component_name)) {}
+  std::size_t memory_bytes() const override { return transform_.model->memory_bytes(); }
+  void start(std::byte* memory) const override { transform_.model->start(trial_.seed, memory); }
+  Answer turn(std::uint64_t k, std::byte* memory, double fill) const override {
+    auto random = trial_.random(6000 + k);
+    const auto& inputs = transform_.type->spec.inputs;
+    const std::size_t input = k % inputs.size();
+    return call(input, numbers_of(inputs[input], random), 1'000'000'000 + static_cast<Time>(k) * 10'000'000, memory,
+                fill);
+  }
+  std::vector<std::string> hostile_finite() const override {
+    auto all = finite_hostilities();
+    all.push_back("time going back");
+    return all;
+  }
+  std::vector<std::string> hostile_nonfinite() const override { return nonfinite_hostilities(); }
+  Answer hostile(const std::string& name, std::byte* memory) const override {
+    auto random = trial_.random(5);
+    const auto& inputs = transform_.type->spec.inputs;
+    SampleNumbers numbers = numbers_of(inputs[0], random);
+    for (std::size_t i = 0; i < numbers.count(); ++i) numbers.at(i) = hostile_number(name, i, numbers.at(i));
+    call(0, numbers, 5'000'000'000, memory, 0.0);
+    return call(0, numbers, name == "time going back" ? 1'000'000'000 : 5'010'000'000, memory, 0.0);
+  }
+
+ private:
+  struct Collector final : Emitter {
+    Collector(const std::vector<ChannelDeclaration>& channels, double fill) : slots(channels, fill) {}
+    SampleSlot& slot(int channel) override { return slots.slots.at(static_cast<std::size_t>(channel)); }
+    void emit(int channel) override {
+      const auto i = static_cast<std::size_t>(channel);
+      if (i >= slots.slots.size()) {
+        damage = "it emits on a channel that it has not";
+        return;
+      }
+      if (emitted_count < most) emitted[emitted_count++] = i;
+    }
+    /// Afterwards, so that nothing of it is counted as the plugin's.
+    std::vector<double> numbers() const {
+      std::vector<double> all;
+      for (std::size_t e = 0; e < emitted_count; ++e) slots.report(emitted[e], all);
+      return all;
+    }
+    static constexpr std::size_t most = 64;
+    Slots slots;
+    std::array<std::size_t, most> emitted{};
+    std::size_t emitted_count = 0;
+    const char* damage = "";
+  };
+
+  SampleNumbers numbers_of(const ChannelPort& input, std::mt19937_64& random) const {
+    const std::vector<bool> all(input.fields.size(), true);
+    return made_up(input.fields, all, Surroundings(transform_.type->spec).input(input.name), 0, random, 1.0);
+  }
+
+  Answer call(std::size_t input, const SampleNumbers& numbers, Time t, std::byte* memory, double fill) const {
+    Collector collector(transform_.model->channels(), fill);
+    Inputs inputs;
+    SampleView sample = numbers.view();
+    sample.t = t;
+    sample.t0 = t - 10'000'000;
+    sample.fields = inputs.keep("the sample", numbers.epoch);
+    sample.row_fields = inputs.keep("the sample (its rows)", numbers.row);
+    called("on", [&] { return transform_.model->on(static_cast<int>(input), sample, memory, collector), 0; });
+    Answer answer;
+    answer.damage = inputs.damage("on");
+    if (*collector.damage) answer.damage = collector.damage;
+    if (!collector.slots.is_intact()) answer.damage = "a slot: written beyond its end";
+    answer.numbers = collector.numbers();
+    answer.memory.assign(memory, memory + memory_bytes());
+    return answer;
+  }
+  Trial& trial_;
+  std::shared_ptr<const Composition> composition_;
+  parts::Part<Transform> transform_;
+};
+
+}  // namespace
+
+std::unique_ptr<Fixture> stream_fixture(Trial& trial, std::shared_ptr<const Composition> composition) {
+  switch (trial.role) {
+    case Role::noise_estimator: return std::make_unique<CallsNoise>(trial, std::move(composition));
+    case Role::source: return std::make_unique<CallsSource>(trial, std::move(composition));
+    default: return std::make_unique<CallsTransform>(trial, std::move(composition));
+  }
+}
+
+}  // namespace binnacle::conform
