@@ -40,11 +40,15 @@ struct Options {
   bool json = false;
 };
 
-/// PREFIX/share/binnacle/sdk/template beside PREFIX/bin, installed or built.
+/// PREFIX of PREFIX/bin/binnacle, installed or built.
+fs::path prefix() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path().parent_path();
+}
+
 fs::path template_folder() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = (program.parent_path() / ".." / "share" / "binnacle" / "sdk" / "template").lexically_normal();
+  const fs::path folder = prefix() / "share" / "binnacle" / "sdk" / "template";
   if (!fs::is_directory(folder, error))
     throw UsageError(fmt::format("the templates are missing: there is no folder '{}'", folder.string()));
   return folder;
@@ -171,10 +175,10 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 /// How CMake finds Binnacle; nothing where it looks by itself.
 std::string prefix_option() {
-  const fs::path prefix = template_folder().parent_path().parent_path().parent_path();
-  if (prefix == "/usr" || prefix == "/usr/local") return "";
-  const bool is_plain = prefix.string().find_first_of(" '\"$&;()") == std::string::npos;
-  const std::string option = "-DCMAKE_PREFIX_PATH=" + prefix.string();
+  const std::string place = prefix().string();
+  if (place == "/usr" || place == "/usr/local") return "";
+  const bool is_plain = place.find_first_of(" '\"$&;()") == std::string::npos;
+  const std::string option = "-DCMAKE_PREFIX_PATH=" + place;
   return is_plain ? " " + option : " \"" + option + "\"";
 }
 

@@ -119,7 +119,7 @@ constexpr CodeEntry entries[] = {
      "Look at the step and block that the message names; noise of zero and wild initial values are usual "
      "causes."},
     {"B081", "filter never started", "Some block never got its initial value.",
-     "Look at the channel that the message names, its `max_age` and the window of the data. An alignment speaks once "
+     "Look at the channel that the message names, its `max_age` and the window of the data. An alignment emits once "
      "it has "
      "had its rest, and its course."},
     {"B082", "snapshot of something else",

@@ -30,7 +30,7 @@ std::string reference() {
       "it anew.\n";
   for (const auto& entry : document::diagnostic_codes())
     text += "\n## " + std::string(entry.code) + ": " + std::string(entry.title) + "\n\n" + std::string(entry.cause) +
-            "\n\n*Remedy:* " + std::string(entry.mend) + "\n";
+            "\n\n*Remedy:* " + std::string(entry.remedy) + "\n";
   return text;
 }
 

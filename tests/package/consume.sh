@@ -58,6 +58,7 @@ mkdir "$scratch/home" && cd "$scratch/home"
 # ---- a plugin, as the guide describes it: CMake finds the package by the command's place on the PATH
 
 step "binnacle new plugin my_walk" binnacle new plugin my_walk
+grep -qF -- "-DCMAKE_PREFIX_PATH=$prefix " "$scratch/log" || fail "new plugin says where the package is not"
 code=$(sed -e 's,//.*,,' -e '/^[[:space:]]*$/d' my_walk/plugin.cpp | wc -l)
 [ "$code" -le 30 ] || fail "the smallest plugin has $code lines of code; 30 are promised"
 # The commands of its own README, which are the guide's too.

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # `one_definition.sh SCRATCH COMPILER FOLDER -- FLAGS…`: the .cpp files under FOLDER, compiled for link-time optimization
-# and read together, define each type once. GCC alone can tell.
+# and read together, define each type once. Only GCC checks that.
 set -euo pipefail
 
 scratch=$1 compiler=$2 folder=$3

@@ -110,7 +110,7 @@ TEST_CASE("the codes are sorted, unique and explained", "[diagnostic]") {
     CHECK(last < code);
     CHECK_FALSE(std::string(entry.title).empty());
     CHECK_FALSE(std::string(entry.cause).empty());
-    CHECK_FALSE(std::string(entry.mend).empty());
+    CHECK_FALSE(std::string(entry.remedy).empty());
     last = code;
   }
   CHECK(seen.size() >= 47);

@@ -161,6 +161,12 @@ Json port_names(const FilterPlan& filter, const std::vector<int>& values) {
   return names;
 }
 
+/// Only where it is not by hand.
+void explain_jacobians(Differentiation how, Json& entry) {
+  if (how == Differentiation::dual_numbers) entry["jacobians"] = "dual numbers";
+  if (how == Differentiation::differences) entry["jacobians"] = "differences";
+}
+
 Json explain_derived(const FilterPlan& filter) {
   Json derived = Json::array();
   for (const auto& value : filter.derived) {

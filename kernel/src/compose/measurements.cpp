@@ -99,7 +99,7 @@ bool Composer::read_auxiliary(FilterBuild& build, PartPlan& part, const Componen
 
 bool Composer::read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
                                 const ComponentSpec& spec, std::vector<bool>& fields_bound) {
-  // What is wrong with the channel is told; its missing fields are not the model's to complain of.
+  // What is wrong with the channel is reported; its missing fields are not the model's to complain of.
   if (measurement.channel < 0) return false;
   const bool is_whole =
       map_fields(spec.fields, measurement.channel, part.pointer, join_pointer(measurement.pointer, "channel"),

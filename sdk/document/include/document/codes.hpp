@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of diagnostic codes, with the cause and the mend of each.
+// The one table of diagnostic codes, with the cause and the remedy of each.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@ struct CodeEntry {
   const char* code;
   const char* title;
   const char* cause;
-  const char* mend;
+  const char* remedy;
 };
 
 /// Sorted by code.

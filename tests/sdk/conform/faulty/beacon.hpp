@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Healthy: the range to a beacon that an auxiliary channel tells the place of.
+// Healthy: the range to a beacon whose place comes on an auxiliary channel.
 #pragma once
 
 #include "faulty.hpp"

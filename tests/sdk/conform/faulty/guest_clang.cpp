@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled by clang: accepted, with or without a remark of the guard.
+// Compiled by clang: accepted, with or without a warning of the guard.
 // fails: load.guard pass/warn
 #include "faulty.hpp"
 
