@@ -82,7 +82,7 @@ class FilterScore : public StepObserver {
   void show_errors(RunObserver& observer) const;
   /// All series that stand under "reference", once per name: channels first, then what was withheld.
   std::vector<const Series*> reference_series() const;
-  Time start() const { return session_ ? session_->start_time(filter_) : no_time; }
+  Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : no_time; }
 
  private:
   struct Reference {

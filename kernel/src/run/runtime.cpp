@@ -107,7 +107,10 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
 
 void Runtime::reset(std::uint64_t seed, int run) {
   std::memset(arena_.get(), 0, plan_.layout.size());
-  for (auto& engine : engines_) engine->reset();
+  for (auto& engine : engines_) {
+    const CallScope scope(engine->call_site());
+    engine->reset();
+  }
   for (const auto& source : plan_.sources) {
     *source.head.in(arena_.get()) = SourceHead{};
     guard_call<FilterError>(plan_, source, "start", no_time, [&] {

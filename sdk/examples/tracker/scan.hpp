@@ -79,6 +79,7 @@ class Scan final : public binnacle::MeasurementModel {
   binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
     using binnacle::Result;
     const int detections = in.sample.rows;
+    if (!in.P) return Result::failed("association needs the covariance of the targets");
     if (detections > most_detections) return Result::invalid("more than 64 detections");
     for (int k = 0; k < detections; ++k)
       if (!is_usable(in.sample(k, range_), in.sample(k, bearing_)))
