@@ -9,9 +9,9 @@
 namespace binnacle::score {
 
 /// Points of a grid at first + k · every, first being the first instant. Of each point that instant is taken which is
-/// nearest to it among the first at or after it and those before it by at most a tenth of `every` and less than half the time to
-/// the instant before (so that regular data, which hit the grid, are not looked at twice). A point that no instant is
-/// near is skipped. every = 0: every instant.
+/// nearest to it among the first at or after it and those before it by at most a tenth of `every` and less than half the
+/// time to the instant before (so that regular data, which hit the grid, are not looked at twice); of two that are as
+/// near the later. A point that no instant is near is skipped. every = 0: every instant.
 class RecordEpochs {
  public:
   enum class Choice {
