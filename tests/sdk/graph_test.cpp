@@ -178,7 +178,7 @@ TEST_CASE("what a measurement sees through a derived block is drawn") {
       check({"quickstart.json",
              {short_drive,
               "/filters/ins/derived={\"antenna\":{\"type\":\"lever_arm\",\"blocks\":{\"position\":\"position\","
-              "\"attitude\":\"attitude\"},\"arm\":[\"0.6 m\",\"-0.1 m\",\"-1.2 m\"]}}",
+              "\"attitude\":\"attitude\"},\"lever_arm\":[\"0.6 m\",\"-0.1 m\",\"-1.2 m\"]}}",
               "/filters/ins/measurements/fix/stack/position/blocks/position=antenna"}});
   CHECK(drawing.count("h dense") == 3);
 }
