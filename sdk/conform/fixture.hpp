@@ -153,6 +153,7 @@ class MeasurementFixture {
   Surroundings around_;
   AuxiliaryNumbers auxiliary_;
   std::vector<double> driving_rates_;
+  std::vector<double> covariance_;  // of its samples, where the miniature's channel attaches one
 };
 
 class DerivedFixture {

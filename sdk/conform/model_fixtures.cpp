@@ -23,6 +23,21 @@ const Json& settings_in(const Composition& composition, const char* section) {
   return composition.config().at("filters").at(filter_name).at(section).at(component_name);
 }
 
+/// A plausible covariance of the channel's samples, diagonal; empty where it attaches none.
+std::vector<double> covariance_carried(const Composition& composition, const Json& settings) {
+  std::vector<double> covariance;
+  for (const auto& info : composition.channels()) {
+    if (info.name != settings.at("channel").get<std::string>()) continue;
+    const auto& components = info.declaration->covariance;
+    covariance.assign(components.size() * components.size(), 0.0);
+    for (std::size_t i = 0; i < components.size(); ++i) {
+      const double sigma = 0.1 * scale_of(components[i].unit);
+      covariance[i * (components.size() + 1)] = sigma * sigma;
+    }
+  }
+  return covariance;
+}
+
 /// Per field of the spec, whether the channel in the miniature carries it, under its own name or another.
 std::vector<bool> fields_carried(const Composition& composition, const ComponentSpec& spec, const Json& settings) {
   const std::string channel = settings.at("channel");
@@ -109,6 +124,7 @@ MeasurementFixture::MeasurementFixture(Trial& trial, const Composition& composit
   auto random = trial.random(77);
   driving_rates_ = driving_rates_of(part.type->spec, random);
   has_field = fields_carried(composition, part.type->spec, settings_in(composition, "measurements"));
+  covariance_ = covariance_carried(composition, settings_in(composition, "measurements"));
 }
 
 testing::Given MeasurementFixture::given(const SampleNumbers& sample) const {
@@ -138,7 +154,9 @@ SampleNumbers MeasurementFixture::first_guess(const PortStates& ports, std::mt19
       for (std::size_t o = 0; o < outputs.size(); ++o)
         if (outputs[o].name == specs[i].name) given[specs[i].name] = read[o];
     }
-  return made_up(specs, has_field, given, around_.time(), random);
+  SampleNumbers guess = made_up(specs, has_field, given, around_.time(), random);
+  guess.covariance = covariance_;
+  return guess;
 }
 
 SampleNumbers MeasurementFixture::sample(const PortStates& ports, std::mt19937_64& random,

@@ -67,6 +67,7 @@ SampleView SampleNumbers::view() const {
   view.rows = rows;
   view.fields = epoch.data();
   view.row_fields = row.data();
+  view.covariance = covariance.empty() ? nullptr : covariance.data();
   view.available = true;
   return view;
 }

@@ -17,8 +17,9 @@ using Json = nlohmann::ordered_json;
 
 /// The numbers of one sample, in the order of a component's fields.
 struct SampleNumbers {
-  std::vector<double> epoch;  // per-epoch fields
-  std::vector<double> row;    // rows × per-row fields, row-major
+  std::vector<double> epoch;       // per-epoch fields
+  std::vector<double> row;         // rows × per-row fields, row-major
+  std::vector<double> covariance;  // column-major, where the channel attaches one
   int rows = 0;
   Time t = 2'000'000'000;
   bool is_available = true;  // false: an auxiliary channel that is not connected

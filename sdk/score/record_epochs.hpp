@@ -9,9 +9,9 @@
 namespace binnacle::score {
 
 /// Points of a grid at first + k · every, first being the first instant. Of each point that instant is taken which is
-/// nearest to it among the first at or after it and those before it by at most a tenth of `every` and half the time to
-/// the instant before (so that regular data, which hit the grid, are not looked at twice). A point that no instant is
-/// near is skipped. every = 0: every instant.
+/// nearest to it among the first at or after it and those before it by at most a tenth of `every` and less than half the
+/// time to the instant before (so that regular data, which hit the grid, are not looked at twice); of two that are as
+/// near the later. A point that no instant is near is skipped. every = 0: every instant.
 class RecordEpochs {
  public:
   enum class Choice {
@@ -27,7 +27,7 @@ class RecordEpochs {
 
   /// Instants come in order of time.
   Choice on(Time t) {
-    const Time tolerance = previous_ == no_time ? 0 : std::min(every_ / 10, (t - previous_) / 2);
+    const Time tolerance = previous_ == no_time ? 0 : std::min(every_ / 10, (t - previous_ - 1) / 2);
     previous_ = t;
     if (every_ <= 0) return Choice::take;
     if (point_ == no_time) {
@@ -35,7 +35,7 @@ class RecordEpochs {
       return Choice::take;
     }
     if (kept_ == no_time) return fresh(t, tolerance, Choice::take, Choice::keep, Choice::skip);
-    if (point_ - kept_ > (t > point_ ? t - point_ : point_ - t)) {  // nearer than what was kept
+    if (point_ - kept_ >= (t > point_ ? t - point_ : point_ - t)) {  // nearer than what was kept
       kept_ = no_time;
       return fresh(t, every_, Choice::take, Choice::keep, Choice::skip);
     }

@@ -88,7 +88,7 @@ class Nees : public runtime::SampleSubscriber {
 
  private:
   void add(std::vector<Average>& row, int channel, const SampleView& truth) {
-    Engine& engine = runtime_.engine(0);
+    filter::Engine& engine = runtime_.engine(0);
     REQUIRE(engine.status().t == truth.t);
     const Eigen::MatrixXd P = engine.covariance().as();
     Eigen::VectorXd delta = Eigen::VectorXd::Constant(plan_.n, std::numeric_limits<double>::quiet_NaN());
@@ -116,7 +116,7 @@ class Nees : public runtime::SampleSubscriber {
 
   runtime::Runtime& runtime_;
   std::shared_ptr<const score::ScorePlan> scored_;
-  const FilterPlan& plan_;
+  const filter::FilterPlan& plan_;
   std::vector<std::vector<Average>> figures_;
 };
 
@@ -143,7 +143,7 @@ Consistency monte_carlo(const std::string& title, const std::shared_ptr<const Co
   double nis_sum = 0, nis_count = 0, dof_sum = 0;
   for (int run = 0; run < runs; ++run) {
     run_to_the_end(runtime, run);
-    const Engine& engine = runtime.engine(0);
+    const filter::Engine& engine = runtime.engine(0);
     REQUIRE_FALSE(engine.broken());
     const auto& ledger = engine.tally(0);
     REQUIRE(ledger.outcomes[static_cast<int>(Outcome::accepted)] == ledger.offered);

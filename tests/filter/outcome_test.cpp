@@ -28,7 +28,7 @@ struct Faults {
 /// A value that moves by a measured speed and is seen through a derived block; started by a sample where there is a
 /// channel for it, else by the input.
 std::string config(bool starts_by_sample, const Faults& faults = {}) {
-  const std::string init = starts_by_sample ? R"("init": "first")" : R"("init": {"a": 1, "b": 2})";
+  const std::string init = starts_by_sample ? R"("init": {"channel": "first"})" : R"("init": {"a": 1, "b": 2})";
   return R"({"binnacle": 1,
     "sources": {
       "first": {"type": "pushed", "fields": {"a": {"unit": "m"}, "b": {"unit": "m"}}},

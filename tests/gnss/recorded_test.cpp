@@ -25,15 +25,16 @@ using nlohmann::ordered_json;
 
 namespace {
 
-RunResult run_config(const std::filesystem::path& data, const std::string& config, std::vector<std::string> sets,
-                     score::RunObserver* observer = nullptr) {
+score::RunResult run_config(const std::filesystem::path& data, const std::string& config, std::vector<std::string> sets,
+                            score::RunObserver* observer = nullptr) {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions load;
   load.vars["gnss"] = data.string();
   load.sets = std::move(sets);
   score::RunOptions options;
   options.observer = observer;
-  RunResult result = score::run(score::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
+  score::RunResult result =
+      score::run(score::load(BINNACLE_TEST_PROJECT "/configs/" + config + ".json", load), options);
   INFO(config << "\n" << result.failures.text());
   CHECK(result.failures.empty());
   return result;
@@ -143,7 +144,7 @@ class Trajectory {
   Eigen::Matrix3d C_ne_;
 };
 
-struct Driving {
+struct DrivingScore {
   double horizontal = 0, distance = 0, largest = 0, velocity = 0, velocity_horizontal = 0, yaw = 0;
   Vector3d offset;
 };
@@ -155,8 +156,8 @@ Seconds drive(const std::filesystem::path& data, std::vector<std::string> sets) 
   return estimate;
 }
 
-Driving score(const Trajectory& trajectory, const Seconds& estimate) {
-  Driving d;
+DrivingScore judge(const Trajectory& trajectory, const Seconds& estimate) {
+  DrivingScore d;
   const auto differences = trajectory.differences(estimate);
   REQUIRE(differences.size() >= 66);
   d.offset = Trajectory::mean(differences);
@@ -256,7 +257,7 @@ TEST_CASE("tightly coupled on a recorded car") {
   const auto data = gnss_data();
   if (!data) return;
   const Trajectory trajectory(*data);
-  const Driving d = score(trajectory, drive(*data, {}));
+  const DrivingScore d = judge(trajectory, drive(*data, {}));
   std::printf(
       "driving: horizontal %.3f m (0.27), 3D %.3f (0.40), max %.3f (1.0), velocity %.3f m/s, horizontal %.3f (0.13), "
       "final heading %.2f deg\n",
@@ -273,7 +274,7 @@ TEST_CASE("tightly coupled on a recorded car") {
     CHECK(error <= most);
   }
 
-  const Driving late = score(trajectory, drive(*data, {"/sources/imu/time/offset=0 s"}));
+  const DrivingScore late = judge(trajectory, drive(*data, {"/sources/imu/time/offset=0 s"}));
   std::printf("IMU labels taken as they are: horizontal %.3f m, velocity %.3f m/s, horizontal %.3f\n", late.horizontal,
               late.velocity, late.velocity_horizontal);
   CHECK(late.velocity > 1.35 * d.velocity);
@@ -285,7 +286,8 @@ TEST_CASE("broken recordings are reported and survived") {
   if (!data) return;
   const auto rinex = *data / "rinex";
   const auto run_with = [&](const char* key, const Changed& file) {
-    const RunResult result = run_config(*data, "gnss/0759", {std::string("/sources/gnss/") + key + "=" + file.path()});
+    const score::RunResult result =
+        run_config(*data, "gnss/0759", {std::string("/sources/gnss/") + key + "=" + file.path()});
     const auto& distance = result.summary.at("filters").at("gps").at("reference").at("position.distance");
     CHECK(distance.at("rms").get<double>() < 3);
     return std::pair{distance.at("n").get<int>(), result.warnings.text()};
@@ -339,7 +341,7 @@ TEST_CASE("a receiver clock that jumps by a millisecond is recovered from") {
     return text;
   });
   const std::vector<std::string> file{"/sources/gnss/observations=" + jumped.path()};
-  const RunResult recovered = run_config(*data, "gnss/0759", file);
+  const score::RunResult recovered = run_config(*data, "gnss/0759", file);
   const auto& gps = recovered.summary.at("filters").at("gps");
   CHECK(recovered.warnings.text().find("the receiver's clock jumps 1 time") != std::string::npos);
   CHECK(gps.at("measurements").at("ranges").at("gated").get<int>() == 3);
@@ -382,7 +384,7 @@ TEST_CASE("a satellite that is 1 km wrong for twenty minutes is left out, report
     return out.str();
   });
   REQUIRE(changed == 40);
-  const RunResult result = run_config(*data, "gnss/0759", {"/sources/gnss/observations=" + faulty.path()});
+  const score::RunResult result = run_config(*data, "gnss/0759", {"/sources/gnss/observations=" + faulty.path()});
   const auto& gps = result.summary.at("filters").at("gps");
   const auto& ranges = gps.at("measurements").at("ranges");
   INFO(ranges.dump());

@@ -98,6 +98,14 @@ Long travel(const Bench& bench, PortStates ports, const std::vector<Step>& steps
   return {ports, all};
 }
 
+/// The ports with one error component of one of them moved.
+PortStates moved(PortStates ports, std::size_t port, int component, double by) {
+  VectorXd delta = VectorXd::Zero(ports[port].dof());
+  delta[component] = by;
+  ports[port].block->plus(ports[port].x.data(), delta.data(), ports[port].x.data());
+  return ports;
+}
+
 /// The same by central differences of where the mechanization ends.
 MatrixXd travel_differences(const Bench& bench, const PortStates& ports, const std::vector<Step>& steps) {
   const Long nominal = travel(bench, ports, steps, false);
@@ -111,11 +119,9 @@ MatrixXd travel_differences(const Bench& bench, const PortStates& ports, const s
       return delta;
     };
     for (int component = 0; component < 3; ++component) {
-      const double step = ports[from].step;
+      const double step = ports[from].scale[component];
       J.col(3 * static_cast<Eigen::Index>(from) + component) =
-          (end(test::detail::moved(ports, from, component, step)) -
-           end(test::detail::moved(ports, from, component, -step))) /
-          (2 * step);
+          (end(moved(ports, from, component, step)) - end(moved(ports, from, component, -step))) / (2 * step);
     }
   }
   return J;

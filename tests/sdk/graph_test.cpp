@@ -70,7 +70,7 @@ class Seen final : public binnacle::score::RunObserver, public binnacle::StepObs
   explicit Seen(const binnacle::FilterInfo& info)
       : info_(info), phi(Filled::Constant(info.dof, info.dof, false)), qd(phi) {}
   bool wants_records() const override { return false; }
-  Wants wants() const override { return Wants::everything; }
+  binnacle::Wants wants() const override { return binnacle::Wants::everything; }
   binnacle::StepObserver* step_observer(int) override { return this; }
   void stepped(const binnacle::StepRecord& record) override {
     ++steps;
@@ -178,7 +178,7 @@ TEST_CASE("what a measurement sees through a derived block is drawn") {
       check({"quickstart.json",
              {short_drive,
               "/filters/ins/derived={\"antenna\":{\"type\":\"lever_arm\",\"blocks\":{\"position\":\"position\","
-              "\"attitude\":\"attitude\"},\"arm\":[\"0.6 m\",\"-0.1 m\",\"-1.2 m\"]}}",
+              "\"attitude\":\"attitude\"},\"lever_arm\":[\"0.6 m\",\"-0.1 m\",\"-1.2 m\"]}}",
               "/filters/ins/measurements/fix/stack/position/blocks/position=antenna"}});
   CHECK(drawing.count("h dense") == 3);
 }

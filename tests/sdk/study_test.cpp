@@ -217,14 +217,14 @@ TEST_CASE("a run that breaks is reported with what repeats it, and the others go
   write_study(bench, section);
   const auto outcome = command(bench, {"study", "study.json", "--runs", "2", "--json"});
   CHECK(outcome.status == 1);
-  CHECK(outcome.err ==
-        "study.json: error[B093]: variant 'nervous', seed 1, run 0: filter 'walk' broke: 'place.x' has the variance "
-        "inf at 1 "
-        "s; to see it: binnacle run study.json --variant nervous --seed 1 --run 0\n"
-        "study.json: error[B093]: variant 'nervous', seed 1, run 1: filter 'walk' broke: 'place.x' has the variance "
-        "inf at 1 "
-        "s; to see it: binnacle run study.json --variant nervous --seed 1 --run 1\n"
-        "error: 2 of 4 runs broke\n");
+  const std::string broke =
+      "filter 'walk' broke: plugin 'core', component 'random_walk' (/filters/walk/process/wander): propagate at 1 s "
+      "gave "
+      "'place.x' the process noise inf, which is no variance; to see it: binnacle run study.json --variant nervous "
+      "--seed 1 ";
+  CHECK(outcome.err == "study.json: error[B093]: variant 'nervous', seed 1, run 0: " + broke +
+                           "--run 0\nstudy.json: error[B093]: variant 'nervous', seed 1, run 1: " + broke +
+                           "--run 1\nerror: 2 of 4 runs broke\n");
   const auto variants = json::parse(outcome.out).at("variants");
   CHECK(variants.at("calm").at("failed") == 0);
   CHECK(variants.at("calm").at("metrics").at("walk/place.x/final").at("n") == 2);
@@ -284,7 +284,7 @@ TEST_CASE("what is wrong with a study is reported before anything runs") {
   CHECK(command(bench, {"check", "study.json"}).status == 0);
 }
 
-TEST_CASE("a metric that no variant knows is misspelt, wherever it stands; one that some lack is not") {
+TEST_CASE("a metric that no variant knows is misspelt, wherever it stands, and one that some lack is not") {
   const Workbench bench;
   const auto with_metrics = [&](const std::string& metrics, const std::string& variants) {
     std::string text = good_config;

@@ -23,7 +23,7 @@ namespace {
 
 const fs::path folder = BINNACLE_LOADER_TEST_PLUGINS;
 
-fs::path plugin(const std::string& name) { return fs::canonical(folder) / (name + ".so"); }
+fs::path plugin_at(const std::string& name) { return fs::canonical(folder) / (name + ".so"); }
 
 /// The messages, without the folder that they begin with.
 std::vector<std::string> lines(const Diagnostics& diagnostics) {
@@ -40,7 +40,7 @@ std::vector<std::string> lines(const Diagnostics& diagnostics) {
 std::vector<std::string> load(const std::string& name) {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin(name), diagnostics);
+  catalog.load(plugin_at(name), diagnostics);
   if (diagnostics.has_errors()) CHECK(catalog.types().empty());
   return lines(diagnostics);
 }
@@ -75,7 +75,7 @@ struct Scratch {
 TEST_CASE("a good plugin brings its types", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin("good"), diagnostics);
+  catalog.load(plugin_at("good"), diagnostics);
   CHECK(lines(diagnostics) == Lines{});
   std::vector<std::string> names;
   for (const ComponentType* type : catalog.types()) names.push_back(role_name(type->role) + (" " + type->full_name()));
@@ -86,7 +86,7 @@ TEST_CASE("a good plugin brings its types", "[catalog]") {
   CHECK(catalog.find(Role::state_block, "still") != nullptr);
   CHECK(catalog.find(Role::source, "still") == nullptr);
 
-  catalog.load(plugin("good"), diagnostics);
+  catalog.load(plugin_at("good"), diagnostics);
   catalog.load(folder / "." / "good.so", diagnostics);
   CHECK(lines(diagnostics) == Lines{});
   CHECK(catalog.types().size() == 3);
@@ -95,7 +95,7 @@ TEST_CASE("a good plugin brings its types", "[catalog]") {
 TEST_CASE("names that lead nowhere are reported", "[catalog]") {
   Catalog catalog;
   Diagnostics none;
-  catalog.load(plugin("good"), none);
+  catalog.load(plugin_at("good"), none);
   const auto message = [&](Role role, const std::string& name) {
     Diagnostics diagnostics;
     CHECK(catalog.find(role, name, {"c.json", 3, 5}, "/x/type", diagnostics) == nullptr);
@@ -113,7 +113,7 @@ TEST_CASE("names that lead nowhere are reported", "[catalog]") {
   CHECK(none.text() == "error[B011]: unknown sink 'x'; no plugin is loaded");
 
   Diagnostics loading;
-  catalog.load(plugin("second"), loading);
+  catalog.load(plugin_at("second"), loading);
   CHECK(lines(loading) == Lines{});
   CHECK(catalog.find(Role::state_block, "still") == nullptr);
   CHECK(catalog.find(Role::state_block, "second/still")->plugin == "second");
@@ -170,7 +170,7 @@ TEST_CASE("each field of a foreign guard is reported, and no code of it runs", "
 TEST_CASE("a harmless difference is a warning and the plugin loaded", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin("only_warned"), diagnostics);
+  catalog.load(plugin_at("only_warned"), diagnostics);
   REQUIRE(lines(diagnostics).size() == 1);
   CHECK(lines(diagnostics)[0].find("only_warned.so: warning[B043]: Eigen version: host 3.") == 0);
   CHECK(catalog.types().size() == 1);
@@ -208,12 +208,12 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
   fs::create_directory(scratch.path / "folder.so");
   CHECK(message("folder.so") == "folder.so: error[B040]: the plugin is not a file");
 
-  fs::copy_file(plugin("good"), scratch.path / "open.so");
+  fs::copy_file(plugin_at("good"), scratch.path / "open.so");
   fs::permissions(scratch.path / "open.so", fs::perms::others_write, fs::perm_options::add);
   CHECK(message("open.so") ==
         "open.so: error[B044]: the plugin file is world-writable, so it is not loaded; chmod o-w it");
 
-  std::ifstream whole(plugin("good"), std::ios::binary);
+  std::ifstream whole(plugin_at("good"), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(whole), {}};
   for (const std::size_t part : {std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
     std::ofstream(scratch.path / "cut.so", std::ios::binary | std::ios::trunc) << bytes.substr(0, part);
@@ -230,20 +230,20 @@ TEST_CASE("files that are damaged, foreign, or open to everybody are refused", "
 
 TEST_CASE("a second copy of a plugin is an error that names the first", "[catalog]") {
   const Scratch scratch;
-  fs::copy_file(plugin("good"), scratch.path / "copy.so");
+  fs::copy_file(plugin_at("good"), scratch.path / "copy.so");
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin("good"), diagnostics);
+  catalog.load(plugin_at("good"), diagnostics);
   catalog.load(scratch.path / "copy.so", diagnostics);
   CHECK(diagnostics.text() == (scratch.path / "copy.so").string() +
-                                  ": error[B046]: plugin 'good' is loaded already, from " + plugin("good").string());
+                                  ": error[B046]: plugin 'good' is loaded already, from " + plugin_at("good").string());
   CHECK(catalog.types().size() == 3);
 }
 
 TEST_CASE("a stripped plugin is found as well", "[catalog]") {
   const Scratch scratch;
   const std::string file = (scratch.path / "stripped.so").string();
-  if (std::system(("strip -o " + file + " " + plugin("good").string() + " 2>/dev/null").c_str()) != 0) return;
+  if (std::system(("strip -o " + file + " " + plugin_at("good").string() + " 2>/dev/null").c_str()) != 0) return;
   fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
   Catalog catalog;
   Diagnostics diagnostics;
@@ -254,13 +254,13 @@ TEST_CASE("a stripped plugin is found as well", "[catalog]") {
 
 TEST_CASE("the search path: files and folders of the config, then the environment", "[catalog]") {
   const Scratch scratch;
-  fs::copy_file(plugin("good"), scratch.path / "good.so");
+  fs::copy_file(plugin_at("good"), scratch.path / "good.so");
   std::ofstream(scratch.path / "README") << "no plugin";
   ::setenv("BINNACLE_PLUGIN_PATH", (scratch.path.string() + "::/nowhere/at/all").c_str(), 1);
   CHECK(plugin_folders().size() == 3);
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load_search_path({{plugin("second"), {"c.json", 2, 14}, "/plugins/0"},
+  catalog.load_search_path({{plugin_at("second"), {"c.json", 2, 14}, "/plugins/0"},
                             {"/missing/x.so", {"c.json", 2, 30}, "/plugins/1"}},
                            diagnostics);
   ::unsetenv("BINNACLE_PLUGIN_PATH");
@@ -275,8 +275,8 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
 
 TEST_CASE("a stale library in a searched folder is a warning, until a type is wanted that it may have", "[catalog]") {
   const Scratch scratch;
-  fs::copy_file(plugin("good"), scratch.path / "good.so");
-  fs::copy_file(plugin("newer"), scratch.path / "newer.so");
+  fs::copy_file(plugin_at("good"), scratch.path / "good.so");
+  fs::copy_file(plugin_at("newer"), scratch.path / "newer.so");
   const std::string why = "API minor: host " + std::to_string(abi::api_minor) + ", plugin " +
                           std::to_string(abi::api_minor + 1) +
                           "; update this program, or rebuild the plugin with this version's headers";
@@ -308,7 +308,7 @@ TEST_CASE("a stale library in a searched folder is a warning, until a type is wa
 TEST_CASE("what a constructor throws is contained, and names plugin, component, call", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin("good"), diagnostics);
+  catalog.load(plugin_at("good"), diagnostics);
   const ComponentType& type = *catalog.find(Role::source, "thrower");
   const auto thrown = [&](const std::string& text) {
     const ParameterValue parameters = what(text);
@@ -341,7 +341,7 @@ TEST_CASE("objects and errors outlive the catalog, and the library stays with th
   {
     Catalog catalog;
     Diagnostics diagnostics;
-    catalog.load(plugin("good"), diagnostics);
+    catalog.load(plugin_at("good"), diagnostics);
     const ParameterValue empty;
     block = catalog.find(Role::state_block, "still")->create_state_block(binding(empty));
     const ParameterValue nothing = what("nothing");
@@ -382,7 +382,7 @@ TEST_CASE("objects and errors outlive the catalog, and the library stays with th
 TEST_CASE("a type describes itself", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin("good"), diagnostics);
+  catalog.load(plugin_at("good"), diagnostics);
   CHECK(document::describe(*catalog.find(Role::process_model, "rest")) ==
         "good/rest: process model (plugin good 1.2.3)\n"
         "  Nothing moves\n"
@@ -418,7 +418,7 @@ TEST_CASE("a type describes itself", "[catalog]") {
 TEST_CASE("a skeleton holds what has to be filled in", "[catalog]") {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load(plugin("good"), diagnostics);
+  catalog.load(plugin_at("good"), diagnostics);
   const std::string expected = R"({
   "binnacle": 1,
   "sources": {

@@ -59,6 +59,8 @@ TEST_CASE("data that hit the grid are taken there, and nothing is kept for later
 TEST_CASE("of an instant just before a point and one just after it, the nearer is taken", "[record]") {
   CHECK(taken(100 * ms, in_ms({0, 50, 97, 102, 150, 198, 205})) == in_ms({0, 102, 198}));
   CHECK(taken(100 * ms, in_ms({0, 50, 97, 99, 150})) == in_ms({0, 99}));
+  CHECK(taken(100 * ms, in_ms({0, 95, 105})) == in_ms({0, 105}));               // the later of two that are as near
+  CHECK(taken(100 * ms, in_ms({0, 75, 85, 95, 105, 115})) == in_ms({0, 105}));  // half way between points
 }
 
 TEST_CASE("far from a point the first instant behind it is taken, as are the points behind a hole", "[record]") {

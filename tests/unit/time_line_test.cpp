@@ -102,6 +102,8 @@ struct Fixture {
     return diary.take();
   }
 
+  const TimeHead& head() const { return std::as_const(*time).head(); }
+
   FilterPlan plan;
   std::vector<ChannelPlan> channels;
   std::vector<std::byte> arena;
@@ -114,8 +116,8 @@ struct Fixture {
 TEST_CASE("a time line without values from channels starts where the first input interval begins") {
   Fixture f;
   CHECK(f.input(0, 10, 1, 4) == Said{"start 0", "step 10 [0,10 r=1 i=4]"});
-  CHECK(f.time->head().t == 10);
-  CHECK(f.time->head().steps == 1);
+  CHECK(f.head().t == 10);
+  CHECK(f.head().steps == 1);
   REQUIRE(f.time->driving_rates());
   CHECK(f.time->driving_rates()[0] == 1);
   CHECK(std::abs(f.time->driving_rates()[1] - 4 / 10e-9) < 1);
@@ -148,10 +150,10 @@ TEST_CASE("a hole is bridged alone with the mean rates, and counted; what is not
   f.input(0, 10, 1, 4);
   f.input(10, 20, 2, 6);
   CHECK(f.input(40, 50, 3, 8) == Said{"step 40 [20,40 r=2 i=12]"});
-  CHECK(f.time->head().gaps == 1);
+  CHECK(f.head().gaps == 1);
   CHECK(f.input(45, 48, 1, 1).empty());
   CHECK(f.input(50, 60, std::nan(""), 1).empty());
-  CHECK(f.time->head().gaps == 3);
+  CHECK(f.head().gaps == 3);
   CHECK(f.input(50, 60, 4, 8) == Said{"step 60 [40,50 r=3 i=8] [50,60 r=4 i=8]"});
 }
 
@@ -179,5 +181,5 @@ TEST_CASE("after a step that throws, the queue can still be emptied: each sample
   CHECK(f.diary.take() == Said{"resume 0 @ 12", "step 12 [10,12 r=1 i=1 cut]"});  // the first is another's to close
   f.time->flush(Outcome::rejected, "");
   CHECK(f.diary.take() == Said{"resume 1 @ 13", "refuse 6"});
-  CHECK(f.time->head().queued == 0);
+  CHECK(f.head().queued == 0);
 }
