@@ -362,7 +362,7 @@ TEST_CASE("Phi and Qd written out give the same step as their tables, in the dia
   CHECK((stored.matrix() - (Phi * P * Phi.transpose() + Qd)).norm() < 1e-14 * P.norm());
 }
 
-TEST_CASE("what cannot be the covariance of noise is told from what is not symmetric by rounding") {
+TEST_CASE("what cannot be the covariance of noise is refused, what is symmetric but for rounding is not") {
   Eigen::Matrix3d R = Eigen::Vector3d(4, 1e-8, 0).asDiagonal();
   const auto view = [&] { return MatrixView{R.data(), 3, 3, 3}; };
   CHECK(is_noise(view()));

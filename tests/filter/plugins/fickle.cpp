@@ -227,7 +227,7 @@ class Trust final : public NoiseEstimator {
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "fickle_trust";
-    spec.summary = "Trusts as it is told; any call may throw.";
+    spec.summary = "Trusts as much as nominal; any call may throw.";
     spec.parameters = {parameter::text("gives").defaults("\"\"").about("'negative' or 'nan' after 1 s")};
     spec.example = "{}";
     return spec;
