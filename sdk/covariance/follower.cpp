@@ -53,16 +53,6 @@ VectorXd spread(const VectorXd& row, const BlockInfo* block, int dof) {
   return all;
 }
 
-/// The step observer has Φ and P on both sides of a step: what is over is noise, to within rounding.
-MatrixXd process_noise(const Event& event) {
-  constexpr double rounding = 1e-14;
-  MatrixXd Q = event.P1 - event.Phi * event.P0 * event.Phi.transpose();
-  for (Index j = 0; j < Q.cols(); ++j)
-    for (Index i = 0; i < Q.rows(); ++i)
-      if (std::abs(Q(i, j)) <= rounding * std::sqrt(event.P1(i, i) * event.P1(j, j))) Q(i, j) = 0;
-  return 0.5 * (Q + Q.transpose());
-}
-
 /// P of the start with what the errors of some blocks have from others.
 MatrixXd tied(const MatrixXd& P, const std::vector<InitialTie>& ties, const FilterInfo& info) {
   MatrixXd T = MatrixXd::Identity(P.rows(), P.rows());
@@ -181,7 +171,7 @@ bool Follower::follow_truth_to(const Event& update) {
     const Event& truth = true_events_.front();
     if (truth.t > update.t) break;
     if (truth.kind == Event::stepped)
-      joint_.step_truth(truth.Phi, process_noise(truth));
+      joint_.step_truth(truth.Phi, truth.Qd);
     else if (truth.t == update.t && truth.measurement == update.measurement)
       return true;
   }
@@ -192,7 +182,7 @@ bool Follower::follow_truth_to(const Event& update) {
 void Follower::follow_truth_to(Time t) {
   for (; !true_events_.empty() && true_events_.front().t <= t; true_events_.pop_front())
     if (true_events_.front().kind == Event::stepped)
-      joint_.step_truth(true_events_.front().Phi, process_noise(true_events_.front()));
+      joint_.step_truth(true_events_.front().Phi, true_events_.front().Qd);
 }
 
 void Follower::finish() {

@@ -18,7 +18,7 @@ struct Event {
   enum Kind { started, stepped, offered } kind = started;
   Time t = 0;
   std::vector<double> x;        // stored state afterwards
-  Eigen::MatrixXd P0, P1, Phi;  // of a step; P1 of the start
+  Eigen::MatrixXd P1, Phi, Qd;  // of a step; P1 of the start
   Eigen::MatrixXd S, R, H;      // of a measurement that was linearized
   std::string measurement, reason;
   Outcome outcome = Outcome::rejected;
@@ -31,7 +31,7 @@ class Recorder final : public StepObserver {
 
   Recorder(const FilterInfo& info, Take take) : info_(info), take_(std::move(take)) {}
 
-  bool wants_matrices() const override { return true; }
+  Wants wants() const override { return Wants::step_covariance | Wants::transition | Wants::jacobian; }
   void started(Time t, const double* x, MatrixView P) override {
     Event event = event_of(Event::started, t, x);
     event.P1 = P.as();
@@ -39,9 +39,9 @@ class Recorder final : public StepObserver {
   }
   void stepped(const StepRecord& record) override {
     Event event = event_of(Event::stepped, record.t1, record.x1);
-    event.P0 = record.P0.as();
     event.P1 = record.P1.as();
     event.Phi = record.Phi.as();
+    event.Qd = record.Qd.as();
     take_(std::move(event));
   }
   void offered(const UpdateRecord& record) override {

@@ -278,7 +278,7 @@ void FilterScore::score_withheld(const UpdateRecord& record) {
 }
 
 void FilterScore::keep_noise(const UpdateRecord& record) {
-  if (!record.R) return;
+  if (!record.R || record.outcome == Outcome::rejected) return;
   for (auto& group : noise_) {
     if (group.measurement != record.measurement) continue;
     const auto [first, rows] = rows_of(record, group.group);

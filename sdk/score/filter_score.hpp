@@ -49,9 +49,19 @@ class FilterScore : public StepObserver {
 
   // ---- during the run
   void reference(int channel, const SampleView& sample);
-  bool wants_covariance() const override { return !pending_.empty() || (next_ && next_->wants_covariance()); }
-  bool wants_matrices() const override { return !implied_states_.empty() || (next_ && next_->wants_matrices()); }
+  Wants wants() const override {
+    Wants all = next_ ? next_->wants() : Wants::nothing;
+    if (!pending_.empty()) all = all | Wants::step_covariance;
+    if (!implied_states_.empty()) all = all | Wants::jacobian | Wants::update_covariance;
+    return all;
+  }
   void started(Time t, const double* x, MatrixView P) override;
+  void restored(Time t, const double* x, MatrixView P) override {
+    if (next_) next_->restored(t, x, P);
+  }
+  void inflated(const InflationRecord& record) override {
+    if (next_) next_->inflated(record);
+  }
   void stepped(const StepRecord& record) override;
   void offered(const UpdateRecord& record) override;
   /// What still waits for the filter's next step is scored with the last estimate.
@@ -72,7 +82,7 @@ class FilterScore : public StepObserver {
   void show_errors(RunObserver& observer) const;
   /// All series that stand under "reference", once per name: channels first, then what was withheld.
   std::vector<const Series*> reference_series() const;
-  Time start() const { return session_ ? session_->start_time(filter_) : no_time; }
+  Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : no_time; }
 
  private:
   struct Reference {

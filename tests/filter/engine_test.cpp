@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-Session compose(const std::string& text) {
+Session session_of(const std::string& text) {
   LoadOptions options;
   options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
@@ -86,7 +86,7 @@ void require_equal(Session& filter, const DenseLine& expected) {
 }  // namespace
 
 TEST_CASE("a composed filter equals the dense one: joint discretization, update, ledger") {
-  Session filter = compose(line());
+  Session filter = session_of(line());
   DenseLine expected;
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
@@ -111,7 +111,7 @@ TEST_CASE("a composed filter equals the dense one: joint discretization, update,
 }
 
 TEST_CASE("a considered component widens the covariance and is never corrected") {
-  Session filter = compose(line("", "", R"(, "consider": ["x"])"));
+  Session filter = session_of(line("", "", R"(, "consider": ["x"])"));
   DenseLine expected;
   for (int i = 0; i < 20; ++i) {
     if (i > 0) expected.advance(0.5);
@@ -123,7 +123,7 @@ TEST_CASE("a considered component widens the covariance and is never corrected")
 }
 
 TEST_CASE("a frozen component has no row in P but still moves others") {
-  Session filter = compose(line("", "", R"(, "estimate": [])"));
+  Session filter = session_of(line("", "", R"(, "estimate": [])"));
   push(filter, "z", 0, {1.0});
   push(filter, "z", 2, {1.0});
   REQUIRE(filter.covariance(FilterId{0}).rows == 1);
@@ -149,8 +149,8 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
         "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
                                  "H": [[1, 1, 1]], "sigma": [0.1]}}}}})";
   };
-  Session free = compose(config(""));
-  Session held = compose(config(R"(, "hold": true)"));
+  Session free = session_of(config(""));
+  Session held = session_of(config(R"(, "hold": true)"));
   for (Session* filter : {&free, &held}) {
     push(*filter, "z", 0, {6.0});
     push(*filter, "z", 1, {6 * std::exp(-1.0)});
@@ -165,7 +165,7 @@ TEST_CASE("a frozen component's own noise does not leak, and hold stops its moti
 }
 
 TEST_CASE("late samples are refused and counted") {
-  Session filter = compose(line());
+  Session filter = session_of(line());
   push(filter, "z", 1, {1});
   push(filter, "z", 2, {1});
   push(filter, "z", 1.5, {1});
@@ -176,9 +176,9 @@ TEST_CASE("late samples are refused and counted") {
 }
 
 TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
-  Session all = compose(line());
-  Session some = compose(line("", R"(, "withhold": {"every": 2})"));
-  Session window = compose(line("", R"(, "withhold": [["1 s", "2 s"], ["start+4 s", "start+5 s"]])"));
+  Session all = session_of(line());
+  Session some = session_of(line("", R"(, "withhold": {"every": 2})"));
+  Session window = session_of(line("", R"(, "withhold": [["1 s", "2 s"], ["start+4 s", "start+5 s"]])"));
   DenseLine expected;
   for (int i = 0; i < 8; ++i) {
     for (Session* filter : {&all, &some, &window}) push(*filter, "z", i, {1.0 + i});
@@ -192,7 +192,8 @@ TEST_CASE("withheld samples are predicted but leave no trace in the estimate") {
 }
 
 TEST_CASE("the gate keeps outliers out, and recovery reopens a filter that locks a sensor out") {
-  Session filter = compose(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
+  Session filter =
+      session_of(line("", R"(, "gate": 0.99, "recover": {"after": 3, "inflate": {"position.x": "1 km"}})"));
   for (int i = 0; i < 20; ++i) push(filter, "z", 0.1 * i, {1.0});
   for (int i = 20; i < 23; ++i) push(filter, "z", 0.1 * i, {500.0});
   auto counts = filter.counts({{0}, 0});
@@ -207,7 +208,7 @@ TEST_CASE("the gate keeps outliers out, and recovery reopens a filter that locks
 }
 
 TEST_CASE("refusals are typed, and a refused sample's memory is rolled back") {
-  Session filter = compose(R"({"binnacle": 1,
+  Session filter = session_of(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z": {"unit": "1"}}}},
     "filters": {"f": {"blocks": {"x": {"type": "vector", "size": 1, "sigma": 1}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
@@ -227,7 +228,7 @@ TEST_CASE("refusals are typed, and a refused sample's memory is rolled back") {
 
 TEST_CASE("a noise estimator's memory is rolled back when its sample is gated, unless it learns from gated ones") {
   const auto variance_after = [](const char* noise) {
-    Session filter = compose(line("", std::string(R"(, "gate": 0.9999, "noise": )") + noise));
+    Session filter = session_of(line("", std::string(R"(, "gate": 0.9999, "noise": )") + noise));
     push(filter, "z", 0, {1});
     push(filter, "z", 0, {1e4});  // gated
     push(filter, "z", 0, {1});
@@ -251,8 +252,8 @@ TEST_CASE("a stack is one update: the same as its parts one after the other when
   const std::string p = R"("type": "linear_measurement", "blocks": {"x": "p"}, "fields": {"z0": "a"}, "sigma": [0.5])";
   const std::string v = R"("type": "linear_measurement", "blocks": {"x": "v"}, "fields": {"z0": "b"}, "sigma": [0.1])";
   Session stacked =
-      compose(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
-  Session apart = compose(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
+      session_of(head + R"({"both": {"channel": "z", "stack": {"p": {)" + p + R"(}, "v": {)" + v + "}}}}}}}");
+  Session apart = session_of(head + R"({"p": {"channel": "z", )" + p + R"(}, "v": {"channel": "z", )" + v + "}}}}}");
   for (int i = 0; i < 10; ++i)
     for (Session* filter : {&stacked, &apart}) push(*filter, "z", i, {0.3 * i, 0.3});
   REQUIRE((dense(stacked.covariance(FilterId{0})) - dense(apart.covariance(FilterId{0}))).norm() < 1e-13);
@@ -265,7 +266,7 @@ namespace {
 /// The newest measurement.
 class KeepRecord : public StepObserver {
  public:
-  bool wants_matrices() const override { return true; }
+  Wants wants() const override { return Wants::everything; }
   void offered(const UpdateRecord& record) override {
     S = dense(record.S);
     H = dense(record.H);
@@ -279,7 +280,7 @@ class KeepRecord : public StepObserver {
 }  // namespace
 
 TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
-  Session filter = compose(R"({"binnacle": 1,
+  Session filter = session_of(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2]}},
@@ -304,12 +305,12 @@ TEST_CASE("Jacobians are chained through derived blocks of derived blocks") {
 TEST_CASE("the observer's H has a column per row of P: chained through derived blocks, zero where nothing is seen") {
   // Rows of P: idle 0; x 1, 2; offset 3, 4. With "estimate" of one component of x, that column alone.
   const auto recorded = [](const std::string& more_of_x, const std::string& withheld) {
-    Session filter = compose(R"({"binnacle": 1,
+    Session filter = session_of(R"({"binnacle": 1,
       "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m^2"}, "z1": {"unit": "m^2"}}}},
       "filters": {"f": {
         "blocks": {"idle": {"type": "vector", "size": 1, "unit": "m", "sigma": 3},
                    "x": {"type": "vector", "size": 2, "unit": "m", "init": [1.3, -0.4], "sigma": [0.1, 0.2])" +
-                             more_of_x + R"(},
+                                more_of_x + R"(},
                    "offset": {"type": "vector", "size": 2, "unit": "m^2", "sigma": [0.5, 0.6]}},
         "derived": {"squared": {"type": "square", "blocks": {"x": "x"}}},
         "process": {"of_idle": {"type": "random_constant", "blocks": {"x": "idle"}},
@@ -317,7 +318,7 @@ TEST_CASE("the observer's H has a column per row of P: chained through derived b
                     "of_offset": {"type": "random_constant", "blocks": {"x": "offset"}}},
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "H": [[1, 0], [2, 1]], "sigma": [0.7],
                                  "blocks": {"x": "squared", "bias": "offset"})" +
-                             withheld + R"(}}}}})");
+                                withheld + R"(}}}}})");
     KeepRecord observer;
     filter.attach({0}, &observer);
     push(filter, "z", 0, {0.3, 0.2});
@@ -358,11 +359,13 @@ TEST_CASE("a filter that breaks stops with a diagnosis and never shows NaN as an
         "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})";
   };
   for (const char* more : {"", R"(, "politely": true)"}) {
-    Session filter = compose(config(more));
+    Session filter = session_of(config(more));
     for (int t = 0; t <= 4; ++t) push(filter, "z", t, {1});
     REQUIRE_FALSE(filter.healthy(FilterId{0}));
     REQUIRE(filter.diagnosis(FilterId{0}) ==
-            (*more ? "process 'bad' cannot go on at 3 s: it is too late" : "block 'x' is not finite at 3 s"));
+            (*more ? "process 'bad' cannot go on at 3 s: it is too late"
+                   : "block 'x' is not finite at 3 s: plugin 'probe', component 'breaking' (/filters/f/process/bad): "
+                     "propagate at 3 s gave 'x', which is not finite"));
     REQUIRE(filter.counts({{0}, 0}).by_outcome[0] == 3);
   }
 }
@@ -420,7 +423,7 @@ constexpr Time ms = 1'000'000;
 }  // namespace
 
 TEST_CASE("a measurement ahead of the input waits and splits the sample it falls into") {
-  Session ahead = compose(ins), split = compose(ins);
+  Session ahead = session_of(ins), split = session_of(ins);
   InsDrive a(ahead), b(split);
   for (int i = 0; i < 10; ++i) {
     a.input(i * 10 * ms, (i + 1) * 10 * ms);
@@ -448,7 +451,7 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
 }
 
 TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow is told") {
-  Session filter = compose(ins);
+  Session filter = session_of(ins);
   InsDrive drive(filter);
   drive.input(0, 10 * ms);
   for (int i = 0; i < 70; ++i) drive.fix((20 + i) * ms);
@@ -457,7 +460,7 @@ TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow 
 }
 
 TEST_CASE("samples of one instant may come in any order") {
-  Session first = compose(ins), last = compose(ins);
+  Session first = session_of(ins), last = session_of(ins);
   InsDrive a(first), b(last);
   for (int i = 0; i < 100; ++i) {
     a.input(i * 10 * ms, (i + 1) * 10 * ms);
@@ -480,19 +483,19 @@ TEST_CASE("restored and continued equals uninterrupted, bit for bit") {
       if (i % 7 == 3) drive.fix((i + 1) * 10 * ms + 13 * ms);  // one always waits in the queue
     }
   };
-  Session whole = compose(ins);
+  Session whole = session_of(ins);
   run(whole, 0, 300);
-  Session first = compose(ins);
+  Session first = session_of(ins);
   run(first, 0, 137);
   const auto saved = bytes_of(first);
-  Session second = compose(ins);
+  Session second = session_of(ins);
   run(second, 0, 20);  // another past, to be forgotten
   second.restore(saved);
   run(second, 137, 300);
   REQUIRE(bytes_of(whole) == bytes_of(second));
 
   SECTION("bytes of another composition are refused and nothing changes") {
-    Session other = compose(line());
+    Session other = session_of(line());
     auto before = bytes_of(second);
     auto foreign = bytes_of(other);
     REQUIRE_THROWS_AS(second.restore(foreign), ConfigError);
@@ -509,7 +512,7 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
     std::string text = ins;
     const std::string key = R"("input": "imu",)";
     text.insert(text.find(key) + key.size(), " \"samples_per_step\": " + std::to_string(samples) + ",");
-    return compose(text);
+    return session_of(text);
   };
   Session one = grouped(1), four = grouped(4);
   InsDrive a(one), b(four);
@@ -533,7 +536,7 @@ TEST_CASE("several input samples in a step: the measurement inside a group close
 }
 
 TEST_CASE("a hole in the input is bridged with the rates held, and counted") {
-  Session filter = compose(ins);
+  Session filter = session_of(ins);
   InsDrive drive(filter);
   for (int i = 0; i < 10; ++i) drive.input(i * 10 * ms, (i + 1) * 10 * ms);
   drive.input(150 * ms, 160 * ms);
@@ -557,7 +560,7 @@ Session in_groups(int samples, bool of_increments) {
     replace_all(R"("unit": "rad/s", "kind": "rate")", R"("unit": "rad", "kind": "increment")");
     replace_all(R"("unit": "m/s^2", "kind": "rate")", R"("unit": "m/s", "kind": "increment")");
   }
-  return compose(text);
+  return session_of(text);
 }
 
 /// A noisy swing at 100 Hz with samples from `first_lost` to `last_lost` missing.

@@ -33,7 +33,7 @@ std::string seen(const std::string& extra, double sigma0 = 10, bool stacked = fa
          (stacked ? R"("stack": {"first": {)" + part + R"(}, "second": {)" + part + "}}" : part) + extra + "}}}}}";
 }
 
-Session compose(const std::string& text) {
+Session session_of(const std::string& text) {
   LoadOptions options;
   options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
@@ -73,8 +73,8 @@ const std::vector<Row> good = {{11, 5.2, 1}, {12, 4.9, -1}, {13, 5.1, 0.5}, {14,
 TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as if it had never been there") {
   auto with_outlier = good;
   with_outlier.insert(with_outlier.begin() + 2, {99, 1005, 0.2});
-  Session gated = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
-  Session clean = compose(seen(""));
+  Session gated = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
+  Session clean = session_of(seen(""));
   Keep kept, expected;
   gated.attach({0}, &kept);
   clean.attach({0}, &expected);
@@ -97,14 +97,14 @@ TEST_CASE("a gate by row leaves out the row that disagrees, and the rest is as i
 TEST_CASE("an error that all rows share is no row's, while the filter leaves it open") {
   auto all = good;
   for (auto& row : all) row.z += 300;
-  Session open = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 1e3));
+  Session open = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 1e3));
   push(open, 0, all);
   REQUIRE(open.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
   REQUIRE(open.counts({{0}, 0}).rows_left_out == 0);
 
-  Session sure = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"},
+  Session sure = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"},
     "recover": {"after": 2, "inflate": {"x.x0": 1000}})",
-                              0.5));
+                                 0.5));
   push(sure, 0, all);
   REQUIRE(sure.counts({{0}, 0}).by_outcome[static_cast<int>(Outcome::gated)] == 1);
   REQUIRE(sure.counts({{0}, 0}).last_reason == "no majority of its rows agrees with the rest");
@@ -118,7 +118,7 @@ TEST_CASE("several outliers are left out one after the other") {
   auto rows = good;
   rows[1].z += 50;
   rows[3].z -= 80;
-  Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
+  Session filter = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"})"));
   Keep kept;
   filter.attach({0}, &kept);
   push(filter, 0, rows);
@@ -130,7 +130,7 @@ TEST_CASE("a gate by key leaves out the rows of one key in all parts of a stack,
   auto rows = good;
   rows.resize(4);
   rows[0].z += 200;
-  Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "key"})", 10, true));
+  Session filter = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "key"})", 10, true));
   Keep kept;
   filter.attach({0}, &kept);
   push(filter, 0, rows);
@@ -142,7 +142,7 @@ TEST_CASE("a gate by key leaves out the rows of one key in all parts of a stack,
 
 TEST_CASE("a gate by row lets right rows pass as often as it says") {
   // 20000 rows of unit noise; 0.99 per row leaves out 1 %, give or take five deviations of sqrt(200).
-  Session filter = compose(seen(R"(, "gate": {"probability": 0.99, "by": "row"})", 1e-9));
+  Session filter = session_of(seen(R"(, "gate": {"probability": 0.99, "by": "row"})", 1e-9));
   std::uint64_t state = 12345;
   const auto uniform = [&] {
     state = state * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -166,7 +166,7 @@ TEST_CASE("what is wrong with a gate is told at its place") {
                                                         {R"({"probability": 0.9, "per": "row"})", "unknown key"}}) {
     INFO(gate);
     try {
-      compose(seen(R"(, "gate": )" + gate));
+      session_of(seen(R"(, "gate": )" + gate));
       FAIL("it was taken");
     } catch (const ConfigError& error) {
       REQUIRE(std::string(error.what()).find(says) != std::string::npos);
@@ -177,7 +177,7 @@ TEST_CASE("what is wrong with a gate is told at its place") {
 TEST_CASE("a noise estimator learns once from a sample whose outliers are left out, and not from those") {
   // R is (1 + calls seen) times nominal: a round of the gate that is not rolled back would show.
   const auto filter_of = [] {
-    return compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"}, "noise": {"type": "counting"})"));
+    return session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"}, "noise": {"type": "counting"})"));
   };
   auto rows = good;
   rows[1].z += 500;
@@ -194,7 +194,7 @@ TEST_CASE("a noise estimator learns once from a sample whose outliers are left o
 
 TEST_CASE("a sample gated for want of a majority tells what was left out before, and the NIS of all its rows") {
   const std::vector<Row> split = {{1, 0, 0}, {2, 0, 0}, {3, 900, 0}, {4, -900, 0}, {5, 1800, 0}};
-  Session filter = compose(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
+  Session filter = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
   Keep kept;
   filter.attach({0}, &kept);
   push(filter, 0, split);

@@ -70,7 +70,7 @@ class Seen final : public binnacle::score::RunObserver, public binnacle::StepObs
   explicit Seen(const binnacle::FilterInfo& info)
       : info_(info), phi(Filled::Constant(info.dof, info.dof, false)), qd(phi) {}
   bool wants_records() const override { return false; }
-  bool wants_matrices() const override { return true; }
+  Wants wants() const override { return Wants::everything; }
   binnacle::StepObserver* step_observer(int) override { return this; }
   void stepped(const binnacle::StepRecord& record) override {
     ++steps;

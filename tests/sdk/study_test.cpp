@@ -309,14 +309,14 @@ TEST_CASE("a metric that no variant knows is misspelt, wherever it stands; one t
     INFO(verb << ": " << outcome.err);
     CHECK(outcome.status == 3);
     const std::string whose = verb == "run" ? "" : " (variant 'a')";
-    CHECK(outcome.err == "study.json:26:102: error[B027]" + told + whose + "\n1 error\n");
+    CHECK(outcome.err == "study.json:26:94: error[B027]" + told + whose + "\n1 error\n");
   });
   // Among those of all variants.
   with_metrics(R"~(["walk/place.x/rsm"])~", R"~({ "a": {}, "b": {} })~");
   each([&](const Outcome& outcome, const std::string& verb) {
     INFO(verb << ": " << outcome.err);
     CHECK(outcome.status == 3);
-    CHECK(outcome.err == "study.json:24:30: error[B027]" + told + "\n1 error\n");
+    CHECK(outcome.err == "study.json:24:29: error[B027]" + told + "\n1 error\n");
   });
   // Variant a has no reference, so no error to make the metric of.
   with_metrics(R"~(["walk/place.x/rms"])~", R"~({ "a": { "reference": null }, "b": {} })~");

@@ -45,7 +45,7 @@ function may_include(from, to) {
 # Beyond the project the kernel has Eigen, Boost and nlohmann_json, nothing else.
 function foreign_to_kernel(name,    part, n) {
   n = split(name, part, "/")
-  return n > 1 && part[1] !~ /^(binnacle|Eigen|boost|nlohmann|sys)$/
+  return n > 1 && part[1] !~ /^(binnacle|Eigen|unsupported|boost|nlohmann|sys)$/
 }
 
 function offence(what) { print where ": " what; }

@@ -8,10 +8,13 @@
 
 #include "catch.hpp"
 #include "filter/covariance.hpp"
+#include "filter/joseph.hpp"
+#include "filter/noise_check.hpp"
 #include "filter/strip_loops.hpp"
 #include "filter/van_loan.hpp"
 
 using namespace binnacle;
+using namespace binnacle::filter;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -173,7 +176,8 @@ TEST_CASE("the update equals Joseph's form, also with considered states") {
     project(update.columns, stored.data.data(), n, m, update.work);
     REQUIRE(factor_innovation(m, update.work));
     const double nis = normalized_innovation_squared(m, update.work);
-    correct(considers ? corrected.data() : nullptr, stored.data.data(), n, m, update.work);
+    gain(considers ? corrected.data() : nullptr, n, m, update.work);
+    correct(stored.data.data(), n, m, update.work);
     VectorXd delta(n);
     gain_times_residual(n, m, update.work, delta.data());
 
@@ -223,8 +227,10 @@ TEST_CASE("every instruction set gives the same bits") {
       w.U = U.data();
       return w;
     };
-    base_strip_loops.correct(nullptr, P1.data(), n, m, work(K1, U1));
-    avx2_strip_loops.correct(nullptr, P2.data(), n, m, work(K2, U2));
+    base_strip_loops.gain(n, m, work(K1, U1));
+    avx2_strip_loops.gain(n, m, work(K2, U2));
+    base_strip_loops.correct(P1.data(), n, m, work(K1, U1));
+    avx2_strip_loops.correct(P2.data(), n, m, work(K2, U2));
     REQUIRE(std::memcmp(P1.data(), P2.data(), P1.size() * sizeof(double)) == 0);
     REQUIRE(std::memcmp(K1.data(), K2.data(), K1.size() * sizeof(double)) == 0);
   }
@@ -285,4 +291,95 @@ TEST_CASE("discretize equals a fine integration, stiff and unstable models inclu
     REQUIRE((Qd - P).norm() < 1e-10 * (1 + P.norm()));
     REQUIRE((Qd - Qd.transpose()).norm() == 0);
   }
+}
+
+TEST_CASE("Joseph's form keeps P in the memory that it is given, and gives it back whole") {
+  std::mt19937 engine(3);
+  const int n = 7;
+  TransitionPlan plan;
+  plan.n = n;
+  finish(plan);
+  const MatrixXd P = random_covariance(n, engine);
+  std::vector<double> memory(static_cast<std::size_t>(padded(n) * n), 0.0);
+  Joseph joseph(plan, 3, memory.data());
+  CovarianceForm& form = joseph;
+  MatrixXd given = P;
+  form.set({given.data(), n, n, n});
+  form.inflate(2, 0.5);
+  const MatrixXd T3 = random_matrix(3, 3, engine);
+  form.transform(T3.data(), 1, 3);
+
+  MatrixXd T = MatrixXd::Identity(n, n);
+  T.block(1, 1, 3, 3) = T3;
+  MatrixXd expected = P;
+  expected(2, 2) += 0.5;
+  expected = (T * expected * T.transpose()).eval();
+  MatrixXd expanded(n, n);
+  form.expand({expanded.data(), n, n, n});
+  CHECK((expanded - expected).norm() < 1e-12 * expected.norm());
+  CHECK(expanded == MatrixXd(form.view().as()));
+  for (int i = 0; i < n; ++i) CHECK(form.variance(i) == expanded(i, i));
+  CHECK(form.first_unsound(1e30) == -1);
+  CHECK(form.first_unsound(expanded.diagonal().maxCoeff()) >= 0);
+  form.inflate(4, -2 * expanded(4, 4));
+  CHECK(form.first_unsound(1e30) == 4);
+  form.inflate(4, std::nan(""));
+  CHECK(form.first_unsound(1e30) == 4);
+}
+
+TEST_CASE("Phi and Qd written out give the same step as their tables, in the diagonal, mirrored and cross blocks") {
+  const int n = 5;
+  TransitionPlan plan;
+  plan.n = n;
+  plan.diagonals = {{0, 0, 0}};
+  plan.groups = {RowGroup{1, 2, {{1, 1, 0}, {2, 1, 2}, {4, 1, 4}}, {}}};
+  plan.noise = {{0, 0, 1, 1, 0, 0}, {1, 1, 2, 2, 2, 1}, {1, 3, 2, 2, 0, 2}, {0, 4, 1, 1, 1, 3}};
+  finish(plan);
+  const double diagonal[] = {0.5}, group[] = {1, 0.1, 0.2, 1, -0.3, 0.4};
+  const double q0[] = {0.1}, q1[] = {0.4, 0.05, 0.05, 0.3}, q2[] = {0.02, 0.03}, q3[] = {0.01};
+  const double* const phi[] = {diagonal, group};
+  const double* const noise[] = {q0, q1, q2, q3};
+  MatrixXd Phi(n, n), Qd(n, n);
+  expand_transition(plan, phi, Phi.data());
+  expand_noise(plan, noise, Qd.data());
+  MatrixXd expected_Phi = MatrixXd::Identity(n, n), expected_Qd = MatrixXd::Zero(n, n);
+  expected_Phi(0, 0) = 0.5;
+  expected_Phi.block(1, 1, 2, 2) << 1, 0.2, 0.1, 1;
+  expected_Phi.block(1, 4, 2, 1) << -0.3, 0.4;
+  expected_Qd(0, 0) = 0.1;
+  expected_Qd.block(1, 1, 2, 2) << 0.4, 0.05, 0.05, 0.3;
+  expected_Qd(1, 3) = expected_Qd(3, 1) = 0.02;
+  expected_Qd(2, 4) = expected_Qd(4, 2) = 0.03;
+  expected_Qd(0, 4) = expected_Qd(4, 0) = 0.01;
+  CHECK(Phi == expected_Phi);
+  CHECK(Qd == expected_Qd);
+
+  std::mt19937 engine(8);
+  const MatrixXd P = random_covariance(n, engine);
+  Stored stored(P);
+  std::vector<double> scratch(predict_scratch(plan));
+  predict(plan, phi, noise, stored.data.data(), scratch.data());
+  CHECK((stored.matrix() - (Phi * P * Phi.transpose() + Qd)).norm() < 1e-14 * P.norm());
+}
+
+TEST_CASE("what cannot be the covariance of noise is told from what is not symmetric by rounding") {
+  Eigen::Matrix3d R = Eigen::Vector3d(4, 1e-8, 0).asDiagonal();
+  const auto view = [&] { return MatrixView{R.data(), 3, 3, 3}; };
+  CHECK(is_noise(view()));
+  R(0, 1) = 1e-4;
+  R(1, 0) = 1e-4 * (1 + 1e-13);
+  CHECK(is_noise(view()));
+  R(1, 0) = -1e-4;
+  CHECK_FALSE(is_noise(view()));
+  CHECK(flaw_of_noise(view()) == "R(0, 1) = 0.0001 but R(1, 0) = -0.0001, which is not symmetric");
+  R(1, 0) = 1e-4;
+  R(2, 2) = -1e-300;
+  CHECK_FALSE(is_noise(view()));
+  CHECK(flaw_of_noise(view()) == "R(2, 2) = -1e-300, which is no variance");
+  R(2, 2) = std::numeric_limits<double>::infinity();
+  CHECK_FALSE(is_noise(view()));
+  CHECK(flaw_of_noise(view()) == "R(2, 2) = inf, which is not finite");
+  R(2, 2) = 0;
+  R(0, 2) = R(2, 0) = std::nan("");
+  CHECK_FALSE(is_noise(view()));
 }

@@ -10,8 +10,33 @@
 
 namespace binnacle {
 
-/// One propagation. Stored states are laid out as FilterInfo tells; rows of Φ and P are the estimated and considered
-/// error components. P0 and P1 are there for a step observer that wants_covariance() or wants_matrices(), Phi for the latter.
+/// What a step observer wants besides times, stored states, outcomes and innovations. What it does not want is not
+/// computed, and null in the records.
+enum class Wants : unsigned {
+  nothing = 0,
+  step_covariance = 1,    ///< StepRecord::P0 and P1
+  transition = 2,         ///< StepRecord::Phi and Qd
+  update_covariance = 4,  ///< UpdateRecord::P0 and P1, InflationRecord::P0 and P1
+  jacobian = 8,           ///< UpdateRecord::H
+  reset = 16,             ///< UpdateRecord::reset
+  everything = 31,
+};
+constexpr Wants operator|(Wants a, Wants b) {
+  return static_cast<Wants>(static_cast<unsigned>(a) | static_cast<unsigned>(b));
+}
+constexpr bool includes(Wants all, Wants part) {
+  return (static_cast<unsigned>(all) & static_cast<unsigned>(part)) == static_cast<unsigned>(part);
+}
+
+// From P of the start, the records below give every P that follows, in the order in which they come:
+//   started, restored   P = P
+//   stepped             P ← Φ P Φᵀ + Qd
+//   offered, accepted   P ← T ((I − K H) P (I − K H)ᵀ + K R Kᵀ) Tᵀ, T the reset (identity where it is null)
+//   inflated            P ← P + diag(variances)
+// Nothing else changes P. Stored states are laid out as FilterInfo specifies; rows of Φ, Qd, H, K and P are the estimated
+// and considered error components. All pointers are valid during the call.
+
+/// One propagation.
 struct StepRecord {
   Time t0 = no_time;
   Time t1 = no_time;
@@ -20,10 +45,11 @@ struct StepRecord {
   MatrixView P0;
   MatrixView P1;
   MatrixView Phi;  // dense, n×n
+  MatrixView Qd;   // dense, n×n, symmetric to the bit
 };
 
-/// What became of one offered sample. residual … K are there when the model was linearized; delta, x1 and P1 when the
-/// sample was accepted.
+/// What became of one offered sample. residual, S, R and H are there when the model was linearized; delta, K, x1 and P1
+/// when the sample was accepted.
 struct UpdateRecord {
   int measurement = 0;  // index in FilterInfo::measurements
   Time t = no_time;     // of the sample
@@ -35,28 +61,41 @@ struct UpdateRecord {
   const double* residual = nullptr;
   int left_out = 0;  // rows that a gate by row or key took out before `rows` were left, and their keys
   const std::int64_t* left_out_keys = nullptr;
-  double nis = 0;
+  double nis = 0;                 // NaN where S is not positive definite
   MatrixView S;                   // H P⁻ Hᵀ + R
   MatrixView R;                   // as the noise estimator returned it
-  const double* delta = nullptr;  // injected error, n
+  MatrixView K;                   // n×rows; rows of considered components are zero
+  const double* delta = nullptr;  // injected error K r, n
   const double* x0 = nullptr;
   const double* x1 = nullptr;
-  MatrixView P0;  // only for a step observer that wants_matrices()
+  MatrixView P0;
+  MatrixView P1;     // after the reset
+  MatrixView H;      // rows×n
+  MatrixView reset;  // n×n, the reset Jacobians of the blocks; null where they are all the identity
+};
+
+/// P was opened because one measurement's samples kept being gated.
+struct InflationRecord {
+  int measurement = 0;
+  Time t = no_time;                   // of the last sample that was gated
+  const double* variances = nullptr;  // n: added to the diagonal of P
+  MatrixView P0;
   MatrixView P1;
-  MatrixView H;  // rows×n, as soon as linearized; only for a step observer that wants_matrices()
 };
 
 /// Subscribe with Session::attach(). Called inside the run loop: must not throw; what it costs, the loop costs.
 class StepObserver {
  public:
   virtual ~StepObserver() = default;
-  virtual bool wants_matrices() const { return false; }
-  /// P before and after each step, at the price of a copy of P.
-  virtual bool wants_covariance() const { return wants_matrices(); }
+  /// Asked before each step and each sample: the answer may change.
+  virtual Wants wants() const { return Wants::nothing; }
   /// The filter has just started: x and P are its initial values.
   virtual void started(Time /*t*/, const double* /*x*/, MatrixView /*P*/) {}
+  /// The filter was put back to a snapshot.
+  virtual void restored(Time /*t*/, const double* /*x*/, MatrixView /*P*/) {}
   virtual void stepped(const StepRecord& /*record*/) {}
   virtual void offered(const UpdateRecord& /*record*/) {}
+  virtual void inflated(const InflationRecord& /*record*/) {}
 };
 
 }  // namespace binnacle

@@ -150,13 +150,14 @@ void Composer::lay_out() {
     transform.memory = layout.add<std::byte>(transform.transform->memory_bytes());
   for (auto& filter : plan_->filters) {
     const auto n = as_size(filter.n);
-    filter.head = layout.add<FilterHead>(1);
+    filter.head = layout.add<TimeHead>(1);
+    filter.health = layout.add<Health>(1);
     filter.state = layout.add<double>(as_size(filter.stored_size));
     filter.covariance = layout.add<double>(as_size(padded(filter.n)) * n);
     for (auto& process : filter.processes)
       process.memory = layout.add<std::byte>(process.model->declaration().memory_bytes);
     for (auto& measurement : filter.measurements) {
-      measurement.ledger = layout.add<Ledger>(1);
+      measurement.tally = layout.add<Tally>(1);
       if (measurement.gate_unit != GateUnit::sample)
         measurement.left_out = layout.add<LeftOut>(2 * as_size(measurement.max_rows) + 32);
       for (auto& part : measurement.parts) {

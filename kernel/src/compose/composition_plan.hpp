@@ -19,6 +19,7 @@
 namespace binnacle::compose {
 
 using namespace spec;
+using namespace filter;
 
 struct SourceHead {
   Time t = no_time;

@@ -148,12 +148,6 @@ Json explain_columns(const FilterPlan& filter, const PartPlan& part) {
   return names;
 }
 
-/// Only where it is not by hand.
-void explain_jacobians(Differentiation how, Json& entry) {
-  if (how == Differentiation::dual_numbers) entry["jacobians"] = "dual numbers";
-  if (how == Differentiation::differences) entry["jacobians"] = "differences";
-}
-
 Json port_names(const FilterPlan& filter, const std::vector<int>& values) {
   Json names = Json::array();
   for (const int value : values)

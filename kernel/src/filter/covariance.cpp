@@ -8,7 +8,7 @@
 
 #include "filter/strip_loops.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 namespace {
 
 typedef double Pair __attribute__((vector_size(2 * sizeof(double))));
@@ -107,66 +107,60 @@ std::size_t predict_scratch(const TransitionPlan& plan) {
   return ld * coupled + ld_coupled * ld + ld_coupled * coupled + static_cast<std::size_t>(plan.n) + coefficients;
 }
 
-// With A the coupled rows (dense groups) and B the others (identity or a single diagonal element d):
-//   M = P Φ_Aᵀ                      n × A
-//   P'_BA = d_B M_BA                because Φ_B is diagonal
-//   P'_AA = Φ_A M                   by the same strip kernel, on the transpose of M
-//   P'_BB = d_B d_B' P_BB
-// Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
-void predict(const TransitionPlan& plan, const double* const* phi, const double* const* noise, double* P,
-             double* scratch) {
-  const int n = plan.n;
-  const int ld = padded(n);
-  const int coupled = plan.coupled_rows;
-  const int ld_coupled = padded(coupled);
-  const bool scales = !plan.diagonals.empty();
+namespace {
+
+/// The scratch of predict(): with A the coupled rows (dense groups) and B the others.
+struct PredictScratch {
+  PredictScratch(const TransitionPlan& plan, double* scratch)
+      : ld(padded(plan.n)), ld_coupled(padded(plan.coupled_rows)), M(scratch) {
+    Mt = M + static_cast<std::ptrdiff_t>(ld) * plan.coupled_rows;
+    PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;
+    d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * plan.coupled_rows;
+    coefficients = d + plan.n;
+  }
+  int ld, ld_coupled;
+  double* M;             // ld × coupled: P Φ_Aᵀ
+  double* Mt;            // ld_coupled × ld: Mᵀ
+  double* PAA;           // ld_coupled × coupled
+  double* d;             // n: diagonal of Φ
+  double* coefficients;  // of all groups, one after the other
+};
+
+/// M = P Φ_Aᵀ and P'_AA = Φ_A M.
+void predict_coupled(const TransitionPlan& plan, const double* const* phi, const double* P,
+                     const PredictScratch& work) {
   const auto combine = strip_loops().combine;
-  double* const M = scratch;                                                  // ld × coupled
-  double* const Mt = M + static_cast<std::ptrdiff_t>(ld) * coupled;           // ld_coupled × ld
-  double* const PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;      // ld_coupled × coupled
-  double* const d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * coupled;  // n
-  double* const coefficients = d + n;                                         // of all groups, one after the other
-
-  if (scales) {
-    std::fill_n(d, n, 1.0);
-    for (const auto& diagonal : plan.diagonals) d[diagonal.row] = phi[diagonal.block][diagonal.offset];
+  double* out = work.M;
+  double* next = work.coefficients;
+  for (const auto& group : plan.groups) {
+    const double* own = next;
+    next = collect(group, phi, next);
+    combine(group.rows, P, work.ld, 0, static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows,
+            out);
+    out += static_cast<std::ptrdiff_t>(group.rows) * work.ld;
   }
-
-  if (coupled > 0) {
-    double* out = M;
-    double* next = coefficients;
-    for (const auto& group : plan.groups) {
-      const double* own = next;
-      next = collect(group, phi, next);
-      combine(group.rows, P, ld, 0, static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows, out);
-      out += static_cast<std::ptrdiff_t>(group.rows) * ld;
-    }
-    transpose(M, ld, coupled, Mt, ld_coupled);
-    out = PAA;
-    int position = 0;
-    const double* own = coefficients;
-    for (const auto& group : plan.groups) {
-      combine(group.rows, Mt, ld_coupled, position / strip * strip, static_cast<int>(group.indices.size()),
-              group.indices.data(), own, group.rows, out);
-      own += group.indices.size() * static_cast<std::size_t>(group.rows);
-      out += static_cast<std::ptrdiff_t>(group.rows) * ld_coupled;
-      position += group.rows;
-    }
+  transpose(work.M, work.ld, plan.coupled_rows, work.Mt, work.ld_coupled);
+  out = work.PAA;
+  int position = 0;
+  const double* own = work.coefficients;
+  for (const auto& group : plan.groups) {
+    combine(group.rows, work.Mt, work.ld_coupled, position / strip * strip, static_cast<int>(group.indices.size()),
+            group.indices.data(), own, group.rows, out);
+    own += group.indices.size() * static_cast<std::size_t>(group.rows);
+    out += static_cast<std::ptrdiff_t>(group.rows) * work.ld_coupled;
+    position += group.rows;
   }
+}
 
-  if (scales)
-    for (const auto& columns : plan.uncoupled)
-      for (int j = columns.first; j < columns.end(); ++j) {
-        double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
-        for (const auto& rows : plan.uncoupled)
-          for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] *= d[i] * d[j];
-      }
-
+/// The columns of A in the lower triangle: from PAA, and d_B M_BA.
+void store_coupled(const TransitionPlan& plan, bool scales, double* P, const PredictScratch& work) {
+  const int ld = work.ld;
+  const double* const d = work.d;
   for (const auto& columns : plan.coupled)
     for (int j = columns.first; j < columns.end(); ++j) {
       double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
       const int a = columns.position + j - columns.first;
-      const double* m = M + static_cast<std::ptrdiff_t>(a) * ld;
+      const double* m = work.M + static_cast<std::ptrdiff_t>(a) * ld;
       for (const auto& rows : plan.uncoupled) {
         if (rows.first > j) {
           for (int i = rows.first; i < rows.end(); ++i) column[i] = scales ? d[i] * m[i] : m[i];
@@ -175,11 +169,14 @@ void predict(const TransitionPlan& plan, const double* const* phi, const double*
             P[j + static_cast<std::ptrdiff_t>(i) * ld] = scales ? d[i] * m[i] : m[i];
         }
       }
-      const double* aa = PAA + static_cast<std::ptrdiff_t>(a) * ld_coupled;
+      const double* aa = work.PAA + static_cast<std::ptrdiff_t>(a) * work.ld_coupled;
       for (const auto& rows : plan.coupled)
         for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] = aa[rows.position + i - rows.first];
     }
+}
 
+/// Adds Qd to the lower triangle.
+void add_noise(const TransitionPlan& plan, const double* const* noise, double* P, int ld) {
   for (const auto& q : plan.noise) {
     const double* block = noise[q.block];
     if (q.stride == 0) {
@@ -199,7 +196,59 @@ void predict(const TransitionPlan& plan, const double* const* phi, const double*
               block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
     }
   }
-  mirror_lower(P, n, ld);
+}
+
+}  // namespace
+
+// With A the coupled rows (dense groups) and B the others (identity or a single diagonal element d):
+//   M = P Φ_Aᵀ                      n × A
+//   P'_BA = d_B M_BA                because Φ_B is diagonal
+//   P'_AA = Φ_A M                   by the same strip kernel, on the transpose of M
+//   P'_BB = d_B d_B' P_BB
+// Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
+void predict(const TransitionPlan& plan, const double* const* phi, const double* const* noise, double* P,
+             double* scratch) {
+  const int ld = padded(plan.n);
+  const bool scales = !plan.diagonals.empty();
+  const PredictScratch work(plan, scratch);
+  double* const d = work.d;
+  if (scales) {
+    std::fill_n(d, plan.n, 1.0);
+    for (const auto& diagonal : plan.diagonals) d[diagonal.row] = phi[diagonal.block][diagonal.offset];
+  }
+  if (plan.coupled_rows > 0) predict_coupled(plan, phi, P, work);
+  if (scales)
+    for (const auto& columns : plan.uncoupled)
+      for (int j = columns.first; j < columns.end(); ++j) {
+        double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
+        for (const auto& rows : plan.uncoupled)
+          for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] *= d[i] * d[j];
+      }
+  store_coupled(plan, scales, P, work);
+  add_noise(plan, noise, P, ld);
+  mirror_lower(P, plan.n, ld);
+}
+
+void expand_transition(const TransitionPlan& plan, const double* const* phi, double* Phi) {
+  const auto n = static_cast<std::ptrdiff_t>(plan.n);
+  std::fill_n(Phi, n * n, 0.0);
+  for (std::ptrdiff_t i = 0; i < n; ++i) Phi[i + i * n] = 1;
+  for (const auto& diagonal : plan.diagonals)
+    Phi[diagonal.row + diagonal.row * n] = phi[diagonal.block][diagonal.offset];
+  for (const auto& group : plan.groups)
+    for (int r = 0; r < group.rows; ++r) {
+      Phi[(group.first_row + r) * (n + 1)] = 0;
+      for (const auto& column : group.columns)
+        Phi[group.first_row + r + column.column * n] = phi[column.block][column.offset + r];
+    }
+}
+
+void expand_noise(const TransitionPlan& plan, const double* const* noise, double* Qd) {
+  const auto n = static_cast<std::ptrdiff_t>(plan.n);
+  std::fill_n(Qd, n * n, 0.0);
+  add_noise(plan, noise, Qd, plan.n);
+  for (std::ptrdiff_t j = 0; j < n; ++j)
+    for (std::ptrdiff_t i = j + 1; i < n; ++i) Qd[j + i * n] = Qd[i + j * n];
 }
 
 void project(const UpdateColumns& columns, const double* P, int n, int m, const UpdateWork& work) {
@@ -251,8 +300,17 @@ double normalized_innovation_squared(int m, const UpdateWork& work) {
   return nis;
 }
 
-void correct(const unsigned char* corrected, double* P, int n, int m, const UpdateWork& work) {
-  strip_loops().correct(corrected, P, n, m, work);
+void gain(const unsigned char* corrected, int n, int m, const UpdateWork& work) {
+  strip_loops().gain(n, m, work);
+  if (!corrected) return;
+  const int ld = padded(n);
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < n; ++i)
+      if (!corrected[i]) work.K[i + static_cast<std::ptrdiff_t>(j) * ld] = 0;
+}
+
+void correct(double* P, int n, int m, const UpdateWork& work) {
+  strip_loops().correct(P, n, m, work);
   mirror_lower(P, n, padded(n));
 }
 
@@ -293,4 +351,4 @@ void transform_block(const double* T, int first, int d, double* P, int n, double
     }
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The covariance form: how P is predicted and updated. Joseph's form on a full symmetric matrix; every function here
+// The arithmetic of Joseph's form on a full symmetric matrix. Every function here
 // keeps P exactly symmetric, allocates nothing and does no arithmetic on what the declared sparsity says is zero.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-namespace binnacle {
+namespace binnacle::filter {
 
 /// Columns of P are this many doubles apart: n rounded up to whole SIMD strips. Padding rows stay zero.
 inline constexpr int strip = 4;
@@ -68,6 +68,10 @@ std::size_t predict_scratch(const TransitionPlan& plan);
 void predict(const TransitionPlan& plan, const double* const* phi, const double* const* noise, double* P,
              double* scratch);
 
+/// Φ and Qd of the tables, n×n column-major.
+void expand_transition(const TransitionPlan& plan, const double* const* phi, double* Phi);
+void expand_noise(const TransitionPlan& plan, const double* const* noise, double* Qd);
+
 /// The columns of an update's H and which of P's they are.
 struct UpdateColumns {
   std::vector<int> columns;  // of P, one per column of the compact H
@@ -94,13 +98,14 @@ void project(const UpdateColumns& columns, const double* P, int n, int m, const 
 bool factor_innovation(int m, const UpdateWork& work);
 /// rᵀ S⁻¹ r, the normalized innovation squared.
 double normalized_innovation_squared(int m, const UpdateWork& work);
-/// K = G S⁻¹, with rows of K zeroed where `corrected[row]` is 0 (Schmidt), and
+/// K = G S⁻¹, with rows of K zeroed where `corrected[row]` is 0 (Schmidt); `corrected` null: none.
+void gain(const unsigned char* corrected, int n, int m, const UpdateWork& work);
 /// P ← (I−KH) P (I−KH)ᵀ + K R Kᵀ = P − K Gᵀ − G Kᵀ + K S Kᵀ, for any K.
-void correct(const unsigned char* corrected, double* P, int n, int m, const UpdateWork& work);
+void correct(double* P, int n, int m, const UpdateWork& work);
 /// delta = K r, n doubles.
 void gain_times_residual(int n, int m, const UpdateWork& work, double* delta);
 
 /// P ← T P Tᵀ where T is the identity but for a d×d block (column-major) at row `first`. scratch: padded(n)·d doubles.
 void transform_block(const double* T, int first, int d, double* P, int n, double* scratch);
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

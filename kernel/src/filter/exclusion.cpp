@@ -7,13 +7,9 @@
 
 #include <Eigen/Cholesky>
 
-namespace binnacle {
+#include "filter/layout.hpp"
 
-namespace {
-
-std::size_t as_size(int n) { return static_cast<std::size_t>(n); }
-
-}  // namespace
+namespace binnacle::filter {
 
 OutlierTest::OutlierTest(int max_rows)
     : inverse_(max_rows, max_rows),
@@ -110,4 +106,4 @@ int leave_out(const unsigned char* marked, int m, int columns, int n, double* R,
   return kept;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

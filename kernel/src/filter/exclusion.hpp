@@ -9,7 +9,7 @@
 
 #include "filter/covariance.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 
 /// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
 enum class GateUnit : unsigned char { sample, row, key };
@@ -45,4 +45,4 @@ class OutlierTest {
 int leave_out(const unsigned char* marked, int m, int columns, int n, double* R, std::int64_t* keys, int* groups,
               const UpdateWork& work);
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

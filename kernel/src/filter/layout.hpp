@@ -6,7 +6,11 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace binnacle {
+#include "base/index.hpp"
+
+namespace binnacle::filter {
+
+using base::as_size;
 
 /// A place for `count` objects of T in an arena; the same in every arena of one composition.
 template <class T>
@@ -37,4 +41,4 @@ class Layout {
   std::size_t size_ = 0;
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

@@ -18,7 +18,7 @@
 #include "filter/layout.hpp"
 #include "filter/van_loan.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 
 /// A channel as its samples lie in memory: per-epoch fields, per-row fields, covariance.
 struct ChannelPlan {
@@ -160,7 +160,7 @@ struct PartPlan {
 };
 
 /// What became of a measurement's samples. Lies in the arena.
-struct Ledger {
+struct Tally {
   std::int64_t offered = 0;
   std::int64_t reached = 0;  // by the filter's time: offered less late and waiting
   std::int64_t outcomes[outcome_count] = {};
@@ -206,7 +206,7 @@ struct MeasurementPlan {
   std::vector<Inflation> inflations;
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
-  Place<Ledger> ledger;
+  Place<Tally> tally;
   Place<LeftOut> left_out;       // of a gate by row or key
   std::size_t memory_bytes = 0;  // of its parts together, for the rollback copy
 };
@@ -220,8 +220,8 @@ struct LatestPlan {
   Place<std::int32_t> state;  // rows, has covariance, available
 };
 
-/// Whatever else of the filter lies in the arena.
-struct FilterHead {
+/// When a filter is. Lies in the arena.
+struct TimeHead {
   Time t = no_time;  // the filter's time
   Time start = no_time;
   Time input_end = no_time;  // end of the newest input interval
@@ -229,12 +229,16 @@ struct FilterHead {
   std::int64_t gaps = 0;
   std::int64_t sequence = 0;
   std::int32_t started = 0;
-  std::int32_t broken = 0;
   std::int32_t pending = 0;  // input samples waiting
   std::int32_t queued = 0;
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
-  char diagnosis[192] = {};       // why it broke
+};
+
+/// Whether it goes on. Lies in the arena.
+struct Health {
+  std::int32_t is_broken = 0;
+  char diagnosis[252] = {};  // why it broke
 };
 
 struct PendingInput {
@@ -294,7 +298,8 @@ struct FilterPlan {
   int max_fields = 0;
   int max_row_fields = 0;
 
-  Place<FilterHead> head;
+  Place<TimeHead> head;
+  Place<Health> health;
   Place<double> state;
   Place<double> covariance;
   Place<PendingInput> pending;
@@ -306,4 +311,4 @@ struct FilterPlan {
   int value_count() const { return static_cast<int>(blocks.size() + derived.size()); }
 };
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "filter/residual_rows.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 
 namespace {
 
@@ -35,4 +35,4 @@ std::vector<ResidualRows> residual_rows_of(const FilterPlan& filter, const Measu
   return all;
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

@@ -7,7 +7,7 @@
 
 #include "filter/plan.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 
 struct ResidualRows {
   std::string name;                 // of its part, of its model's group, or "part.group"
@@ -18,4 +18,4 @@ struct ResidualRows {
 
 std::vector<ResidualRows> residual_rows_of(const FilterPlan& filter, const MeasurementPlan& measurement);
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

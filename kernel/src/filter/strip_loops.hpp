@@ -6,7 +6,7 @@
 
 #include "filter/covariance.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 
 /// Strips of rows are held in registers. Every set multiplies and adds the same numbers in the same order, without
 /// contraction, so that results do not depend on the processor.
@@ -14,8 +14,10 @@ struct StripLoops {
   /// Rows first…ld−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]) for r < rows ≤ 3, c < count.
   void (*combine)(int rows, const double* in, int ld, int first, int count, const int* columns,
                   const double* coefficients, int stride, double* out);
+  /// The columns of gain() before any is zeroed.
+  void (*gain)(int n, int m, const UpdateWork& work);
   /// The lower triangle of correct().
-  void (*correct)(const unsigned char* corrected, double* P, int n, int m, const UpdateWork& work);
+  void (*correct)(double* P, int n, int m, const UpdateWork& work);
 };
 
 extern const StripLoops base_strip_loops;
@@ -31,4 +33,4 @@ inline bool runs_avx2() {
 }
 inline const StripLoops& strip_loops() { return runs_avx2() ? avx2_strip_loops : base_strip_loops; }
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

@@ -2,20 +2,20 @@
 // StripLoops for AVX2: four doubles to a register. Compiled with -mavx2 where there is such a flag.
 #ifdef __AVX2__
 
-namespace binnacle {
+namespace binnacle::filter {
 namespace {
 constexpr int lanes = 4;
 }
-}  // namespace binnacle
+}  // namespace binnacle::filter
 
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::StripLoops binnacle::avx2_strip_loops = {combine, correct_lower};
+const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {combine, gain_columns, correct_lower};
 
 #else
 
 #include "filter/strip_loops.hpp"
 
-const binnacle::StripLoops binnacle::avx2_strip_loops = {nullptr, nullptr};
+const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {nullptr, nullptr, nullptr};
 
 #endif

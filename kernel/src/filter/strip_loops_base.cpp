@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // StripLoops for what every processor has: two doubles to a register.
-namespace binnacle {
+namespace binnacle::filter {
 namespace {
 constexpr int lanes = 2;
 }
-}  // namespace binnacle
+}  // namespace binnacle::filter
 
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::StripLoops binnacle::base_strip_loops = {combine, correct_lower};
+const binnacle::filter::StripLoops binnacle::filter::base_strip_loops = {combine, gain_columns, correct_lower};

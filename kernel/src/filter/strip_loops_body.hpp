@@ -4,7 +4,7 @@
 // linker could hand a function made for one processor to another.
 #include "filter/strip_loops.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 namespace {
 
 typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
@@ -83,13 +83,11 @@ inline void add_products(double* P, int ld, int c, int m, const double* K, const
   if (i < ld) add_products_strip<R, 4 / lanes>(P, ld, i, c, m, K, U);
 }
 
-inline void correct_lower(const unsigned char* corrected, double* P, int n, int m, const UpdateWork& work) {
+/// K = G S⁻¹ by forward and back substitution on the columns of G, a column of n rows at a time.
+inline void gain_columns(int n, int m, const UpdateWork& work) {
   const int ld = padded(n);
   const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
   const auto L = [&](int i, int j) { return work.L[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
-  const auto S = [&](int i, int j) { return work.S[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
-
-  // K Lᵀ' : forward and back substitution on the columns of G, a column of n rows at a time.
   for (int j = 0; j < m; ++j) {
     double* k = column(work.K, j);
     __builtin_memcpy(k, column(work.G, j), static_cast<std::size_t>(ld) * sizeof(double));
@@ -111,12 +109,13 @@ inline void correct_lower(const unsigned char* corrected, double* P, int n, int 
     const double inverse = 1 / L(j, j);
     for (int i = 0; i < ld; ++i) k[i] *= inverse;
   }
-  if (corrected)
-    for (int j = 0; j < m; ++j)
-      for (int i = 0; i < n; ++i)
-        if (!corrected[i]) column(work.K, j)[i] = 0;
+}
 
-  // P + K Uᵀ + U Kᵀ with U = ½ K S − G.
+/// P + K Uᵀ + U Kᵀ with U = ½ K S − G.
+inline void correct_lower(double* P, int n, int m, const UpdateWork& work) {
+  const int ld = padded(n);
+  const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
+  const auto S = [&](int i, int j) { return work.S[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
   for (int j = 0; j < m; ++j) {
     double* u = column(work.U, j);
     const double* g = column(work.G, j);
@@ -133,4 +132,4 @@ inline void correct_lower(const unsigned char* corrected, double* P, int n, int 
 }
 
 }  // namespace
-}  // namespace binnacle
+}  // namespace binnacle::filter

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace binnacle {
+namespace binnacle::filter {
 namespace {
 
 inline std::size_t at(int i, int j, int n) {
@@ -81,4 +81,4 @@ void discretize(const double* F, const double* Q, int n, double dt, double* Phi,
     for (int i = 0; i < j; ++i) Qd[at(i, j, n)] = Qd[at(j, i, n)] = 0.5 * (Qd[at(i, j, n)] + Qd[at(j, i, n)]);
 }
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

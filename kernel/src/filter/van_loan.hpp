@@ -7,7 +7,7 @@
 
 #include "binnacle/process_model.hpp"
 
-namespace binnacle {
+namespace binnacle::filter {
 
 /// Linear process models whose blocks are coupled: one F, one GQGᵀ, one matrix exponential.
 ///
@@ -48,4 +48,4 @@ std::size_t van_loan_doubles(int columns);
 /// exponential of −F, which overflows for fast stable modes.
 void discretize(const double* F, const double* Q, int n, double dt, double* Phi, double* Qd, double* work);
 
-}  // namespace binnacle
+}  // namespace binnacle::filter

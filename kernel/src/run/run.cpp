@@ -57,7 +57,7 @@ nlohmann::ordered_json left_out_summary(const Engine& engine, int measurement) {
     const std::string key = std::to_string(entry.key);
     by_key[tells_group ? groups[static_cast<std::size_t>(entry.group)].name + " " + key : key] = entry.count;
   }
-  const Ledger& ledger = engine.ledger(measurement);
+  const auto& ledger = engine.tally(measurement);
   return {{"rows", ledger.rows_left_out}, {"of", ledger.dof_sum + ledger.rows_left_out}, {"by_key", std::move(by_key)}};
 }
 
@@ -67,7 +67,7 @@ nlohmann::ordered_json measurement_summary(const Engine& engine) {
   nlohmann::ordered_json summary = nlohmann::ordered_json::object();
   const auto& plan = engine.plan();
   for (std::size_t m = 0; m < plan.measurements.size(); ++m) {
-    const Ledger& ledger = engine.ledger(static_cast<int>(m));
+    const auto& ledger = engine.tally(static_cast<int>(m));
     nlohmann::ordered_json entry;
     entry["offered"] = ledger.offered;
     for (int o = 0; o < outcome_count; ++o) entry[names[o]] = ledger.outcomes[o];

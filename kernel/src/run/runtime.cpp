@@ -107,7 +107,10 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
 
 void Runtime::reset(std::uint64_t seed, int run) {
   std::memset(arena_.get(), 0, plan_.layout.size());
-  for (auto& engine : engines_) engine->reset();
+  for (auto& engine : engines_) {
+    const CallScope scope(engine->call_site());
+    engine->reset();
+  }
   for (const auto& source : plan_.sources) {
     *source.head.in(arena_.get()) = SourceHead{};
     guard_call<FilterError>(plan_, source, "start", no_time, [&] {
@@ -228,7 +231,7 @@ void Runtime::feed_filter(Engine& engine, const Routes& routes, Time t) {
 void Runtime::publish(Engine& engine) {
   const auto channel = as_size(engine.plan().output_channel);
   SampleSlot& slot = output_slots_[channel];
-  engine.write_estimates(slot);
+  if (!engine.write_estimates(slot)) return;
   channels_[channel].view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
   channels_[channel].is_present = true;
 }
@@ -241,23 +244,13 @@ void Runtime::run_filter(int index, Time t) {
   const auto accepted = [&] {
     std::int64_t count = 0;
     for (std::size_t m = 0; m < plan.measurements.size(); ++m)
-      count += engine.ledger(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
+      count += engine.tally(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
     return count;
   };
   const std::int64_t before = routes.output_is_heard ? accepted() : 0;
-  // What a plugin throws ends at the library boundary: its filter stops, named, and the others go on.
-  CallSite& site = engine.call_site();
-  site.set_time(t);
-  const CallScope scope(site);
-  try {
-    feed_filter(engine, routes, t);
-    if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) publish(engine);
-  } catch (const std::exception& error) {
-    engine.stop_for_exception(error.what());
-  } catch (...) {
-    engine.stop_for_exception("something that is no std::exception");
-  }
-  site.leave();
+  const CallScope scope(engine.call_site());
+  feed_filter(engine, routes, t);
+  if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) publish(engine);
   filter_seconds_[as_size(index)] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -346,14 +339,7 @@ bool Runtime::next_instant() {
 void Runtime::finish() {
   for (auto& engine : engines_) {
     const CallScope scope(engine->call_site());
-    try {
-      engine->finish();
-    } catch (const std::exception& error) {
-      engine->stop_for_exception(error.what());
-    } catch (...) {
-      engine->stop_for_exception("something that is no std::exception");
-    }
-    engine->call_site().leave();
+    engine->finish();
   }
 }
 

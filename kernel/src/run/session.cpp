@@ -283,7 +283,7 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   check(measurement.filter);
   const auto& engine = runtime_->engine(measurement.filter.index);
   check_index("measurement", measurement.index, engine.plan().measurements.size());
-  const Ledger& ledger = engine.ledger(measurement.index);
+  const auto& ledger = engine.tally(measurement.index);
   MeasurementCounts counts;
   counts.offered = ledger.offered;
   std::copy(std::begin(ledger.outcomes), std::end(ledger.outcomes), counts.by_outcome);
@@ -331,6 +331,8 @@ void Session::restore(std::span<const std::byte> from) {
   if (head.size != runtime_->arena_size() || from.size() != snapshot_size())
     refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(snapshot_size()));
   std::memcpy(runtime_->arena(), from.data() + sizeof head, runtime_->arena_size());
+  for (std::size_t f = 0; f < composition_->plan().filters.size(); ++f)
+    runtime_->engine(static_cast<int>(f)).restored();
   for (auto& taken : intake_) taken.newest = no_time;
   instant_ = no_time;
 }

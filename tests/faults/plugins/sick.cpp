@@ -132,17 +132,16 @@ class Moving final : public ProcessModel {
     spec.example = R"({"blocks": {"x": "x"}})";
     return spec;
   }
-  explicit Moving(const Binding& binding) : sickness_(binding.parameters()) {}
-  const ProcessDeclaration& declaration() const noexcept override { return declaration_; }
-  Result propagate(const Step& step, const double* const* x, std::byte*, const ProcessOutput& out) const override {
-    sickness_.in("propagate", step.t1);
-    out.x_plus[0][0] = x[0][0];
+  explicit Moving(const Binding& binding) : x_(binding.port("x")), sickness_(binding.parameters()) {}
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    sickness_.in("propagate", in.step.t1);
+    out.x[x_].as() = in.x[x_].as();
     return Result::ok();
   }
 
  private:
+  Port x_;
   Sickness sickness_;
-  ProcessDeclaration declaration_;
 };
 
 }  // namespace

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "filter/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace binnacle::filter {
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+int read_fields(const FieldMap& map, const SampleView& sample, double dt, double* epoch) {
+  int missing = -1;
+  for (const auto& item : map.epoch) {
+    double value = item.index < 0 ? not_a_number : sample.fields[item.index];
+    if (item.required && !std::isfinite(value) && missing < 0) missing = item.declared;
+    if (item.conversion == FieldMap::Conversion::to_rate) value /= dt;
+    if (item.conversion == FieldMap::Conversion::to_increment) value *= dt;
+    *epoch++ = value;
+  }
+  return missing;
+}
+
+void read_row_fields(const FieldMap& map, const ChannelPlan& channel, const SampleView& sample, double* rows) {
+  for (int row = 0; row < sample.rows; ++row)
+    for (const auto& item : map.row)
+      *rows++ = item.index < 0 ? not_a_number : sample.row_fields[row * channel.row_fields + item.index];
+}
+
+void forget_latest(const LatestPlan& plan, std::byte* arena) {
+  std::fill_n(plan.data.in(arena), plan.data.count, not_a_number);
+  std::fill_n(plan.times.in(arena), 2, no_time);
+  std::fill_n(plan.state.in(arena), 3, 0);
+}
+
+void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const SampleView& sample, std::byte* arena) {
+  double* data = plan.data.in(arena);
+  const auto epoch = as_size(channel.epoch_fields);
+  const auto rows = as_size(channel.row_fields) * as_size(sample.rows);
+  std::copy_n(sample.fields, epoch, data);
+  if (rows > 0) std::copy_n(sample.row_fields, rows, data + epoch);
+  const auto square = as_size(channel.covariance_dof) * as_size(channel.covariance_dof);
+  if (sample.covariance) std::copy_n(sample.covariance, square, data + plan.data.count - square);
+  plan.times.in(arena)[0] = sample.t;
+  plan.times.in(arena)[1] = sample.t0;
+  std::int32_t* state = plan.state.in(arena);
+  state[0] = sample.rows;
+  state[1] = sample.covariance != nullptr;
+  state[2] = 1;
+}
+
+SampleView latest(const LatestPlan& plan, const ChannelPlan& channel, const std::byte* arena) {
+  const double* data = plan.data.in(arena);
+  const std::int32_t* state = plan.state.in(arena);
+  SampleView view;
+  view.available = state[2] != 0;
+  view.t = plan.times.in(arena)[0];
+  view.t0 = plan.times.in(arena)[1];
+  view.rows = state[0];
+  view.fields = data;
+  view.row_fields = data + channel.epoch_fields;
+  if (state[1])
+    view.covariance = data + plan.data.count - as_size(channel.covariance_dof) * as_size(channel.covariance_dof);
+  return view;
+}
+
+}  // namespace binnacle::filter

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// How components read a channel's samples, and how the latest sample of a channel is kept.
+#pragma once
+
+#include <cstddef>
+
+#include "binnacle/sample.hpp"
+#include "filter/plan.hpp"
+
+namespace binnacle::filter {
+
+/// Reads a component's fields from a channel's sample, converted. Returns the index into `map.names` of a required
+/// per-epoch field that is not finite, or −1.
+int read_fields(const FieldMap& map, const SampleView& sample, double dt, double* epoch);
+void read_row_fields(const FieldMap& map, const ChannelPlan& channel, const SampleView& sample, double* rows);
+
+void forget_latest(const LatestPlan& plan, std::byte* arena);
+void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const SampleView& sample, std::byte* arena);
+/// Not available before the first one.
+SampleView latest(const LatestPlan& plan, const ChannelPlan& channel, const std::byte* arena);
+
+}  // namespace binnacle::filter

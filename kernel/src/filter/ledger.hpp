@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of a filter and of each sample offered to it: exactly one outcome, whatever throws.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "binnacle/step_log.hpp"
+#include "filter/plan.hpp"
+
+namespace binnacle::filter {
+
+/// An offered sample is open until it is closed with its outcome or waits in the queue; at most one is open. So
+///     offered = Σ outcomes + waiting + open.
+class Ledger {
+ public:
+  Ledger(const FilterPlan& plan, std::byte* arena) : plan_(plan), arena_(arena) {}
+
+  void reset();
+  void attach(StepObserver* observer) { observer_ = observer; }
+  StepObserver* observer() const { return observer_; }
+  Wants wants() const { return observer_ ? observer_->wants() : Wants::nothing; }
+
+  /// A sample from before the start is offered to nobody.
+  void count_before_start(int measurement) { ++tally_of(measurement).before_start; }
+  void open(int measurement, Time t);
+  /// The open sample waits until it is reopened.
+  void wait() { open_ = -1; }
+  void reopen(int measurement, Time t);
+  bool has_open() const { return open_ >= 0; }
+  /// The filter's time has reached the open sample.
+  void reach() { ++tally_of(open_).reached; }
+  /// `record` holds what is known of it beside measurement, time, outcome and reason; the observer sees it.
+  void close(Outcome outcome, const char* reason, UpdateRecord record = {});
+
+  /// Rows of an accepted sample that a gate by row or key left out: `count` keys and groups.
+  void count_left_out(int measurement, int count, const std::int64_t* keys, const int* groups);
+  /// The newest sample of a measurement was gated: whether it is time to open the covariance, which is counted then.
+  bool is_recovery_due(int measurement);
+
+  /// The filter stops.
+  void stop(const std::string& diagnosis);
+  bool is_broken() const { return plan_.health.in(arena_)->is_broken != 0; }
+  /// Empty while the filter is well.
+  const char* diagnosis() const { return plan_.health.in(arena_)->diagnosis; }
+
+  const Tally& tally(int measurement) const {
+    return *plan_.measurements[static_cast<std::size_t>(measurement)].tally.in(arena_);
+  }
+  /// Places without a count are free.
+  std::span<const LeftOut> left_out(int measurement) const {
+    const auto& place = plan_.measurements[static_cast<std::size_t>(measurement)].left_out;
+    return {place.in(arena_), place.count};
+  }
+
+ private:
+  Tally& tally_of(int measurement) {
+    return *plan_.measurements[static_cast<std::size_t>(measurement)].tally.in(arena_);
+  }
+
+  const FilterPlan& plan_;
+  std::byte* arena_;
+  StepObserver* observer_ = nullptr;
+  int open_ = -1;  // measurement of the open sample
+  Time open_t_ = no_time;
+};
+
+}  // namespace binnacle::filter

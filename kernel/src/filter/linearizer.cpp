@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "filter/linearizer.hpp"
+
+#include <algorithm>
+
+#include "filter/derived_values.hpp"
+#include "filter/fields.hpp"
+#include "filter/noise_check.hpp"
+
+namespace binnacle::filter {
+
+namespace {
+
+double interval_of(const SampleView& sample) { return sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0); }
+
+/// Writes for each row of a part which group it is of, counted through all parts; returns the next part's first group.
+int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int rows, int* row_groups) {
+  int group = 0;
+  for (int i = 0; i < rows; ++i) {
+    while (as_size(group) + 1 < groups.size() && groups[as_size(group) + 1].first_row <= i) ++group;
+    row_groups[i] = first_group + group;
+  }
+  return first_group + std::max(1, static_cast<int>(groups.size()));
+}
+
+/// Of r, H and R: NaN if anything is not finite, else 0.
+double not_finite(const MeasurementPlan& plan, const SampleRows& rows) {
+  const auto m_max = as_size(rows.work.m_max);
+  double sum = 0;
+  for (int i = 0; i < rows.m; ++i) sum += rows.work.r[i] * 0.0;
+  for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
+    for (int i = 0; i < rows.m; ++i) sum += rows.work.H[as_size(i) + c * m_max] * 0.0;
+  for (int j = 0; j < rows.m; ++j)
+    for (int i = 0; i < rows.m; ++i) sum += rows.R_nominal[as_size(i) + as_size(j) * m_max] * 0.0;
+  return sum;
+}
+
+}  // namespace
+
+Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena,
+                       Workspace& workspace, ModelCalls& calls)
+    : plan_(plan),
+      channels_(channels),
+      arena_(arena),
+      workspace_(workspace),
+      calls_(calls),
+      fields_(as_size(std::max(1, plan.max_fields))),
+      row_fields_(as_size(std::max(1, plan.max_row_fields))) {
+  std::size_t count = 1, doubles = 1;
+  for (const auto& measurement : plan.measurements)
+    for (const auto& part : measurement.parts) {
+      count = std::max(count, part.auxiliary.size());
+      std::size_t sum = 0;
+      for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
+        const auto& map = part.auxiliary_fields[i];
+        const int index = part.auxiliary[i];
+        const int rows = index < 0 ? 0 : channels[as_size(plan.auxiliary[as_size(index)].channel)].declaration.max_rows;
+        sum += map.epoch.size() + map.row.size() * as_size(rows);
+      }
+      doubles = std::max(doubles, sum);
+    }
+  auxiliary_.resize(count);
+  auxiliary_fields_.resize(doubles);
+}
+
+Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now,
+                       SampleRows& rows) {
+  const auto& channel = channels_[as_size(measurement.channel)];
+  rows.begin(measurement);
+  const Result derived = evaluate_derived(plan_, measurement.derived, now, workspace_, calls_);
+  if (!derived) return derived;
+  int first_group = 0;
+  for (const auto& part : measurement.parts) {
+    int part_rows = 0;
+    const Result result = run_part(part, sample, channel, now, rows, part_rows);
+    if (!result) return result;
+    assemble(part, part_rows, rows);
+    first_group = name_groups(part.model->declaration().groups, first_group, part_rows, rows.groups.data() + rows.m);
+    rows.m += part_rows;
+  }
+  if (rows.m == 0) return Result::unsupported("no rows");
+  if (not_finite(measurement, rows) != 0.0)
+    return Result::invalid("the residual, its Jacobian or its noise is not finite");
+  return Result::ok();
+}
+
+void Linearizer::read_auxiliary(const PartPlan& part) {
+  double* fields = auxiliary_fields_.data();
+  for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
+    SampleView& view = auxiliary_[i];
+    view = SampleView{};
+    if (part.auxiliary[i] < 0) continue;
+    const auto& kept = plan_.auxiliary[as_size(part.auxiliary[i])];
+    const auto& channel = channels_[as_size(kept.channel)];
+    const SampleView raw = latest(kept, channel, arena_);
+    view = raw;
+    view.fields = fields;
+    read_fields(part.auxiliary_fields[i], raw, interval_of(raw), fields);
+    fields += part.auxiliary_fields[i].epoch.size();
+    view.row_fields = fields;
+    read_row_fields(part.auxiliary_fields[i], channel, raw, fields);
+    fields += part.auxiliary_fields[i].row.size() * as_size(raw.rows);
+  }
+}
+
+Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
+                            const Moment& now, SampleRows& rows, int& part_rows) {
+  SampleView seen = sample;
+  seen.available = true;
+  if (read_fields(part.fields, sample, interval_of(sample), fields_.data()) >= 0)
+    return Result::invalid("a required field is not a number");
+  if (!part.fields.row.empty()) read_row_fields(part.fields, channel, sample, row_fields_.data());
+  seen.fields = fields_.data();
+  seen.row_fields = row_fields_.data();
+  read_auxiliary(part);
+
+  const int most = part.model->declaration().max_rows, m_max = rows.work.m_max;
+  std::fill_n(workspace_.jacobians.begin(), part.ports.size(), MatrixView{});
+  for (const auto& read : part.reads) {
+    workspace_.jacobians[as_size(read.port)] = MatrixView{workspace_.at(read.jacobian), most, read.dof, most};
+    std::fill_n(workspace_.at(read.jacobian), most * read.dof, 0.0);
+  }
+  for (int i = 0; i < most; ++i) rows.keys[as_size(rows.m + i)] = i;
+
+  MeasurementOutput out;
+  out.residual = {rows.work.r + rows.m, most};
+  out.H = workspace_.jacobians.data();
+  out.R = MatrixView{rows.R_nominal.data() + rows.m + rows.m * m_max, most, most, m_max};
+  out.row_keys = {rows.keys.data() + rows.m, as_size(most)};
+  const Result result = calls_.linearize(part, seen, auxiliary_.data(), workspace_.values_of(part.ports),
+                                         workspace_.driving(now, part.driving_rates), out);
+  if (!result) return result;
+  if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
+  for (int j = 0; j < most; ++j)  // what a model wrote beyond its rows is not the next part's
+    for (int i = 0; i < most; ++i)
+      if (i >= out.rows || j >= out.rows) out.R(i, j) = 0;
+  part_rows = out.rows;
+  const MatrixView R{out.R.data, part_rows, part_rows, m_max};
+  if (is_noise(R)) return result;
+  for (int j = 0; j < part_rows; ++j)  // what is not finite may come from the sample: that is invalid, see run()
+    for (int i = 0; i < part_rows; ++i)
+      if (!(R(i, j) * 0.0 == 0.0)) return result;
+  throw Stop(call_text(part.type, part.pointer, "linearize", calls_.time()) + " gave " + flaw_of_noise(R));
+}
+
+void Linearizer::assemble(const PartPlan& part, int part_rows, SampleRows& rows) {
+  const int m_max = rows.work.m_max;
+  const int stride = part.model->declaration().max_rows;
+  for (const auto& read : part.reads) {
+    const double* J = workspace_.at(read.jacobian);
+    for (const auto& target : read.targets) {
+      const auto& active = plan_.blocks[as_size(target.block)].active;
+      for (std::size_t a = 0; a < active.size(); ++a) {
+        double* H = rows.work.H + rows.m + (as_size(target.first_column) + a) * as_size(m_max);
+        if (target.is_direct) {
+          const double* column = J + active[a] * stride;
+          for (int i = 0; i < part_rows; ++i) H[i] += column[i];
+        } else {
+          const double* chain = workspace_.at(target.chain) + active[a] * read.dof;
+          for (int k = 0; k < read.dof; ++k)
+            for (int i = 0; i < part_rows; ++i) H[i] += J[i + k * stride] * chain[k];
+        }
+      }
+    }
+  }
+}
+
+}  // namespace binnacle::filter

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a sample to r, H and nominal R: the parts of a measurement, one after the other.
+#pragma once
+
+#include <vector>
+
+#include "filter/model_calls.hpp"
+#include "filter/sample_rows.hpp"
+#include "filter/workspace.hpp"
+
+namespace binnacle::filter {
+
+class Linearizer {
+ public:
+  Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, Workspace& workspace,
+             ModelCalls& calls);
+
+  /// Fills the rows of `measurement`, or refuses. Throws Stop where a model gives what cannot be noise.
+  Result run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now, SampleRows& rows);
+
+ private:
+  Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Moment& now,
+                  SampleRows& rows, int& part_rows);
+  void read_auxiliary(const PartPlan& part);
+  void assemble(const PartPlan& part, int part_rows, SampleRows& rows);
+
+  const FilterPlan& plan_;
+  const std::vector<ChannelPlan>& channels_;
+  std::byte* arena_;
+  Workspace& workspace_;
+  ModelCalls& calls_;
+  std::vector<double> fields_, row_fields_;  // of the sample, as a part reads it
+  std::vector<SampleView> auxiliary_;        // likewise
+  std::vector<double> auxiliary_fields_;
+};
+
+}  // namespace binnacle::filter

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every call of a filter into a plugin, each in one place. While one is under way its component is known, so that what it
+// throws, or a number that may not be, is blamed on it by name.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+#include "binnacle/plugin_call.hpp"
+#include "filter/plan.hpp"
+
+namespace binnacle::filter {
+
+/// A filter cannot go on: what() is its diagnosis.
+struct Stop : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// "12.3 s"
+std::string time_text(Time t);
+/// "plugin 'core', component 'vector' (/filters/f/blocks/x): plus at 12.3 s"
+std::string call_text(const std::string& type, const std::string& pointer, const char* call, Time t);
+
+class ModelCalls {
+ public:
+  explicit ModelCalls(std::byte* arena) : arena_(arena) {}
+
+  /// The time of the sample or step at work; no_time: none yet.
+  void set_time(Time t) {
+    t_ = t;
+    site_.set_time(t);
+  }
+  Time time() const { return t_; }
+  bool is_under_way() const { return call_ != nullptr; }
+  /// call_text() of the call under way.
+  std::string text() const { return call_text(*type_, *pointer_, call_, t_); }
+  /// Forgets a call that threw.
+  void leave() {
+    call_ = nullptr;
+    site_.leave();
+  }
+  /// The call under way, for other threads and for a handler at exit.
+  const CallSite& site() const { return site_; }
+
+  void start(const ProcessPlan& plan) {
+    during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
+  }
+  void start(const PartPlan& plan) {
+    during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
+  }
+  void start_noise(const MeasurementPlan& plan) {
+    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(plan.noise_memory.in(arena_)); });
+  }
+
+  void plus(const BlockPlan& plan, const double* x, const double* delta, double* result) {
+    during(plan.type, plan.pointer, "plus", [&] { plan.block->plus(x, delta, result); });
+  }
+  void minus(const BlockPlan& plan, const double* y, const double* x, double* delta) {
+    during(plan.type, plan.pointer, "minus", [&] { plan.block->minus(y, x, delta); });
+  }
+  void read(const BlockPlan& plan, const double* x, double* outputs) {
+    during(plan.type, plan.pointer, "read", [&] { plan.block->read(x, outputs); });
+  }
+  Result write(const BlockPlan& plan, const double* outputs, double* x) {
+    return during(plan.type, plan.pointer, "write", [&] { return plan.block->write(outputs, x); });
+  }
+  bool reset_jacobian(const BlockPlan& plan, const double* delta, double* G) {
+    return during(plan.type, plan.pointer, "reset_jacobian", [&] { return plan.block->reset_jacobian(delta, G); });
+  }
+
+  Result evaluate(const DerivedPlan& plan, const DerivedInput& in, DerivedOutput& out) {
+    return during(plan.type, plan.pointer, "evaluate", [&] { return plan.derived->evaluate(in, out); });
+  }
+  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, ProcessOutput& out) {
+    const ProcessInput in{step, x, {}, memory_of(plan.memory), {}};
+    return during(plan.type, plan.pointer, "propagate", [&] { return plan.model->propagate(in, out); });
+  }
+  void linearized(const ProcessPlan& plan, const double* const* x, ContinuousOutput& out) {
+    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(ContinuousInput{x}, out); });
+  }
+  Result linearize(const PartPlan& plan, const SampleView& sample, const SampleView* auxiliary, const double* const* x,
+                   const Driving& u, MeasurementOutput& out) {
+    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), {}, {}};
+    return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
+  }
+  void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {
+    during(plan.noise_type, plan.pointer, "estimate",
+           [&] { plan.noise->estimate(innovation, memory_of(plan.noise_memory), R); });
+  }
+  void after(const MeasurementPlan& plan, const double* post_fit_residual, MatrixView HPHt_plus) {
+    during(plan.noise_type, plan.pointer, "after",
+           [&] { plan.noise->after(Outcome::accepted, post_fit_residual, HPHt_plus, memory_of(plan.noise_memory)); });
+  }
+
+ private:
+  /// A call that returns is over; one that throws stays, to be named.
+  template <class Call>
+  std::invoke_result_t<Call&> during(const std::string& type, const std::string& pointer, const char* name,
+                                     Call&& call) {
+    type_ = &type;
+    pointer_ = &pointer;
+    call_ = name;
+    site_.enter(nullptr, type, name);
+    if constexpr (std::is_void_v<std::invoke_result_t<Call&>>) {
+      call();
+      leave();
+    } else {
+      const auto result = call();
+      leave();
+      return result;
+    }
+  }
+  std::byte* memory_of(const Place<std::byte>& place) const { return place.count > 0 ? place.in(arena_) : nullptr; }
+
+  std::byte* arena_;
+  const std::string* type_ = nullptr;
+  const std::string* pointer_ = nullptr;
+  const char* call_ = nullptr;
+  Time t_ = no_time;
+  CallSite site_;
+};
+
+}  // namespace binnacle::filter

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// One propagation but for P: process models, joint discretization, gathering of what is frozen or derived.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "filter/covariance_form.hpp"
+#include "filter/model_calls.hpp"
+#include "filter/workspace.hpp"
+
+namespace binnacle::filter {
+
+class Propagator {
+ public:
+  Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspace& workspace, ModelCalls& calls);
+
+  /// From the a-posteriori x at `now` to t1: x_plus(), and the blocks of Φ and Qd in the workspace. Throws Stop where a model
+  /// refuses or writes what cannot be noise.
+  void run(const Moment& now, Time t1, std::span<const InputSample> samples, const double* x);
+  const double* x_plus() const { return x_plus_.data(); }
+  /// After a step whose result is not finite: "…: propagate at 3 s gave Phi(velocity, attitude), which is not finite", or
+  /// "" where no process is to blame.
+  std::string culprit(Time t1) const;
+
+ private:
+  /// The diagonal of a block of Qd or GQGᵀ that a process writes.
+  struct Diagonal {
+    int block = 0;  // state block
+    int noise = 0;  // index in the table of noise blocks
+    int dof = 0;
+    int step = 0;  // doubles from one element to the next
+  };
+
+  void run_models(const Moment& now, Time t1, std::span<const InputSample> samples);
+  Step step_for(const ProcessPlan& process, Time t0, Time t1, std::span<const InputSample> samples);
+  double* const* outputs_of(std::size_t process);
+  void linearize(const ProcessPlan& process);
+  void check_noise(std::size_t process, Time t) const;
+  void discretize_group(const VanLoanGroup& group, double dt);
+  void advance_group(const VanLoanGroup& group, const double* Phi);
+  void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
+  double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
+  void hold_frozen(const double* x);
+  const char* call_of(const ProcessPlan& process) const;
+
+  const FilterPlan& plan_;
+  const CovarianceForm& P_;  // to judge what rounding is
+  Workspace& workspace_;
+  ModelCalls& calls_;
+  std::vector<double> x_plus_;
+  std::vector<double*> port_outputs_;
+  std::vector<InputSample> samples_;              // as a model sees them
+  std::vector<double> fields_;                    // theirs, converted
+  std::vector<double> delta_;                     // of one block
+  std::vector<std::vector<Diagonal>> diagonals_;  // per process
+};
+
+}  // namespace binnacle::filter

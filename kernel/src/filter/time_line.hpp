@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// When things happen in a filter: input that waits for its group, measurements that wait for the input, how intervals are
+// cut, what bridges a hole, and when the filter starts. What is done then is another's work.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "binnacle/process_model.hpp"
+#include "binnacle/sample.hpp"
+#include "filter/plan.hpp"
+
+namespace binnacle::filter {
+
+class TimeLine {
+ public:
+  /// What time brings about. Any of it may throw: the time line stays usable for flush().
+  class Work {
+   public:
+    /// The first input sample begins: initial values.
+    virtual void start(Time t) = 0;
+    /// From the filter's time to t1. Without input, `samples` is empty.
+    virtual void step(Time t1, std::span<const InputSample> samples) = 0;
+    /// A step has been taken, and the filter's time is its end.
+    virtual void stepped() = 0;
+    /// A sample whose time the filter has reached.
+    virtual void measure(int measurement, const SampleView& sample) = 0;
+    /// The sample just offered is not used, or waits in the queue; a sample leaves the queue.
+    virtual void refuse(Outcome outcome, const char* reason) = 0;
+    virtual void wait() = 0;
+    virtual void resume(int measurement, Time t) = 0;
+
+   protected:
+    ~Work() = default;
+  };
+
+  TimeLine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, Work& work);
+
+  void reset();
+  const TimeHead& head() const { return *plan_.head.in(arena_); }
+  bool is_started() const { return head().started != 0; }
+  /// Mean rates of the last driving interval, in the input channel's order; null until it has ended.
+  const double* driving_rates() const { return head().driving_rates_known ? plan_.driving_rates.in(arena_) : nullptr; }
+
+  /// The filter starts at t.
+  void start(Time t);
+  void input(const SampleView& sample);
+  /// Of a filter that has started.
+  void offer(int measurement, const SampleView& sample);
+  /// The input has ended: steps what waits for its group.
+  void end_input();
+  /// Empties the queue: resume() for each sample, then refuse().
+  void flush(Outcome outcome, const char* reason);
+
+ private:
+  TimeHead& head() { return *plan_.head.in(arena_); }
+  bool is_complete(const SampleView& sample) const;
+  void bridge(Time until, const SampleView& sample);
+  void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields);
+  void enqueue(int measurement, const SampleView& sample);
+  void drain_queue(Time until);
+  SampleView queued_sample(const QueueEntry& entry) const;
+  void pop();
+  void advance_to(Time t);
+  void step_pending(int whole);
+  void step_fragment(Time t1);
+  InputSample cut(const PendingInput& pending, Time t1, const double* fields, double* raw) const;
+  void step(Time t1, int samples);
+  void remember_driving_rates(const InputSample& sample);
+
+  const FilterPlan& plan_;
+  const std::vector<ChannelPlan>& channels_;
+  std::byte* arena_;
+  Work& work_;
+  std::vector<InputSample> samples_;   // of one step
+  std::vector<double> sample_fields_;  // theirs, raw
+};
+
+}  // namespace binnacle::filter
