@@ -15,17 +15,18 @@
 
 using namespace binnacle;
 using example::is_near;
+using s2::Frame;
 using s2::Vector2;
 using s2::Vector3;
 
 namespace {
 
-Vector3 direction(double x, double y, double z) { return Vector3(x, y, z).normalized(); }
+Frame at(double x, double y, double z) { return s2::frame_at(Vector3(x, y, z).normalized()); }
 
-/// Poles, the equator, where the axes jump, on both sides of it, and anywhere.
-const std::vector<Vector3> points{direction(0, 0, 1),     direction(0, 0, -1),       direction(1, 0, 0),
-                                  direction(0, -1, -0.0), direction(0.6, 0.8, 1e-9), direction(0.6, 0.8, -1e-9),
-                                  direction(-1, 1, 0.2),  direction(0.3, -0.5, -0.9)};
+/// Poles, the equator, where frame_at() jumps, on both sides of it, and anywhere; the last with axes that have moved.
+const std::vector<Frame> frames{at(0, 0, 1),     at(0, 0, -1),        at(1, 0, 0),
+                                at(0, -1, -0.0), at(0.6, 0.8, 1e-9),  at(0.6, 0.8, -1e-9),
+                                at(-1, 1, 0.2),  at(0.3, -0.5, -0.9), s2::plus(at(0.3, -0.5, -0.9), {0.4, 1.2})};
 const std::vector<Vector2> errors{{0, 0},      {1e-9, -2e-9}, {5e-5, 2e-5}, {1e-3, -3e-3},
                                   {0.02, 0.3}, {-1.5, 0.8},   {2, 1.5}};
 
@@ -46,7 +47,7 @@ auto differences(const Function& f, double h = 1e-3) {
 using Process = parts::Part<ProcessModel>;
 using Measurement = parts::Part<MeasurementModel>;
 
-std::vector<double> numbers(const Vector3& v) { return {v[0], v[1], v[2]}; }
+std::vector<double> numbers(const Frame& frame) { return {frame.data(), frame.data() + 9}; }
 
 /// A step over samples of 0.1 s each.
 class Turn {
@@ -79,48 +80,49 @@ testing::Given given(const Vector3& z) {
 
 }  // namespace
 
-TEST_CASE("the axes are orthonormal and touch the sphere everywhere") {
-  for (const Vector3& x : points) {
-    const auto B = s2::basis(x);
-    CHECK((B.transpose() * B).isIdentity(1e-14));
-    CHECK((B.transpose() * x).norm() < 1e-14);
+TEST_CASE("the axes are orthonormal everywhere, and stay so") {
+  for (const Frame& x : frames) {
+    CHECK((x.transpose() * x).isIdentity(1e-14));
+    for (const Vector2& delta : errors) {
+      const Frame y = s2::plus(x, delta);
+      CHECK((y.transpose() * y).isIdentity(1e-14));
+    }
   }
 }
 
 TEST_CASE("plus and minus undo each other, along great circles") {
-  for (const Vector3& x : points)
+  for (const Frame& x : frames)
     for (const Vector2& delta : errors) {
-      INFO(x.transpose() << " by " << delta.transpose());
-      const Vector3 y = s2::plus(x, delta);
-      CHECK(std::abs(y.norm() - 1) < 1e-15);
-      CHECK((s2::minus(y, x) - delta).norm() < 1e-13);
-      CHECK(is_near(std::atan2(x.cross(y).norm(), x.dot(y)), delta.norm(), 0, 1e-15));
+      INFO(x << " by " << delta.transpose());
+      const Vector3 from = s2::direction(x), to = s2::direction(s2::plus(x, delta));
+      CHECK((s2::minus(to, x) - delta).norm() < 1e-13);
+      CHECK(is_near(std::atan2(from.cross(to).norm(), from.dot(to)), delta.norm(), 0, 1e-14));
     }
 }
 
 TEST_CASE("the derivatives of plus and minus, and the reset, are those of differences") {
-  for (const Vector3& x : points)
+  for (const Frame& x : frames)
     for (const Vector2& delta : errors) {
-      INFO(x.transpose() << " by " << delta.transpose());
-      const Vector3 y = s2::plus(x, delta);
-      const auto D = differences<2>([&](const Vector2& e) { return s2::plus(x, delta + e); });
-      CHECK((D - s2::plus_jacobian(x, delta)).cwiseAbs().maxCoeff() < 1e-9);
-      const auto G = differences<2>([&](const Vector2& e) { return s2::minus(s2::plus(x, delta + e), y); });
-      CHECK((G - s2::reset_jacobian(x, delta)).cwiseAbs().maxCoeff() < 1e-9);
-      const auto M = differences<2>([&](const Vector2& e) { return s2::minus(s2::plus(y, e), x); });
-      CHECK((M - s2::minus_jacobian(y, x)).cwiseAbs().maxCoeff() < 1e-7);
+      INFO(x << " by " << delta.transpose());
+      const Frame y = s2::plus(x, delta);
+      const auto moved = [&](const Vector2& e) { return s2::direction(s2::plus(x, delta + e)); };
+      CHECK((differences<2>(moved) - s2::plus_jacobian(x, delta)).cwiseAbs().maxCoeff() < 1e-9);
+      const auto remains = [&](const Vector2& e) { return s2::minus(moved(e), y); };
+      CHECK((differences<2>(remains) - s2::reset_jacobian(delta)).cwiseAbs().maxCoeff() < 1e-9);
+      const auto away = [&](const Vector2& e) { return s2::minus(s2::direction(s2::plus(y, e)), x); };
+      CHECK((differences<2>(away) - s2::minus_jacobian(y, x)).cwiseAbs().maxCoeff() < 1e-7);
     }
 }
 
 TEST_CASE("the block keeps the laws, and its reset Jacobian is that of what remains") {
   const auto down = parts::block(*example::compose(), "body", "down");
-  for (const Vector3& x : points)
+  for (const Frame& x : frames)
     for (const Vector2& delta : errors) {
-      const testing::PortState at(down.block.get(), numbers(x));
-      testing::Complaints complaints = check_laws(at, delta);
-      complaints.add_all(check_readable(at));
-      if (delta.norm() > 1e-4) complaints.add_all(check_reset(at, delta, 0.01, 1e-6));
-      INFO(x.transpose() << " by " << delta.transpose() << ":\n" << complaints.text());
+      const testing::PortState state(down.block.get(), numbers(x));
+      testing::Complaints complaints = check_laws(state, delta);
+      complaints.add_all(check_readable(state));
+      if (delta.norm() > 1e-4) complaints.add_all(check_reset(state, delta, 0.01, 1e-6));
+      INFO(x << " by " << delta.transpose() << ":\n" << complaints.text());
       CHECK(complaints.empty());
     }
 }
@@ -134,12 +136,12 @@ TEST_CASE("a vector of length 1 is a direction, and nothing else") {
 TEST_CASE("in axes that turn to the right a fixed direction goes to the left") {
   const auto process = parts::process(*example::compose(), "body", "turning");
   const testing::ProcessCaller caller(*process.model, process.type->spec);
-  const auto ports = example::at(process.ports, {{1, 0, 0}, {0, 0, 0.1}}, 1e-3);
+  const auto ports = example::at(process.ports, {numbers(at(1, 0, 0)), {0, 0, 0.1}}, 1e-3);
   // 0.1 s at 1.1 rad/s about z, of which 0.1 are bias: a tenth of a radian.
   const Turn turn({Vector3(0, 0, 1.1)});
   const auto turned = caller.propagate(ports, turn.step(), caller.fresh_memory());
   REQUIRE(turned.result);
-  CHECK((vector_at<3>(turned.x_plus[0].data()) - Vector3(std::cos(0.1), -std::sin(0.1), 0)).norm() < 1e-15);
+  CHECK((vector_at<3>(turned.x_plus[0].data() + 6) - Vector3(std::cos(0.1), -std::sin(0.1), 0)).norm() < 1e-15);
   const double q = 0.1 * std::numbers::pi / 180;  // of sphere.json
   CHECK((turned.noise[0] / (q * q * 0.1)).isIdentity(1e-12));
 }
@@ -148,11 +150,11 @@ TEST_CASE("Phi is the derivative of a step on the sphere, and the step the same 
   const auto process = parts::process(*example::compose(), "body", "turning");
   const testing::ProcessCaller caller(*process.model, process.type->spec);
   const Turn tumble({{0.5, -1, 2}, {3, 0.2, -0.4}, {0, 0, 0}});
-  for (const Vector3& x : points) {
+  for (const Frame& x : frames) {
     const auto ports = example::at(process.ports, {numbers(x), {0.1, -0.2, 0.05}}, 1e-2);
     auto complaints = check_transition(caller, ports, tumble.step(), caller.fresh_memory(), {.relative = 1e-7});
     complaints.add_all(check_values(caller, ports, tumble.step(), caller.fresh_memory()));
-    INFO(x.transpose() << ":\n" << complaints.text());
+    INFO(x << ":\n" << complaints.text());
     CHECK(complaints.empty());
   }
 }
@@ -160,24 +162,24 @@ TEST_CASE("Phi is the derivative of a step on the sphere, and the step the same 
 TEST_CASE("H is the derivative of what is seen, however far from the estimate") {
   const auto seen = parts::measurement(*example::compose(), "body", "seen");
   const testing::MeasurementCaller caller(*seen.model, seen.type->spec);
-  for (const Vector3& x : points)
+  for (const Frame& x : frames)
     for (const Vector2& delta : errors) {
       if (delta.norm() > 2) continue;
-      const Vector3 z = 9.8 * s2::plus(x, delta);  // of any length
+      const Vector3 z = 9.8 * s2::direction(s2::plus(x, delta));  // of any length
       const auto ports = example::at(seen.ports, {numbers(x)}, 1e-3);
       const auto sighted = caller.linearize(given(z), ports, caller.fresh_memory());
       REQUIRE(sighted.result);
       CHECK(is_near(sighted.residual.norm(), delta.norm(), 0, 1e-14));
       auto complaints = check_measurement(caller, given(z), ports, caller.fresh_memory(), {.relative = 1e-6}, 1e-15);
       complaints.add_all(check_values(caller, given(z), ports, caller.fresh_memory()));
-      INFO(x.transpose() << " seen at " << z.transpose() << ":\n" << complaints.text());
+      INFO(x << " seen at " << z.transpose() << ":\n" << complaints.text());
       CHECK(complaints.empty());
       if (delta.norm() > 0.05) continue;
       // An update without noise ends where the sighting points.
       const Vector2 correction = sighted.H[0].inverse() * sighted.residual;
-      CHECK((s2::plus(x, correction) - z.normalized()).norm() < 1e-5);
+      CHECK((s2::direction(s2::plus(x, correction)) - z.normalized()).norm() < 1e-5);
     }
-  const auto ahead = example::at(seen.ports, {{1, 0, 0}}, 1e-3);
+  const auto ahead = example::at(seen.ports, {numbers(at(1, 0, 0))}, 1e-3);
   const Vector3 behind(-1, 0.1, 0), nothing(0, 0, 0);
   CHECK_FALSE(caller.linearize(given(behind), ahead, caller.fresh_memory()).result);
   CHECK_FALSE(caller.linearize(given(nothing), ahead, caller.fresh_memory()).result);
