@@ -103,7 +103,7 @@ TEST_CASE("the open-circuit voltage goes through its points, rises, and its slop
 }
 
 TEST_CASE("a step is the solution of the differential equations") {
-  const auto process = parts::process(*example::compose(), "cell", "cell");
+  const auto process = parts::process(example::composition(), "cell", "cell");
   const double Q = 2.5 * 3600, R1 = 0.015, C1 = 2000, efficiency = 0.99;  // of battery.json
   for (const auto& loads : {discharged, charged}) {
     const Eigen::Vector2d x(0.6, 0.02);
@@ -121,7 +121,7 @@ TEST_CASE("a step is the solution of the differential equations") {
 }
 
 TEST_CASE("Phi is the derivative of a step, and the step the same without it") {
-  const auto process = parts::process(*example::compose(), "cell", "cell");
+  const auto process = parts::process(example::composition(), "cell", "cell");
   const testing::ProcessCaller caller(*process.model, process.type->spec);
   const auto ports = example::at(process.ports, {{0.6}, {0.02}}, 1e-3);
   for (const auto& loads : {discharged, charged}) {
@@ -135,7 +135,7 @@ TEST_CASE("Phi is the derivative of a step, and the step the same without it") {
 
 // The noise of the current is a current: each short piece of it moves charge and RC voltage by as much as a step shows.
 TEST_CASE("Qd is what white noise of the current does to charge and RC voltage together") {
-  const auto process = parts::process(*example::compose(), "cell", "cell");
+  const auto process = parts::process(example::composition(), "cell", "cell");
   const double q = 0.1;  // A/√Hz, of battery.json
   for (const double current : {3.0, -3.0}) {
     constexpr int pieces = 400;
@@ -177,7 +177,7 @@ TEST_CASE("H is the derivative of what the terminals show, and that the same wit
 }
 
 TEST_CASE("the voltage under load is Kirchhoff's") {
-  const auto measurement = parts::measurement(*example::compose(), "cell", "voltage");
+  const auto measurement = parts::measurement(example::composition(), "cell", "voltage");
   // At 60 % the curve of battery.json shows 3.8 V: 3.8 − 0.03 − 0.02 · 5.
   CHECK(std::abs(residual(measurement, {3.67, 5}, 0.6, 0.03)) < 1e-12);
   CHECK(is_near(residual(measurement, {3.70, 5}, 0.6, 0.03), 0.03, 1e-9));

@@ -36,6 +36,12 @@ inline std::shared_ptr<const binnacle::Composition> compose(std::vector<std::str
   return binnacle::Composition::load(environment("CONFIG"), options);
 }
 
+/// The config as it is. What is taken out of it, a model's spec for one, lives as long as it.
+inline const binnacle::Composition& composition() {
+  static const std::shared_ptr<const binnacle::Composition> composed = compose();
+  return *composed;
+}
+
 /// The ports of a bound model with these values, in the order of its spec; no value: the port is open. sigma: a plausible
 /// error of each component, which differences are taken in steps of.
 inline binnacle::testing::PortStates at(const std::vector<binnacle::parts::Value>& ports,

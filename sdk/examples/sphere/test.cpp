@@ -115,7 +115,7 @@ TEST_CASE("the derivatives of plus and minus, and the reset, are those of differ
 }
 
 TEST_CASE("the block keeps the laws, and its reset Jacobian is that of what remains") {
-  const auto down = parts::block(*example::compose(), "body", "down");
+  const auto down = parts::block(example::composition(), "body", "down");
   for (const Frame& x : frames)
     for (const Vector2& delta : errors) {
       const testing::PortState state(down.block.get(), numbers(x));
@@ -134,7 +134,7 @@ TEST_CASE("a vector of length 1 is a direction, and nothing else") {
 }
 
 TEST_CASE("in axes that turn to the right a fixed direction goes to the left") {
-  const auto process = parts::process(*example::compose(), "body", "turning");
+  const auto process = parts::process(example::composition(), "body", "turning");
   const testing::ProcessCaller caller(*process.model, process.type->spec);
   const auto ports = example::at(process.ports, {numbers(at(1, 0, 0)), {0, 0, 0.1}}, 1e-3);
   // 0.1 s at 1.1 rad/s about z, of which 0.1 are bias: a tenth of a radian.
@@ -147,7 +147,7 @@ TEST_CASE("in axes that turn to the right a fixed direction goes to the left") {
 }
 
 TEST_CASE("Phi is the derivative of a step on the sphere, and the step the same without it") {
-  const auto process = parts::process(*example::compose(), "body", "turning");
+  const auto process = parts::process(example::composition(), "body", "turning");
   const testing::ProcessCaller caller(*process.model, process.type->spec);
   const Turn tumble({{0.5, -1, 2}, {3, 0.2, -0.4}, {0, 0, 0}});
   for (const Frame& x : frames) {
@@ -160,7 +160,7 @@ TEST_CASE("Phi is the derivative of a step on the sphere, and the step the same 
 }
 
 TEST_CASE("H is the derivative of what is seen, however far from the estimate") {
-  const auto seen = parts::measurement(*example::compose(), "body", "seen");
+  const auto seen = parts::measurement(example::composition(), "body", "seen");
   const testing::MeasurementCaller caller(*seen.model, seen.type->spec);
   for (const Frame& x : frames)
     for (const Vector2& delta : errors) {

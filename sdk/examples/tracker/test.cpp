@@ -62,7 +62,7 @@ class Radar {
   const testing::MeasurementCaller& caller() const { return caller_; }
 
  private:
-  parts::Part<MeasurementModel> part_ = parts::measurement(*example::compose(), "tracks", "scan");
+  parts::Part<MeasurementModel> part_ = parts::measurement(example::composition(), "tracks", "scan");
   testing::MeasurementCaller caller_{*part_.model, part_.type->spec};
 };
 
