@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The config reader: exact messages, merging, origins, variables, --set, and where relative paths start.
 #include "config/document.hpp"
+#include "binnacle/section.hpp"
 
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <memory>
 #include <string>
 
 #include "catch.hpp"
@@ -43,6 +45,20 @@ class Folder {
   fs::path before_;
   fs::path path_;
 };
+
+/// A section of a library beside the kernel whose variants are patches.
+class Variants final : public Section {
+ public:
+  std::vector<std::string> keys() const override { return {"study"}; }
+  std::vector<std::string> patches() const override { return {"/study/variants", "/study/dimensions/*"}; }
+  std::shared_ptr<const SectionData> read(CompositionDraft&) const override { return nullptr; }
+};
+
+LoadOptions with_variants() {
+  LoadOptions options;
+  options.sections = {std::make_shared<const Variants>()};
+  return options;
+}
 
 std::string errors_of(const std::string& text, const LoadOptions& options = {}) {
   Diagnostics diagnostics;
@@ -194,13 +210,14 @@ TEST_CASE("patches are merged over the config, in order, before --set and after 
     root.erase("study");
     return root.dump();
   };
-  CHECK(run_part({}) == R"({"a":1,"b":{"x":1,"y":2}})");
-  LoadOptions options;
+  CHECK(run_part(with_variants()) == R"({"a":1,"b":{"x":1,"y":2}})");
+  LoadOptions options = with_variants();
   options.patches = {"/study/variants/v", "/study/dimensions/d/e"};
   CHECK(run_part(options) == R"({"a":5,"b":{"x":1,"z":4}})");
   options.sets = {"/a=7", "/study/dimensions/d/e/b/z=8", "/study/variants/v/c=9"};
   CHECK(run_part(options) == R"({"a":7,"b":{"x":1,"z":8},"c":9})");
-  CHECK(parsed(text).hash() == parsed(R"({"a": 1, "b": {"x": 1, "y": 2}})").hash());
+  CHECK(parsed(text, with_variants()).hash({"a", "b"}) ==
+        parsed(R"({"a": 1, "b": {"x": 1, "y": 2}})").hash({"a", "b"}));
   options.patches = {"/study/variants/w"};
   options.sets = {};
   CHECK(errors_of(text, options) ==
@@ -209,7 +226,8 @@ TEST_CASE("patches are merged over the config, in order, before --set and after 
 
 TEST_CASE("variants of a study keep their nulls", "[document]") {
   CHECK(resolved("{\"x\": null, \"study\": {\"runs\": null, \"variants\": {\"plain\": {\"a\": {\"noise\": "
-                 "null}}}}}") == "{\"study\":{\"variants\":{\"plain\":{\"a\":{\"noise\":null}}}}}");
+                 "null}}}}}",
+                 with_variants()) == "{\"study\":{\"variants\":{\"plain\":{\"a\":{\"noise\":null}}}}}");
 }
 
 TEST_CASE("a missing file is reported where it was named", "[document]") {

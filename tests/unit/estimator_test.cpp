@@ -114,7 +114,7 @@ TEST_CASE("a sample in its parts: linearizing and judging change nothing, correc
   CHECK_FALSE(f.estimator->corrector().has_reset());
 }
 
-TEST_CASE("a sample is judged: beyond the gate, withheld, refused; and P is opened by what is named") {
+TEST_CASE("a sample is judged: beyond the gate, withheld, refused, and P is opened by what is named") {
   Fixture f;
   REQUIRE(f.linearize(100));
   CHECK(f.estimator->judge(f.fix(), 0, 0, false).outcome == Outcome::gated);

@@ -123,7 +123,7 @@ TEST_CASE("a time line without values from channels starts where the first input
   CHECK(std::abs(f.time->driving_rates()[1] - 4 / 10e-9) < 1);
 }
 
-TEST_CASE("whole samples wait for their group; a measurement inside one cuts it: increments by time, rates not") {
+TEST_CASE("whole samples wait for their group, a measurement inside one cuts it: increments by time, rates not") {
   Fixture f(2);
   CHECK(f.input(0, 10, 1, 4) == Said{"start 0"});
   CHECK(f.input(10, 20, 2, 6) == Said{"step 20 [0,10 r=1 i=4] [10,20 r=2 i=6]"});
@@ -133,7 +133,7 @@ TEST_CASE("whole samples wait for their group; a measurement inside one cuts it:
   CHECK(f.offer(0, 39) == Said{"refuse 2"});  // late
 }
 
-TEST_CASE("what is ahead of the input waits, by time and then by the order in the config; a full queue refuses") {
+TEST_CASE("what is ahead of the input waits, by time and then by the order in the config, a full queue refuses") {
   Fixture f;
   f.input(0, 10, 1, 4);
   CHECK(f.offer(1, 14, 1) == Said{"wait"});
@@ -145,7 +145,7 @@ TEST_CASE("what is ahead of the input waits, by time and then by the order in th
                                        "resume 1 @ 14", "measure 1 @ 14 z=1", "step 20 [14,20 r=1 i=6 cut]"});
 }
 
-TEST_CASE("a hole is bridged alone with the mean rates, and counted; what is not finite or goes back is left out") {
+TEST_CASE("a hole is bridged alone with the mean rates, and counted, what is not finite or goes back is left out") {
   Fixture f(2);
   f.input(0, 10, 1, 4);
   f.input(10, 20, 2, 6);

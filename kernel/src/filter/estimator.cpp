@@ -137,7 +137,7 @@ Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView
     if (part.memory.count > 0) std::memcpy(backup, part.memory.in(arena_), part.memory.count);
     backup += part.memory.count;
   }
-  return linearizer_.run(measurement, sample, now, rows_);
+  return linearizer_.run(measurement, sample, now, *P_, rows_);
 }
 
 void Estimator::roll_back(const MeasurementPlan& measurement) {

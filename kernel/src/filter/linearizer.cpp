@@ -44,6 +44,7 @@ Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& c
       arena_(arena),
       workspace_(workspace),
       calls_(calls),
+      read_covariance_(plan),
       fields_(as_size(std::max(1, plan.max_fields))),
       row_fields_(as_size(std::max(1, plan.max_row_fields))) {
   std::size_t count = 1, doubles = 1;
@@ -64,7 +65,7 @@ Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& c
 }
 
 Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now,
-                       SampleRows& rows) {
+                       const CovarianceForm& P, SampleRows& rows) {
   const auto& channel = channels_[as_size(measurement.channel)];
   rows.begin(measurement);
   const Result derived = evaluate_derived(plan_, measurement.derived, now, workspace_, calls_);
@@ -72,7 +73,7 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
   int first_group = 0;
   for (const auto& part : measurement.parts) {
     int part_rows = 0;
-    const Result result = run_part(part, sample, channel, now, rows, part_rows);
+    const Result result = run_part(part, sample, channel, now, P, rows, part_rows);
     if (!result) return result;
     assemble(part, part_rows, rows);
     first_group = name_groups(part.model->declaration().groups, first_group, part_rows, rows.groups.data() + rows.m);
@@ -104,7 +105,7 @@ void Linearizer::read_auxiliary(const PartPlan& part) {
 }
 
 Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
-                            const Moment& now, SampleRows& rows, int& part_rows) {
+                            const Moment& now, const CovarianceForm& P, SampleRows& rows, int& part_rows) {
   SampleView seen = sample;
   seen.available = true;
   if (read_fields(part.fields, sample, interval_of(sample), fields_.data()) >= 0)
@@ -127,8 +128,9 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   out.H = workspace_.jacobians.data();
   out.R = MatrixView{rows.R_nominal.data() + rows.m + rows.m * m_max, most, most, m_max};
   out.row_keys = {rows.keys.data() + rows.m, as_size(most)};
-  const Result result = calls_.linearize(part, seen, auxiliary_.data(), workspace_.values_of(part.ports),
-                                         workspace_.driving(now, part.driving_rates), out);
+  const Result result =
+      calls_.linearize(part, seen, auxiliary_.data(), workspace_.values_of(part.ports),
+                       workspace_.driving(now, part.driving_rates), read_covariance_.of(part, P, workspace_), out);
   if (!result) return result;
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
   for (int j = 0; j < most; ++j)  // what a model wrote beyond its rows is not the next part's

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "filter/model_calls.hpp"
+#include "filter/read_covariance.hpp"
 #include "filter/sample_rows.hpp"
 #include "filter/workspace.hpp"
 
@@ -15,12 +16,13 @@ class Linearizer {
   Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, Workspace& workspace,
              ModelCalls& calls);
 
-  /// Fills the rows of `measurement`, or refuses. Throws Stop where a model gives what cannot be noise.
-  Result run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now, SampleRows& rows);
+  /// Fills the rows of `measurement`, or refuses. Throws Stop where a model gives what cannot be noise. P: a priori.
+  Result run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now, const CovarianceForm& P,
+             SampleRows& rows);
 
  private:
   Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Moment& now,
-                  SampleRows& rows, int& part_rows);
+                  const CovarianceForm& P, SampleRows& rows, int& part_rows);
   void read_auxiliary(const PartPlan& part);
   void assemble(const PartPlan& part, int part_rows, SampleRows& rows);
 
@@ -29,6 +31,7 @@ class Linearizer {
   std::byte* arena_;
   Workspace& workspace_;
   ModelCalls& calls_;
+  ReadCovariance read_covariance_;
   std::vector<double> fields_, row_fields_;  // of the sample, as a part reads it
   std::vector<SampleView> auxiliary_;        // likewise
   std::vector<double> auxiliary_fields_;

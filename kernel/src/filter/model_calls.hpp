@@ -81,8 +81,8 @@ class ModelCalls {
     during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(ContinuousInput{x}, out); });
   }
   Result linearize(const PartPlan& plan, const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const Driving& u, MeasurementOutput& out) {
-    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), {}, {}};
+                   const Driving& u, const PortCovariance& P, MeasurementOutput& out) {
+    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, {}};
     return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
   }
   void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {

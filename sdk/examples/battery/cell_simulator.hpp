@@ -17,7 +17,7 @@ class CellWorld {
  public:
   /// Plain memory: the whole state of a simulation.
   struct State {
-    Random random;
+    Random random{};
     double soc = 0, rc = 0;  // 1, V
     std::int64_t second = 0;
     double current = 0;  // as measured: mean of the second that ended [A]
@@ -57,8 +57,8 @@ class CellWorld {
 
   State start(std::uint64_t seed) const {
     State world;
-    world.random.state = seed;
-    world.soc = soc_ + soc_sigma_ * world.random.normal();
+    world.random = binnacle::random::stream(seed, "cell");
+    world.soc = soc_ + soc_sigma_ * normal(world.random);
     return world;
   }
 
@@ -72,8 +72,8 @@ class CellWorld {
       world.rc += dt / 2 * (rc_rate(world.rc, I) + rc_rate(predicted, I));
       world.soc -= dt * (I < 0 ? efficiency_ : 1) * I / capacity_;
     }
-    world.current = I + current_noise_ * world.random.normal();  // mean over 1 s: q / √(1 s)
-    world.voltage = ocv_.at(world.soc).volts - world.rc - r0_ * I + voltage_sigma_ * world.random.normal();
+    world.current = I + current_noise_ * normal(world.random);  // mean over 1 s: q / √(1 s)
+    world.voltage = ocv_.at(world.soc).volts - world.rc - r0_ * I + voltage_sigma_ * normal(world.random);
   }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of the examples need: the composition of the config, and the figures of a study of it.
+// What the tests of the examples need: the models that the config is composed of, and the figures of a study.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,8 @@
 
 #include <unistd.h>
 
-#include <binnacle/composition.hpp>
+#include <binnacle/parts.hpp>
+#include <binnacle/testing.hpp>
 
 namespace example {
 
@@ -33,6 +34,22 @@ inline std::shared_ptr<const binnacle::Composition> compose(std::vector<std::str
   options.sets.push_back("/plugins/0=" + environment("PLUGIN"));
   options.sets.insert(options.sets.end(), sets.begin(), sets.end());
   return binnacle::Composition::load(environment("CONFIG"), options);
+}
+
+/// The config as it is. What is taken out of it, a model's spec for one, lives as long as it.
+inline const binnacle::Composition& composition() {
+  static const std::shared_ptr<const binnacle::Composition> composed = compose();
+  return *composed;
+}
+
+/// The ports of a bound model with these values, in the order of its spec; no value: the port is open. sigma: a plausible
+/// error of each component, which differences are taken in steps of.
+inline binnacle::testing::PortStates at(const std::vector<binnacle::parts::Value>& ports,
+                                        const std::vector<std::vector<double>>& x, double sigma) {
+  binnacle::testing::PortStates states(ports.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (!x[i].empty()) states[i] = {ports.at(i).block.get(), x[i], sigma};
+  return states;
 }
 
 /// |value − wanted| ≤ relative · |wanted| + absolute.

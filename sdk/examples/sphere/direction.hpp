@@ -8,7 +8,7 @@
 
 #include "s2.hpp"
 
-/// Kind "direction": three numbers of length one, two degrees of freedom [rad].
+/// Kind "direction": a unit vector and two axes normal to it, that go along with it; two degrees of freedom [rad].
 class Direction final : public binnacle::StateBlock {
  public:
   static binnacle::ComponentSpec spec() {
@@ -24,7 +24,7 @@ class Direction final : public binnacle::StateBlock {
   explicit Direction(const binnacle::Binding&) {
     using binnacle::output;
     declaration_.kind = "direction";
-    declaration_.stored_size = 3;
+    declaration_.stored_size = 9;
     declaration_.error = {{"first", "rad"}, {"second", "rad"}};
     for (const char* axis : {"x", "y", "z"})
       declaration_.outputs.push_back(output(axis, "1").unscored().about("component of the unit vector"));
@@ -34,22 +34,29 @@ class Direction final : public binnacle::StateBlock {
 
   const binnacle::StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
   void plus(const double* x, const double* delta, double* result) const override {
-    binnacle::vector_at<3>(result) = s2::plus(binnacle::vector_at<3>(x), binnacle::vector_at<2>(delta));
+    frame_of(result) = s2::plus(frame_of(x), binnacle::vector_at<2>(delta));
   }
   void minus(const double* y, const double* x, double* delta) const override {
-    binnacle::vector_at<2>(delta) = s2::minus(binnacle::vector_at<3>(y), binnacle::vector_at<3>(x));
+    binnacle::vector_at<2>(delta) = s2::minus(s2::direction(frame_of(y)), frame_of(x));
   }
   void read(const double* x, double* outputs) const override {
-    binnacle::vector_at<3>(outputs) = binnacle::vector_at<3>(x);
+    binnacle::vector_at<3>(outputs) = s2::direction(frame_of(x));
   }
   binnacle::Result write(const double* outputs, double* x) const override {
     const s2::Vector3 v = binnacle::vector_at<3>(outputs);
     const double length = v.norm();
     if (!(std::abs(length - 1) < 0.01)) return binnacle::Result::invalid("x, y, z are a vector of length 1");
-    binnacle::vector_at<3>(x) = v / length;
+    frame_of(x) = s2::frame_at(v / length);
     return binnacle::Result::ok();
+  }
+  bool reset_jacobian(const double* delta, double* G) const override {
+    binnacle::matrix_at<2, 2>(G) = s2::reset_jacobian(binnacle::vector_at<2>(delta));
+    return true;
   }
 
  private:
+  static binnacle::ConstMapOf<3, 3> frame_of(const double* x) { return binnacle::matrix_at<3, 3>(x); }
+  static binnacle::MapOf<3, 3> frame_of(double* x) { return binnacle::matrix_at<3, 3>(x); }
+
   binnacle::StateBlockDeclaration declaration_;
 };

@@ -9,11 +9,11 @@
 #include "s2.hpp"
 
 /// z = x ⊞ v with v the same in all directions: a star tracker's line of sight, an accelerometer at rest. The length of
-/// what is measured does not matter. The residual is taken in the axes at z, which do not move with the estimate:
+/// what is measured does not matter. The residual is taken in axes at z, which do not move with the estimate:
 ///
 ///     r = −(x̂ ⊟ z),   H = ∂(x̂ ⊟ z)/∂δ,   R = σ² I
 ///
-/// With the axes at x̂ (r = z ⊟ x̂), H would have to tell how B(x̂) turns as x̂ moves.
+/// In those at x̂ (r = z ⊟ x̂), H would have to say how they turn as x̂ moves.
 class Sighting final : public binnacle::MeasurementModel {
  public:
   static binnacle::ComponentSpec spec() {
@@ -45,11 +45,12 @@ class Sighting final : public binnacle::MeasurementModel {
     const double length = z.stableNorm();
     if (!(length > 1e-9 && length < 1e9)) return Result::invalid("a vector of that length shows no direction");
     z /= length;
-    const s2::Vector3 x = in.x[direction_].as<3>();
-    if (x.dot(z) < least_cosine) return Result::unsupported("it is seen more than 135 degrees from the estimate");
+    const s2::Frame seen = s2::frame_at(z), x = binnacle::matrix_at<3, 3>(in.x[direction_].data());
+    if (s2::direction(x).dot(z) < least_cosine)
+      return Result::unsupported("it is seen more than 135 degrees from the estimate");
     out.rows = 2;
-    out.residual.segment(0, 2).as<2>() = -s2::minus(x, z);
-    if (auto H = out.H[direction_]) H.block(0, 0, 2, 2).as<2, 2>() = s2::minus_jacobian(x, z);
+    out.residual.segment(0, 2).as<2>() = -s2::minus(s2::direction(x), seen);
+    if (auto H = out.H[direction_]) H.block(0, 0, 2, 2).as<2, 2>() = s2::minus_jacobian(x, seen);
     for (int i = 0; i < 2; ++i) out.R(i, i) = variance_;
     return Result::ok();
   }

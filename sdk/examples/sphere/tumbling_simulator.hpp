@@ -16,7 +16,7 @@ class TumblingWorld {
  public:
   /// Plain memory: the whole state of a simulation.
   struct State {
-    Random random;
+    Random random{};
     double x[3] = {}, bias[3] = {};  // 1, rad/s
     std::int64_t steps = 0;
     double rates[3] = {}, seen[3] = {};  // as measured: mean over the last step [rad/s], at its end [1]
@@ -49,9 +49,9 @@ class TumblingWorld {
 
   State start(std::uint64_t seed) const {
     State world;
-    world.random.state = seed;
+    world.random = binnacle::random::stream(seed, "body");
     binnacle::vector_at<3>(world.x) = spread(direction_, direction_sigma_, world.random);
-    for (double& bias : world.bias) bias = bias_sigma_ * world.random.normal();
+    for (double& bias : world.bias) bias = bias_sigma_ * normal(world.random);
     return world;
   }
 
@@ -70,7 +70,7 @@ class TumblingWorld {
     binnacle::vector_at<3>(world.x) = x;
     for (int axis = 0; axis < 3; ++axis)
       world.rates[axis] =
-          turned[axis] / interval + world.bias[axis] + gyro_noise_ / std::sqrt(interval) * world.random.normal();
+          turned[axis] / interval + world.bias[axis] + gyro_noise_ / std::sqrt(interval) * normal(world.random);
     binnacle::vector_at<3>(world.seen) = spread(x, sigma_, world.random);
   }
 
@@ -81,7 +81,7 @@ class TumblingWorld {
   /// Turned by a normal error about two axes across x, made without the axes of the block.
   static s2::Vector3 spread(const s2::Vector3& x, double sigma, Random& random) {
     s2::Vector3 across;
-    for (int axis = 0; axis < 3; ++axis) across[axis] = sigma * random.normal();
+    for (int axis = 0; axis < 3; ++axis) across[axis] = sigma * normal(random);
     across -= x.dot(across) * x;
     const double angle = across.norm();
     return angle > 0 ? s2::Vector3(std::cos(angle) * x + std::sin(angle) / angle * across) : x;

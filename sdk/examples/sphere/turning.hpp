@@ -11,9 +11,8 @@
 /// ẋ = −(ω − b) × x, with the gyro's rates ω and a bias b of them, that may be left out. Over an interval dt, with
 /// φ = −(ω − b) dt and Rodrigues' rotation R = exp([φ]×):
 ///
-///     x⁺ = R x
-///     Φ_xx = B(x⁺)ᵀ R B(x)
-///     Φ_xb = −B(x⁺)ᵀ [x⁺]× J(φ) dt          J the left Jacobian of SO(3): δφ turns what is rotated by J(φ) δφ
+///     x⁺ = R x, and so do the axes, B⁺ = R B: Φ_xx = B⁺ᵀ R B = I
+///     Φ_xb = −B⁺ᵀ [x⁺]× J(φ) dt             J the left Jacobian of SO(3): δφ turns what is rotated by J(φ) δφ
 ///     Qd = q² dt I, q the gyro's white noise, which is the same in all directions
 ///
 /// J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, (145).
@@ -46,13 +45,11 @@ class Turning final : public binnacle::ProcessModel {
         bias_(b.port("gyro_bias")),
         rates_(b.fields("wx", "wy", "wz")),
         density_(std::pow(b.parameters().number("gyro_noise"), 2)) {
-    phi_xx_ = declaration_.couples(direction_, direction_);
     phi_xb_ = declaration_.couples(direction_, bias_);  // of an open port: nothing
     q_xx_ = declaration_.adds_noise(direction_, direction_);
   }
 
   binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
-    const s2::Vector3 x0 = in.x[direction_].as<3>();
     s2::Vector3 bias = s2::Vector3::Zero();
     if (bias_.is_bound()) bias = in.x[bias_].as<3>();
 
@@ -65,11 +62,9 @@ class Turning final : public binnacle::ProcessModel {
       E = more * E + left_jacobian(turn) * sample.dt;
       R = more * R;
     }
-    const s2::Vector3 x = (R * x0).normalized();
-    out.x[direction_].as<3>() = x;
-    const s2::Basis B = s2::basis(x);
-    if (auto Phi = out.phi[phi_xx_]) Phi.as<2, 2>() = B.transpose() * R * s2::basis(x0);
-    if (auto Phi = out.phi[phi_xb_]) Phi.as<2, 3>() = -B.transpose() * cross(x) * E;
+    const s2::Frame after = s2::orthonormal(R * binnacle::matrix_at<3, 3>(in.x[direction_].data()));
+    binnacle::matrix_at<3, 3>(out.x[direction_].data()) = after;
+    if (auto Phi = out.phi[phi_xb_]) Phi.as<2, 3>() = -s2::axes(after).transpose() * cross(s2::direction(after)) * E;
     if (auto Q = out.Qd[q_xx_]) Q.as<2, 2>() = density_ * in.step.dt * Eigen::Matrix2d::Identity();
     return binnacle::Result::ok();
   }
@@ -83,25 +78,18 @@ class Turning final : public binnacle::ProcessModel {
     m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
     return m;
   }
-  /// (1 − cos θ)/θ².
-  static double versine(double theta) {
-    const double half = s2::sinc(theta / 2);
-    return half * half / 2;
-  }
   static Matrix3 rotation(const s2::Vector3& phi) {
     const Matrix3 X = cross(phi);
-    return Matrix3::Identity() + s2::sinc(phi.norm()) * X + versine(phi.norm()) * X * X;
+    return Matrix3::Identity() + s2::sinc(phi.norm()) * X + s2::versine(phi.norm()) * X * X;
   }
   static Matrix3 left_jacobian(const s2::Vector3& phi) {
-    const double theta = phi.norm();
-    const double c = theta < 1e-2 ? (1 - theta * theta / 20) / 6 : (1 - s2::sinc(theta)) / (theta * theta);
     const Matrix3 X = cross(phi);
-    return Matrix3::Identity() + versine(theta) * X + c * X * X;
+    return Matrix3::Identity() + s2::versine(phi.norm()) * X + s2::sinc_fall(phi.norm()) * X * X;
   }
 
   binnacle::Port direction_, bias_;
   binnacle::Fields<3> rates_;
-  binnacle::PhiBlock phi_xx_, phi_xb_;
+  binnacle::PhiBlock phi_xb_;
   binnacle::QBlock q_xx_;
   double density_;  // rad²/s
 };

@@ -22,7 +22,7 @@ class RadarWorld {
 
   /// Plain memory: the whole state of a simulation.
   struct State {
-    Random random;
+    Random random{};
     std::int64_t scans = 0;
     double position[most_targets][2] = {}, velocity[most_targets][2] = {};  // north, east [m], [m/s]
     int detections = 0;
@@ -75,11 +75,11 @@ class RadarWorld {
 
   State start(std::uint64_t seed) const {
     State world = mean_;
-    world.random.state = seed;
+    world.random = binnacle::random::stream(seed, "radar");
     for (int i = 0; i < targets_; ++i)
       for (int axis = 0; axis < 2; ++axis) {
-        world.position[i][axis] += position_sigma_ * world.random.normal();
-        world.velocity[i][axis] += velocity_sigma_ * world.random.normal();
+        world.position[i][axis] += position_sigma_ * normal(world.random);
+        world.velocity[i][axis] += velocity_sigma_ * normal(world.random);
       }
     return world;
   }
@@ -99,7 +99,7 @@ class RadarWorld {
     const double dt = binnacle::seconds(interval_) / parts;
     for (int part = 0; part < parts; ++part) {
       const double before = world.velocity[i][axis];
-      world.velocity[i][axis] += q_ * std::sqrt(dt) * world.random.normal();
+      world.velocity[i][axis] += q_ * std::sqrt(dt) * normal(world.random);
       world.position[i][axis] += dt * (before + world.velocity[i][axis]) / 2;
     }
   }
@@ -108,19 +108,19 @@ class RadarWorld {
     Random& random = world.random;
     world.detections = 0;
     for (int i = 0; i < targets_; ++i) {
-      const double u = random.uniform(), range_error = random.normal(), bearing_error = random.normal();
+      const double u = binnacle::random::uniform(random), range_error = normal(random), bearing_error = normal(random);
       const double north = world.position[i][0], east = world.position[i][1];
       const double range = std::hypot(north, east) + range_sigma_ * range_error;
-      if (u <= found_ && range > 0) add(world, range, std::atan2(east, north) + bearing_sigma_ * bearing_error);
+      if (u < found_ && range > 0) add(world, range, std::atan2(east, north) + bearing_sigma_ * bearing_error);
     }
     // Poisson, by Knuth: how many uniform numbers it takes until their product is below exp(−mean).
-    for (double product = random.uniform(); product > none_ && world.detections < most_detections;
-         product *= random.uniform()) {
-      const double range = reach_ * std::sqrt(random.uniform());
-      add(world, range, std::numbers::pi * (2 * random.uniform() - 1));
+    for (double product = binnacle::random::uniform(random); product > none_ && world.detections < most_detections;
+         product *= binnacle::random::uniform(random)) {
+      const double range = reach_ * std::sqrt(1 - binnacle::random::uniform(random));
+      add(world, range, std::numbers::pi * (2 * binnacle::random::uniform(random) - 1));
     }
     for (int k = world.detections - 1; k > 0; --k) {
-      const int other = static_cast<int>(random.next() % static_cast<std::uint64_t>(k + 1));
+      const int other = static_cast<int>(random() % static_cast<std::uint64_t>(k + 1));
       std::swap(world.range[k], world.range[other]);
       std::swap(world.bearing[k], world.bearing[other]);
     }

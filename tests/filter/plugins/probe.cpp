@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Components that only tests want: a noise estimator that counts in its memory, a nonlinear derived block, a process
-// that turns its block into NaN, a measurement with typed refusals, one with as many rows as its sample.
+// that turns its block into NaN, a measurement with typed refusals, one with as many rows as its sample, one that shows the
+// covariance of what it reads.
 #include <cmath>
 #include <limits>
 
@@ -176,6 +177,34 @@ class Rows : public MeasurementModel {
   RowField key_, z_, slope_, variance_;
 };
 
+/// r = P between its two ports, column by column; it changes nothing.
+class Knowing : public MeasurementModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "knowing";
+    spec.summary = "Shows the covariance of what it reads.";
+    spec.ports = {reads("a", "vector:2:*", "the rows"), reads("b", "vector:2:*", "the columns"),
+                  may_read("c", "*", "left open")};
+    spec.fields = {field::level("z", "1").about("a sample there must be")};
+    spec.example = R"({"channel": "z", "blocks": {"a": "a", "b": "b"}})";
+    return spec;
+  }
+  explicit Knowing(const Binding& binding) : a_(binding.port("a")), b_(binding.port("b")), c_(binding.port("c")) {
+    declaration_.rows(4).reads(a_).reads(b_).reads(c_).group(rows::like("covariance", "1")).wants_covariance();
+  }
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    const ConstMatrixView P = in.P(a_, b_);
+    if (!P || in.P(a_, c_)) return Result::failed("not the covariance that was asked for");
+    out.rows = 4;
+    for (int i = 0; i < 4; ++i) out.residual[i] = P(i % 2, i / 2), out.R(i, i) = 1;
+    return Result::ok();
+  }
+
+ private:
+  Port a_, b_, c_;
+};
+
 }  // namespace
 
 BINNACLE_PLUGIN("probe", "1.0.0", registry) {
@@ -184,4 +213,5 @@ BINNACLE_PLUGIN("probe", "1.0.0", registry) {
   registry.add<Breaking>();
   registry.add<Picky>();
   registry.add<Rows>();
+  registry.add<Knowing>();
 }
