@@ -13,7 +13,7 @@
 ///
 ///     r = −(x̂ ⊟ z),   H = ∂(x̂ ⊟ z)/∂δ,   R = σ² I
 ///
-/// In those at x̂ (r = z ⊟ x̂), H would have to say how they turn as x̂ moves.
+/// In those at x̂ (r = z ⊟ x̂), H would need the derivative of those axes.
 class Sighting final : public binnacle::MeasurementModel {
  public:
   static binnacle::ComponentSpec spec() {
