@@ -97,7 +97,8 @@ constexpr CodeEntry entries[] = {
     {"B046", "duplicate type", "Two components register the same full name.",
      "Remove one of the plugin files; an old copy in another folder is the usual cause."},
     {"B047", "plugin of a folder not loaded",
-     "A library that was found in a plugin folder cannot be loaded. A warning, unless the config has a type that it may "
+     "A library that was found in a plugin folder cannot be loaded. A warning, unless the config has a type that it "
+     "may "
      "bring.",
      "Rebuild or remove the file; the message gives the reason."},
     {"B060", "data file missing", "A file of samples cannot be opened.",

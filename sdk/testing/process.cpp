@@ -60,8 +60,8 @@ Complaints check_transition(const ProcessCaller& process, const PortStates& port
           "Phi of '" + process.spec().ports[to].name + "' by '" + process.spec().ports[from].name + "'";
       compare({name, block, largest == 0 ? "nothing is declared" : "",
                [&](Eigen::Index i, Eigen::Index j) {
-                 if (largest > 0) return tolerance.relative * largest;
-                 return tolerance.neglected * ports[to].scale[i] / ports[from].scale[j];
+                 const double neglected = largest > 0 && !tolerance.neglects_declared ? 0 : tolerance.neglected;
+                 return tolerance.relative * largest + neglected * ports[to].scale[i] / ports[from].scale[j];
                },
                ports[to].resolution},
               ports, from, change, tolerance.steps, out);

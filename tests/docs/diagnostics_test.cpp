@@ -5,8 +5,8 @@
 #include <string>
 
 #include "catch.hpp"
-#include "document/codes.hpp"
 #include "document.hpp"
+#include "document/codes.hpp"
 
 namespace {
 

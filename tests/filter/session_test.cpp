@@ -41,13 +41,13 @@ TEST_CASE("names give ids, and a wrong one the nearest name") {
   CHECK(session.block("f/x").index == 0);
   CHECK(session.measurement("f/fix").index == 0);
   CHECK(session.measurement("fix").filter.index == 0);
-  std::string told;
+  std::string message;
   try {
     session.measurement("f/fxi");
   } catch (const ConfigError& error) {
-    told = error.what();
+    message = error.what();
   }
-  CHECK(told.find("there is no measurement 'f/fxi'; did you mean 'f/fix'?") != std::string::npos);
+  CHECK(message.find("there is no measurement 'f/fxi'; did you mean 'f/fix'?") != std::string::npos);
   CHECK_THROWS_AS(session.channel("zz"), ConfigError);
 }
 

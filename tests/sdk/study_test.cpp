@@ -294,7 +294,7 @@ TEST_CASE("a metric that no variant knows is misspelt, wherever it stands, and o
                 ",\n  \"study\": { \"metrics\": [\"walk/place.x/rms\"], \"variants\": " + variants + "}\n");
     bench.write("study.json", text);
   };
-  const std::string told =
+  const std::string listed =
       " /evaluate/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean 'rms'? (statistics: "
       "mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)";
   const auto each = [&](const auto& look) {
@@ -309,14 +309,14 @@ TEST_CASE("a metric that no variant knows is misspelt, wherever it stands, and o
     INFO(verb << ": " << outcome.err);
     CHECK(outcome.status == 3);
     const std::string whose = verb == "run" ? "" : " (variant 'a')";
-    CHECK(outcome.err == "study.json:26:94: error[B027]" + told + whose + "\n1 error\n");
+    CHECK(outcome.err == "study.json:26:94: error[B027]" + listed + whose + "\n1 error\n");
   });
   // Among those of all variants.
   with_metrics(R"~(["walk/place.x/rsm"])~", R"~({ "a": {}, "b": {} })~");
   each([&](const Outcome& outcome, const std::string& verb) {
     INFO(verb << ": " << outcome.err);
     CHECK(outcome.status == 3);
-    CHECK(outcome.err == "study.json:24:29: error[B027]" + told + "\n1 error\n");
+    CHECK(outcome.err == "study.json:24:29: error[B027]" + listed + "\n1 error\n");
   });
   // Variant a has no reference, so no error to make the metric of.
   with_metrics(R"~(["walk/place.x/rms"])~", R"~({ "a": { "reference": null }, "b": {} })~");

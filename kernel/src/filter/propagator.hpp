@@ -20,7 +20,7 @@ class Propagator {
   /// refuses or writes what cannot be noise.
   void run(const Moment& now, Time t1, std::span<const InputSample> samples, const double* x);
   const double* x_plus() const { return x_plus_.data(); }
-  /// After a step whose result is not finite: "…: propagate at 3 s gave Phi(velocity, attitude), which is not finite", or
+  /// After a step whose result is not finite: "…: propagate at 3 s gave Phi(a, b), which is not finite", or
   /// "" where no process is to blame.
   std::string culprit(Time t1) const;
 

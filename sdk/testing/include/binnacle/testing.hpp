@@ -86,13 +86,13 @@ int offset(const PortStates& ports, std::size_t port);
 ///     |numeric − B|_ij ≤ relative · max|D| + (neglected · scale_i + 8 · resolution / step) / scale_j
 ///
 /// where scale_i is the plausible size of what row i is of (measurements: the row's own, see check_measurement), and
-/// scale_j that of the port's component. For a process, `neglected` counts only where the model declares nothing: what it
-/// does declare must be right. Differences are central with Richardson's extrapolation, in steps of `steps`
+/// scale_j that of the port's component. Differences are central with Richardson's extrapolation, in steps of `steps`
 /// scales; B must agree with those of one step, for no single step suits every function.
 struct Tolerance {
   double relative = 1e-6;
   double neglected = 0;
   std::vector<double> steps = {1.0};
+  bool neglects_declared = true;  // false, for a process: `neglected` counts only where the model declares nothing
 };
 
 /// The steps of the suite, for functions that it knows nothing of.
