@@ -8,7 +8,7 @@
 
 namespace binnacle::command {
 
-/// `explained` is what Composition::explain() gives. Nodes are components, each named by its JSON pointer; edges are
+/// `explained` is what document::explain() gives. Nodes are components, each named by its JSON pointer; edges are
 /// channels from emitter to subscriber, and within a filter what is advanced, read, derived and measured.
 std::string dot_text(const Json& explained);
 

@@ -2,8 +2,8 @@
 // explain: a dry run for people. State layout, who moves and reads what, channels, what is unused.
 #include <fmt/format.h>
 
-#include "binnacle/composition.hpp"
 #include "binnacle/unit.hpp"
+#include "document/document.hpp"
 #include "output.hpp"
 #include "score/sections.hpp"
 #include "table.hpp"
@@ -238,7 +238,7 @@ struct Options {
 
 int explain(const Options& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
-  const Json explained = composition->explain();
+  const Json explained = document::explain(*composition);
   if (options.json)
     print_json(explained);
   else

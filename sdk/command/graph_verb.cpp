@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "atomic_file.hpp"
-#include "binnacle/composition.hpp"
+#include "document/document.hpp"
 #include "dot.hpp"
 #include "output.hpp"
 #include "score/sections.hpp"
@@ -78,7 +78,7 @@ struct Options {
 
 int graph(const Options& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
-  const Json explained = composition->explain();
+  const Json explained = document::explain(*composition);
   const std::string dot = dot_text(explained);
   if (!options.sparsity.empty()) {
     AtomicFile file(options.sparsity);

@@ -8,7 +8,7 @@
 
 namespace binnacle::command {
 
-/// From what Composition::explain() gives. Every filled place is a <rect> of class "phi", "qd" or "h" and "dense",
+/// From what document::explain() gives. Every filled place is a <rect> of class "phi", "qd" or "h" and "dense",
 /// "diagonal" or "identity", which says in data-row, data-column, data-rows, data-columns where it lies in P (an "h": its
 /// columns, and the measurement and part that it is of).
 std::string sparsity_svg(const Json& explained);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "score/run.hpp"
 
+#include <chrono>
 #include <utility>
 
 #include "binnacle/run.hpp"
@@ -8,6 +9,7 @@
 #include "filter_score.hpp"
 #include "plan.hpp"
 #include "recorder.hpp"
+#include "run_figures.hpp"
 #include "text.hpp"
 
 namespace binnacle::score {
@@ -31,6 +33,7 @@ class Scorer final : public binnacle::RunObserver {
   }
 
   void begin(Session& session) override {
+    session_ = &session;
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
     if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, plan_->record_every);
@@ -48,7 +51,10 @@ class Scorer final : public binnacle::RunObserver {
     for (auto& score : scores_) score->finish();
     if (records_)
       for (const auto& score : scores_) score->show_errors(observer_);
-    for (std::size_t f = 0; f < scores_.size(); ++f) filters_[plan_->filters[f].name] = scores_[f]->summary();
+    for (std::size_t f = 0; f < scores_.size(); ++f) {
+      auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
+      figures.update(run_figures(*session_, {static_cast<int>(f)}));
+    }
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     for (const auto& metric : plan_->metrics) {
       const auto unit = parse_unit(metric.unit);
@@ -59,15 +65,13 @@ class Scorer final : public binnacle::RunObserver {
 
   std::vector<MetricValue> values() const { return values_; }
 
-  /// The figures before those of the run itself.
-  Json summary(const Json& of_run) const {
-    Json summary, filters = filters_;
-    for (const auto& [name, figures] : of_run.at("filters").items()) filters[name].update(figures);
-    summary["filters"] = std::move(filters);
+  Json summary(const Diagnostics& warnings) const {
+    Json summary{{"filters", filters_}};
     if (!metrics_.empty()) summary["metrics"] = metrics_;
     if (!windows_.empty()) summary["windows"] = windows_;
-    for (const auto& [key, value] : of_run.items())
-      if (key != "filters") summary[key] = value;
+    summary["warnings"] = Json::array();
+    for (const auto& warning : warnings.items()) summary["warnings"].push_back(to_string(warning));
+    summary["seed"] = options_.seed;
     return summary;
   }
 
@@ -83,11 +87,13 @@ class Scorer final : public binnacle::RunObserver {
   bool records_ = false;
   Json filters_ = Json::object(), metrics_ = Json::object(), windows_ = Json::object();
   std::vector<MetricValue> values_;
+  const Session* session_ = nullptr;  // of the run under way
 };
 
 }  // namespace
 
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
   Scorer scorer(*composition, options);
   binnacle::RunOptions run_options;
   run_options.seed = options.seed;
@@ -95,7 +101,9 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   run_options.observer = &scorer;
   run_options.feeds_sinks = options.feeds_sinks;
   binnacle::RunResult result = binnacle::run(composition, run_options);
-  return {scorer.summary(result.summary), scorer.values(), std::move(result.warnings), std::move(result.failures)};
+  Json summary = scorer.summary(result.warnings);
+  summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return {std::move(summary), scorer.values(), std::move(result.warnings), std::move(result.failures)};
 }
 
 }  // namespace binnacle::score

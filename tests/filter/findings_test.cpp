@@ -37,9 +37,13 @@ TEST_CASE("a component's note is a warning at its place, its figures are explain
   CHECK(warning.pointer == "/filters/f/process/p");
   CHECK(warning.message == "it breaks without a word");
   CHECK(warning.origin.line == 5);
-  const auto found = composition->explain().at("found");
-  CHECK(found == nlohmann::ordered_json::parse(R"([{"at": "/filters/f/process/p", "figures": [
-    {"name": "breaks after", "value": 3.0, "unit": "s"}]}])"));
+  REQUIRE(composition->found().size() == 1);
+  const FoundInfo& found = composition->found().front();
+  CHECK(found.pointer == "/filters/f/process/p");
+  REQUIRE(found.figures.size() == 1);
+  CHECK(found.figures.front().name == "breaks after");
+  CHECK(found.figures.front().value == 3);
+  CHECK(found.figures.front().unit == "s");
 }
 
 TEST_CASE("a component that has no note is none of the warnings") {

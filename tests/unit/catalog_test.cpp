@@ -313,7 +313,7 @@ TEST_CASE("what a constructor throws is contained, and names plugin, component, 
   const auto thrown = [&](const std::string& text) {
     const ParameterValue parameters = what(text);
     try {
-      type.create_source(binding(parameters));
+      type.create<Source>(binding(parameters));
     } catch (const ComponentError& error) {
       return error;
     }
@@ -330,7 +330,7 @@ TEST_CASE("what a constructor throws is contained, and names plugin, component, 
         "plugin 'good', component 'thrower': its constructor threw: something that is no std::exception");
   CHECK(std::string(thrown("nothing").what()) == "nothing was thrown");
   const ParameterValue nothing = what("nothing");
-  CHECK_THROWS_AS(type.create_sink(binding(nothing)), std::logic_error);
+  CHECK_THROWS_AS(type.create<Sink>(binding(nothing)), std::logic_error);
 }
 
 TEST_CASE("objects and errors outlive the catalog, and the library stays with them", "[catalog]") {
@@ -343,13 +343,13 @@ TEST_CASE("objects and errors outlive the catalog, and the library stays with th
     Diagnostics diagnostics;
     catalog.load(plugin_at("good"), diagnostics);
     const ParameterValue empty;
-    block = catalog.find(Role::state_block, "still")->create_state_block(binding(empty));
+    block = catalog.find(Role::state_block, "still")->create<StateBlock>(binding(empty));
     const ParameterValue nothing = what("nothing");
     copy = *catalog.find(Role::source, "thrower");
-    source = copy.create_source(binding(nothing));
+    source = copy.create<Source>(binding(nothing));
     const ParameterValue bad = what("component_error");
     try {
-      copy.create_source(binding(bad));
+      copy.create<Source>(binding(bad));
     } catch (...) {
       error = std::current_exception();
     }

@@ -24,8 +24,7 @@ namespace binnacle::abi {
 
 inline constexpr std::uint64_t magic = 0x454c'4341'4e4e'4942;  // "BINNACLE", little-endian
 inline constexpr std::uint32_t api_major = 1;                  // changes with any interface; refused
-inline constexpr std::uint32_t api_minor =
-    0;  // additions that old plugins need not know; a newer one than the host's is refused
+inline constexpr std::uint32_t api_minor = 0;                  // additions; a newer one than the host's is refused
 
 struct TypeLayout {
   std::uint32_t size;
@@ -68,7 +67,7 @@ struct Guard {
   std::uint32_t eigen_version;         // world · 10000 + major · 100 + minor
   std::uint32_t eigen_max_align;       // EIGEN_MAX_ALIGN_BYTES
   std::uint32_t reserved;
-  std::uint64_t instruction_sets;  // bit i: instruction_set_names[i]; x86 only
+  std::uint64_t instruction_sets;  // bits of BINNACLE_ABI_INSTRUCTION_SETS; x86 only
   std::uint64_t header_hash;
   char compiler[64];
   char name[64];
@@ -118,81 +117,27 @@ consteval std::uint32_t sanitizer_bits() {
   return bits;
 }
 
-/// Bits in the order of the host's table of names; append only.
+// The compiler's macro for each instruction set, and the name that -m and __builtin_cpu_supports take. Each has the bit of
+// its place; append only.
+// clang-format off
+#define BINNACLE_ABI_INSTRUCTION_SETS(X)                                                                              \
+  X(__SSE3__, "sse3") X(__SSSE3__, "ssse3") X(__SSE4_1__, "sse4.1") X(__SSE4_2__, "sse4.2") X(__POPCNT__, "popcnt")   \
+  X(__AVX__, "avx") X(__AVX2__, "avx2") X(__FMA__, "fma") X(__BMI__, "bmi") X(__BMI2__, "bmi2")                       \
+  X(__AVX512F__, "avx512f") X(__AVX512CD__, "avx512cd") X(__AVX512DQ__, "avx512dq") X(__AVX512BW__, "avx512bw")       \
+  X(__AVX512VL__, "avx512vl") X(__AVX512IFMA__, "avx512ifma") X(__AVX512VBMI__, "avx512vbmi")                         \
+  X(__AVX512VNNI__, "avx512vnni") X(__AVX512VBMI2__, "avx512vbmi2") X(__AVX512BITALG__, "avx512bitalg")               \
+  X(__AVX512VPOPCNTDQ__, "avx512vpopcntdq") X(__FMA4__, "fma4") X(__XOP__, "xop") X(__SSE4A__, "sse4a")
+// clang-format on
+
 consteval std::uint64_t instruction_set_bits() {
   std::uint64_t bits = 0;
-#ifdef __SSE3__
-  bits |= 1ull << 0;
-#endif
-#ifdef __SSSE3__
-  bits |= 1ull << 1;
-#endif
-#ifdef __SSE4_1__
-  bits |= 1ull << 2;
-#endif
-#ifdef __SSE4_2__
-  bits |= 1ull << 3;
-#endif
-#ifdef __POPCNT__
-  bits |= 1ull << 4;
-#endif
-#ifdef __AVX__
-  bits |= 1ull << 5;
-#endif
-#ifdef __AVX2__
-  bits |= 1ull << 6;
-#endif
-#ifdef __FMA__
-  bits |= 1ull << 7;
-#endif
-#ifdef __BMI__
-  bits |= 1ull << 8;
-#endif
-#ifdef __BMI2__
-  bits |= 1ull << 9;
-#endif
-#ifdef __AVX512F__
-  bits |= 1ull << 10;
-#endif
-#ifdef __AVX512CD__
-  bits |= 1ull << 11;
-#endif
-#ifdef __AVX512DQ__
-  bits |= 1ull << 12;
-#endif
-#ifdef __AVX512BW__
-  bits |= 1ull << 13;
-#endif
-#ifdef __AVX512VL__
-  bits |= 1ull << 14;
-#endif
-#ifdef __AVX512IFMA__
-  bits |= 1ull << 15;
-#endif
-#ifdef __AVX512VBMI__
-  bits |= 1ull << 16;
-#endif
-#ifdef __AVX512VNNI__
-  bits |= 1ull << 17;
-#endif
-#ifdef __AVX512VBMI2__
-  bits |= 1ull << 18;
-#endif
-#ifdef __AVX512BITALG__
-  bits |= 1ull << 19;
-#endif
-#ifdef __AVX512VPOPCNTDQ__
-  bits |= 1ull << 20;
-#endif
-#ifdef __FMA4__
-  bits |= 1ull << 21;
-#endif
-#ifdef __XOP__
-  bits |= 1ull << 22;
-#endif
-#ifdef __SSE4A__
-  bits |= 1ull << 23;
-#endif
+  int i = 0;
+  // A macro that is defined is 1 by then, any other is still its own name.
+#define BINNACLE_ABI_TEXT(macro) #macro
+#define BINNACLE_ABI_BIT(macro, name) bits |= std::uint64_t{BINNACLE_ABI_TEXT(macro)[0] == '1'} << i++;
+  BINNACLE_ABI_INSTRUCTION_SETS(BINNACLE_ABI_BIT)
+#undef BINNACLE_ABI_BIT
+#undef BINNACLE_ABI_TEXT
   return bits;
 }
 

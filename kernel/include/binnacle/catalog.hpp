@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,16 +21,6 @@ namespace plugin {
 class PluginRegistry;
 }
 
-enum class Role {
-  state_block,
-  process_model,
-  measurement_model,
-  derived_block,
-  noise_estimator,
-  source,
-  transform,
-  sink
-};
 inline constexpr Role all_roles[] = {Role::state_block,       Role::process_model,
                                      Role::measurement_model, Role::derived_block,
                                      Role::noise_estimator,   Role::source,
@@ -53,15 +44,20 @@ class ComponentType {
   /// "core/vector"
   std::string full_name() const { return plugin + "/" + spec.type; }
 
-  /// Each may be called only for its own role; otherwise std::logic_error.
-  std::shared_ptr<StateBlock> create_state_block(const Binding& binding) const;
-  std::shared_ptr<ProcessModel> create_process_model(const Binding& binding) const;
-  std::shared_ptr<MeasurementModel> create_measurement_model(const Binding& binding) const;
-  std::shared_ptr<DerivedBlock> create_derived_block(const Binding& binding) const;
-  std::shared_ptr<NoiseEstimator> create_noise_estimator(const Binding& binding, const NoiseBinding& noise) const;
-  std::shared_ptr<Source> create_source(const Binding& binding) const;
-  std::shared_ptr<Transform> create_transform(const Binding& binding) const;
-  std::shared_ptr<Sink> create_sink(const Binding& binding) const;
+  /// A component of this type, of the role's interface; of another role: std::logic_error. `noise`: what an estimator is
+  /// bound to.
+  ///
+  ///     std::shared_ptr<Source> source = type.create<Source>(binding);
+  template <class Base>
+  std::shared_ptr<Base> create(const Binding& binding, const NoiseBinding& noise = {}) const {
+    if (role != role_of<Base>())
+      throw std::logic_error(full_name() + " is a " + role_name(role) + ", not a " + role_name(role_of<Base>()));
+    return guarded("its constructor", [&] {
+      std::unique_ptr<Base> object = reinterpret_cast<Factory<Base>>(factory_)(binding, noise);
+      // The deleter outlives the object that it deletes, and with it the library that has the destructor's code.
+      return std::shared_ptr<Base>(object.release(), [library = library_](Base* base) { delete base; });
+    });
+  }
 
   /// Runs a call into an object of this type (Source::open, say) with the same care: what escapes is a ComponentError
   /// of the host. Meanwhile plugin_call_under_way() names it; `t`: of the sample at work.
@@ -82,10 +78,6 @@ class ComponentType {
   friend class plugin::PluginRegistry;
 
   [[noreturn]] static void rethrow_as_component_error(const CallSite& site);
-
-  using AnyFactory = void (*)();
-  template <class Base>
-  std::shared_ptr<Base> create(Role wanted, const Binding& binding) const;
 
   AnyFactory factory_ = nullptr;  // of the role's signature
   std::shared_ptr<const void> library_;

@@ -15,6 +15,7 @@
 #include "binnacle/catalog.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/load_options.hpp"
+#include "binnacle/process_model.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/section.hpp"
 #include "binnacle/state_block.hpp"
@@ -45,12 +46,41 @@ struct RowGroupInfo {
   int like = -1;  // rows are the error components of this block of the filter, or of one of its kind; −1: of none
 };
 
+struct GateInfo {
+  double probability = 0;  // 0: no gate
+  std::string by;          // what it refuses: "sample", "row", "key"
+  double nis_limit = 0;    // of a row, or of a whole sample with all of its rows
+};
+
 struct MeasurementInfo {
   std::string name;
+  int channel = -1;
   int max_rows = 0;
+  std::vector<std::string> parts;    // of its stack; or its own name
   std::vector<RowGroupInfo> groups;  // counted through its parts, as UpdateRecord::row_groups tells them
-  std::vector<int> blocks = {};      // that its H has columns of, in the filter's order
+  std::vector<int> blocks;           // that its H has columns of, in the filter's order
   bool adapts_noise = false;         // it has a noise estimator
+  bool recovers = false;
+  GateInfo gate;
+};
+
+struct ProcessInfo {
+  std::string name;
+  int discretized_with =
+      -1;  // a number that models have in common which the kernel discretizes together; −1: by itself
+};
+
+/// A block of Φ or Qd that is declared other than zero; row and column count the filter's blocks.
+struct BlockCoupling {
+  int row = 0;
+  int column = 0;
+  Structure structure = Structure::dense;
+};
+
+/// A channel of which a filter needs a sample before it starts.
+struct InitialInfo {
+  int channel = -1;
+  Time max_age = 0;  // 0: any age
 };
 
 struct FilterInfo {
@@ -58,15 +88,34 @@ struct FilterInfo {
   int dof = 0;  // rows of P
   int stored_size = 0;
   std::vector<BlockInfo> blocks;
-  std::vector<std::string> derived;  // names of derived blocks
+  std::vector<std::string> derived;  // names of derived blocks, in order of dependence
+  std::vector<ProcessInfo> processes;
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
+  std::vector<InitialInfo> starts_when;
+  std::vector<BlockCoupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is
+  std::vector<BlockCoupling> noise;       // Qd, both halves
 };
 
 struct ChannelInfo {
   std::string name;
   const ChannelDeclaration* declaration = nullptr;
   std::vector<int> position = {};  // of each declared field among the per-epoch or the per-row fields of a sample
+  std::string pointer = {};        // JSON pointer of what emits it
+  std::vector<std::string> subscribers = {};  // their JSON pointers; known once all is composed
+};
+
+/// A source or transform and its channels.
+struct StageInfo {
+  std::string name;
+  std::string type;
+  std::vector<int> inputs, outputs;
+};
+
+/// What the component at the pointer found out while it was bound.
+struct FoundInfo {
+  std::string pointer;
+  std::vector<Findings::Figure> figures;
 };
 
 /// Immutable; share it between threads. Holds the plugins' libraries for as long as it lives.
@@ -83,6 +132,10 @@ class Composition {
   const std::string& title() const;
   const std::vector<FilterInfo>& filters() const;
   const std::vector<ChannelInfo>& channels() const;
+  std::vector<StageInfo> sources() const;
+  /// In order of dependence.
+  std::vector<StageInfo> transforms() const;
+  const std::vector<FoundInfo>& found() const;
   const Catalog& catalog() const;
   /// What is suspicious but no error: channels that nothing listens to (B031), notes of components (B032).
   const Diagnostics& warnings() const;
@@ -92,8 +145,8 @@ class Composition {
   const nlohmann::ordered_json& config() const;
   /// What LoadOptions::sections made of theirs, in their order; null where one made nothing.
   const std::vector<std::shared_ptr<const SectionData>>& sections() const;
-  /// A dry run for people: state layout, who couples to whom, channels, what components found out, what is unused.
-  nlohmann::ordered_json explain() const;
+  /// What all that a run keeps takes; a snapshot is a little more.
+  std::size_t arena_bytes() const;
 
   const compose::CompositionPlan& plan() const { return *plan_; }  // the kernel's own
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <tuple>
 #include <type_traits>
 
 #include "binnacle/derived_block.hpp"
@@ -15,9 +16,36 @@
 
 namespace binnacle {
 
+enum class Role {
+  state_block,
+  process_model,
+  measurement_model,
+  derived_block,
+  noise_estimator,
+  source,
+  transform,
+  sink
+};
+
+/// The interface behind each role.
+using Interfaces =
+    std::tuple<StateBlock, ProcessModel, MeasurementModel, DerivedBlock, NoiseEstimator, Source, Transform, Sink>;
+template <Role role>
+using Interface = std::tuple_element_t<static_cast<std::size_t>(role), Interfaces>;
+
+/// Of an interface, or of a component that is derived from it.
+template <class Component, std::size_t i = 0>
+constexpr Role role_of() {
+  static_assert(i < std::tuple_size_v<Interfaces>, "not a Binnacle component");
+  if constexpr (std::is_base_of_v<std::tuple_element_t<i, Interfaces>, Component>)
+    return static_cast<Role>(i);
+  else
+    return role_of<Component, i + 1>();
+}
+
 template <class Base>
-using Factory = std::unique_ptr<Base> (*)(const Binding&);
-using NoiseFactory = std::unique_ptr<NoiseEstimator> (*)(const Binding&, const NoiseBinding&);
+using Factory = std::unique_ptr<Base> (*)(const Binding&, const NoiseBinding&);
+using AnyFactory = void (*)();  // a Factory of the role's interface
 
 /// A component is a class with `static ComponentSpec spec()` and a constructor from `const Binding&` (noise estimators:
 /// also `const NoiseBinding&`), derived from one of the interfaces:
@@ -32,44 +60,21 @@ class Registry {
 
   template <class Component>
   void add() {
-    if constexpr (std::is_base_of_v<StateBlock, Component>) {
-      add_state_block(Component::spec(), &make<StateBlock, Component>);
-    } else if constexpr (std::is_base_of_v<ProcessModel, Component>) {
-      add_process_model(Component::spec(), &make<ProcessModel, Component>);
-    } else if constexpr (std::is_base_of_v<MeasurementModel, Component>) {
-      add_measurement_model(Component::spec(), &make<MeasurementModel, Component>);
-    } else if constexpr (std::is_base_of_v<DerivedBlock, Component>) {
-      add_derived_block(Component::spec(), &make<DerivedBlock, Component>);
-    } else if constexpr (std::is_base_of_v<NoiseEstimator, Component>) {
-      add_noise_estimator(Component::spec(), &make_noise<Component>);
-    } else if constexpr (std::is_base_of_v<Source, Component>) {
-      add_source(Component::spec(), &make<Source, Component>);
-    } else if constexpr (std::is_base_of_v<Transform, Component>) {
-      add_transform(Component::spec(), &make<Transform, Component>);
-    } else {
-      static_assert(std::is_base_of_v<Sink, Component>, "not a Binnacle component");
-      add_sink(Component::spec(), &make<Sink, Component>);
-    }
+    constexpr Role role = role_of<Component>();
+    const Factory<Interface<role>> factory = &make<Interface<role>, Component>;
+    add_component(role, Component::spec(), reinterpret_cast<AnyFactory>(factory));
   }
 
  protected:
-  virtual void add_state_block(ComponentSpec spec, Factory<StateBlock> make) = 0;
-  virtual void add_process_model(ComponentSpec spec, Factory<ProcessModel> make) = 0;
-  virtual void add_measurement_model(ComponentSpec spec, Factory<MeasurementModel> make) = 0;
-  virtual void add_derived_block(ComponentSpec spec, Factory<DerivedBlock> make) = 0;
-  virtual void add_noise_estimator(ComponentSpec spec, NoiseFactory make) = 0;
-  virtual void add_source(ComponentSpec spec, Factory<Source> make) = 0;
-  virtual void add_transform(ComponentSpec spec, Factory<Transform> make) = 0;
-  virtual void add_sink(ComponentSpec spec, Factory<Sink> make) = 0;
+  virtual void add_component(Role role, ComponentSpec spec, AnyFactory make) = 0;
 
  private:
   template <class Base, class Component>
-  static std::unique_ptr<Base> make(const Binding& binding) {
-    return std::make_unique<Component>(binding);
-  }
-  template <class Component>
-  static std::unique_ptr<NoiseEstimator> make_noise(const Binding& binding, const NoiseBinding& noise) {
-    return std::make_unique<Component>(binding, noise);
+  static std::unique_ptr<Base> make(const Binding& binding, [[maybe_unused]] const NoiseBinding& noise) {
+    if constexpr (std::is_same_v<Base, NoiseEstimator>)
+      return std::make_unique<Component>(binding, noise);
+    else
+      return std::make_unique<Component>(binding);
   }
 };
 

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <memory>
 
-#include <nlohmann/json.hpp>
-
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/session.hpp"
@@ -37,9 +35,6 @@ struct RunOptions {
 };
 
 struct RunResult {
-  /// { "filters": { NAME: { "measurements", "start_s", "end_s", "steps", "input_gaps", "filter_s", "broken" } },
-  ///   "warnings", "seed", "wall_s" }
-  nlohmann::ordered_json summary;
   Diagnostics warnings;  // gaps and repairs in the data
   Diagnostics failures;  // B080 broken, B081 never started; empty when all went well
 };

@@ -61,7 +61,7 @@ class CompositionDraft {
   virtual bool has_failed(std::string_view filter, std::string_view value) const = 0;
   /// Whether patches of the config's own were merged over it (LoadOptions::patches).
   virtual bool is_patched() const = 0;
-  /// Runs show the channel's samples to their observer; `pointer` names the subscriber in messages and in explain().
+  /// Runs show the channel's samples to their observer; `pointer` names the subscriber in messages and in ChannelInfo.
   virtual void subscribe(int channel, const std::string& pointer) = 0;
 };
 
@@ -69,7 +69,7 @@ class CompositionDraft {
 class SectionData {
  public:
   virtual ~SectionData() = default;
-  /// What explain() adds to the filter: JSON text of an object, or nothing.
+  /// What `binnacle explain` adds to the filter: JSON text of an object, or nothing.
   virtual std::string explain(int /*filter*/) const { return {}; }
 };
 

@@ -22,6 +22,14 @@ namespace runtime {
 class Runtime;
 }
 
+/// Rows of one group (of MeasurementInfo::groups; 0 where the gate is by key) and key that a gate took out of accepted
+/// samples.
+struct LeftOutRows {
+  int group = 0;
+  std::int64_t key = 0;
+  std::int64_t count = 0;
+};
+
 /// Counts of what became of a measurement's samples since the start.
 struct MeasurementCounts {
   std::int64_t offered = 0;
@@ -29,10 +37,19 @@ struct MeasurementCounts {
   std::int64_t before_start = 0;                // came before the filter had its initial values
   std::int64_t recoveries = 0;
   std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
-  double nis_mean = 0;             // of accepted samples; NaN when there is none
-  std::int64_t nis_count = 0;      // of them
-  double dof_mean = 0;             // rows per accepted sample
-  std::string last_reason;         // of the newest sample that was not accepted
+  std::int64_t rows_used = 0;      // of accepted samples
+  std::vector<LeftOutRows> left_out = {};
+  double nis_mean = 0;         // of accepted samples; NaN when there is none
+  std::int64_t nis_count = 0;  // of them
+  double dof_mean = 0;         // rows per accepted sample
+  std::string last_reason;     // of the newest sample that was not accepted
+};
+
+/// Counts of a filter's driving input since the start.
+struct FilterCounts {
+  std::int64_t steps = 0;
+  std::int64_t input_gaps = 0;  // bridged
+  double seconds = 0;           // of computing time spent in it
 };
 
 /// Counts of what was pushed on a channel since the Session was made or reset.
@@ -124,6 +141,7 @@ class Session {
   std::span<const double> state(FilterId filter) const;
 
   MeasurementCounts counts(MeasurementId measurement) const;
+  FilterCounts counts(FilterId filter) const;
   ChannelCounts counts(ChannelId channel) const;
   void attach(FilterId filter, StepObserver* observer);
 

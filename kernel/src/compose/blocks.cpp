@@ -57,7 +57,7 @@ void Composer::add_block(FilterBuild& build, const std::string& name, const std:
     if (error_count() == errors)
       guarded(pointer, [&](Findings& findings) {
         block.block =
-            type->create_state_block(Binding(name, Parameters(parameters), {}, {}).of(type->spec).telling(findings));
+            type->create<StateBlock>(Binding(name, Parameters(parameters), {}, {}).of(type->spec).telling(findings));
       });
   }
   if (!block.block) {

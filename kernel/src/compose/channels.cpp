@@ -51,7 +51,7 @@ void Composer::add_sources() {
                                                pointer, {"type"}, {}, diagnostics_);
       if (error_count() == errors)
         guarded(pointer, [&, &name = name](Findings& findings) {
-          source.source = source.type->create_source(
+          source.source = source.type->create<Source>(
               Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
           add_channels(name, pointer, source.source->channels(), source.channels);
         });
@@ -222,7 +222,7 @@ void Composer::create_transform(TransformPlan& transform, const ParameterValue& 
       for (const auto& item : *items) fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
   }
   guarded(transform.pointer, [&](Findings& findings) {
-    transform.transform = transform.type->create_transform(
+    transform.transform = transform.type->create<Transform>(
         Binding(transform.name, Parameters(parameters), inputs, fields_bound, 1, covariances)
             .of(spec, inputs_bound)
             .telling(findings));
@@ -306,7 +306,7 @@ void Composer::add_sinks() {
     if (error_count() != errors || !is_bound) continue;
     guarded(pointer, [&, &name = name](Findings& findings) {
       sink.sink =
-          sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
+          sink.type->create<Sink>(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
     });
     if (sink.sink) plan_->sinks.push_back(std::move(sink));
   }

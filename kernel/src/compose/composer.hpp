@@ -186,14 +186,11 @@ class Composer {
 /// All fields that the one key "fields" of a component may map: of its sample and of all its inputs.
 std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec);
 
-/// Who hears each channel, by JSON pointer.
-std::vector<std::vector<std::string>> listeners(const CompositionPlan& plan);
+/// CompositionPlan::subscribers, as far as it got.
+std::vector<std::vector<std::string>> subscribers(const CompositionPlan& plan);
 
 /// What a Composition says of its filters; of an unfinished one, as far as it got.
 std::vector<FilterInfo> filter_infos(const CompositionPlan& plan);
 std::vector<ChannelInfo> channel_infos(const CompositionPlan& plan);
-
-/// What Composition::explain() gives.
-nlohmann::ordered_json explain(const CompositionPlan& plan);
 
 }  // namespace binnacle::compose

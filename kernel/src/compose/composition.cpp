@@ -182,10 +182,9 @@ void Composer::lay_out() {
 
 // A source or transform none of whose channels is heard works for nothing: most likely a name is wrong somewhere.
 void Composer::warn_of_unheard() {
-  const auto heard = listeners(*plan_);
   const auto check = [&](const std::string& name, const std::string& pointer, const std::vector<int>& channels) {
-    const bool is_heard =
-        std::any_of(channels.begin(), channels.end(), [&](int channel) { return !heard[as_size(channel)].empty(); });
+    const bool is_heard = std::any_of(channels.begin(), channels.end(),
+                                      [&](int channel) { return !plan_->subscribers[as_size(channel)].empty(); });
     if (!is_heard)
       diagnostics_.warning("B031", document().key_origin(pointer), pointer, "nothing listens to '" + name + "'");
   };
@@ -211,6 +210,7 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
+  plan_->subscribers = subscribers(*plan_);
   warn_of_unheard();
 
   base::Fnv1a hash(document().hash(own_keys));
@@ -274,10 +274,29 @@ Composition::~Composition() = default;
 const std::string& Composition::title() const { return plan_->title; }
 const std::vector<FilterInfo>& Composition::filters() const { return filters_; }
 const std::vector<ChannelInfo>& Composition::channels() const { return channels_; }
+const std::vector<FoundInfo>& Composition::found() const { return plan_->found; }
+std::size_t Composition::arena_bytes() const { return plan_->layout.size(); }
 const Catalog& Composition::catalog() const { return plan_->catalog; }
 const Diagnostics& Composition::warnings() const { return warnings_; }
 std::uint64_t Composition::hash() const { return plan_->hash; }
 const nlohmann::ordered_json& Composition::config() const { return plan_->document.root(); }
 const std::vector<std::shared_ptr<const SectionData>>& Composition::sections() const { return plan_->sections; }
+
+std::vector<StageInfo> Composition::sources() const {
+  std::vector<StageInfo> infos;
+  for (const auto& source : plan_->sources)
+    infos.push_back({source.name, source.type->full_name(), {}, source.channels});
+  return infos;
+}
+
+std::vector<StageInfo> Composition::transforms() const {
+  std::vector<StageInfo> infos;
+  for (const auto& transform : plan_->transforms) {
+    infos.push_back({transform.name, transform.type->full_name(), {}, transform.channels});
+    for (const auto& input : transform.inputs)
+      if (input.channel >= 0) infos.back().inputs.push_back(input.channel);
+  }
+  return infos;
+}
 
 }  // namespace binnacle

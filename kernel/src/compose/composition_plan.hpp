@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "binnacle/catalog.hpp"
+#include "binnacle/composition.hpp"
 #include "binnacle/section.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
@@ -82,12 +82,6 @@ struct SourceOpening {
   Diagnostics warnings;
 };
 
-/// What a component found out while it was bound.
-struct FoundPlan {
-  std::string pointer;
-  std::vector<Findings::Figure> figures;
-};
-
 struct CompositionPlan {
   Document document;
   Catalog catalog;
@@ -98,8 +92,9 @@ struct CompositionPlan {
   std::vector<FilterPlan> filters;
   std::vector<SinkPlan> sinks;
   std::vector<Node> nodes;
-  std::vector<FoundPlan> found;
+  std::vector<FoundInfo> found;
   std::vector<Subscription> subscriptions;
+  std::vector<std::vector<std::string>> subscribers;  // of each channel, by JSON pointer
   std::vector<std::shared_ptr<const SectionData>> sections;
   Layout layout;
   std::uint64_t hash = 0;

@@ -152,7 +152,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   if (!is_whole || error_count() != errors) return false;
   const bool is_made = guarded(pointer, [&](Findings& findings) {
     part.model =
-        type->create_measurement_model(Binding(name, Parameters(parameters), bindings, fields_bound, 1,
+        type->create<MeasurementModel>(Binding(name, Parameters(parameters), bindings, fields_bound, 1,
                                                {plan_->channels[as_size(measurement.channel)].declaration.covariance})
                                            .of(spec, inputs_bound, !part.driving_rates.empty())
                                            .telling(findings));
@@ -261,7 +261,7 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
   }
   measurement.noise_type = type->full_name();
   guarded(noise_pointer, [&](Findings& findings) {
-    measurement.noise = type->create_noise_estimator(
+    measurement.noise = type->create<NoiseEstimator>(
         Binding(measurement.name, Parameters(parameters), {}, {}).of(type->spec).telling(findings), binding);
   });
 }

@@ -203,7 +203,7 @@ bool Composer::create_derived(FilterBuild& build, DerivedPlan& plan) {
   const bool has_rates = find_driving_rates(build, *type, plan.pointer, plan.driving_rates);
   if (!is_bound || !has_rates || error_count() != errors) return false;
   guarded(plan.pointer, [&](Findings& findings) {
-    plan.derived = type->create_derived_block(Binding(plan.name, Parameters(parameters), bindings, {})
+    plan.derived = type->create<DerivedBlock>(Binding(plan.name, Parameters(parameters), bindings, {})
                                                   .of(type->spec, {}, !plan.driving_rates.empty())
                                                   .telling(findings));
   });
@@ -398,7 +398,7 @@ bool Composer::add_process(FilterBuild& build, const std::string& name, const st
     return false;
   }
   guarded(pointer, [&](Findings& findings) {
-    plan.model = type->create_process_model(
+    plan.model = type->create<ProcessModel>(
         Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).of(spec).telling(findings));
   });
   if (!plan.model || !check_couplings(plan, spec, bindings)) return false;

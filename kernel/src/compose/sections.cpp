@@ -5,58 +5,8 @@
 #include <algorithm>
 
 #include "compose/composer.hpp"
-#include "filter/residual_rows.hpp"
 
 namespace binnacle::compose {
-
-namespace {
-
-BlockInfo block_info(const BlockPlan& block) {
-  BlockInfo info{block.name,          block.type,  block.block.get(), &block.declaration(),
-                 block.stored_offset, block.first, block.active,      {}};
-  for (const Use use : block.use)
-    info.use.push_back(use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen");
-  return info;
-}
-
-MeasurementInfo measurement_info(const FilterPlan& filter, const MeasurementPlan& measurement) {
-  MeasurementInfo info{measurement.name, measurement.max_rows, {}, {}, measurement.noise != nullptr};
-  for (const auto& group : residual_rows_of(filter, measurement)) {
-    const int like = group.like ? static_cast<int>(group.like - filter.blocks.data()) : -1;
-    info.groups.push_back({group.name, group.unit, group.kind, like});
-  }
-  const auto& columns = measurement.columns.columns;
-  for (std::size_t b = 0; b < filter.blocks.size(); ++b)
-    if (!filter.blocks[b].active.empty() &&
-        std::find(columns.begin(), columns.end(), filter.blocks[b].first) != columns.end())
-      info.blocks.push_back(static_cast<int>(b));
-  return info;
-}
-
-}  // namespace
-
-std::vector<FilterInfo> filter_infos(const CompositionPlan& plan) {
-  std::vector<FilterInfo> infos;
-  for (const auto& filter : plan.filters) {
-    FilterInfo info;
-    info.name = filter.name;
-    info.dof = filter.n;
-    info.stored_size = filter.stored_size;
-    info.input_channel = filter.input_channel;
-    for (const auto& block : filter.blocks) info.blocks.push_back(block_info(block));
-    for (const auto& value : filter.derived) info.derived.push_back(value.name);
-    for (const auto& measurement : filter.measurements)
-      info.measurements.push_back(measurement_info(filter, measurement));
-    infos.push_back(std::move(info));
-  }
-  return infos;
-}
-
-std::vector<ChannelInfo> channel_infos(const CompositionPlan& plan) {
-  std::vector<ChannelInfo> infos;
-  for (const auto& channel : plan.channels) infos.push_back({channel.name, &channel.declaration, channel.position});
-  return infos;
-}
 
 /// The composer as readers of sections see it.
 class Draft final : public CompositionDraft {

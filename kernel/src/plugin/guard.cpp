@@ -24,11 +24,9 @@ constexpr const char* type_names[] = {BINNACLE_ABI_TYPES(BINNACLE_ABI_NAME)};
 #undef BINNACLE_ABI_NAME
 static_assert(std::size(type_names) == type_count);
 
-// In the order of detail::instruction_set_bits(); the names that -m and __builtin_cpu_supports take.
-constexpr const char* instruction_set_names[] = {
-    "sse3",       "ssse3",      "sse4.1",      "sse4.2",       "popcnt",          "avx",      "avx2",     "fma",
-    "bmi",        "bmi2",       "avx512f",     "avx512cd",     "avx512dq",        "avx512bw", "avx512vl", "avx512ifma",
-    "avx512vbmi", "avx512vnni", "avx512vbmi2", "avx512bitalg", "avx512vpopcntdq", "fma4",     "xop",      "sse4a"};
+#define BINNACLE_ABI_NAME(macro, name) name,
+constexpr const char* instruction_set_names[] = {BINNACLE_ABI_INSTRUCTION_SETS(BINNACLE_ABI_NAME)};
+#undef BINNACLE_ABI_NAME
 constexpr std::size_t instruction_set_count = std::size(instruction_set_names);
 
 std::string join(const std::vector<std::string>& words, const char* none) {
@@ -196,32 +194,11 @@ std::uint64_t processor_instruction_sets() {
   __builtin_cpu_init();
   std::uint64_t bits = 0;
   std::size_t i = 0;
-  const auto note = [&](bool supported) { bits |= static_cast<std::uint64_t>(supported) << i++; };
   // Literals only: the builtin takes nothing else.
-  note(__builtin_cpu_supports("sse3"));
-  note(__builtin_cpu_supports("ssse3"));
-  note(__builtin_cpu_supports("sse4.1"));
-  note(__builtin_cpu_supports("sse4.2"));
-  note(__builtin_cpu_supports("popcnt"));
-  note(__builtin_cpu_supports("avx"));
-  note(__builtin_cpu_supports("avx2"));
-  note(__builtin_cpu_supports("fma"));
-  note(__builtin_cpu_supports("bmi"));
-  note(__builtin_cpu_supports("bmi2"));
-  note(__builtin_cpu_supports("avx512f"));
-  note(__builtin_cpu_supports("avx512cd"));
-  note(__builtin_cpu_supports("avx512dq"));
-  note(__builtin_cpu_supports("avx512bw"));
-  note(__builtin_cpu_supports("avx512vl"));
-  note(__builtin_cpu_supports("avx512ifma"));
-  note(__builtin_cpu_supports("avx512vbmi"));
-  note(__builtin_cpu_supports("avx512vnni"));
-  note(__builtin_cpu_supports("avx512vbmi2"));
-  note(__builtin_cpu_supports("avx512bitalg"));
-  note(__builtin_cpu_supports("avx512vpopcntdq"));
-  note(__builtin_cpu_supports("fma4"));
-  note(__builtin_cpu_supports("xop"));
-  note(__builtin_cpu_supports("sse4a"));
+#define BINNACLE_ABI_SUPPORTED(macro, name) \
+  bits |= static_cast<std::uint64_t>(__builtin_cpu_supports(name) != 0) << i++;
+  BINNACLE_ABI_INSTRUCTION_SETS(BINNACLE_ABI_SUPPORTED)
+#undef BINNACLE_ABI_SUPPORTED
   return bits;
 #else
   return ~0ull;  // guards of other processors carry no bits

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -21,8 +22,6 @@
 
 namespace binnacle::plugin {
 
-using Library = boost::dll::shared_library;
-
 /// Collects what a plugin registers.
 class PluginRegistry final : public Registry {
  public:
@@ -32,52 +31,21 @@ class PluginRegistry final : public Registry {
   std::vector<ComponentType> types;
 
  protected:
-  void add_state_block(ComponentSpec spec, Factory<StateBlock> factory) override {
-    add_type(Role::state_block, std::move(spec), factory);
-  }
-  void add_process_model(ComponentSpec spec, Factory<ProcessModel> factory) override {
-    add_type(Role::process_model, std::move(spec), factory);
-  }
-  void add_measurement_model(ComponentSpec spec, Factory<MeasurementModel> factory) override {
-    add_type(Role::measurement_model, std::move(spec), factory);
-  }
-  void add_derived_block(ComponentSpec spec, Factory<DerivedBlock> factory) override {
-    add_type(Role::derived_block, std::move(spec), factory);
-  }
-  void add_noise_estimator(ComponentSpec spec, NoiseFactory factory) override {
-    add_type(Role::noise_estimator, std::move(spec), factory);
-  }
-  void add_source(ComponentSpec spec, Factory<Source> factory) override {
-    add_type(Role::source, std::move(spec), factory);
-  }
-  void add_transform(ComponentSpec spec, Factory<Transform> factory) override {
-    add_type(Role::transform, std::move(spec), factory);
-  }
-  void add_sink(ComponentSpec spec, Factory<Sink> factory) override { add_type(Role::sink, std::move(spec), factory); }
-
- private:
-  template <class MakeFunction>
-  void add_type(Role role, ComponentSpec spec, MakeFunction factory) {
-    ComponentType type;
+  void add_component(Role role, ComponentSpec spec, AnyFactory factory) override {
+    ComponentType& type = types.emplace_back();
     type.role = role;
     type.spec = std::move(spec);
     type.plugin = info_.name;
     type.plugin_version = info_.version;
     type.file = info_.file;
-    type.factory_ = reinterpret_cast<ComponentType::AnyFactory>(factory);
+    type.factory_ = factory;
     type.library_ = library_;
-    types.push_back(std::move(type));
   }
 
+ private:
   const PluginInfo& info_;
   std::shared_ptr<const void> library_;
 };
-
-}  // namespace binnacle::plugin
-
-namespace binnacle {
-
-// ---- the library boundary
 
 namespace {
 
@@ -92,120 +60,55 @@ std::string what_was_thrown() {
   }
 }
 
-template <class Base>
-std::shared_ptr<Base> keeping(std::unique_ptr<Base> object, const std::shared_ptr<const void>& library) {
-  // The deleter outlives the object that it deletes, and with it the library that has the destructor's code.
-  return std::shared_ptr<Base>(object.release(), [library](Base* base) { delete base; });
-}
+/// What is wrong with a file, all at its place.
+class Report {
+ public:
+  Report(const std::filesystem::path& file, Diagnostics& diagnostics) : place_{file.string(), 0, 0}, to_(diagnostics) {}
 
-template <class Function>
-Function typed(void (*factory)()) {
-  return reinterpret_cast<Function>(factory);
-}
-
-}  // namespace
-
-void ComponentType::rethrow_as_component_error(const CallSite& site) {
-  // Copies: the plugin's own exception object may not outlive its library.
-  std::string message;
-  try {
-    throw;
-  } catch (const ComponentError& error) {
-    ComponentError copy = error;
-    throw copy;
-  } catch (...) {
-    message = site.text() + " threw: " + what_was_thrown();
+  void warn(const char* code, std::string text) { to_.warning(code, place_, "", std::move(text)); }
+  /// False, for whoever returns it.
+  bool refuse(const char* code, std::string text) {
+    to_.error(code, place_, "", std::move(text));
+    return false;
   }
-  throw ComponentError(message);
-}
 
-template <class Base>
-std::shared_ptr<Base> ComponentType::create(Role wanted, const Binding& binding) const {
-  if (role != wanted) throw std::logic_error(full_name() + " is a " + role_name(role) + ", not a " + role_name(wanted));
-  return guarded("its constructor", [&] { return keeping(typed<Factory<Base>>(factory_)(binding), library_); });
-}
+ private:
+  Origin place_;
+  Diagnostics& to_;
+};
 
-std::shared_ptr<StateBlock> ComponentType::create_state_block(const Binding& binding) const {
-  return create<StateBlock>(Role::state_block, binding);
-}
-std::shared_ptr<ProcessModel> ComponentType::create_process_model(const Binding& binding) const {
-  return create<ProcessModel>(Role::process_model, binding);
-}
-std::shared_ptr<MeasurementModel> ComponentType::create_measurement_model(const Binding& binding) const {
-  return create<MeasurementModel>(Role::measurement_model, binding);
-}
-std::shared_ptr<DerivedBlock> ComponentType::create_derived_block(const Binding& binding) const {
-  return create<DerivedBlock>(Role::derived_block, binding);
-}
-std::shared_ptr<NoiseEstimator> ComponentType::create_noise_estimator(const Binding& binding,
-                                                                      const NoiseBinding& noise) const {
-  if (role != Role::noise_estimator) throw std::logic_error(full_name() + " is no noise estimator");
-  return guarded("its constructor", [&] { return keeping(typed<NoiseFactory>(factory_)(binding, noise), library_); });
-}
-std::shared_ptr<Source> ComponentType::create_source(const Binding& binding) const {
-  return create<Source>(Role::source, binding);
-}
-std::shared_ptr<Transform> ComponentType::create_transform(const Binding& binding) const {
-  return create<Transform>(Role::transform, binding);
-}
-std::shared_ptr<Sink> ComponentType::create_sink(const Binding& binding) const {
-  return create<Sink>(Role::sink, binding);
-}
-
-}  // namespace binnacle
-
-namespace binnacle::plugin {
-
-// ---- loading
-
-namespace {
-
-Origin place(const std::filesystem::path& file) { return {file.string(), 0, 0}; }
-
-bool check_file(const std::filesystem::path& file, Diagnostics& diagnostics) {
+bool check_file(const std::filesystem::path& file, Report& report) {
   struct ::stat status {};
-  if (::stat(file.c_str(), &status) != 0) {
-    diagnostics.error("B040", place(file), "", std::string("the plugin cannot be opened: ") + std::strerror(errno));
-    return false;
-  }
-  if (!S_ISREG(status.st_mode)) {
-    diagnostics.error("B040", place(file), "", "the plugin is not a file");
-    return false;
-  }
-  if (status.st_mode & S_IWOTH) {
-    diagnostics.error("B044", place(file), "", "the plugin file is world-writable, so it is not loaded; chmod o-w it");
-    return false;
-  }
+  if (::stat(file.c_str(), &status) != 0)
+    return report.refuse("B040", std::string("the plugin cannot be opened: ") + std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) return report.refuse("B040", "the plugin is not a file");
+  if (status.st_mode & S_IWOTH)
+    return report.refuse("B044", "the plugin file is world-writable, so it is not loaded; chmod o-w it");
   return true;
 }
 
-std::optional<abi::Guard> check_exports(const std::filesystem::path& file, Diagnostics& diagnostics) {
-  const LibraryFile library = inspect_library(file);
-  std::string reason;
-  if (!library.unreadable.empty()) {
-    reason = library.unreadable;
-  } else if (!library.guard) {
-    reason = library.other_guard.empty() ? std::string("it exports no ") + guard_symbol
-                                         : "it is one for another major version (exports " + library.other_guard +
-                                               ", not " + guard_symbol + ")";
-  } else if (!library.has_register) {
-    reason = std::string("it exports no ") + register_symbol;
-  }
-  if (reason.empty()) return library.guard;
-  diagnostics.error("B041", place(file), "", "not a plugin for this program: " + reason);
-  return std::nullopt;
+bool check_exports(const LibraryFile& library, Report& report) {
+  const auto no_plugin = [&](const std::string& why) {
+    return report.refuse("B041", "not a plugin for this program: " + why);
+  };
+  if (!library.unreadable.empty()) return no_plugin(library.unreadable);
+  if (!library.guard && !library.other_guard.empty())
+    return no_plugin("it is one for another major version (exports " + library.other_guard + ", not " + guard_symbol +
+                     ")");
+  if (!library.guard) return no_plugin(std::string("it exports no ") + guard_symbol);
+  if (!library.has_register) return no_plugin(std::string("it exports no ") + register_symbol);
+  return true;
 }
 
-bool check_guard(const std::filesystem::path& file, const abi::Guard& guard, Diagnostics& diagnostics) {
-  bool is_refused = false;
-  for (const abi::Difference& difference :
-       abi::compare(abi::guard_of_host(), guard, abi::processor_instruction_sets())) {
-    const bool refused = difference.severity == abi::Severity::refused;
-    is_refused |= refused;
-    diagnostics.add({refused ? Severity::error : Severity::warning, refused ? "B042" : "B043", place(file), "",
-                     abi::to_string(difference)});
+bool check_guard(const abi::Guard& guard, Report& report) {
+  bool is_accepted = true;
+  for (const auto& difference : abi::compare(abi::guard_of_host(), guard, abi::processor_instruction_sets())) {
+    if (difference.severity == abi::Severity::refused)
+      is_accepted = report.refuse("B042", abi::to_string(difference));
+    else
+      report.warn("B043", abi::to_string(difference));
   }
-  return !is_refused;
+  return is_accepted;
 }
 
 bool is_name(const std::string& text) {
@@ -223,75 +126,74 @@ std::string loader_message(const std::string& text) {
   return text.substr(start + before.size(), end - start - before.size());
 }
 
-std::shared_ptr<Library> open_library(const std::filesystem::path& file, Diagnostics& diagnostics) {
-  try {
-    return std::make_shared<Library>(file, boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
-  } catch (const std::exception& error) {
-    diagnostics.error("B045", place(file), "", "the plugin cannot be loaded: " + loader_message(error.what()));
-    return nullptr;
-  }
-}
-
-bool register_types(const std::shared_ptr<Library>& library, PluginRegistry& registry, const PluginInfo& info,
-                    Diagnostics& diagnostics) {
-  // The message is made inside the handler and the exception gone at its end, before the library may be.
-  try {
-    library->get<void(Registry&)>(register_symbol)(registry);
-    return true;
-  } catch (...) {
-    diagnostics.error("B045", place(info.file), "",
-                      "plugin '" + info.name + "': " + register_symbol + " threw: " + what_was_thrown());
-  }
-  return false;
-}
-
-bool check_types(const PluginInfo& info, const std::vector<ComponentType>& types, Diagnostics& diagnostics) {
-  bool good = true;
-  const auto refuse = [&](const char* code, std::string message) {
-    diagnostics.error(code, place(info.file), "", std::move(message));
-    good = false;
-  };
-  for (std::size_t i = 0; i < types.size(); ++i) {
-    const ComponentSpec& spec = types[i].spec;
+bool check_types(const PluginInfo& info, const std::vector<ComponentType>& types, Report& report) {
+  bool is_good = true;
+  std::set<std::string> seen;
+  for (const ComponentType& type : types) {
+    const ComponentSpec& spec = type.spec;
     const std::string who = "plugin '" + info.name + "', component '" + spec.type + "': ";
-    if (!is_name(spec.type)) refuse("B045", who + "its type is no name in snake_case");
-    for (const std::string& defect : spec::spec_defects(spec)) refuse("B045", who + defect);
-    for (std::size_t j = 0; j < i; ++j) {
-      if (types[j].spec.type == spec.type) {
-        refuse("B046", "plugin '" + info.name + "' registers '" + spec.type + "' twice");
-        break;
-      }
-    }
+    if (!is_name(spec.type)) is_good = report.refuse("B045", who + "its type is no name in snake_case");
+    for (const std::string& defect : spec::spec_defects(spec)) is_good = report.refuse("B045", who + defect);
+    if (!seen.insert(spec.type).second)
+      is_good = report.refuse("B046", "plugin '" + info.name + "' registers '" + spec.type + "' twice");
   }
-  return good;
+  return is_good;
 }
 
 }  // namespace
 
 std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagnostics& diagnostics,
                                         const std::function<bool(const PluginInfo&)>& accept) {
-  if (!check_file(file, diagnostics)) return std::nullopt;
-  const std::optional<abi::Guard> guard = check_exports(file, diagnostics);
-  if (!guard || !check_guard(file, *guard, diagnostics)) return std::nullopt;
-  LoadedPlugin plugin{{abi::text_of(guard->name), abi::text_of(guard->version), file}, {}};
-  if (!is_name(plugin.info.name)) {
-    diagnostics.error("B045", place(file), "", "the plugin's name '" + plugin.info.name + "' is not in snake_case");
+  Report report(file, diagnostics);
+  if (!check_file(file, report)) return std::nullopt;
+  const LibraryFile inspected = inspect_library(file);
+  if (!check_exports(inspected, report) || !check_guard(*inspected.guard, report)) return std::nullopt;
+  const PluginInfo info{abi::text_of(inspected.guard->name), abi::text_of(inspected.guard->version), file};
+  if (!is_name(info.name)) {
+    report.refuse("B045", "the plugin's name '" + info.name + "' is not in snake_case");
     return std::nullopt;
   }
-  if (!accept(plugin.info)) return std::nullopt;
+  if (!accept(info)) return std::nullopt;
   CallSite site;
   const std::string itself;
-  site.enter(&plugin.info.name, itself, "loading it");
+  site.enter(&info.name, itself, "loading it");
   const CallScope scope(site);
-  const std::shared_ptr<Library> library = open_library(file, diagnostics);
-  if (!library) return std::nullopt;
-  PluginRegistry registry(plugin.info, library);
-  if (!register_types(library, registry, plugin.info, diagnostics) ||
-      !check_types(plugin.info, registry.types, diagnostics)) {
+  std::shared_ptr<boost::dll::shared_library> library;
+  try {
+    using namespace boost::dll;
+    library = std::make_shared<shared_library>(file, load_mode::rtld_now | load_mode::rtld_local);
+  } catch (const std::exception& error) {
+    report.refuse("B045", "the plugin cannot be loaded: " + loader_message(error.what()));
     return std::nullopt;
   }
-  plugin.types = std::move(registry.types);
-  return plugin;
+  PluginRegistry registry(info, library);
+  try {
+    library->get<void(Registry&)>(register_symbol)(registry);
+  } catch (...) {
+    // The message is made inside the handler and the exception gone at its end, before the library may be.
+    report.refuse("B045", "plugin '" + info.name + "': " + register_symbol + " threw: " + what_was_thrown());
+    return std::nullopt;
+  }
+  if (!check_types(info, registry.types, report)) return std::nullopt;
+  return LoadedPlugin{info, std::move(registry.types)};
 }
 
 }  // namespace binnacle::plugin
+
+namespace binnacle {
+
+void ComponentType::rethrow_as_component_error(const CallSite& site) {
+  // Copies: the plugin's own exception object may not outlive its library.
+  std::string message;
+  try {
+    throw;
+  } catch (const ComponentError& error) {
+    ComponentError copy = error;
+    throw copy;
+  } catch (...) {
+    message = site.text() + " threw: " + plugin::what_was_thrown();
+  }
+  throw ComponentError(message);
+}
+
+}  // namespace binnacle

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "binnacle/run.hpp"
 
-#include <chrono>
 #include <set>
 
 #include "base/index.hpp"
-#include "filter/residual_rows.hpp"
 #include "run/guard_call.hpp"
 #include "run/runtime.hpp"
 
@@ -44,49 +42,6 @@ void open_sources(const compose::CompositionPlan& plan, Diagnostics& warnings) {
     }
   }
   if (errors.has_errors()) throw DataError(errors);
-}
-
-/// Rows that a gate by row or key took out of accepted samples: in all, and which.
-nlohmann::ordered_json left_out_summary(const Engine& engine, int measurement) {
-  const auto& plan = engine.plan().measurements[static_cast<std::size_t>(measurement)];
-  const auto groups = residual_rows_of(engine.plan(), plan);
-  const bool tells_group = plan.gate_unit == GateUnit::row && groups.size() > 1;
-  nlohmann::ordered_json by_key = nlohmann::ordered_json::object();
-  for (const auto& entry : engine.left_out(measurement)) {
-    if (entry.count == 0) continue;
-    const std::string key = std::to_string(entry.key);
-    by_key[tells_group ? groups[static_cast<std::size_t>(entry.group)].name + " " + key : key] = entry.count;
-  }
-  const auto& ledger = engine.tally(measurement);
-  return {{"rows", ledger.rows_left_out}, {"of", ledger.dof_sum + ledger.rows_left_out}, {"by_key", std::move(by_key)}};
-}
-
-nlohmann::ordered_json measurement_summary(const Engine& engine) {
-  static constexpr const char* names[outcome_count] = {"accepted", "gated",    "late",    "unsupported",
-                                                       "invalid",  "withheld", "rejected"};
-  nlohmann::ordered_json summary = nlohmann::ordered_json::object();
-  const auto& plan = engine.plan();
-  for (std::size_t m = 0; m < plan.measurements.size(); ++m) {
-    const auto& ledger = engine.tally(static_cast<int>(m));
-    nlohmann::ordered_json entry;
-    entry["offered"] = ledger.offered;
-    for (int o = 0; o < outcome_count; ++o) entry[names[o]] = ledger.outcomes[o];
-    entry["before_start"] = ledger.before_start;
-    if (plan.measurements[m].recover_after > 0) entry["recoveries"] = ledger.recoveries;
-    if (plan.measurements[m].gate_unit != GateUnit::sample)
-      entry["left_out"] = left_out_summary(engine, static_cast<int>(m));
-    const double n = static_cast<double>(ledger.nis_count);
-    if (ledger.nis_count > 0) {
-      entry["nis_mean"] = ledger.nis_sum / n;
-      entry["dof"] = static_cast<double>(ledger.dof_sum) / n;
-    } else {
-      entry["nis_mean"] = nullptr;
-      entry["dof"] = plan.measurements[m].max_rows;
-    }
-    if (ledger.last_reason[0] != '\0') entry["last_reason"] = ledger.last_reason;
-    summary[plan.measurements[m].name] = std::move(entry);
-  }
-  return summary;
 }
 
 void note_failures(const Runtime& runtime, Diagnostics& failures) {
@@ -143,25 +98,9 @@ void run_sources(Runtime& runtime, RunObserver& observer) {
   runtime.subscribe(nullptr, {});
 }
 
-nlohmann::ordered_json filter_summary(const Runtime& runtime, int filter) {
-  const auto& engine = runtime.engine(filter);
-  nlohmann::ordered_json entry;
-  entry["measurements"] = measurement_summary(engine);
-  if (engine.started()) {
-    entry["start_s"] = seconds(engine.status().start);
-    entry["end_s"] = seconds(engine.status().t);
-  }
-  entry["steps"] = engine.status().steps;
-  if (engine.status().gaps > 0) entry["input_gaps"] = engine.status().gaps;
-  entry["filter_s"] = runtime.filter_seconds(filter);
-  if (engine.broken()) entry["broken"] = engine.diagnosis();
-  return entry;
-}
-
 }  // namespace
 
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
   const auto& plan = composition->plan();
   RunResult result;
   std::call_once(plan.opening->once, [&] { open_sources(plan, plan.opening->warnings); });
@@ -180,16 +119,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.sink->close(); });
 
-  nlohmann::ordered_json filters = nlohmann::ordered_json::object();
-  for (std::size_t f = 0; f < plan.filters.size(); ++f)
-    filters[plan.filters[f].name] = filter_summary(runtime, static_cast<int>(f));
-  result.summary["filters"] = std::move(filters);
   note_failures(runtime, result.failures);
-  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
-  for (const auto& warning : result.warnings.items()) warnings.push_back(to_string(warning));
-  result.summary["warnings"] = std::move(warnings);
-  result.summary["seed"] = options.seed;
-  result.summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }
 

@@ -28,24 +28,6 @@ SampleSlot slot_at(double* data, const ChannelPlan& channel) {
   return slot;
 }
 
-/// Whether anybody subscribes to the channel.
-bool is_heard(const CompositionPlan& plan, int channel) {
-  bool heard = false;
-  const auto add = [&](int other) { heard |= other == channel; };
-  for (const auto& transform : plan.transforms)
-    for (const auto& input : transform.inputs) add(input.channel);
-  for (const auto& sink : plan.sinks)
-    for (const auto& input : sink.inputs) add(input.channel);
-  for (const auto& filter : plan.filters) {
-    add(filter.input_channel);
-    for (const auto& measurement : filter.measurements) add(measurement.channel);
-    for (const auto* list : {&filter.initial, &filter.auxiliary})
-      for (const auto& latest : *list) add(latest.channel);
-  }
-  for (const auto& subscription : plan.subscriptions) add(subscription.channel);
-  return heard;
-}
-
 std::string time_text(Time t) {
   char text[48];
   std::snprintf(text, sizeof text, "%.9g s", seconds(t));
@@ -100,7 +82,7 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
       routes.auxiliary.emplace_back(filter.auxiliary[i].channel, static_cast<int>(i));
     for (std::size_t i = 0; i < filter.measurements.size(); ++i)
       routes.measurements.emplace_back(filter.measurements[i].channel, static_cast<int>(i));
-    routes.output_is_heard = is_heard(plan, filter.output_channel);
+    routes.output_is_heard = !plan.subscribers[as_size(filter.output_channel)].empty();
     routes_.push_back(std::move(routes));
   }
 }

@@ -277,6 +277,12 @@ std::span<const double> Session::state(FilterId filter) const {
   return {engine.state(), as_size(engine.plan().stored_size)};
 }
 
+FilterCounts Session::counts(FilterId filter) const {
+  check(filter);
+  const auto& head = runtime_->engine(filter.index).status();
+  return {head.steps, head.gaps, runtime_->filter_seconds(filter.index)};
+}
+
 ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }
 
 MeasurementCounts Session::counts(MeasurementId measurement) const {
@@ -290,6 +296,9 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   counts.before_start = ledger.before_start;
   counts.recoveries = ledger.recoveries;
   counts.rows_left_out = ledger.rows_left_out;
+  counts.rows_used = ledger.dof_sum;
+  for (const auto& entry : engine.left_out(measurement.index))
+    if (entry.count > 0) counts.left_out.push_back({static_cast<int>(entry.group), entry.key, entry.count});
   counts.nis_count = ledger.nis_count;
   const double n = static_cast<double>(ledger.nis_count);
   counts.nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN();

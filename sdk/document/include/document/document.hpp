@@ -7,7 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "binnacle/catalog.hpp"
+#include "binnacle/composition.hpp"
 
 namespace binnacle::document {
 
@@ -20,5 +20,9 @@ nlohmann::ordered_json schema(const Catalog& catalog);
 
 /// A config with one component of each type, required parameters to be filled in and the others at their defaults.
 std::string skeleton(const std::vector<const ComponentType*>& types);
+
+/// `binnacle explain`, `binnacle graph`: state layout, who moves, reads and couples to whom, channels, what components
+/// found out, what is unused; sections add theirs (SectionData::explain).
+nlohmann::ordered_json explain(const Composition& composition);
 
 }  // namespace binnacle::document
