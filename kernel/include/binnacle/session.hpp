@@ -18,6 +18,9 @@
 
 namespace binnacle {
 
+namespace filter {
+class Engine;
+}
 namespace runtime {
 class Runtime;
 }
@@ -158,8 +161,10 @@ class Session {
 
  private:
   struct Intake;
-  void check(FilterId filter) const;
-  void check(BlockId block, const std::span<double>* outputs) const;
+  // Checked.
+  filter::Engine& engine(FilterId filter) const;
+  const BlockInfo& info(BlockId block) const;
+  void room_for(const BlockInfo& block, std::span<double> outputs) const;
   const Intake& intake(ChannelId channel) const;
   void take(ChannelId channel, const SampleView& sample);
   template <class Call>

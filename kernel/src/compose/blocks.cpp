@@ -27,8 +27,7 @@ void Composer::begin_filters() {
     check_section_keys(pointer, {"blocks", "derived", "process", "measurements"}, "filter '" + name + "'");
     FilterBuild build;
     build.pointer = pointer;
-    build.plan.name = name;
-    build.plan.pointer = pointer;
+    build.plan = planned<FilterPlan>(name, pointer);
     const std::string blocks_pointer = join_pointer(pointer, "blocks");
     const auto* blocks = object_at(document(), blocks_pointer, "'blocks'", diagnostics_);
     if (!blocks || blocks->empty()) {
@@ -45,42 +44,20 @@ void Composer::begin_filters() {
 
 void Composer::add_block(FilterBuild& build, const std::string& name, const std::string& pointer) {
   const std::size_t errors = error_count();
-  BlockPlan block;
-  block.name = name;
-  block.pointer = pointer;
-  const ComponentType* type = type_of(Role::state_block, pointer);
-  if (type) {
-    block.type = type->full_name();
-    const auto parameters =
-        check_parameters(type->spec.parameters, type->spec.type, document(), pointer,
-                         {"type", "init", "sigma", "estimate", "consider", "hold"}, {}, diagnostics_);
-    if (error_count() == errors)
-      guarded(pointer, [&](Findings& findings) {
-        block.block =
-            type->create<StateBlock>(Binding(name, Parameters(parameters), {}, {}).of(type->spec).telling(findings));
-      });
-  }
-  if (!block.block) {
+  auto block = planned<BlockPlan>(name, pointer);
+  const Component component =
+      read_component(Role::state_block, name, pointer, {"type", "init", "sigma", "estimate", "consider", "hold"});
+  if (component.is_whole) block.block = make<StateBlock>(component);
+  const auto kind = canonical_kind(block.block ? block.declaration().kind : "*");
+  if (!kind) error("B030", pointer, kind.error());
+  if (!block.block || !kind) {
     build.failed_values.insert(name);
     build.blocks_complete = build.is_complete = false;
     return;
   }
+  block.type = component.type->full_name();
   const auto& declaration = block.declaration();
-  ValueInfo info;
-  info.name = name;
-  const auto kind = canonical_kind(declaration.kind);
-  if (!kind) {
-    error("B030", pointer, kind.error());
-    build.failed_values.insert(name);
-    build.blocks_complete = build.is_complete = false;
-    return;
-  }
-  info.kind = *kind;
-  info.dof = declaration.dof();
-  info.stored_size = declaration.stored_size;
-  info.components = declaration.error;
-  build.values.push_back(std::move(info));
-
+  build.values.push_back({name, *kind, declaration.dof(), declaration.stored_size, declaration.error});
   read_uses(block, pointer);
   block.stored_offset = build.plan.stored_size;
   build.plan.stored_size += declaration.stored_size;
@@ -121,20 +98,17 @@ void Composer::read_uses(BlockPlan& block, const std::string& pointer) {
   const auto consider = indices("consider");
   block.use.assign(components.size(), estimate ? Use::frozen : Use::estimated);
   if (estimate)
-    for (const int i : *estimate) block.use[static_cast<std::size_t>(i)] = Use::estimated;
+    for (const int i : *estimate) block.use[as_size(i)] = Use::estimated;
   if (consider)
     for (const int i : *consider) {
-      if (estimate && block.use[static_cast<std::size_t>(i)] == Use::estimated)
+      if (estimate && block.use[as_size(i)] == Use::estimated)
         error("B014", join_pointer(pointer, "consider"),
-              "component '" + names[static_cast<std::size_t>(i)] + "' of " + what +
-                  " cannot be both estimated and considered");
-      block.use[static_cast<std::size_t>(i)] = Use::considered;
+              "component '" + names[as_size(i)] + "' of " + what + " cannot be both estimated and considered");
+      block.use[as_size(i)] = Use::considered;
     }
   for (std::size_t i = 0; i < components.size(); ++i)
     if (block.use[i] != Use::frozen) block.active.push_back(static_cast<int>(i));
-  if (at(join_pointer(pointer, "hold")))
-    if (const auto hold = read_bool(document(), join_pointer(pointer, "hold"), diagnostics_))
-      block.holds_frozen = *hold;
+  block.holds_frozen = read_bool(document(), join_pointer(pointer, "hold"), diagnostics_).value_or(false);
 }
 
 void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::string& pointer) {
@@ -147,7 +121,7 @@ void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::str
   }
   std::vector<double> values(block.declaration().outputs.size(), 0.0);
   if (!read_initial_values(block, pointer, values) || error_count() != errors) return;
-  block.initial.value.assign(static_cast<std::size_t>(block.declaration().stored_size), 0.0);
+  block.initial.value.assign(as_size(block.declaration().stored_size), 0.0);
   const Result result = block.block->write(values.data(), block.initial.value.data());
   if (!result) error("B030", init_pointer, "block '" + block.name + "' refuses its initial value: " + result.reason);
 }
@@ -214,14 +188,11 @@ void Composer::read_initial_channel(FilterBuild& build, BlockPlan& block, const 
   FieldMap map;
   if (!map_fields(wanted, channel, init_pointer, channel_pointer, block.type, map)) return;
   for (const auto& item : map.epoch) block.initial.fields.push_back(item.index);
-  Time max_age = 0;
-  const std::string age_pointer = join_pointer(init_pointer, "max_age");
-  if (at(age_pointer))
-    if (const auto age = read_time(document(), age_pointer, diagnostics_)) max_age = *age;
+  const Time max_age = read_time(document(), join_pointer(init_pointer, "max_age"), diagnostics_).value_or(0);
   const auto [entry, is_new] = build.initial_channels.emplace(*name, static_cast<int>(build.plan.initial.size()));
   if (is_new) build.plan.initial.push_back(LatestPlan{channel, max_age, {}, {}, {}});
   block.initial.channel = entry->second;
-  auto& latest = build.plan.initial[static_cast<std::size_t>(entry->second)];
+  auto& latest = build.plan.initial[as_size(entry->second)];
   if (max_age > 0) latest.max_age = latest.max_age == 0 ? max_age : std::min(latest.max_age, max_age);
   find_initial_covariance(block, channel, join_pointer(init_pointer, "covariance"));
 }
@@ -229,11 +200,10 @@ void Composer::read_initial_channel(FilterBuild& build, BlockPlan& block, const 
 // Which components of the sample's covariance are this block's: "BLOCK.north", "position.north" or "north".
 void Composer::find_initial_covariance(BlockPlan& block, int channel, const std::string& covariance_pointer) {
   const auto& declaration = block.declaration();
-  const auto names = names_of(plan_->channels[static_cast<std::size_t>(channel)].declaration.covariance);
+  const auto names = names_of(plan_->channels[as_size(channel)].declaration.covariance);
   if (names.empty()) return;
-  std::vector<std::string> wanted_names;
-  if (at(covariance_pointer))
-    if (const auto given = read_names(document(), covariance_pointer, diagnostics_)) wanted_names = *given;
+  const auto wanted_names =
+      read_names(document(), covariance_pointer, diagnostics_).value_or(std::vector<std::string>());
   for (std::size_t c = 0; c < declaration.error.size(); ++c) {
     const std::string& component = declaration.error[c].name;
     std::vector<std::string> candidates{block.name + "." + component, family(declaration.kind) + "." + component,
@@ -259,8 +229,7 @@ void Composer::read_sigma(FilterBuild& build, BlockPlan& block, const std::strin
   auto& values = block.initial.sigma;
   values.assign(components.size(), std::numeric_limits<double>::quiet_NaN());
   const auto read = [&](const std::string& value_pointer, std::size_t i) {
-    auto spec = parameter::number("sigma", components[i].unit);
-    spec.minimum = 0;
+    const auto spec = parameter::number("sigma", components[i].unit).at_least(0);
     if (const auto value = read_quantity(document(), value_pointer, spec, diagnostics_)) values[i] = *value;
   };
   if (sigma && sigma->is_object()) {
@@ -283,19 +252,17 @@ void Composer::read_sigma(FilterBuild& build, BlockPlan& block, const std::strin
   if (block.initial.channel < 0 && at(join_pointer(join_pointer(pointer, "init"), "channel"))) return;
   const bool from_sample = block.initial.channel >= 0 && !block.initial.covariance.empty();
   for (const int active : block.active) {
-    const auto i = static_cast<std::size_t>(active);
+    const auto i = as_size(active);
     const bool is_given = sigma && (!sigma->is_object() || sigma->contains(names[i]));
     if (!is_given && !from_sample) {
-      key_error("B026", pointer,
-                "'sigma' of " + what + " is missing for '" + names[i] + "' (" + components[i].unit + ")" +
-                    (block.initial.channel >= 0
-                         ? ": channel '" +
-                               plan_
-                                   ->channels[static_cast<std::size_t>(
-                                       build.plan.initial[static_cast<std::size_t>(block.initial.channel)].channel)]
-                                   .name +
-                               "' carries no covariance for it"
-                         : std::string()));
+      key_error(
+          "B026", pointer,
+          "'sigma' of " + what + " is missing for '" + names[i] + "' (" + components[i].unit + ")" +
+              (block.initial.channel >= 0
+                   ? ": channel '" +
+                         plan_->channels[as_size(build.plan.initial[as_size(block.initial.channel)].channel)].name +
+                         "' carries no covariance for it"
+                   : std::string()));
       break;
     }
   }
@@ -312,7 +279,7 @@ void Composer::publish_estimates(FilterBuild& build) {
       declaration.fields.push_back(
           {block.name + "." + output.name, output.unit, FieldKind::level, false, false, output.text});
     for (const int active : block.active) {
-      const auto& component = block.declaration().error[static_cast<std::size_t>(active)];
+      const auto& component = block.declaration().error[as_size(active)];
       declaration.covariance.push_back({block.name + "." + component.name, component.unit});
     }
   }

@@ -39,28 +39,18 @@ void Composer::add_sources() {
   const auto* sources = object_at(document(), "/sources", "'sources'", diagnostics_);
   if (!sources) return;
   for (const auto& item : sources->items()) {
-    const std::string& name = item.key();
-    const std::string pointer = join_pointer("/sources", name);
     const std::size_t errors = error_count();
-    SourcePlan source;
-    source.name = name;
-    source.pointer = pointer;
-    source.type = type_of(Role::source, pointer);
-    if (source.type) {
-      const auto parameters = check_parameters(source.type->spec.parameters, source.type->spec.type, document(),
-                                               pointer, {"type"}, {}, diagnostics_);
-      if (error_count() == errors)
-        guarded(pointer, [&, &name = name](Findings& findings) {
-          source.source = source.type->create<Source>(
-              Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
-          add_channels(name, pointer, source.source->channels(), source.channels);
-        });
-    }
-    if (error_count() != errors) {
-      failed_components_.insert(name);
-      continue;
-    }
-    plan_->sources.push_back(std::move(source));
+    auto source = planned<SourcePlan>(item.key(), join_pointer("/sources", item.key()));
+    const Component component = read_component(Role::source, source.name, source.pointer, {"type"});
+    source.type = component.type;
+    if (component.is_whole)
+      source.source = make<Source>(component, {}, [&](const Source& made) {
+        add_channels(source.name, source.pointer, made.channels(), source.channels);
+      });
+    if (error_count() != errors)
+      failed_components_.insert(source.name);
+    else
+      plan_->sources.push_back(std::move(source));
   }
 }
 
@@ -125,7 +115,7 @@ bool Composer::fits(const FieldSpec& wanted, const FieldSpec& found, const Chann
 bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_index, const std::string& component_pointer,
                           const std::string& channel_pointer, const std::string& type, FieldMap& map,
                           const std::vector<FieldSpec>& mappable) {
-  const auto& channel = plan_->channels[static_cast<std::size_t>(channel_index)];
+  const auto& channel = plan_->channels[as_size(channel_index)];
   const auto& fields = channel.declaration.fields;
   const std::string mapping_pointer = join_pointer(component_pointer, "fields");
   const auto* mapping = object_at(document(), mapping_pointer, "'fields'", diagnostics_);
@@ -150,7 +140,7 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
     const std::string at_pointer = is_mapped ? join_pointer(mapping_pointer, field.name) : channel_pointer;
     if (found != fields.end()) {
       if (!fits(field, *found, channel, at_pointer, type, item.conversion)) continue;
-      item.index = channel.position[static_cast<std::size_t>(found - fields.begin())];
+      item.index = channel.position[as_size(found - fields.begin())];
     } else if (!field.is_optional || is_mapped) {
       error("B021", at_pointer,
             "channel '" + channel.name + "' has no field '" + name + "'" +
@@ -169,15 +159,16 @@ std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec) {
   return fields;
 }
 
-bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs) {
+bool Composer::read_inputs(Component& component, std::vector<NodeInput>& inputs) {
   const std::size_t errors = error_count();
+  const ComponentSpec& spec = component.spec();
+  const std::string& pointer = component.pointer;
   const bool is_single = spec.inputs.size() == 1;
   const std::string inputs_pointer = join_pointer(pointer, "inputs");
   const auto* named = object_at(document(), inputs_pointer, "'inputs'", diagnostics_);
   const bool has_single = at(join_pointer(pointer, "input")) != nullptr;
-  std::vector<std::string> names;
-  for (const auto& input : spec.inputs) names.push_back(input.name);
-  if (named) check_keys(document(), inputs_pointer, names, "'inputs' of '" + spec.type + "'", diagnostics_);
+  if (named)
+    check_keys(document(), inputs_pointer, names_of(spec.inputs), "'inputs' of '" + spec.type + "'", diagnostics_);
   bool is_told = false;
   const std::vector<FieldSpec> mappable = mappable_fields(spec);
   for (const auto& wanted : spec.inputs) {
@@ -198,50 +189,39 @@ bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer
         if (input.channel >= 0)
           map_fields(wanted.fields, input.channel, pointer, channel_pointer, spec.type, input.fields, mappable);
       }
+    const auto first = component.fields_bound.size();
+    component.fields_bound.resize(first + wanted.fields.size(), false);
+    component.bind_fields(input.fields, first);
+    component.inputs_bound.push_back(input.channel >= 0);
     inputs.push_back(std::move(input));
   }
   return error_count() == errors && !is_told;
 }
 
-void Composer::create_transform(TransformPlan& transform, const ParameterValue& parameters) {
-  const ComponentSpec& spec = transform.type->spec;
-  std::vector<PortBinding> inputs;
-  std::vector<bool> fields_bound, inputs_bound;
-  std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
-  for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
-    const int channel = transform.inputs[i].channel;
-    PortBinding input;
-    input.name = spec.inputs[i].name;
-    input.bound = channel >= 0;
-    inputs.push_back(input);
-    inputs_bound.push_back(input.bound);
-    if (input.bound) covariances[i] = plan_->channels[static_cast<std::size_t>(channel)].declaration.covariance;
-    const auto first = fields_bound.size();
-    fields_bound.resize(first + spec.inputs[i].fields.size(), false);
-    for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})
-      for (const auto& item : *items) fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
+Component Composer::read_stage(Role role, const std::string& name, const std::string& pointer,
+                               std::vector<NodeInput>& inputs) {
+  Component component = read_component(role, name, pointer, {"type", "input", "inputs", "fields"});
+  if (!component.type) return component;
+  component.is_whole = read_inputs(component, inputs) && component.is_whole;
+  component.covariances.assign(inputs.size(), {});
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    PortBinding& input = component.ports.emplace_back();
+    input.name = component.spec().inputs[i].name;
+    input.bound = inputs[i].channel >= 0;
+    if (input.bound) component.covariances[i] = plan_->channels[as_size(inputs[i].channel)].declaration.covariance;
   }
-  guarded(transform.pointer, [&](Findings& findings) {
-    transform.transform = transform.type->create<Transform>(
-        Binding(transform.name, Parameters(parameters), inputs, fields_bound, 1, covariances)
-            .of(spec, inputs_bound)
-            .telling(findings));
-    add_channels(transform.name, transform.pointer, transform.transform->channels(), transform.channels);
-  });
+  return component;
 }
 
-bool Composer::add_transform(const std::string& name) {
+bool Composer::add_transform(const std::string& name, const std::string& pointer) {
   const std::size_t errors = error_count();
-  TransformPlan transform;
-  transform.name = name;
-  transform.pointer = join_pointer("/transforms", name);
-  transform.type = type_of(Role::transform, transform.pointer);
-  if (!transform.type) return false;
-  const ComponentSpec& spec = transform.type->spec;
-  const auto parameters = check_parameters(spec.parameters, spec.type, document(), transform.pointer,
-                                           {"type", "input", "inputs", "fields"}, {}, diagnostics_);
-  const bool is_bound = read_inputs(spec, transform.pointer, transform.inputs);
-  if (is_bound && error_count() == errors) create_transform(transform, parameters);
+  auto transform = planned<TransformPlan>(name, pointer);
+  const Component component = read_stage(Role::transform, name, pointer, transform.inputs);
+  transform.type = component.type;
+  if (component.is_whole)
+    transform.transform = make<Transform>(component, {}, [&](const Transform& made) {
+      add_channels(name, pointer, made.channels(), transform.channels);
+    });
   if (!transform.transform || error_count() != errors) return false;
   plan_->transforms.push_back(std::move(transform));
   return true;
@@ -250,13 +230,10 @@ bool Composer::add_transform(const std::string& name) {
 void Composer::add_transforms() {
   const auto* transforms = object_at(document(), "/transforms", "'transforms'", diagnostics_);
   if (!transforms) return;
-  // In rounds: a transform can be bound once the channels that it subscribes to are known.
-  std::vector<std::string> waiting;
-  for (const auto& item : transforms->items()) waiting.push_back(item.key());
   const auto is_of = [](const std::string& channel, const std::string& transform) {
     return channel == transform || channel.rfind(transform + ".", 0) == 0;
   };
-  const auto is_pending = [&](const std::string& name) {
+  const auto is_waiting = [&](const std::string& name, const std::vector<std::string>& open) {
     std::vector<std::string> wanted;
     for (const char* key : {"input", "inputs"})
       if (const auto* value = at(join_pointer(join_pointer("/transforms", name), key))) {
@@ -266,48 +243,27 @@ void Composer::add_transforms() {
             if (channel.is_string()) wanted.push_back(channel.get<std::string>());
       }
     return std::any_of(wanted.begin(), wanted.end(), [&](const std::string& channel) {
-      return plan_->channel(channel) < 0 && std::any_of(waiting.begin(), waiting.end(), [&](const std::string& other) {
+      return plan_->channel(channel) < 0 && std::any_of(open.begin(), open.end(), [&](const std::string& other) {
                return is_of(channel, other) || channel == name;
              });
     });
   };
-  while (!waiting.empty()) {
-    std::vector<std::string> later;
-    for (const auto& name : waiting) {
-      if (is_pending(name))
-        later.push_back(name);
-      else if (!add_transform(name))
-        failed_components_.insert(name);
-    }
-    if (later.size() == waiting.size()) {
-      error("B023", join_pointer("/transforms", later.front()), "these transforms feed each other: " + listed(later));
-      for (const auto& name : later) failed_components_.insert(name);
-      return;
-    }
-    waiting = later;
-  }
+  // A transform can be bound once the channels that it subscribes to are known.
+  const auto cycle = in_order("/transforms", "these transforms feed each other: ", is_waiting,
+                              [&](const std::string& name, const std::string& pointer) {
+                                if (!add_transform(name, pointer)) failed_components_.insert(name);
+                              });
+  failed_components_.insert(cycle.begin(), cycle.end());
 }
 
 void Composer::add_sinks() {
   const auto* sinks = object_at(document(), "/sinks", "'sinks'", diagnostics_);
   if (!sinks) return;
   for (const auto& item : sinks->items()) {
-    const std::string& name = item.key();
-    const std::string pointer = join_pointer("/sinks", name);
-    const std::size_t errors = error_count();
-    SinkPlan sink;
-    sink.name = name;
-    sink.pointer = pointer;
-    sink.type = type_of(Role::sink, pointer);
-    if (!sink.type) continue;
-    const auto parameters = check_parameters(sink.type->spec.parameters, sink.type->spec.type, document(), pointer,
-                                             {"type", "input", "inputs", "fields"}, {}, diagnostics_);
-    const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
-    if (error_count() != errors || !is_bound) continue;
-    guarded(pointer, [&, &name = name](Findings& findings) {
-      sink.sink =
-          sink.type->create<Sink>(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
-    });
+    auto sink = planned<SinkPlan>(item.key(), join_pointer("/sinks", item.key()));
+    const Component component = read_stage(Role::sink, sink.name, sink.pointer, sink.inputs);
+    sink.type = component.type;
+    if (component.is_whole) sink.sink = make<Sink>(component);
     if (sink.sink) plan_->sinks.push_back(std::move(sink));
   }
 }

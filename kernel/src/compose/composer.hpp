@@ -2,11 +2,13 @@
 // From a document to a CompositionPlan, telling all that is wrong in one go.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "base/index.hpp"
 #include "base/text.hpp"
 #include "binnacle/composition.hpp"
 #include "compose/composition_plan.hpp"
@@ -16,6 +18,7 @@
 
 namespace binnacle::compose {
 
+using base::as_size;
 using base::listed;
 using base::names_of;
 using base::suggestion;
@@ -53,6 +56,37 @@ struct FilterBuild {
   }
 };
 
+/// A component on its way from JSON to object: what its constructor is handed.
+struct Component {
+  std::string name;
+  std::string pointer;
+  const ComponentType* type = nullptr;  // null: there is no such type
+  ParameterValue parameters = {};
+  std::vector<int> values = {};  // what is plugged into its ports, −1: nothing
+  std::vector<PortBinding> ports = {};
+  std::vector<int> driving_rates = {};  // index of each in the driving input
+  std::vector<bool> fields_bound = {};  // its own, then those of its inputs
+  std::vector<bool> inputs_bound = {};
+  std::vector<std::vector<NamedUnit>> covariances = {{}};
+  int samples_per_step = 1;
+  bool is_whole = false;  // false: something is wrong with it, or with what it is plugged into
+
+  const ComponentSpec& spec() const { return type->spec; }
+  /// Which fields a channel carries, of those that `first` is the first of.
+  void bind_fields(const FieldMap& map, std::size_t first = 0) {
+    for (const auto* items : {&map.epoch, &map.row})
+      for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
+  }
+};
+
+template <class Plan>
+Plan planned(const std::string& name, const std::string& pointer) {
+  Plan plan;
+  plan.name = name;
+  plan.pointer = pointer;
+  return plan;
+}
+
 class Composer {
  public:
   Composer(Document document, const LoadOptions& options, Diagnostics& diagnostics);
@@ -74,12 +108,12 @@ class Composer {
   // channels.cpp
   void add_sources();
   void add_transforms();
-  bool add_transform(const std::string& name);
-  void create_transform(TransformPlan& transform, const ParameterValue& parameters);
+  bool add_transform(const std::string& name, const std::string& pointer);
   void add_sinks();
+  Component read_stage(Role role, const std::string& name, const std::string& pointer, std::vector<NodeInput>& inputs);
   void add_channels(const std::string& component, const std::string& pointer,
                     const std::vector<ChannelDeclaration>& declarations, std::vector<int>& indices);
-  bool read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs);
+  bool read_inputs(Component& component, std::vector<NodeInput>& inputs);
   /// −1 with an error when there is no such channel (no error when its source failed on its own).
   int channel_named(const std::string& name, const std::string& pointer, bool& is_told);
   /// Whether a channel's field can serve as the wanted one, with what conversion; reports why not.
@@ -107,20 +141,16 @@ class Composer {
   /// False where it is of no use and the reason is reported elsewhere, or not a name.
   bool bind_port(const FilterBuild& build, const PortSpec& port, const std::string& type, const std::string& pointer,
                  int& value, PortBinding& binding);
-  bool bind_ports(FilterBuild& build, const ComponentType& type, const std::string& pointer, std::vector<int>& ports,
-                  std::vector<PortBinding>& bindings);
-  bool find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
-                          std::vector<int>& driving_rates);
+  bool bind_ports(FilterBuild& build, Component& component);
+  bool find_driving_rates(FilterBuild& build, Component& component);
   void add_derived(FilterBuild& build);
   bool add_derived_block(FilterBuild& build, const std::string& name, const std::string& pointer);
-  bool create_derived(FilterBuild& build, DerivedPlan& plan);
   std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
   void add_processes(FilterBuild& build);
   bool add_process(FilterBuild& build, const std::string& name, const std::string& pointer, bool is_whole,
                    std::vector<int>& values_read);
-  bool read_process_input(FilterBuild& build, ProcessPlan& plan, const ComponentSpec& spec,
-                          std::vector<bool>& fields_bound, int& samples_per_step);
-  bool check_couplings(const ProcessPlan& plan, const ComponentSpec& spec, const std::vector<PortBinding>& bindings);
+  bool read_process_input(FilterBuild& build, ProcessPlan& plan, Component& component);
+  bool check_couplings(const ProcessPlan& plan, const Component& component);
   void advance_blocks(FilterBuild& build, const ProcessPlan& plan, const ComponentSpec& spec,
                       std::vector<int>& values_read);
 
@@ -129,11 +159,10 @@ class Composer {
   bool add_measurement(FilterBuild& build, const std::string& name, const std::string& pointer);
   bool add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name, const std::string& pointer,
                 const std::vector<std::string>& reserved);
-  bool read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
-                        const ComponentSpec& spec, std::vector<bool>& fields_bound);
-  bool read_auxiliary(FilterBuild& build, PartPlan& part, const ComponentSpec& spec, std::vector<bool>& fields_bound,
-                      std::vector<bool>& inputs_bound);
-  bool reserve_reads(FilterBuild& build, PartPlan& part, const std::string& type);
+  bool read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part, Component& component);
+  bool read_auxiliary(FilterBuild& build, PartPlan& part, Component& component);
+  bool reserve_reads(FilterBuild& build, PartPlan& part, const Component& component);
+  bool reads_bound_ports(const std::vector<int>& read_ports, const Component& component);
   void add_gate(MeasurementPlan& measurement, const std::string& pointer);
   void add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
   void add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);
@@ -151,7 +180,49 @@ class Composer {
   // shared
   /// The object's type, found in the catalog; null with an error.
   const ComponentType* type_of(Role role, const std::string& pointer);
-  PortUnits port_units(const std::vector<PortBinding>& bindings) const;
+  /// Type, ports and driving rates (of a filter's models) and parameters; `reserved` are the keys of its place.
+  Component read_component(Role role, const std::string& name, const std::string& pointer,
+                           const std::vector<std::string>& reserved, FilterBuild* build = nullptr);
+  /// Null where the component refuses; `then` is asked of it with the same care.
+  template <class Base>
+  std::shared_ptr<Base> make(const Component& component, const NoiseBinding& noise = {},
+                             const std::function<void(const Base&)>& then = {}) {
+    std::shared_ptr<Base> object;
+    const bool is_made = guarded(component.pointer, [&](Findings& findings) {
+      object = component.type->create<Base>(Binding(component.name, Parameters(component.parameters), component.ports,
+                                                    component.fields_bound, component.samples_per_step,
+                                                    component.covariances)
+                                                .of(component.spec(), component.inputs_bound,
+                                                    !component.driving_rates.empty())
+                                                .telling(findings),
+                                            noise);
+      if (then) then(*object);
+    });
+    return is_made ? object : nullptr;
+  }
+  /// Adds each of the names as soon as it waits for none of the others; those that wait for each other are a cycle, which
+  /// is reported and returned.
+  template <class IsWaiting, class Add>
+  std::vector<std::string> in_order(const std::string& section, const char* what, const IsWaiting& is_waiting,
+                                    const Add& add) {
+    std::vector<std::string> open;
+    for (const auto& item : at(section)->items()) open.push_back(item.key());
+    while (!open.empty()) {
+      std::vector<std::string> later;
+      for (const auto& name : open) {
+        if (is_waiting(name, open))
+          later.push_back(name);
+        else
+          add(name, join_pointer(section, name));
+      }
+      if (later.size() == open.size()) {
+        error("B023", join_pointer(section, later.front()), what + listed(later));
+        return later;
+      }
+      open = later;
+    }
+    return {};
+  }
   /// Runs `create`, turning a ComponentError into a diagnostic, and keeps what the component found. False when it was
   /// refused.
   template <class Create>

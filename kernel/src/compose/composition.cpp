@@ -6,13 +6,10 @@
 #include <sstream>
 
 #include "base/hash.hpp"
-#include "base/index.hpp"
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
 
 namespace binnacle::compose {
-
-using base::as_size;
 
 Composer::Composer(Document document, const LoadOptions& options, Diagnostics& diagnostics)
     : plan_(std::make_unique<CompositionPlan>()), sections_(options.sections), diagnostics_(diagnostics) {
@@ -57,6 +54,31 @@ const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
   const auto type = read_string(document(), type_pointer, diagnostics_);
   if (!type) return nullptr;
   return plan_->catalog.find(role, *type, document().origin(type_pointer), type_pointer, diagnostics_);
+}
+
+Component Composer::read_component(Role role, const std::string& name, const std::string& pointer,
+                                   const std::vector<std::string>& reserved, FilterBuild* build) {
+  Component component{name, pointer, type_of(role, pointer)};
+  if (!component.type) return component;
+  const std::size_t errors = error_count();
+  const ComponentSpec& spec = component.spec();
+  component.fields_bound.assign(spec.fields.size(), false);
+  const bool is_bound = !build || bind_ports(*build, component);
+  const auto port_units = [&](std::string_view port) -> std::optional<PortMeasure> {
+    for (const auto& binding : component.ports) {
+      if (binding.name != port || !binding.bound || binding.components.empty()) continue;
+      const auto unit = parse_unit(binding.components.front().unit);
+      for (const auto& other : binding.components)
+        if (other.unit != binding.components.front().unit) return std::nullopt;
+      if (unit) return PortMeasure{unit->dimension, binding.dof};
+    }
+    return std::nullopt;
+  };
+  component.parameters =
+      check_parameters(spec.parameters, spec.type, document(), pointer, reserved, port_units, diagnostics_);
+  const bool has_rates = !build || find_driving_rates(*build, component);
+  component.is_whole = is_bound && has_rates && error_count() == errors;
+  return component;
 }
 
 // The config's keys that the kernel reads; the composition is known by what stands under them.
@@ -241,26 +263,26 @@ namespace {
   throw DataError(diagnostics);
 }
 
+std::unique_ptr<compose::CompositionPlan> plan_of(config::Document document, const LoadOptions& options,
+                                                  Diagnostics& diagnostics) {
+  if (diagnostics.has_errors()) throw_errors(diagnostics);
+  auto plan = compose::Composer(std::move(document), options, diagnostics).compose();
+  if (!plan) throw_errors(diagnostics);
+  return plan;
+}
+
 }  // namespace
 
 std::shared_ptr<const Composition> Composition::load(const std::filesystem::path& config, const LoadOptions& options) {
   Diagnostics diagnostics;
-  auto document = config::Document::load(config, options, diagnostics);
-  compose::Composer composer(std::move(document), options, diagnostics);
-  if (diagnostics.has_errors()) throw_errors(diagnostics);
-  auto plan = composer.compose();
-  if (!plan) throw_errors(diagnostics);
+  auto plan = plan_of(config::Document::load(config, options, diagnostics), options, diagnostics);
   return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
 }
 
 std::shared_ptr<const Composition> Composition::parse(std::string_view text, const std::filesystem::path& name,
                                                       const LoadOptions& options) {
   Diagnostics diagnostics;
-  auto document = config::Document::parse(text, name, options, diagnostics);
-  if (diagnostics.has_errors()) throw_errors(diagnostics);
-  compose::Composer composer(std::move(document), options, diagnostics);
-  auto plan = composer.compose();
-  if (!plan) throw_errors(diagnostics);
+  auto plan = plan_of(config::Document::parse(text, name, options, diagnostics), options, diagnostics);
   return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
 }
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <map>
 
-#include "base/index.hpp"
 #include "compose/composer.hpp"
 
 namespace binnacle::compose {
 
 namespace {
-
-using base::as_size;
 
 BlockInfo block_info(const BlockPlan& block) {
   BlockInfo info{block.name,          block.type,  block.block.get(), &block.declaration(),

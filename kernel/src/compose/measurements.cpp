@@ -5,12 +5,9 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
-#include "base/index.hpp"
 #include "compose/composer.hpp"
 
 namespace binnacle::compose {
-
-using base::as_size;
 
 void Composer::add_measurements(FilterBuild& build) {
   const std::string section = join_pointer(build.pointer, "measurements");
@@ -23,9 +20,7 @@ void Composer::add_measurements(FilterBuild& build) {
 bool Composer::add_measurement(FilterBuild& build, const std::string& name, const std::string& pointer) {
   const std::size_t errors = error_count();
   if (!object_at(document(), pointer, "measurement '" + name + "'", diagnostics_)) return false;
-  MeasurementPlan measurement;
-  measurement.name = name;
-  measurement.pointer = pointer;
+  auto measurement = planned<MeasurementPlan>(name, pointer);
   const std::vector<std::string> common{"channel", "noise", "gate", "recover", "withhold"};
   if (!require_key(document(), pointer, "channel", name, "name of a channel", diagnostics_)) return false;
   const std::string channel_pointer = join_pointer(pointer, "channel");
@@ -70,11 +65,10 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
   return true;
 }
 
-bool Composer::read_auxiliary(FilterBuild& build, PartPlan& part, const ComponentSpec& spec,
-                              std::vector<bool>& fields_bound, std::vector<bool>& inputs_bound) {
-  if (spec.inputs.empty()) return true;
+bool Composer::read_auxiliary(FilterBuild& build, PartPlan& part, Component& component) {
+  if (component.spec().inputs.empty()) return true;
   std::vector<NodeInput> inputs;
-  const bool is_whole = read_inputs(spec, part.pointer, inputs);
+  const bool is_whole = read_inputs(component, inputs);
   auto& auxiliary = build.plan.auxiliary;
   for (auto& input : inputs) {
     int index = -1;
@@ -87,42 +81,31 @@ bool Composer::read_auxiliary(FilterBuild& build, PartPlan& part, const Componen
       }
     }
     part.auxiliary.push_back(index);
-    inputs_bound.push_back(index >= 0);
-    const auto first = fields_bound.size();
-    fields_bound.resize(first + spec.inputs[inputs_bound.size() - 1].fields.size(), false);
-    for (const auto* items : {&input.fields.epoch, &input.fields.row})
-      for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
     part.auxiliary_fields.push_back(std::move(input.fields));
   }
   return is_whole;
 }
 
 bool Composer::read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
-                                const ComponentSpec& spec, std::vector<bool>& fields_bound) {
+                                Component& component) {
+  const ComponentSpec& spec = component.spec();
   // What is wrong with the channel is reported; its missing fields are not the model's to complain of.
   if (measurement.channel < 0) return false;
   const bool is_whole =
       map_fields(spec.fields, measurement.channel, part.pointer, join_pointer(measurement.pointer, "channel"),
                  spec.type, part.fields, mappable_fields(spec));
-  for (const auto* items : {&part.fields.epoch, &part.fields.row})
-    for (const auto& item : *items) fields_bound[as_size(item.declared)] = item.index >= 0;
+  component.bind_fields(part.fields);
   const auto& channel = plan_->channels[as_size(measurement.channel)];
   build.plan.max_row_fields =
       std::max(build.plan.max_row_fields, static_cast<int>(part.fields.row.size()) * channel.declaration.max_rows);
   return is_whole;
 }
 
-bool Composer::reserve_reads(FilterBuild& build, PartPlan& part, const std::string& type) {
+bool Composer::reserve_reads(FilterBuild& build, PartPlan& part, const Component& component) {
   const auto& declaration = part.model->declaration();
-  if (declaration.max_rows < 1) {
-    error("B030", part.pointer, "'" + type + "' declares no rows");
-    return false;
-  }
+  if (declaration.max_rows < 1) error("B030", part.pointer, "'" + component.spec().type + "' declares no rows");
+  if (declaration.max_rows < 1 || !reads_bound_ports(declaration.read_ports, component)) return false;
   for (const int port : declaration.read_ports) {
-    if (port < 0 || as_size(port) >= part.ports.size() || part.ports[as_size(port)] < 0) {
-      error("B030", part.pointer, "'" + type + "' declares a Jacobian for a port that is not bound");
-      return false;
-    }
     const int value = part.ports[as_size(port)];
     const int dof = build.values[as_size(value)].dof;
     part.reads.push_back({value, dof, build.reserve(as_size(declaration.max_rows * dof)), {}, port});
@@ -133,31 +116,19 @@ bool Composer::reserve_reads(FilterBuild& build, PartPlan& part, const std::stri
 bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name,
                         const std::string& pointer, const std::vector<std::string>& reserved) {
   const std::size_t errors = error_count();
-  PartPlan part;
-  part.name = name;
-  part.pointer = pointer;
-  const ComponentType* type = type_of(Role::measurement_model, pointer);
-  if (!type) return false;
-  const ComponentSpec& spec = type->spec;
-  part.type = type->full_name();
-  std::vector<PortBinding> bindings;
-  bool is_whole = bind_ports(build, *type, pointer, part.ports, bindings);
-  const auto parameters =
-      check_parameters(spec.parameters, spec.type, document(), pointer, reserved, port_units(bindings), diagnostics_);
-  is_whole = find_driving_rates(build, *type, pointer, part.driving_rates) && is_whole;
-  std::vector<bool> fields_bound(spec.fields.size(), false), inputs_bound;
-  is_whole = read_part_fields(build, measurement, part, spec, fields_bound) && is_whole;
+  auto part = planned<PartPlan>(name, pointer);
+  Component component = read_component(Role::measurement_model, name, pointer, reserved, &build);
+  if (!component.type) return false;
+  part.type = component.type->full_name();
+  part.ports = component.values;
+  part.driving_rates = component.driving_rates;
+  bool is_whole = read_part_fields(build, measurement, part, component) && component.is_whole;
   build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(part.fields.epoch.size()));
-  is_whole = read_auxiliary(build, part, spec, fields_bound, inputs_bound) && is_whole;
+  is_whole = read_auxiliary(build, part, component) && is_whole;
   if (!is_whole || error_count() != errors) return false;
-  const bool is_made = guarded(pointer, [&](Findings& findings) {
-    part.model =
-        type->create<MeasurementModel>(Binding(name, Parameters(parameters), bindings, fields_bound, 1,
-                                               {plan_->channels[as_size(measurement.channel)].declaration.covariance})
-                                           .of(spec, inputs_bound, !part.driving_rates.empty())
-                                           .telling(findings));
-  });
-  if (!is_made || !reserve_reads(build, part, spec.type)) return false;
+  component.covariances = {plan_->channels[as_size(measurement.channel)].declaration.covariance};
+  part.model = make<MeasurementModel>(component);
+  if (!part.model || !reserve_reads(build, part, component)) return false;
   measurement.max_rows += part.model->declaration().max_rows;
   measurement.parts.push_back(std::move(part));
   return true;
@@ -219,10 +190,7 @@ void Composer::add_gate(MeasurementPlan& measurement, const std::string& pointer
       }
     }
   }
-  auto spec = parameter::number("gate", "1").about("probability");
-  spec.minimum = 0;
-  spec.maximum = 1;
-  spec.minimum_excluded = spec.maximum_excluded = true;
+  const auto spec = parameter::number("gate", "1").about("probability").above(0).below(1);
   if (const auto probability = read_quantity(document(), probability_pointer, spec, diagnostics_))
     measurement.gate = *probability;
 }
@@ -230,18 +198,13 @@ void Composer::add_gate(MeasurementPlan& measurement, const std::string& pointer
 void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer) {
   const std::string noise_pointer = join_pointer(pointer, "noise");
   if (!at(noise_pointer)) return;
+  const Component component =
+      read_component(Role::noise_estimator, measurement.name, noise_pointer, {"type", "learn_from_gated"});
   const std::size_t errors = error_count();
-  const ComponentType* type = type_of(Role::noise_estimator, noise_pointer);
-  if (!type) {
-    build.is_complete = false;
-    return;
-  }
-  const auto parameters = check_parameters(type->spec.parameters, type->spec.type, document(), noise_pointer,
-                                           {"type", "learn_from_gated"}, {}, diagnostics_);
-  const std::string learn_pointer = join_pointer(noise_pointer, "learn_from_gated");
-  if (at(learn_pointer))
-    if (const auto learn = read_bool(document(), learn_pointer, diagnostics_)) measurement.learn_from_gated = *learn;
-  if (error_count() != errors) return;
+  measurement.learn_from_gated =
+      read_bool(document(), join_pointer(noise_pointer, "learn_from_gated"), diagnostics_).value_or(false);
+  if (!component.type) build.is_complete = false;
+  if (!component.is_whole || error_count() != errors) return;
   NoiseBinding binding;
   binding.max_rows = measurement.max_rows;
   int first = 0;
@@ -259,11 +222,8 @@ void Composer::add_noise(FilterBuild& build, MeasurementPlan& measurement, const
     }
     first += part.model->declaration().max_rows;
   }
-  measurement.noise_type = type->full_name();
-  guarded(noise_pointer, [&](Findings& findings) {
-    measurement.noise = type->create<NoiseEstimator>(
-        Binding(measurement.name, Parameters(parameters), {}, {}).of(type->spec).telling(findings), binding);
-  });
+  measurement.noise_type = component.type->full_name();
+  measurement.noise = make<NoiseEstimator>(component, binding);
 }
 
 void Composer::add_recovery(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer) {
@@ -276,8 +236,7 @@ void Composer::add_recovery(FilterBuild& build, MeasurementPlan& measurement, co
     return;
   if (measurement.gate <= 0)
     error("B010", recover_pointer, "'recover' needs a 'gate': without one no sample is ever gated");
-  auto spec = parameter::integer("after");
-  spec.minimum = 1;
+  const auto spec = parameter::integer("after").at_least(1);
   if (const auto after = read_integer(document(), join_pointer(recover_pointer, "after"), spec, diagnostics_))
     measurement.recover_after = static_cast<int>(*after);
   const std::string inflate_pointer = join_pointer(recover_pointer, "inflate");
@@ -296,8 +255,7 @@ void Composer::add_recovery(FilterBuild& build, MeasurementPlan& measurement, co
         // A block's name alone means all of its components.
         if (key != block.name && key != block.name + "." + component.name) continue;
         is_found = true;
-        auto bound = parameter::number(key, component.unit);
-        bound.minimum = 0;
+        const auto bound = parameter::number(key, component.unit).at_least(0);
         if (const auto sigma = read_quantity(document(), entry, bound, diagnostics_))
           measurement.inflations.push_back({block.first + static_cast<int>(a), *sigma * *sigma});
       }

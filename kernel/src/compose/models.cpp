@@ -4,11 +4,7 @@
 
 #include "compose/composer.hpp"
 
-#include "base/index.hpp"
-
 namespace binnacle::compose {
-
-using base::as_size;
 
 namespace {
 
@@ -89,12 +85,11 @@ bool Composer::bind_port(const FilterBuild& build, const PortSpec& port, const s
   return true;
 }
 
-bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const std::string& pointer,
-                          std::vector<int>& ports, std::vector<PortBinding>& bindings) {
-  const auto& spec = type.spec;
+bool Composer::bind_ports(FilterBuild& build, Component& component) {
+  const auto& spec = component.spec();
   const std::size_t errors = error_count();
   bool is_whole = true;
-  const std::string blocks_pointer = join_pointer(pointer, "blocks");
+  const std::string blocks_pointer = join_pointer(component.pointer, "blocks");
   check_port_names(spec, blocks_pointer);
   for (const auto& port : spec.ports) {
     PortBinding binding;
@@ -107,29 +102,16 @@ bool Composer::bind_ports(FilterBuild& build, const ComponentType& type, const s
       std::vector<std::string> fitting;
       for (const auto& info : build.values)
         if (kind_matches(port.kind, info.kind)) fitting.push_back(info.name);
-      key_error("B017", pointer,
+      key_error("B017", component.pointer,
                 "port '" + port.name + "' of '" + spec.type + "' is not bound (kind '" + port.kind +
                     "'): \"blocks\": {\"" + port.name + "\": \"" +
                     (fitting.empty() ? std::string("…") : fitting.front()) + "\"}");
     }
-    ports.push_back(binding.bound ? value : -1);
-    bindings.push_back(std::move(binding));
+    component.values.push_back(binding.bound ? value : -1);
+    component.ports.push_back(std::move(binding));
   }
   if (!is_whole) build.is_complete = false;
   return is_whole && error_count() == errors;
-}
-
-PortUnits Composer::port_units(const std::vector<PortBinding>& bindings) const {
-  return [&bindings](std::string_view port) -> std::optional<PortMeasure> {
-    for (const auto& binding : bindings) {
-      if (binding.name != port || !binding.bound || binding.components.empty()) continue;
-      const auto unit = parse_unit(binding.components.front().unit);
-      for (const auto& component : binding.components)
-        if (component.unit != binding.components.front().unit) return std::nullopt;
-      if (unit) return PortMeasure{unit->dimension, binding.dof};
-    }
-    return std::nullopt;
-  };
 }
 
 void Composer::find_input(FilterBuild& build) {
@@ -163,64 +145,54 @@ void Composer::find_input(FilterBuild& build) {
     if (!field.is_per_row) build.plan.input_kinds.push_back(field.kind);
 }
 
-bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
-                                  std::vector<int>& driving_rates) {
-  if (type.spec.driving_rates.empty()) return true;
+bool Composer::find_driving_rates(FilterBuild& build, Component& component) {
+  const ComponentSpec& spec = component.spec();
+  const auto& rates = spec.driving_rates;
+  if (rates.empty()) return true;
   if (build.plan.input_channel < 0) {
-    const bool all_optional = std::all_of(type.spec.driving_rates.begin(), type.spec.driving_rates.end(),
-                                          [](const FieldSpec& field) { return field.is_optional; });
+    const bool all_optional =
+        std::all_of(rates.begin(), rates.end(), [](const FieldSpec& field) { return field.is_optional; });
     if (!all_optional && build.is_complete)
-      error("B021", pointer, "'" + type.spec.type + "' needs the rates of the filter's driving input, which has none");
+      error("B021", component.pointer,
+            "'" + spec.type + "' needs the rates of the filter's driving input, which has none");
     return all_optional;
   }
   const auto& channel = plan_->channels[as_size(build.plan.input_channel)];
   const std::size_t errors = error_count();
-  for (const auto& wanted : type.spec.driving_rates) {
+  for (const auto& wanted : rates) {
     int index = -1;
     for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
       if (channel.declaration.fields[i].name == wanted.name) index = channel.position[i];
     if (index < 0 && !wanted.is_optional)
-      error("B021", pointer,
-            "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + type.spec.type +
+      error("B021", component.pointer,
+            "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + spec.type +
                 "' needs");
     if (index < 0) continue;
-    driving_rates.push_back(index);
+    component.driving_rates.push_back(index);
     build.plan.input_used[as_size(index)] = 1;
   }
-  if (driving_rates.size() != type.spec.driving_rates.size()) driving_rates.clear();
+  if (component.driving_rates.size() != rates.size()) component.driving_rates.clear();
   return error_count() == errors;
 }
 
-bool Composer::create_derived(FilterBuild& build, DerivedPlan& plan) {
-  const std::size_t errors = error_count();
-  const ComponentType* type = type_of(Role::derived_block, plan.pointer);
-  if (!type) return false;
-  std::vector<PortBinding> bindings;
-  plan.type = type->full_name();
-  const bool is_bound = bind_ports(build, *type, plan.pointer, plan.ports, bindings);
-  const auto parameters = check_parameters(type->spec.parameters, type->spec.type, document(), plan.pointer,
-                                           {"type", "blocks"}, port_units(bindings), diagnostics_);
-  const bool has_rates = find_driving_rates(build, *type, plan.pointer, plan.driving_rates);
-  if (!is_bound || !has_rates || error_count() != errors) return false;
-  guarded(plan.pointer, [&](Findings& findings) {
-    plan.derived = type->create<DerivedBlock>(Binding(plan.name, Parameters(parameters), bindings, {})
-                                                  .of(type->spec, {}, !plan.driving_rates.empty())
-                                                  .telling(findings));
+bool Composer::reads_bound_ports(const std::vector<int>& read_ports, const Component& component) {
+  const bool all_are_bound = std::all_of(read_ports.begin(), read_ports.end(), [&](int port) {
+    return port >= 0 && as_size(port) < component.values.size() && component.values[as_size(port)] >= 0;
   });
-  if (!plan.derived) return false;
-  for (const int port : plan.derived->declaration().read_ports)
-    if (port < 0 || as_size(port) >= plan.ports.size() || plan.ports[as_size(port)] < 0) {
-      error("B030", plan.pointer, "'" + type->spec.type + "' declares a Jacobian for a port that is not bound");
-      return false;
-    }
-  return true;
+  if (!all_are_bound)
+    error("B030", component.pointer,
+          "'" + component.spec().type + "' declares a Jacobian for a port that is not bound");
+  return all_are_bound;
 }
 
 bool Composer::add_derived_block(FilterBuild& build, const std::string& name, const std::string& pointer) {
-  DerivedPlan plan;
-  plan.name = name;
-  plan.pointer = pointer;
-  if (!create_derived(build, plan)) return false;
+  auto plan = planned<DerivedPlan>(name, pointer);
+  const Component component = read_component(Role::derived_block, name, pointer, {"type", "blocks"}, &build);
+  if (component.is_whole) plan.derived = make<DerivedBlock>(component);
+  if (!plan.derived || !reads_bound_ports(plan.derived->declaration().read_ports, component)) return false;
+  plan.type = component.type->full_name();
+  plan.ports = component.values;
+  plan.driving_rates = component.driving_rates;
   const auto& declaration = plan.derived->declaration();
   const int dof = plan.dof();
   plan.value = build.reserve(as_size(declaration.stored_size));
@@ -250,39 +222,26 @@ void Composer::add_derived(FilterBuild& build) {
   const std::string section = join_pointer(build.pointer, "derived");
   const auto* derived = object_at(document(), section, "'derived'", diagnostics_);
   if (!derived) return;
-  std::vector<std::string> waiting;
-  for (const auto& item : derived->items()) {
-    const std::string& name = item.key();
-    waiting.push_back(name);
-    if (build.value(name) >= 0 || build.failed_values.contains(name))
-      key_error("B002", join_pointer(section, name), "a block is called '" + name + "' already");
-  }
-  const auto is_pending = [&](const std::string& name) {
+  for (const auto& item : derived->items())
+    if (build.value(item.key()) >= 0 || build.failed_values.contains(item.key()))
+      key_error("B002", join_pointer(section, item.key()), "a block is called '" + item.key() + "' already");
+  const auto is_waiting = [&](const std::string& name, const std::vector<std::string>& open) {
     const auto* blocks = at(join_pointer(join_pointer(section, name), "blocks"));
     if (!blocks || !blocks->is_object()) return false;
     return std::any_of(blocks->begin(), blocks->end(), [&](const auto& value) {
       return value.is_string() && build.value(value.template get<std::string>()) < 0 &&
-             std::find(waiting.begin(), waiting.end(), value.template get<std::string>()) != waiting.end();
+             std::find(open.begin(), open.end(), value.template get<std::string>()) != open.end();
     });
   };
-  while (!waiting.empty()) {
-    std::vector<std::string> later;
-    for (const auto& name : waiting) {
-      if (is_pending(name)) {
-        later.push_back(name);
-      } else if (!add_derived_block(build, name, join_pointer(section, name))) {
-        build.failed_values.insert(name);
-        build.is_complete = false;
-      }
-    }
-    if (later.size() == waiting.size()) {
-      error("B023", join_pointer(section, later.front()), "these derived blocks need each other: " + listed(later));
-      for (const auto& name : later) build.failed_values.insert(name);
-      build.is_complete = false;
-      return;
-    }
-    waiting = later;
-  }
+  const auto fail = [&](const std::string& name) {
+    build.failed_values.insert(name);
+    build.is_complete = false;
+  };
+  const auto cycle = in_order(section, "these derived blocks need each other: ", is_waiting,
+                              [&](const std::string& name, const std::string& pointer) {
+                                if (!add_derived_block(build, name, pointer)) fail(name);
+                              });
+  for (const auto& name : cycle) fail(name);
 }
 
 std::vector<int> Composer::derived_closure(const FilterBuild& build, const std::vector<int>& values) const {
@@ -298,8 +257,8 @@ std::vector<int> Composer::derived_closure(const FilterBuild& build, const std::
   return {needed.begin(), needed.end()};
 }
 
-bool Composer::read_process_input(FilterBuild& build, ProcessPlan& plan, const ComponentSpec& spec,
-                                  std::vector<bool>& fields_bound, int& samples_per_step) {
+bool Composer::read_process_input(FilterBuild& build, ProcessPlan& plan, Component& component) {
+  const ComponentSpec& spec = component.spec();
   const std::string input_pointer = join_pointer(plan.pointer, "input");
   plan.uses_input = !spec.fields.empty();
   if (!plan.uses_input) {
@@ -311,34 +270,31 @@ bool Composer::read_process_input(FilterBuild& build, ProcessPlan& plan, const C
     key_error("B010", plan.pointer, "'input' of '" + spec.type + "' is missing (name of a channel)");
   else if (build.plan.input_channel < 0)
     is_whole = false;
-  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields))
-    for (const auto& item : plan.fields.epoch) {
-      fields_bound[as_size(item.declared)] = item.index >= 0;
+  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields)) {
+    component.bind_fields(plan.fields);
+    for (const auto& item : plan.fields.epoch)
       if (item.index >= 0) build.plan.input_used[as_size(item.index)] = 1;
-    }
-  const std::string samples_pointer = join_pointer(plan.pointer, "samples_per_step");
-  if (at(samples_pointer)) {
-    auto range = parameter::integer("samples_per_step");
-    range.minimum = 1;
-    range.maximum = 16;
-    if (const auto samples = read_integer(document(), samples_pointer, range, diagnostics_))
-      samples_per_step = static_cast<int>(*samples);
-    build.plan.samples_per_step = std::max(build.plan.samples_per_step, samples_per_step);
   }
+  const auto range = parameter::integer("samples_per_step").at_least(1).at_most(16);
+  if (const auto samples =
+          read_integer(document(), join_pointer(plan.pointer, "samples_per_step"), range, diagnostics_))
+    component.samples_per_step = static_cast<int>(*samples);
+  build.plan.samples_per_step = std::max(build.plan.samples_per_step, component.samples_per_step);
   return is_whole;
 }
 
-bool Composer::check_couplings(const ProcessPlan& plan, const ComponentSpec& spec,
-                               const std::vector<PortBinding>& bindings) {
+bool Composer::check_couplings(const ProcessPlan& plan, const Component& component) {
   const auto is_bound = [&](int port) {
     return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
   };
-  const auto is_advanced = [&](int port) { return spec.ports[as_size(port)].access == PortAccess::advances; };
+  const auto is_advanced = [&](int port) {
+    return component.spec().ports[as_size(port)].access == PortAccess::advances;
+  };
   const auto is_sound = [&](const Coupling& coupling, bool is_noise) {
     return is_bound(coupling.to) && is_bound(coupling.from) && is_advanced(coupling.to) &&
            (!is_noise || is_advanced(coupling.from)) &&
            (coupling.structure == Structure::dense ||
-            bindings[as_size(coupling.to)].dof == bindings[as_size(coupling.from)].dof);
+            component.ports[as_size(coupling.to)].dof == component.ports[as_size(coupling.from)].dof);
   };
   const auto& declared = plan.model->declaration();
   const bool all_are_sound = std::all_of(declared.transition.begin(), declared.transition.end(),
@@ -347,7 +303,8 @@ bool Composer::check_couplings(const ProcessPlan& plan, const ComponentSpec& spe
                                          [&](const Coupling& coupling) { return is_sound(coupling, true); });
   if (!all_are_sound)
     error("B030", plan.pointer,
-          "'" + spec.type + "' declares a coupling of ports that are open, not advanced, or of unequal dof");
+          "'" + component.spec().type +
+              "' declares a coupling of ports that are open, not advanced, or of unequal dof");
   return all_are_sound;
 }
 
@@ -373,23 +330,16 @@ void Composer::advance_blocks(FilterBuild& build, const ProcessPlan& plan, const
 
 bool Composer::add_process(FilterBuild& build, const std::string& name, const std::string& pointer, bool is_whole,
                            std::vector<int>& values_read) {
+  auto plan = planned<ProcessPlan>(name, pointer);
   const std::size_t errors = error_count();
-  ProcessPlan plan;
-  plan.name = name;
-  plan.pointer = pointer;
-  const ComponentType* type = type_of(Role::process_model, pointer);
-  if (!type) return false;
-  const ComponentSpec& spec = type->spec;
-  plan.type = type->full_name();
-  std::vector<PortBinding> bindings;
-  const bool is_bound = bind_ports(build, *type, pointer, plan.ports, bindings);
-  const auto parameters =
-      check_parameters(spec.parameters, spec.type, document(), pointer,
-                       {"type", "blocks", "input", "fields", "samples_per_step"}, port_units(bindings), diagnostics_);
-  std::vector<bool> fields_bound(spec.fields.size(), false);
-  int samples_per_step = 1;
-  is_whole = read_process_input(build, plan, spec, fields_bound, samples_per_step) && is_whole;
-  if (!is_bound || error_count() != errors || !is_whole) {
+  Component component = read_component(Role::process_model, name, pointer,
+                                       {"type", "blocks", "input", "fields", "samples_per_step"}, &build);
+  if (!component.type) return false;
+  const ComponentSpec& spec = component.spec();
+  plan.type = component.type->full_name();
+  plan.ports = component.values;
+  is_whole = read_process_input(build, plan, component) && is_whole;
+  if (!component.is_whole || error_count() != errors || !is_whole) {
     // Its blocks are advanced by it in intention, whatever else is wrong with it.
     for (std::size_t p = 0; p < plan.ports.size(); ++p)
       if (spec.ports[p].access == PortAccess::advances && plan.ports[p] >= 0 &&
@@ -397,11 +347,8 @@ bool Composer::add_process(FilterBuild& build, const std::string& name, const st
         build.plan.blocks[as_size(plan.ports[p])].process = 0;
     return false;
   }
-  guarded(pointer, [&](Findings& findings) {
-    plan.model = type->create<ProcessModel>(
-        Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).of(spec).telling(findings));
-  });
-  if (!plan.model || !check_couplings(plan, spec, bindings)) return false;
+  plan.model = make<ProcessModel>(component);
+  if (!plan.model || !check_couplings(plan, component)) return false;
   advance_blocks(build, plan, spec, values_read);
   build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(plan.fields.epoch.size()));
   build.plan.processes.push_back(std::move(plan));

@@ -30,10 +30,12 @@ Value value_of(const FilterPlan& filter, int index) {
   return {plan.name, nullptr, plan.derived, {}};
 }
 
-std::vector<Value> values_of(const FilterPlan& filter, const std::vector<int>& ports) {
-  std::vector<Value> values;
-  for (const int port : ports) values.push_back(value_of(filter, port));
-  return values;
+template <class Model>
+Part<Model> part_of(const Composition& composition, const FilterPlan& filter, const auto& plan,
+                    const std::shared_ptr<const Model>& model) {
+  Part<Model> part{composition.catalog().find(role_of<Model>(), plan.type), model, {}};
+  for (const int port : plan.ports) part.ports.push_back(value_of(filter, port));
+  return part;
 }
 
 const FilterPlan& filter_named(const Composition& composition, std::string_view name) {
@@ -50,13 +52,13 @@ Value block(const Composition& composition, std::string_view filter, std::string
 Part<ProcessModel> process(const Composition& composition, std::string_view filter, std::string_view name) {
   const FilterPlan& owner = filter_named(composition, filter);
   const ProcessPlan& plan = named(owner.processes, name);
-  return {composition.catalog().find(Role::process_model, plan.type), plan.model, values_of(owner, plan.ports)};
+  return part_of(composition, owner, plan, plan.model);
 }
 
 Part<DerivedBlock> derived(const Composition& composition, std::string_view filter, std::string_view name) {
   const FilterPlan& owner = filter_named(composition, filter);
   const DerivedPlan& plan = named(owner.derived, name);
-  return {composition.catalog().find(Role::derived_block, plan.type), plan.derived, values_of(owner, plan.ports)};
+  return part_of(composition, owner, plan, plan.derived);
 }
 
 Part<MeasurementModel> measurement(const Composition& composition, std::string_view filter, std::string_view name,
@@ -64,7 +66,7 @@ Part<MeasurementModel> measurement(const Composition& composition, std::string_v
   const FilterPlan& owner = filter_named(composition, filter);
   const MeasurementPlan& whole = named(owner.measurements, name);
   const PartPlan& plan = part.empty() ? whole.parts.front() : named(whole.parts, part);
-  return {composition.catalog().find(Role::measurement_model, plan.type), plan.model, values_of(owner, plan.ports)};
+  return part_of(composition, owner, plan, plan.model);
 }
 
 NoisePart noise(const Composition& composition, std::string_view filter, std::string_view measurement) {

@@ -7,13 +7,9 @@
 
 #include "compose/composer.hpp"
 
-#include "base/index.hpp"
-
 namespace binnacle::compose {
 
 namespace {
-
-using base::as_size;
 
 /// A contribution to the block (to, from) of Φ.
 struct Contribution {
@@ -47,18 +43,19 @@ class TransitionBuilder {
   }
 
   void add_model_blocks() {
+    const auto add = [&](const ProcessPlan& process, const std::vector<Coupling>& couplings,
+                         std::vector<std::size_t>& table) {
+      const int first = static_cast<int>(table.size());
+      for (const auto& coupling : couplings) {
+        const int to = dof(process.ports[as_size(coupling.to)]), from = dof(process.ports[as_size(coupling.from)]);
+        add_block(table, as_size(coupling.structure == Structure::diagonal ? to : to * from));
+      }
+      return first;
+    };
     for (auto& process : plan_.processes) {
       const auto& declaration = process.model->declaration();
-      process.first_transition = static_cast<int>(plan_.transition_blocks.size());
-      for (const auto& coupling : declaration.transition) {
-        const int to = dof(process.ports[as_size(coupling.to)]), from = dof(process.ports[as_size(coupling.from)]);
-        add_block(plan_.transition_blocks, as_size(coupling.structure == Structure::diagonal ? to : to * from));
-      }
-      process.first_noise = static_cast<int>(plan_.noise_blocks.size());
-      for (const auto& coupling : declaration.noise) {
-        const int to = dof(process.ports[as_size(coupling.to)]), from = dof(process.ports[as_size(coupling.from)]);
-        add_block(plan_.noise_blocks, as_size(coupling.structure == Structure::diagonal ? to : to * from));
-      }
+      process.first_transition = add(process, declaration.transition, plan_.transition_blocks);
+      process.first_noise = add(process, declaration.noise, plan_.noise_blocks);
     }
   }
 
@@ -182,6 +179,13 @@ class TransitionBuilder {
     plan_.van_loan.push_back(std::move(group));
   }
 
+  static int value_at(const VanLoanGroup& group, int first) {
+    for (const auto* parts : {&group.advanced, &group.read})
+      for (const auto& part : *parts)
+        if (part.first == first) return part.value;
+    return -1;
+  }
+
   void contribute(int to, int from_value, int source, Structure structure) {
     if (from_value < block_count()) {
       contributions_[{to, from_value}].push_back({{source, structure, -1, 0}, true});
@@ -200,14 +204,8 @@ class TransitionBuilder {
                    process.first_transition + static_cast<int>(k), transition[k].structure);
     }
     for (const auto& group : plan_.van_loan) {
-      const auto value_at = [&](int first) {
-        for (const auto* parts : {&group.advanced, &group.read})
-          for (const auto& part : *parts)
-            if (part.first == first) return part.value;
-        return -1;
-      };
       for (const auto& phi : group.phi)
-        contribute(value_at(phi.row), value_at(phi.column), phi.table, Structure::dense);
+        contribute(value_at(group, phi.row), value_at(group, phi.column), phi.table, Structure::dense);
     }
     // A block that hears from others but not from itself still keeps itself.
     std::set<int> heard, kept;
@@ -236,15 +234,17 @@ class TransitionBuilder {
     const bool is_single = terms.size() == 1 && terms[0].is_direct && block(to).is_whole() && block(from).is_whole();
     if (is_single && !(wants_dense && terms[0].term.structure == Structure::diagonal))
       return {from, terms[0].term.source, dof(to), terms[0].term.structure};
-    GatherPlan gather;
-    gather.to_block = to;
-    gather.from_block = from;
-    for (const auto& contribution : terms) gather.terms.push_back(contribution.term);
-    const auto rows = block(to).active.size(), columns = block(from).active.size();
-    const int table = add_block(plan_.transition_blocks, rows * columns);
-    gather.target = plan_.transition_blocks[as_size(table)];
-    plan_.gathers.push_back(std::move(gather));
-    return {from, table, static_cast<int>(rows), Structure::dense};
+    std::vector<GatherPlan::Term> gathered;
+    for (const auto& contribution : terms) gathered.push_back(contribution.term);
+    const int table = gather(to, from, std::move(gathered), plan_.transition_blocks, plan_.gathers);
+    return {from, table, static_cast<int>(block(to).active.size()), Structure::dense};
+  }
+
+  int gather(int to, int from, std::vector<GatherPlan::Term> terms, std::vector<std::size_t>& table,
+             std::vector<GatherPlan>& gathers) {
+    const int index = add_block(table, block(to).active.size() * block(from).active.size());
+    gathers.push_back({to, from, std::move(terms), table[as_size(index)]});
+    return index;
   }
 
   void add_rows(int to) {
@@ -293,14 +293,8 @@ class TransitionBuilder {
     if (row_block.is_whole() && column_block.is_whole()) {
       noise.stride = structure == Structure::diagonal ? 0 : rows;
     } else {
-      GatherPlan gather;
-      gather.to_block = to;
-      gather.from_block = from;
-      gather.terms.push_back({source, structure, -1, 0});
-      noise.block = add_block(plan_.noise_blocks, as_size(rows * columns));
+      noise.block = gather(to, from, {{source, structure, -1, 0}}, plan_.noise_blocks, plan_.noise_gathers);
       noise.stride = rows;
-      gather.target = plan_.noise_blocks[as_size(noise.block)];
-      plan_.noise_gathers.push_back(std::move(gather));
     }
     plan_.transition.noise.push_back(noise);
   }
@@ -314,13 +308,8 @@ class TransitionBuilder {
                         process.first_noise + static_cast<int>(k), noise[k].structure);
     }
     for (const auto& group : plan_.van_loan) {
-      const auto value_at = [&](int first) {
-        for (const auto& part : group.advanced)
-          if (part.first == first) return part.value;
-        return -1;
-      };
       for (const auto& qd : group.qd)
-        add_noise_block(value_at(qd.row), value_at(qd.column), qd.table, Structure::dense);
+        add_noise_block(value_at(group, qd.row), value_at(group, qd.column), qd.table, Structure::dense);
     }
   }
 

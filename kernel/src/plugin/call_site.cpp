@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A slot for every thread that calls plugins. Slots are never destroyed: exit() ends a thread's own objects first, and
 // its handlers want to read them.
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 #include <mutex>
@@ -27,25 +28,12 @@ Slots& slots() {
   return kept;
 }
 
-Slot* take_slot() {
-  const std::lock_guard lock(slots().mutex);
-  for (auto& slot : slots().all)
-    if (!slot.is_taken) {
-      slot.is_taken = true;
-      return &slot;
-    }
-  Slot& slot = slots().all.emplace_back();
-  slot.is_taken = true;
-  return &slot;
-}
-
 thread_local Slot* own_slot = nullptr;
 
 /// Gives the slot back when the thread ends; not when it ends inside a plugin call, which is exit().
 struct GiveBack {
-  bool is_armed = false;
   ~GiveBack() {
-    if (!own_slot || own_slot->site.load(std::memory_order_relaxed)) return;
+    if (own_slot->site.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(slots().mutex);
     own_slot->is_taken = false;
     own_slot = nullptr;
@@ -53,11 +41,13 @@ struct GiveBack {
 };
 
 Slot& slot_of_this_thread() {
-  if (!own_slot) {
-    own_slot = take_slot();
-    static thread_local GiveBack at_end;
-    at_end.is_armed = true;
-  }
+  if (own_slot) return *own_slot;
+  const std::lock_guard lock(slots().mutex);
+  auto& all = slots().all;
+  const auto free = std::find_if(all.begin(), all.end(), [](const Slot& slot) { return !slot.is_taken; });
+  own_slot = free != all.end() ? &*free : &all.emplace_back();
+  own_slot->is_taken = true;
+  static thread_local GiveBack at_end;
   return *own_slot;
 }
 

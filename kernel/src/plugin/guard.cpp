@@ -92,6 +92,8 @@ std::string sanitizer_remedy() {
              : "rebuild the plugin without -fsanitize";
 }
 
+const std::string rebuild = "rebuild the plugin with this version's headers";
+
 /// Collects the fields that differ.
 class Comparison {
  public:
@@ -112,8 +114,8 @@ void compare_types(const Guard& a, const Guard& b, std::vector<Difference>& diff
     const TypeLayout& mine = a.types[i];
     const TypeLayout& other = b.types[i];
     if (mine.size == other.size && mine.align == other.align) continue;
-    differences.push_back({type_names[i], layout_text(mine), layout_text(other), Severity::refused,
-                           "rebuild the plugin with this version's headers and compiler settings"});
+    differences.push_back(
+        {type_names[i], layout_text(mine), layout_text(other), Severity::refused, rebuild + " and compiler settings"});
   }
 }
 
@@ -134,15 +136,13 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   Comparison c;
   c.field("magic", a.magic, b.magic, refused, hex, "this is no Binnacle plugin; remove the file");
   if (!c.differences.empty()) return c.differences;
-  c.field("size of the guard", a.size, b.size, refused, number, "rebuild the plugin with this version's headers");
-  c.field("API major", a.api_major, b.api_major, refused, number, "rebuild the plugin with this version's headers");
-  c.field("number of types", a.types_used, b.types_used, refused, number,
-          "rebuild the plugin with this version's headers");
+  c.field("size of the guard", a.size, b.size, refused, number, rebuild);
+  c.field("API major", a.api_major, b.api_major, refused, number, rebuild);
+  c.field("number of types", a.types_used, b.types_used, refused, number, rebuild);
   if (!c.differences.empty()) return c.differences;
   // What an older minor version has, a newer one has too.
   if (b.api_minor > a.api_minor)
-    c.field("API minor", a.api_minor, b.api_minor, refused, number,
-            "update this program, or rebuild the plugin with this version's headers");
+    c.field("API minor", a.api_minor, b.api_minor, refused, number, "update this program, or " + rebuild);
   c.field("standard library", a.standard_library, b.standard_library, refused, standard_library_text,
           "rebuild the plugin with " + standard_library_text(a.standard_library));
   if (a.standard_library == b.standard_library && a.standard_library_abi != b.standard_library_abi) {
@@ -155,8 +155,7 @@ std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t ho
   c.field("sanitizers", a.sanitizers, b.sanitizers, refused, sanitizers_text, sanitizer_remedy());
   compare_types(a, b, c.differences);
   compare_instruction_sets(b, host_supports, c.differences);
-  c.field("header hash", a.header_hash, b.header_hash, headers_may_differ ? warned : refused, hex,
-          "rebuild the plugin with this version's headers");
+  c.field("header hash", a.header_hash, b.header_hash, headers_may_differ ? warned : refused, hex, rebuild);
   c.field("container assertions", a.container_assertions, b.container_assertions, warned, on_off,
           "none needed; _GLIBCXX_ASSERTIONS changes no layout");
   c.field("Eigen version", a.eigen_version, b.eigen_version, warned, eigen_text,

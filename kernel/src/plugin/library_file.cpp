@@ -31,6 +31,11 @@ Header own_header() {
   return header;
 }
 
+struct Unreadable {
+  const char* why;
+};
+constexpr const char* damaged = "it is damaged or cut short";
+
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
@@ -46,10 +51,11 @@ class Reader {
   }
 
   template <class T>
-  bool read_table(std::size_t offset, std::size_t count, std::vector<T>& table) {
-    if (count > largest_table / sizeof(T) || count * sizeof(T) > size_) return false;
-    table.resize(count);
-    return read(offset, table.data(), count * sizeof(T));
+  std::vector<T> table(std::size_t offset, std::size_t bytes) {
+    if (bytes > std::min(size_, largest_table)) throw Unreadable{damaged};
+    std::vector<T> items(bytes / sizeof(T));
+    if (!read(offset, items.data(), items.size() * sizeof(T))) throw Unreadable{damaged};
+    return items;
   }
 
   std::size_t size() const { return size_; }
@@ -59,18 +65,15 @@ class Reader {
   std::size_t size_ = 0;
 };
 
-std::string check_header(const Header& header) {
+void check_header(const Header& header) {
   static_assert(EI_NIDENT == 16);
-  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return "it is no shared library (not an ELF file)";
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) throw Unreadable{"it is no shared library (not an ELF file)"};
   const Header own = own_header();
   if (header.e_ident[EI_CLASS] != native_class || header.e_ident[EI_DATA] != own.e_ident[EI_DATA] ||
-      header.e_machine != own.e_machine) {
-    return "it is built for another machine";
-  }
-  if (header.e_type != ET_DYN || header.e_phentsize != sizeof(Segment) || header.e_shentsize != sizeof(Section)) {
-    return "it is no shared library";
-  }
-  return "";
+      header.e_machine != own.e_machine)
+    throw Unreadable{"it is built for another machine"};
+  if (header.e_type != ET_DYN || header.e_phentsize != sizeof(Segment) || header.e_shentsize != sizeof(Section))
+    throw Unreadable{"it is no shared library"};
 }
 
 bool is_exported(const Symbol& symbol) {
@@ -115,32 +118,23 @@ void read_symbols(Reader& reader, const std::vector<Segment>& segments, const st
 
 LibraryFile inspect_library(const std::filesystem::path& file) {
   LibraryFile result;
-  Reader reader(file);
-  Header header{};
-  if (!reader.read(0, &header, sizeof header)) {
-    result.unreadable = reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)";
-    return result;
-  }
-  result.unreadable = check_header(header);
-  if (!result.unreadable.empty()) return result;
-  std::vector<Segment> segments;
-  std::vector<Section> sections;
-  if (!reader.read_table(header.e_phoff, header.e_phnum, segments) ||
-      !reader.read_table(header.e_shoff, header.e_shnum, sections)) {
-    result.unreadable = "it is damaged or cut short";
-    return result;
-  }
-  for (const Section& section : sections) {
-    if (section.sh_type != SHT_DYNSYM) continue;
-    std::vector<Symbol> symbols;
-    std::vector<char> names;
-    if (section.sh_link >= sections.size() ||
-        !reader.read_table(section.sh_offset, section.sh_size / sizeof(Symbol), symbols) ||
-        !reader.read_table(sections[section.sh_link].sh_offset, sections[section.sh_link].sh_size, names)) {
-      result.unreadable = "it is damaged or cut short";
-      return result;
+  try {
+    Reader reader(file);
+    Header header{};
+    if (!reader.read(0, &header, sizeof header))
+      throw Unreadable{reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)"};
+    check_header(header);
+    const auto segments = reader.table<Segment>(header.e_phoff, header.e_phnum * sizeof(Segment));
+    const auto sections = reader.table<Section>(header.e_shoff, header.e_shnum * sizeof(Section));
+    for (const Section& section : sections) {
+      if (section.sh_type != SHT_DYNSYM) continue;
+      if (section.sh_link >= sections.size()) throw Unreadable{damaged};
+      const Section& texts = sections[section.sh_link];
+      read_symbols(reader, segments, reader.table<Symbol>(section.sh_offset, section.sh_size),
+                   reader.table<char>(texts.sh_offset, texts.sh_size), result);
     }
-    read_symbols(reader, segments, symbols, names, result);
+  } catch (const Unreadable& found) {
+    result.unreadable = found.why;
   }
   return result;
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "binnacle/run.hpp"
 
-#include <set>
-
 #include "base/index.hpp"
 #include "run/guard_call.hpp"
 #include "run/runtime.hpp"
@@ -68,26 +66,9 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
   }
 }
 
-/// Hands the samples of subscribed channels on.
-class SampleRelay final : public SampleSubscriber {
- public:
-  explicit SampleRelay(RunObserver& observer) : observer_(observer) {}
-  void sampled(int channel, const SampleView& sample) override { observer_.sampled(channel, sample); }
-
- private:
-  RunObserver& observer_;
-};
-
-std::vector<int> subscribed_channels(const compose::CompositionPlan& plan) {
-  std::set<int> channels;
-  for (const auto& subscription : plan.subscriptions) channels.insert(subscription.channel);
-  return {channels.begin(), channels.end()};
-}
-
 /// From the first instant to the end of the sources.
 void run_sources(Runtime& runtime, RunObserver& observer) {
-  SampleRelay relay(observer);
-  runtime.subscribe(&relay, subscribed_channels(runtime.plan()));
+  runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     observer.after_instant();
     if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
@@ -95,7 +76,7 @@ void run_sources(Runtime& runtime, RunObserver& observer) {
   runtime.finish();
   observer.after_instant();
   observer.finished();
-  runtime.subscribe(nullptr, {});
+  runtime.subscribe({});
 }
 
 }  // namespace

@@ -74,17 +74,7 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
   input_fields_.assign(fields, 0.0);
   input_rows_.assign(rows, 0.0);
 
-  for (const auto& filter : plan.filters) {
-    Routes routes;
-    for (std::size_t i = 0; i < filter.initial.size(); ++i)
-      routes.initial.emplace_back(filter.initial[i].channel, static_cast<int>(i));
-    for (std::size_t i = 0; i < filter.auxiliary.size(); ++i)
-      routes.auxiliary.emplace_back(filter.auxiliary[i].channel, static_cast<int>(i));
-    for (std::size_t i = 0; i < filter.measurements.size(); ++i)
-      routes.measurements.emplace_back(filter.measurements[i].channel, static_cast<int>(i));
-    routes.output_is_heard = !plan.subscribers[as_size(filter.output_channel)].empty();
-    routes_.push_back(std::move(routes));
-  }
+  for (const auto& subscription : plan.subscriptions) subscribed_.insert(subscription.channel);
 }
 
 void Runtime::reset(std::uint64_t seed, int run) {
@@ -107,11 +97,6 @@ void Runtime::reset(std::uint64_t seed, int run) {
   std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
   std::fill(sample_counts_.begin(), sample_counts_.end(), 0);
   time_ = no_time;
-}
-
-void Runtime::subscribe(SampleSubscriber* subscriber, const std::vector<int>& channels) {
-  subscriber_ = subscriber;
-  heard_ = channels;
 }
 
 void Runtime::deliver(int index, const SampleView& sample) {
@@ -190,23 +175,23 @@ void Runtime::run_sink(int index) {
                             [&] { sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i])); });
 }
 
-void Runtime::feed_filter(Engine& engine, const Routes& routes, Time t) {
+void Runtime::feed_filter(Engine& engine, Time t) {
   const auto& plan = engine.plan();
   bool is_touched = false;
-  const auto each = [&](const std::vector<std::pair<int, int>>& list, auto push) {
-    for (const auto& [channel, target] : list)
-      if (channels_[as_size(channel)].is_present) {
-        push(target, channels_[as_size(channel)].view);
+  const auto each = [&](const auto& targets, auto push) {
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      if (const auto& channel = channels_[as_size(targets[i].channel)]; channel.is_present) {
+        push(static_cast<int>(i), channel.view);
         is_touched = true;
       }
   };
-  each(routes.initial, [&](int target, const SampleView& sample) { engine.push_initial(target, sample); });
-  each(routes.auxiliary, [&](int target, const SampleView& sample) { engine.push_auxiliary(target, sample); });
+  each(plan.initial, [&](int i, const SampleView& sample) { engine.push_initial(i, sample); });
+  each(plan.auxiliary, [&](int i, const SampleView& sample) { engine.push_auxiliary(i, sample); });
   if (plan.input_channel >= 0 && channels_[as_size(plan.input_channel)].is_present) {
     engine.push_input(channels_[as_size(plan.input_channel)].view);
     is_touched = true;
   }
-  each(routes.measurements, [&](int target, const SampleView& sample) { engine.push_measurement(target, sample); });
+  each(plan.measurements, [&](int i, const SampleView& sample) { engine.push_measurement(i, sample); });
   if (is_touched && !engine.started()) engine.try_start(t);
 }
 
@@ -220,19 +205,19 @@ void Runtime::publish(Engine& engine) {
 
 void Runtime::run_filter(int index, Time t) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto& routes = routes_[as_size(index)];
   Engine& engine = *engines_[as_size(index)];
   const auto& plan = engine.plan();
+  const bool is_heard = !plan_.subscribers[as_size(plan.output_channel)].empty();
   const auto accepted = [&] {
     std::int64_t count = 0;
     for (std::size_t m = 0; m < plan.measurements.size(); ++m)
       count += engine.tally(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
     return count;
   };
-  const std::int64_t before = routes.output_is_heard ? accepted() : 0;
+  const std::int64_t before = is_heard ? accepted() : 0;
   const CallScope scope(engine.call_site());
-  feed_filter(engine, routes, t);
-  if (routes.output_is_heard && engine.started() && !engine.broken() && accepted() != before) publish(engine);
+  feed_filter(engine, t);
+  if (is_heard && engine.started() && !engine.broken() && accepted() != before) publish(engine);
   filter_seconds_[as_size(index)] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -246,8 +231,8 @@ void Runtime::end_instant(Time t) {
         break;
     }
   if (subscriber_)
-    for (const int channel : heard_)
-      if (channels_[as_size(channel)].is_present) subscriber_->sampled(channel, channels_[as_size(channel)].view);
+    for (const int channel : subscribed_)
+      if (channels_[as_size(channel)].is_present) subscriber_(channel, channels_[as_size(channel)].view);
   for (auto& channel : channels_) channel.is_present = false;
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "compose/composition_plan.hpp"
@@ -12,13 +14,6 @@
 namespace binnacle::runtime {
 
 using namespace compose;
-
-/// Sees every sample that flows, once everything at its instant has been worked on.
-class SampleSubscriber {
- public:
-  virtual ~SampleSubscriber() = default;
-  virtual void sampled(int channel, const SampleView& sample) = 0;
-};
 
 class Runtime {
  public:
@@ -36,7 +31,9 @@ class Runtime {
   /// The end of the run.
   void finish();
 
-  void subscribe(SampleSubscriber* subscriber, const std::vector<int>& channels);
+  /// Shown the samples of channels that sections subscribe to, once everything at their instant has been worked on.
+  using Subscriber = std::function<void(int channel, const SampleView& sample)>;
+  void subscribe(Subscriber subscriber) { subscriber_ = std::move(subscriber); }
 
   void feed_sinks(bool wanted) { feeds_sinks_ = wanted; }
 
@@ -58,16 +55,12 @@ class Runtime {
     SampleView view;
     bool is_present = false;
   };
-  struct Routes {
-    std::vector<std::pair<int, int>> initial, auxiliary, measurements;  // channel, index
-    bool output_is_heard = false;
-  };
   class TransformEmitter;
 
   void fetch(std::size_t source);
   void run_filter(int index, Time t);
   void publish(Engine& engine);
-  void feed_filter(Engine& engine, const Routes& routes, Time t);
+  void feed_filter(Engine& engine, Time t);
   void run_transform(int index);
   void run_sink(int index);
   SampleView read_input(const NodeInput& input);
@@ -79,13 +72,12 @@ class Runtime {
   std::unique_ptr<std::byte[], Free> arena_;
   std::vector<std::unique_ptr<Engine>> engines_;
   std::vector<Channel> channels_;
-  std::vector<Routes> routes_;
   std::vector<std::vector<SampleSlot>> source_slots_;
   std::vector<double> input_fields_;
   std::vector<double> input_rows_;
   std::vector<SampleSlot> output_slots_;  // per channel
-  std::vector<int> heard_;
-  SampleSubscriber* subscriber_ = nullptr;
+  std::set<int> subscribed_;
+  Subscriber subscriber_;
   std::vector<double> filter_seconds_;
   std::vector<std::int64_t> sample_counts_;
   Time time_ = no_time;

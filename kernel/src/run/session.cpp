@@ -124,16 +124,23 @@ void check_index(const char* what, int index, std::size_t count) {
 
 }  // namespace
 
-void Session::check(FilterId filter) const { check_index("filter", filter.index, composition_->filters().size()); }
+Engine& Session::engine(FilterId filter) const {
+  check_index("filter", filter.index, composition_->filters().size());
+  return runtime_->engine(filter.index);
+}
 
-void Session::check(BlockId block, const std::span<double>* outputs) const {
-  check(block.filter);
+const BlockInfo& Session::info(BlockId block) const {
+  check_index("filter", block.filter.index, composition_->filters().size());
   const auto& blocks = composition_->filters()[as_size(block.filter.index)].blocks;
   check_index("block", block.index, blocks.size());
-  const auto& info = blocks[as_size(block.index)];
-  if (outputs && outputs->size() != info.declaration->outputs.size())
-    throw std::invalid_argument("block '" + info.name + "' has " + std::to_string(info.declaration->outputs.size()) +
-                                " outputs; there is room for " + std::to_string(outputs->size()));
+  return blocks[as_size(block.index)];
+}
+
+void Session::room_for(const BlockInfo& block, std::span<double> outputs) const {
+  const auto count = block.declaration->outputs.size();
+  if (outputs.size() != count)
+    throw std::invalid_argument("block '" + block.name + "' has " + std::to_string(count) +
+                                " outputs; there is room for " + std::to_string(outputs.size()));
 }
 
 const Session::Intake& Session::intake(ChannelId channel) const {
@@ -200,41 +207,21 @@ void Session::take(ChannelId channel, const SampleView& sample) {
 
 // ---- estimates
 
-bool Session::started(FilterId filter) const {
-  check(filter);
-  return runtime_->engine(filter.index).started();
-}
-
-bool Session::healthy(FilterId filter) const {
-  check(filter);
-  return !runtime_->engine(filter.index).broken();
-}
-
-std::string Session::diagnosis(FilterId filter) const {
-  check(filter);
-  return runtime_->engine(filter.index).diagnosis();
-}
-
-Time Session::start_time(FilterId filter) const {
-  check(filter);
-  return runtime_->engine(filter.index).status().start;
-}
-
-Time Session::time(FilterId filter) const {
-  check(filter);
-  return runtime_->engine(filter.index).status().t;
-}
+bool Session::started(FilterId filter) const { return engine(filter).started(); }
+bool Session::healthy(FilterId filter) const { return !engine(filter).broken(); }
+std::string Session::diagnosis(FilterId filter) const { return engine(filter).diagnosis(); }
+Time Session::start_time(FilterId filter) const { return engine(filter).status().start; }
+Time Session::time(FilterId filter) const { return engine(filter).status().t; }
 
 template <class Call>
 void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
-  const auto& engine = runtime_->engine(block.filter.index);
-  const auto& plan = engine.plan().blocks[as_size(block.index)];
+  const auto& plan = engine(block.filter).plan().blocks[as_size(block.index)];
   CallSite site;
   site.enter(nullptr, plan.type, call_name);
-  site.set_time(engine.status().t);
+  site.set_time(time(block.filter));
   const CallScope scope(site);
   try {
-    std::forward<Call>(call)(engine);
+    std::forward<Call>(call)();
   } catch (const std::exception& error) {
     throw FilterError(Diagnostic{Severity::error, "B045", composition_->plan().document.origin(plan.pointer),
                                  plan.pointer, site.text() + " threw: " + error.what()});
@@ -242,54 +229,46 @@ void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
 }
 
 void Session::read(BlockId block, std::span<double> outputs) const {
-  check(block, &outputs);
-  guarded(block, "read", [&](const auto& engine) {
-    const auto& plan = engine.plan().blocks[as_size(block.index)];
-    plan.block->read(engine.state() + plan.stored_offset, outputs.data());
-  });
+  const BlockInfo& of = info(block);
+  room_for(of, outputs);
+  guarded(block, "read", [&] { of.block->read(state(block.filter).data() + of.stored_offset, outputs.data()); });
 }
 
 void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
-  check(block, &sigmas);
-  guarded(block, "plus and read, for its 1-sigma", [&](const auto& engine) {
-    const BlockInfo& info = composition_->filters()[as_size(block.filter.index)].blocks[as_size(block.index)];
-    output_sigmas(info, engine.state() + info.stored_offset, engine.covariance(), scratch_.data(), sigmas.data());
+  const BlockInfo& of = info(block);
+  room_for(of, sigmas);
+  guarded(block, "plus and read, for its 1-sigma", [&] {
+    output_sigmas(of, state(block.filter).data() + of.stored_offset, covariance(block.filter), scratch_.data(),
+                  sigmas.data());
   });
 }
 
 MatrixView Session::covariance(BlockId block) const {
-  check(block, nullptr);
-  const auto& engine = runtime_->engine(block.filter.index);
-  const auto& plan = engine.plan().blocks[as_size(block.index)];
-  const MatrixView P = engine.covariance();
-  const int active = static_cast<int>(plan.active.size());
-  return {P.data + plan.first + static_cast<std::ptrdiff_t>(plan.first) * P.stride, active, active, P.stride};
+  const BlockInfo& of = info(block);
+  const MatrixView P = covariance(block.filter);
+  const int active = static_cast<int>(of.active.size());
+  return {P.data + of.first_row + static_cast<std::ptrdiff_t>(of.first_row) * P.stride, active, active, P.stride};
 }
 
-MatrixView Session::covariance(FilterId filter) const {
-  check(filter);
-  return runtime_->engine(filter.index).covariance();
-}
+MatrixView Session::covariance(FilterId filter) const { return engine(filter).covariance(); }
 
 std::span<const double> Session::state(FilterId filter) const {
-  check(filter);
-  const auto& engine = runtime_->engine(filter.index);
-  return {engine.state(), as_size(engine.plan().stored_size)};
+  return {engine(filter).state(), as_size(engine(filter).plan().stored_size)};
 }
 
 FilterCounts Session::counts(FilterId filter) const {
-  check(filter);
-  const auto& head = runtime_->engine(filter.index).status();
+  const auto& head = engine(filter).status();
   return {head.steps, head.gaps, runtime_->filter_seconds(filter.index)};
 }
 
 ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }
 
+void Session::attach(FilterId filter, StepObserver* observer) { engine(filter).attach(observer); }
+
 MeasurementCounts Session::counts(MeasurementId measurement) const {
-  check(measurement.filter);
-  const auto& engine = runtime_->engine(measurement.filter.index);
-  check_index("measurement", measurement.index, engine.plan().measurements.size());
-  const auto& ledger = engine.tally(measurement.index);
+  const auto& filter = engine(measurement.filter);
+  check_index("measurement", measurement.index, filter.plan().measurements.size());
+  const auto& ledger = filter.tally(measurement.index);
   MeasurementCounts counts;
   counts.offered = ledger.offered;
   std::copy(std::begin(ledger.outcomes), std::end(ledger.outcomes), counts.by_outcome);
@@ -297,7 +276,7 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   counts.recoveries = ledger.recoveries;
   counts.rows_left_out = ledger.rows_left_out;
   counts.rows_used = ledger.dof_sum;
-  for (const auto& entry : engine.left_out(measurement.index))
+  for (const auto& entry : filter.left_out(measurement.index))
     if (entry.count > 0) counts.left_out.push_back({static_cast<int>(entry.group), entry.key, entry.count});
   counts.nis_count = ledger.nis_count;
   const double n = static_cast<double>(ledger.nis_count);
@@ -305,11 +284,6 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   counts.dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0;
   counts.last_reason = ledger.last_reason;
   return counts;
-}
-
-void Session::attach(FilterId filter, StepObserver* observer) {
-  check(filter);
-  runtime_->engine(filter.index).attach(observer);
 }
 
 // ---- snapshots
