@@ -150,10 +150,10 @@ std::vector<ChannelInfo> channel_infos(const CompositionPlan& plan) {
 }
 
 std::vector<std::vector<std::string>> subscribers(const CompositionPlan& plan) {
-  std::vector<std::vector<std::string>> heard(plan.channels.size());
+  std::vector<std::vector<std::string>> by_channel(plan.channels.size());
   const auto add = [&](int channel, const std::string& pointer) {
     if (channel < 0) return;
-    auto& list = heard[as_size(channel)];
+    auto& list = by_channel[as_size(channel)];
     if (std::find(list.begin(), list.end(), pointer) == list.end()) list.push_back(pointer);
   };
   for (const auto& transform : plan.transforms)
@@ -174,7 +174,7 @@ std::vector<std::vector<std::string>> subscribers(const CompositionPlan& plan) {
         add(filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
   }
   for (const auto& subscription : plan.subscriptions) add(subscription.channel, subscription.pointer);
-  return heard;
+  return by_channel;
 }
 
 }  // namespace binnacle::compose

@@ -267,18 +267,14 @@ void Composer::add_withholding(MeasurementPlan& measurement, const std::string& 
   const std::string withhold_pointer = join_pointer(pointer, "withhold");
   const auto* withhold = at(withhold_pointer);
   if (!withhold) return;
+  std::string windows_pointer = withhold_pointer;
   if (withhold->is_object()) {
     check_keys(document(), withhold_pointer, {"every", "windows"}, "'withhold'", diagnostics_);
-    if (withhold->contains("every")) {
-      auto spec = parameter::integer("every");
-      spec.minimum = 1;
-      if (const auto every = read_integer(document(), join_pointer(withhold_pointer, "every"), spec, diagnostics_))
-        measurement.withhold_every = static_cast<int>(*every);
-    }
+    const auto spec = parameter::integer("every").at_least(1);
+    if (const auto every = read_integer(document(), join_pointer(withhold_pointer, "every"), spec, diagnostics_))
+      measurement.withhold_every = static_cast<int>(*every);
+    windows_pointer = join_pointer(withhold_pointer, "windows");
   }
-  const std::string windows_pointer =
-      withhold->is_object() ? join_pointer(withhold_pointer, "windows") : withhold_pointer;
-  if (!at(windows_pointer)) return;
   const auto* windows = array_at(document(), windows_pointer, "'withhold'", diagnostics_);
   if (!windows) return;
   for (std::size_t i = 0; i < windows->size(); ++i)

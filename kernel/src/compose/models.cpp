@@ -119,22 +119,20 @@ void Composer::find_input(FilterBuild& build) {
   const auto* processes = object_at(document(), pointer, "'process'", diagnostics_);
   if (!processes) return;
   std::string first, first_pointer;
-  for (const auto& [name, value] : processes->items()) {
-    const std::string input_pointer = join_pointer(join_pointer(pointer, name), "input");
-    if (!at(input_pointer)) continue;
+  for (const auto& item : processes->items()) {
+    const std::string input_pointer = join_pointer(join_pointer(pointer, item.key()), "input");
     const auto channel = read_string(document(), input_pointer, diagnostics_);
-    if (!channel) continue;
-    if (!first.empty() && *channel != first) {
+    if (!channel || *channel == first) continue;
+    if (!first.empty()) {
       error("B020", input_pointer,
             "filter '" + build.plan.name + "' is driven by channel '" + first + "' already (" + first_pointer +
                 "); a filter has at most one driving input");
       continue;
     }
-    if (!first.empty()) continue;
     first = *channel;
     first_pointer = input_pointer;
     bool is_told = false;
-    build.plan.input_channel = channel_named(*channel, input_pointer, is_told);
+    build.plan.input_channel = channel_named(first, input_pointer, is_told);
     if (build.plan.input_channel < 0) build.is_complete = false;
   }
   if (build.plan.input_channel < 0) return;
