@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // State blocks of a filter: which components are estimated, first values and their uncertainty.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "compose/composer.hpp"

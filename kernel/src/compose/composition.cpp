@@ -3,7 +3,6 @@
 #include "binnacle/composition.hpp"
 
 #include <algorithm>
-#include <sstream>
 
 #include "base/hash.hpp"
 #include "binnacle/version.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measurements of a filter: models and stacks of them, fields, noise, gates, recovery.
 #include <algorithm>
-#include <cmath>
 
 #include <boost/math/distributions/chi_squared.hpp>
 

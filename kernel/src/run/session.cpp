@@ -2,7 +2,6 @@
 #include "binnacle/session.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
