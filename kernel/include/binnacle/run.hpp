@@ -40,7 +40,7 @@ struct RunResult {
   /// { "filters": { NAME: { "measurements", "start_s", "end_s", "steps", "input_gaps", "filter_s", "broken" } },
   ///   "warnings", "seed", "wall_s" }
   nlohmann::ordered_json summary;
-  Diagnostics warnings;  // gaps and repairs in the data
+  Diagnostics warnings;  // gaps and repairs in the data, notes of models
   Diagnostics failures;  // B080 broken, B081 never started; empty when all went well
 };
 

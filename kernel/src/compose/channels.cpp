@@ -169,12 +169,13 @@ std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec) {
   return fields;
 }
 
-bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs) {
+bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer, bool is_model,
+                           std::vector<NodeInput>& inputs) {
   const std::size_t errors = error_count();
-  const bool is_single = spec.inputs.size() == 1;
+  const bool is_single = !is_model && spec.inputs.size() == 1;
   const std::string inputs_pointer = join_pointer(pointer, "inputs");
   const auto* named = object_at(document(), inputs_pointer, "'inputs'", diagnostics_);
-  const bool has_single = at(join_pointer(pointer, "input")) != nullptr;
+  const bool has_single = !is_model && at(join_pointer(pointer, "input")) != nullptr;
   std::vector<std::string> names;
   for (const auto& input : spec.inputs) names.push_back(input.name);
   if (named) check_keys(document(), inputs_pointer, names, "'inputs' of '" + spec.type + "'", diagnostics_);
@@ -240,7 +241,7 @@ bool Composer::add_transform(const std::string& name) {
   const ComponentSpec& spec = transform.type->spec;
   const auto parameters = check_parameters(spec.parameters, spec.type, document(), transform.pointer,
                                            {"type", "input", "inputs", "fields"}, {}, diagnostics_);
-  const bool is_bound = read_inputs(spec, transform.pointer, transform.inputs);
+  const bool is_bound = read_inputs(spec, transform.pointer, false, transform.inputs);
   if (is_bound && error_count() == errors) create_transform(transform, parameters);
   if (!transform.transform || error_count() != errors) return false;
   plan_->transforms.push_back(std::move(transform));
@@ -302,7 +303,7 @@ void Composer::add_sinks() {
     if (!sink.type) continue;
     const auto parameters = check_parameters(sink.type->spec.parameters, sink.type->spec.type, document(), pointer,
                                              {"type", "input", "inputs", "fields"}, {}, diagnostics_);
-    const bool is_bound = read_inputs(sink.type->spec, pointer, sink.inputs);
+    const bool is_bound = read_inputs(sink.type->spec, pointer, false, sink.inputs);
     if (error_count() != errors || !is_bound) continue;
     guarded(pointer, [&, &name = name](Findings& findings) {
       sink.sink =

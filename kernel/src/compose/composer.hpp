@@ -79,7 +79,9 @@ class Composer {
   void add_sinks();
   void add_channels(const std::string& component, const std::string& pointer,
                     const std::vector<ChannelDeclaration>& declarations, std::vector<int>& indices);
-  bool read_inputs(const ComponentSpec& spec, const std::string& pointer, std::vector<NodeInput>& inputs);
+  /// By their names under "inputs"; a transform or sink may write "input" for its first. The "input" of a model is another.
+  bool read_inputs(const ComponentSpec& spec, const std::string& pointer, bool is_model,
+                   std::vector<NodeInput>& inputs);
   /// −1 with an error when there is no such channel (no error when its source failed on its own).
   int channel_named(const std::string& name, const std::string& pointer, bool& is_told);
   /// Whether a channel's field can serve as the wanted one, with what conversion; reports why not.
@@ -111,6 +113,8 @@ class Composer {
                   std::vector<PortBinding>& bindings);
   bool find_driving_rates(FilterBuild& build, const ComponentType& type, const std::string& pointer,
                           std::vector<int>& driving_rates);
+  bool read_auxiliary(FilterBuild& build, AuxiliaryPlan& auxiliary, const std::string& pointer,
+                      const ComponentSpec& spec, std::vector<bool>& fields_bound, std::vector<bool>& inputs_bound);
   void add_derived(FilterBuild& build);
   bool add_derived_block(FilterBuild& build, const std::string& name, const std::string& pointer);
   bool create_derived(FilterBuild& build, DerivedPlan& plan);
@@ -131,8 +135,6 @@ class Composer {
                 const std::vector<std::string>& reserved);
   bool read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
                         const ComponentSpec& spec, std::vector<bool>& fields_bound);
-  bool read_auxiliary(FilterBuild& build, PartPlan& part, const ComponentSpec& spec, std::vector<bool>& fields_bound,
-                      std::vector<bool>& inputs_bound);
   bool reserve_reads(FilterBuild& build, PartPlan& part, const std::string& type);
   void add_gate(MeasurementPlan& measurement, const std::string& pointer);
   void add_noise(FilterBuild& build, MeasurementPlan& measurement, const std::string& pointer);

@@ -70,33 +70,6 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
   return true;
 }
 
-bool Composer::read_auxiliary(FilterBuild& build, PartPlan& part, const ComponentSpec& spec,
-                              std::vector<bool>& fields_bound, std::vector<bool>& inputs_bound) {
-  if (spec.inputs.empty()) return true;
-  std::vector<NodeInput> inputs;
-  const bool is_whole = read_inputs(spec, part.pointer, inputs);
-  auto& auxiliary = build.plan.auxiliary;
-  for (auto& input : inputs) {
-    int index = -1;
-    if (input.channel >= 0) {
-      for (std::size_t i = 0; i < auxiliary.size(); ++i)
-        if (auxiliary[i].channel == input.channel) index = static_cast<int>(i);
-      if (index < 0) {
-        index = static_cast<int>(auxiliary.size());
-        auxiliary.push_back(LatestPlan{input.channel, 0, {}, {}, {}});
-      }
-    }
-    part.auxiliary.push_back(index);
-    inputs_bound.push_back(index >= 0);
-    const auto first = fields_bound.size();
-    fields_bound.resize(first + spec.inputs[inputs_bound.size() - 1].fields.size(), false);
-    for (const auto* items : {&input.fields.epoch, &input.fields.row})
-      for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
-    part.auxiliary_fields.push_back(std::move(input.fields));
-  }
-  return is_whole;
-}
-
 bool Composer::read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
                                 const ComponentSpec& spec, std::vector<bool>& fields_bound) {
   // What is wrong with the channel is reported; its missing fields are not the model's to complain of.
@@ -148,7 +121,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   std::vector<bool> fields_bound(spec.fields.size(), false), inputs_bound;
   is_whole = read_part_fields(build, measurement, part, spec, fields_bound) && is_whole;
   build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(part.fields.epoch.size()));
-  is_whole = read_auxiliary(build, part, spec, fields_bound, inputs_bound) && is_whole;
+  is_whole = read_auxiliary(build, part.auxiliary, pointer, spec, fields_bound, inputs_bound) && is_whole;
   if (!is_whole || error_count() != errors) return false;
   const bool is_made = guarded(pointer, [&](Findings& findings) {
     part.model =

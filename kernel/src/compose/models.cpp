@@ -191,6 +191,34 @@ bool Composer::find_driving_rates(FilterBuild& build, const ComponentType& type,
   return error_count() == errors;
 }
 
+bool Composer::read_auxiliary(FilterBuild& build, AuxiliaryPlan& auxiliary, const std::string& pointer,
+                              const ComponentSpec& spec, std::vector<bool>& fields_bound,
+                              std::vector<bool>& inputs_bound) {
+  if (spec.inputs.empty()) return true;
+  std::vector<NodeInput> inputs;
+  const bool is_whole = read_inputs(spec, pointer, true, inputs);
+  auto& kept = build.plan.auxiliary;
+  for (auto& input : inputs) {
+    int index = -1;
+    if (input.channel >= 0) {
+      for (std::size_t i = 0; i < kept.size(); ++i)
+        if (kept[i].channel == input.channel) index = static_cast<int>(i);
+      if (index < 0) {
+        index = static_cast<int>(kept.size());
+        kept.push_back(LatestPlan{input.channel, 0, {}, {}, {}});
+      }
+    }
+    auxiliary.channels.push_back(index);
+    inputs_bound.push_back(index >= 0);
+    const auto first = fields_bound.size();
+    fields_bound.resize(first + spec.inputs[inputs_bound.size() - 1].fields.size(), false);
+    for (const auto* items : {&input.fields.epoch, &input.fields.row})
+      for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
+    auxiliary.fields.push_back(std::move(input.fields));
+  }
+  return is_whole;
+}
+
 bool Composer::create_derived(FilterBuild& build, DerivedPlan& plan) {
   const std::size_t errors = error_count();
   const ComponentType* type = type_of(Role::derived_block, plan.pointer);
@@ -311,7 +339,8 @@ bool Composer::read_process_input(FilterBuild& build, ProcessPlan& plan, const C
     key_error("B010", plan.pointer, "'input' of '" + spec.type + "' is missing (name of a channel)");
   else if (build.plan.input_channel < 0)
     is_whole = false;
-  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields))
+  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields,
+                      mappable_fields(spec)))
     for (const auto& item : plan.fields.epoch) {
       fields_bound[as_size(item.declared)] = item.index >= 0;
       if (item.index >= 0) build.plan.input_used[as_size(item.index)] = 1;
@@ -383,12 +412,14 @@ bool Composer::add_process(FilterBuild& build, const std::string& name, const st
   plan.type = type->full_name();
   std::vector<PortBinding> bindings;
   const bool is_bound = bind_ports(build, *type, pointer, plan.ports, bindings);
+  std::vector<std::string> reserved{"type", "blocks", "input", "fields", "samples_per_step"};
+  if (!spec.inputs.empty()) reserved.push_back("inputs");
   const auto parameters =
-      check_parameters(spec.parameters, spec.type, document(), pointer,
-                       {"type", "blocks", "input", "fields", "samples_per_step"}, port_units(bindings), diagnostics_);
-  std::vector<bool> fields_bound(spec.fields.size(), false);
+      check_parameters(spec.parameters, spec.type, document(), pointer, reserved, port_units(bindings), diagnostics_);
+  std::vector<bool> fields_bound(spec.fields.size(), false), inputs_bound;
   int samples_per_step = 1;
   is_whole = read_process_input(build, plan, spec, fields_bound, samples_per_step) && is_whole;
+  is_whole = read_auxiliary(build, plan.auxiliary, pointer, spec, fields_bound, inputs_bound) && is_whole;
   if (!is_bound || error_count() != errors || !is_whole) {
     // Its blocks are advanced by it in intention, whatever else is wrong with it.
     for (std::size_t p = 0; p < plan.ports.size(); ++p)
@@ -398,8 +429,10 @@ bool Composer::add_process(FilterBuild& build, const std::string& name, const st
     return false;
   }
   guarded(pointer, [&](Findings& findings) {
-    plan.model = type->create_process_model(
-        Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step).of(spec).telling(findings));
+    plan.model =
+        type->create_process_model(Binding(name, Parameters(parameters), bindings, fields_bound, samples_per_step)
+                                       .of(spec, inputs_bound)
+                                       .telling(findings));
   });
   if (!plan.model || !check_couplings(plan, spec, bindings)) return false;
   advance_blocks(build, plan, spec, values_read);

@@ -39,6 +39,7 @@ void Engine::attach(StepObserver* observer) {
 void Engine::reset() {
   time_.reset();
   ledger_.reset();
+  calls_.note_book().clear();
   for (const auto* list : {&plan_.initial, &plan_.auxiliary})
     for (const auto& latest : *list) forget_latest(latest, arena_);
   calls_.set_time(no_time);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "filter/auxiliary.hpp"
 #include "filter/corrector.hpp"
 #include "filter/covariance_form.hpp"
 #include "filter/judge.hpp"
@@ -71,6 +72,7 @@ class Estimator {
   ModelCalls& calls_;
   std::unique_ptr<CovarianceForm> P_;
   Workspace workspace_;
+  AuxiliaryReader auxiliary_;
   Propagator propagator_;
   Linearizer linearizer_;
   Judge judge_;

@@ -11,8 +11,6 @@ namespace binnacle::filter {
 
 namespace {
 
-double interval_of(const SampleView& sample) { return sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0); }
-
 /// Writes for each row of a part which group it is of, counted through all parts; returns the next part's first group.
 int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int rows, int* row_groups) {
   int group = 0;
@@ -37,32 +35,16 @@ double not_finite(const MeasurementPlan& plan, const SampleRows& rows) {
 
 }  // namespace
 
-Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena,
+Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, AuxiliaryReader& auxiliary,
                        Workspace& workspace, ModelCalls& calls)
     : plan_(plan),
       channels_(channels),
-      arena_(arena),
+      auxiliary_(auxiliary),
       workspace_(workspace),
       calls_(calls),
       read_covariance_(plan),
       fields_(as_size(std::max(1, plan.max_fields))),
-      row_fields_(as_size(std::max(1, plan.max_row_fields))) {
-  std::size_t count = 1, doubles = 1;
-  for (const auto& measurement : plan.measurements)
-    for (const auto& part : measurement.parts) {
-      count = std::max(count, part.auxiliary.size());
-      std::size_t sum = 0;
-      for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
-        const auto& map = part.auxiliary_fields[i];
-        const int index = part.auxiliary[i];
-        const int rows = index < 0 ? 0 : channels[as_size(plan.auxiliary[as_size(index)].channel)].declaration.max_rows;
-        sum += map.epoch.size() + map.row.size() * as_size(rows);
-      }
-      doubles = std::max(doubles, sum);
-    }
-  auxiliary_.resize(count);
-  auxiliary_fields_.resize(doubles);
-}
+      row_fields_(as_size(std::max(1, plan.max_row_fields))) {}
 
 Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now,
                        const CovarianceForm& P, SampleRows& rows) {
@@ -85,25 +67,6 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
   return Result::ok();
 }
 
-void Linearizer::read_auxiliary(const PartPlan& part) {
-  double* fields = auxiliary_fields_.data();
-  for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
-    SampleView& view = auxiliary_[i];
-    view = SampleView{};
-    if (part.auxiliary[i] < 0) continue;
-    const auto& kept = plan_.auxiliary[as_size(part.auxiliary[i])];
-    const auto& channel = channels_[as_size(kept.channel)];
-    const SampleView raw = latest(kept, channel, arena_);
-    view = raw;
-    view.fields = fields;
-    read_fields(part.auxiliary_fields[i], raw, interval_of(raw), fields);
-    fields += part.auxiliary_fields[i].epoch.size();
-    view.row_fields = fields;
-    read_row_fields(part.auxiliary_fields[i], channel, raw, fields);
-    fields += part.auxiliary_fields[i].row.size() * as_size(raw.rows);
-  }
-}
-
 Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
                             const Moment& now, const CovarianceForm& P, SampleRows& rows, int& part_rows) {
   SampleView seen = sample;
@@ -113,7 +76,6 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   if (!part.fields.row.empty()) read_row_fields(part.fields, channel, sample, row_fields_.data());
   seen.fields = fields_.data();
   seen.row_fields = row_fields_.data();
-  read_auxiliary(part);
 
   const int most = part.model->declaration().max_rows, m_max = rows.work.m_max;
   std::fill_n(workspace_.jacobians.begin(), part.ports.size(), MatrixView{});
@@ -129,7 +91,7 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   out.R = MatrixView{rows.R_nominal.data() + rows.m + rows.m * m_max, most, most, m_max};
   out.row_keys = {rows.keys.data() + rows.m, as_size(most)};
   const Result result =
-      calls_.linearize(part, seen, auxiliary_.data(), workspace_.values_of(part.ports),
+      calls_.linearize(part, seen, auxiliary_.read(part.auxiliary), workspace_.values_of(part.ports),
                        workspace_.driving(now, part.driving_rates), read_covariance_.of(part, P, workspace_), out);
   if (!result) return result;
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");

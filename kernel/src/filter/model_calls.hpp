@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "binnacle/plugin_call.hpp"
+#include "filter/note_book.hpp"
 #include "filter/plan.hpp"
 
 namespace binnacle::filter {
@@ -43,6 +44,9 @@ class ModelCalls {
   }
   /// The call under way, for other threads and for a handler at exit.
   const CallSite& site() const { return site_; }
+  /// What models noted.
+  NoteBook& note_book() { return note_book_; }
+  const NoteBook& note_book() const { return note_book_; }
 
   void start(const ProcessPlan& plan) {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
@@ -70,19 +74,22 @@ class ModelCalls {
     return during(plan.type, plan.pointer, "reset_jacobian", [&] { return plan.block->reset_jacobian(delta, G); });
   }
 
-  Result evaluate(const DerivedPlan& plan, const DerivedInput& in, DerivedOutput& out) {
+  Result evaluate(const DerivedPlan& plan, const double* const* x, const Driving& u, DerivedOutput& out) {
+    const DerivedInput in{x, u, notes()};
     return during(plan.type, plan.pointer, "evaluate", [&] { return plan.derived->evaluate(in, out); });
   }
-  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, ProcessOutput& out) {
-    const ProcessInput in{step, x, {}, memory_of(plan.memory), {}};
+  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, const SampleView* auxiliary,
+                   ProcessOutput& out) {
+    const ProcessInput in{step, x, auxiliary, memory_of(plan.memory), notes()};
     return during(plan.type, plan.pointer, "propagate", [&] { return plan.model->propagate(in, out); });
   }
-  void linearized(const ProcessPlan& plan, const double* const* x, ContinuousOutput& out) {
-    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(ContinuousInput{x}, out); });
+  void linearized(const ProcessPlan& plan, const double* const* x, const SampleView* auxiliary, ContinuousOutput& out) {
+    const ContinuousInput in{x, auxiliary, notes()};
+    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(in, out); });
   }
   Result linearize(const PartPlan& plan, const SampleView& sample, const SampleView* auxiliary, const double* const* x,
                    const Driving& u, const PortCovariance& P, MeasurementOutput& out) {
-    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, {}};
+    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, notes()};
     return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
   }
   void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {
@@ -112,6 +119,12 @@ class ModelCalls {
       return result;
     }
   }
+  Notes notes() {
+    return {this, [](void* self, const char* text) {
+              auto& calls = *static_cast<ModelCalls*>(self);
+              calls.note_book_.keep(*calls.type_, *calls.pointer_, calls.call_, calls.t_, text);
+            }};
+  }
   std::byte* memory_of(const Place<std::byte>& place) const { return place.count > 0 ? place.in(arena_) : nullptr; }
 
   std::byte* arena_;
@@ -120,6 +133,7 @@ class ModelCalls {
   const char* call_ = nullptr;
   Time t_ = no_time;
   CallSite site_;
+  NoteBook note_book_;
 };
 
 }  // namespace binnacle::filter

@@ -29,9 +29,11 @@ int doubles_of(const Coupling& coupling, const std::vector<int>& ports, const Fi
 
 }  // namespace
 
-Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspace& workspace, ModelCalls& calls)
+Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, AuxiliaryReader& auxiliary,
+                       Workspace& workspace, ModelCalls& calls)
     : plan_(plan),
       P_(P),
+      auxiliary_(auxiliary),
       workspace_(workspace),
       calls_(calls),
       x_plus_(as_size(plan.stored_size)),
@@ -69,7 +71,8 @@ void Propagator::run(const Moment& now, Time t1, std::span<const InputSample> sa
 }
 
 Step Propagator::step_for(const ProcessPlan& process, Time t0, Time t1, std::span<const InputSample> samples) {
-  if (!process.uses_input) return {t0, t1, seconds(t1 - t0), {}};
+  const bool bridges = !samples.empty() && samples.front().bridges;  // such a sample is stepped alone
+  if (!process.uses_input) return {t0, t1, seconds(t1 - t0), {}, bridges};
   const auto width = process.fields.epoch.size();
   double dt = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -81,7 +84,7 @@ Step Propagator::step_for(const ProcessPlan& process, Time t0, Time t1, std::spa
     samples_[i].fields = converted;
     dt += samples[i].dt;
   }
-  return {t0, t1, dt, {samples_.data(), samples.size()}};
+  return {t0, t1, dt, {samples_.data(), samples.size()}, bridges};
 }
 
 /// Where a process writes x⁺, per port; null for ports that are only read.
@@ -104,7 +107,8 @@ void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSam
       ProcessOutput out{outputs_of(p), workspace_.phi.data() + process.first_transition,
                         workspace_.noise.data() + process.first_noise};
       const Result result =
-          calls_.propagate(process, step_for(process, now.t, t1, samples), workspace_.values_of(process.ports), out);
+          calls_.propagate(process, step_for(process, now.t, t1, samples), workspace_.values_of(process.ports),
+                           auxiliary_.read(process.auxiliary), out);
       if (!result) throw Stop("process '" + process.name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
     }
     check_noise(p, t1);
@@ -115,7 +119,7 @@ void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSam
 /// The discretization of what is not finite would not end.
 void Propagator::linearize(const ProcessPlan& process) {
   ContinuousOutput out{workspace_.phi.data() + process.first_transition, workspace_.noise.data() + process.first_noise};
-  calls_.linearized(process, workspace_.values_of(process.ports), out);
+  calls_.linearized(process, workspace_.values_of(process.ports), auxiliary_.read(process.auxiliary), out);
   const auto& transition = process.model->declaration().transition;
   for (std::size_t k = 0; k < transition.size(); ++k)
     if (!is_finite(workspace_.phi[as_size(process.first_transition) + k],

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "filter/auxiliary.hpp"
 #include "filter/covariance_form.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/workspace.hpp"
@@ -14,7 +15,8 @@ namespace binnacle::filter {
 
 class Propagator {
  public:
-  Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspace& workspace, ModelCalls& calls);
+  Propagator(const FilterPlan& plan, const CovarianceForm& P, AuxiliaryReader& auxiliary, Workspace& workspace,
+             ModelCalls& calls);
 
   /// From the a-posteriori x at `now` to t1: x_plus(), and the blocks of Φ and Qd in the workspace. Throws Stop where a model
   /// refuses or writes what cannot be noise.
@@ -47,6 +49,7 @@ class Propagator {
 
   const FilterPlan& plan_;
   const CovarianceForm& P_;  // to judge what rounding is
+  AuxiliaryReader& auxiliary_;
   Workspace& workspace_;
   ModelCalls& calls_;
   std::vector<double> x_plus_;

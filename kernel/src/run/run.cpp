@@ -181,8 +181,10 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.sink->close(); });
 
   nlohmann::ordered_json filters = nlohmann::ordered_json::object();
-  for (std::size_t f = 0; f < plan.filters.size(); ++f)
-    filters[plan.filters[f].name] = filter_summary(runtime, static_cast<int>(f));
+  for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) {
+    filters[plan.filters[as_size(f)].name] = filter_summary(runtime, f);
+    result.warnings.merge(session.notes({f}));
+  }
   result.summary["filters"] = std::move(filters);
   note_failures(runtime, result.failures);
   nlohmann::ordered_json warnings = nlohmann::ordered_json::array();

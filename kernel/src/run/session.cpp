@@ -215,6 +215,22 @@ std::string Session::diagnosis(FilterId filter) const {
   return runtime_->engine(filter.index).diagnosis();
 }
 
+Diagnostics Session::notes(FilterId filter) const {
+  check(filter);
+  const auto& engine = runtime_->engine(filter.index);
+  const Document& document = composition_->plan().document;
+  const auto times = [](std::int64_t count) { return " (" + std::to_string(count) + " times)"; };
+  Diagnostics notes;
+  for (const auto& note : engine.note_book().notes())
+    notes.warning("B083", document.key_origin(*note.pointer), *note.pointer,
+                  filter::call_text(*note.type, *note.pointer, note.call, note.first) + " notes: " + note.text +
+                      (note.count > 1 ? times(note.count) : ""));
+  if (const auto left_out = engine.note_book().left_out(); left_out > 0)
+    notes.warning("B083", document.key_origin(engine.plan().pointer), engine.plan().pointer,
+                  "further notes of filter '" + engine.plan().name + "' are left out" + times(left_out));
+  return notes;
+}
+
 Time Session::start_time(FilterId filter) const {
   check(filter);
   return runtime_->engine(filter.index).status().start;

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
   void plus(const double* x, const double* delta, double* result) const override {
@@ -17,4 +17,4 @@ class Animal final : public faulty::Block {
 
 }  // namespace
 
-BINNACLE_PLUGIN("aliasing_plus", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("aliasing_plus", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
   void minus(const double* y, const double* x, double* delta) const override {
@@ -16,4 +16,4 @@ class Animal final : public faulty::Block {
 
 }  // namespace
 
-BINNACLE_PLUGIN("bent_plus", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("bent_plus", "1.0.0", registry) { registry.add<Subject>(); }

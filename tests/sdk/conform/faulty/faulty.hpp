@@ -16,7 +16,7 @@ namespace faulty {
 using namespace binnacle;
 
 /// Position and velocity in a plane: p' = v, v' = white noise of density q.
-class Process : public legacy::ProcessModel {
+class Process : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -28,32 +28,45 @@ class Process : public legacy::ProcessModel {
     spec.example = R"({"blocks": {"p": "position", "v": "velocity"}})";
     return spec;
   }
-  explicit Process(const Binding& binding) : q(binding.parameters().number("q")) {
-    declared.transition = {{0, 1, Structure::diagonal}};
-    declared.noise = {{0, 0, Structure::diagonal}, {1, 1, Structure::diagonal}, {0, 1, Structure::diagonal}};
+  explicit Process(const Binding& binding)
+      : p(binding.port("p")), v(binding.port("v")), q(binding.parameters().number("q")) {
+    phi_pv = declaration_.couples(p, v, Structure::diagonal);
+    q_pp = declaration_.adds_noise(p, p, Structure::diagonal);
+    q_vv = declaration_.adds_noise(v, v, Structure::diagonal);
+    q_pv = declaration_.adds_noise(p, v, Structure::diagonal);
   }
-  const ProcessDeclaration& declaration() const noexcept override { return declared; }
-  Result propagate(const Step& step, const double* const* x, std::byte*,
-                   const legacy::ProcessOutput& out) const override {
-    const double dt = step.dt;
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    const double dt = in.step.dt;
     for (int i = 0; i < 2; ++i) {
-      out.x_plus[0][i] = x[0][i] + x[1][i] * dt;
-      out.x_plus[1][i] = x[1][i];
-      out.transition[0][i] = dt;
-      out.noise[0][i] = q * dt * dt * dt / 3;
-      out.noise[1][i] = q * dt;
-      out.noise[2][i] = q * dt * dt / 2;
+      out.x[p][i] = in.x[p][i] + in.x[v][i] * dt;
+      out.x[v][i] = in.x[v][i];
+      set(out.phi, phi_pv, i, dt);
+      set(out.Qd, q_pp, i, q * dt * dt * dt / 3);
+      set(out.Qd, q_vv, i, q * dt);
+      set(out.Qd, q_pv, i, q * dt * dt / 2);
     }
     return Result::ok();
   }
 
  protected:
-  ProcessDeclaration declared;
+  /// The i-th element of a diagonal block; nothing where none is wanted.
+  template <class Table, class Handle>
+  static void set(const Table& table, Handle handle, int i, double value) {
+    if (double* block = diagonal(table, handle)) block[i] = value;
+  }
+  template <class Table, class Handle>
+  static double* diagonal(const Table& table, Handle handle) {
+    return table[handle].data();
+  }
+
+  Port p, v;
+  PhiBlock phi_pv;
+  QBlock q_pp, q_vv, q_pv;
   double q = 0;
 };
 
 /// The range to a beacon.
-class Measurement : public legacy::MeasurementModel {
+class Measurement : public MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -65,32 +78,36 @@ class Measurement : public legacy::MeasurementModel {
     spec.example = R"({"channel": "ranges", "blocks": {"p": "position"}})";
     return spec;
   }
-  explicit Measurement(const Binding& binding) : sigma(binding.parameters().number("sigma")) {
-    declared.max_rows = 1;
-    declared.read_ports = {0};
-    declared.groups = {{"range", 0, 1, "m", -1}};
+  explicit Measurement(const Binding& binding)
+      : p(binding.port("p")), range(binding.field("range")), sigma(binding.parameters().number("sigma")) {
+    declaration_.rows(1).reads(p).group(rows::these("range", 1, "m"));
   }
-  const MeasurementDeclaration& declaration() const noexcept override { return declared; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
-                   std::byte*, legacy::Linearization& out) const override {
-    const double dx = x[0][0] + 300, dy = x[0][1] + 200;
-    const double range = std::hypot(dx, dy);
-    if (!std::isfinite(sample.fields[0])) return Result::invalid("the range is no number");
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    return see(in.x[p][0] + 300, in.x[p][1] + 200, in.sample[range], out);
+  }
+
+ protected:
+  /// The range from the beacon, (dx, dy) away.
+  Result see(double dx, double dy, double measured, MeasurementOutput& out) const {
+    const double distance = std::hypot(dx, dy);
+    if (!std::isfinite(measured)) return Result::invalid("the range is no number");
     out.rows = 1;
-    out.residual[0] = sample.fields[0] - range;
-    out.H[0](0, 0) = dx / range;
-    out.H[0](0, 1) = dy / range;
+    out.residual[0] = measured - distance;
+    if (const auto H = out.H[p]) {
+      H(0, 0) = dx / distance;
+      H(0, 1) = dy / distance;
+    }
     out.R(0, 0) = sigma * sigma;
     return Result::ok();
   }
 
- protected:
-  MeasurementDeclaration declared;
+  Port p;
+  Field range;
   double sigma = 0;
 };
 
 /// A point on the lever arm of a pendulum: a bent function of a vector.
-class Derived : public legacy::DerivedBlock {
+class Derived : public DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -101,25 +118,23 @@ class Derived : public legacy::DerivedBlock {
     spec.example = R"({"blocks": {"p": "position"}})";
     return spec;
   }
-  explicit Derived(const Binding&) {
-    declared.kind = "vector:2:m";
-    declared.stored_size = 2;
-    declared.error = {{"x", "m"}, {"y", "m"}};
-    declared.read_ports = {0};
+  explicit Derived(const Binding& binding) : p(binding.port("p")) {
+    declaration_.yields("vector:2:m", 2, {{"x", "m"}, {"y", "m"}}).reads(p);
   }
-  const DerivedDeclaration& declaration() const noexcept override { return declared; }
-  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
-    value[0] = x[0][0] + 0.01 * x[0][1] * x[0][1];
-    value[1] = 2 * x[0][1];
-    if (!J) return Result::ok();
-    J[0](0, 0) = 1;
-    J[0](0, 1) = 0.02 * x[0][1];
-    J[0](1, 1) = 2;
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override {
+    const auto x = in.x[p];
+    out.value[0] = x[0] + 0.01 * x[1] * x[1];
+    out.value[1] = 2 * x[1];
+    if (const auto J = out.J[p]) {
+      J(0, 0) = 1;
+      J(0, 1) = 0.02 * x[1];
+      J(1, 1) = 2;
+    }
     return Result::ok();
   }
 
  protected:
-  DerivedDeclaration declared;
+  Port p;
 };
 
 /// A direction in space as a quaternion (w, x, y, z), its error a rotation vector from the left.

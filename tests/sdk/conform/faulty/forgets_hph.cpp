@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Noise {
+class Subject final : public faulty::Noise {
  public:
   using Noise::Noise;
   void estimate(const binnacle::Innovation& innovation, std::byte* memory, binnacle::MatrixView R) const override {
@@ -16,4 +16,4 @@ class Animal final : public faulty::Noise {
 
 }  // namespace
 
-BINNACLE_PLUGIN("forgets_hph", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("forgets_hph", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Noise {
+class Subject final : public faulty::Noise {
  public:
   using Noise::Noise;
   std::size_t memory_bytes() const noexcept override { return Noise::memory_bytes() + sizeof(double*); }
@@ -31,4 +31,4 @@ class Animal final : public faulty::Noise {
 
 }  // namespace
 
-BINNACLE_PLUGIN("memory_elsewhere", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("memory_elsewhere", "1.0.0", registry) { registry.add<Subject>(); }

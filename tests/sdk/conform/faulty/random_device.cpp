@@ -7,7 +7,7 @@
 
 namespace {
 
-class Animal final : public faulty::Source {
+class Subject final : public faulty::Source {
  public:
   using Source::Source;
   binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
@@ -19,4 +19,4 @@ class Animal final : public faulty::Source {
 
 }  // namespace
 
-BINNACLE_PLUGIN("random_device", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("random_device", "1.0.0", registry) { registry.add<Subject>(); }

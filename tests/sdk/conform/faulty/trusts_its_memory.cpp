@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Source {
+class Subject final : public faulty::Source {
  public:
   using Source::Source;
   binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
@@ -21,4 +21,4 @@ class Animal final : public faulty::Source {
 
 }  // namespace
 
-BINNACLE_PLUGIN("trusts_its_memory", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("trusts_its_memory", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
   bool reset_jacobian(const double* d, double* G) const override {
@@ -16,4 +16,4 @@ class Animal final : public faulty::Block {
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_reset", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_reset", "1.0.0", registry) { registry.add<Subject>(); }
