@@ -6,7 +6,8 @@
 #include <Eigen/Core>
 
 #include <cassert>
-#include <span>
+#include <concepts>
+#include <type_traits>
 
 namespace binnacle {
 
@@ -53,11 +54,26 @@ inline Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned> matrix_at(const doubl
 // Every view is null where there is nothing to see (an open port, a Jacobian that nobody wants): test it with `if`.
 // Sizes are checked by assert(), so in builds without NDEBUG.
 
+/// An Eigen object whose numbers need not lie one after the other: a row, a block of a matrix.
+template <class Numbers>
+concept Scattered = !Numbers::IsVectorAtCompileTime || Numbers::InnerStrideAtCompileTime != 1;
+/// Doubles that do: a std::vector or std::array, an Eigen vector, a view.
+template <class Numbers, class Double>
+concept Contiguous = !Scattered<std::remove_const_t<Numbers>> && requires(Numbers & numbers) {
+  { numbers.data() } -> std::convertible_to<Double*>;
+  { numbers.size() } -> std::convertible_to<int>;
+};
+
 /// `size` doubles that may be read.
 class ConstVectorView {
  public:
   constexpr ConstVectorView() = default;
   constexpr ConstVectorView(const double* data, int size) noexcept : data_(data), size_(size) {}
+  template <Contiguous<const double> Numbers>
+  constexpr ConstVectorView(const Numbers& numbers) noexcept
+      : ConstVectorView(numbers.data(), static_cast<int>(numbers.size())) {}
+  template <int Size>
+  constexpr ConstVectorView(const double (&numbers)[Size]) noexcept : ConstVectorView(numbers, Size) {}
 
   constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
   constexpr const double* data() const noexcept { return data_; }
@@ -88,8 +104,11 @@ class VectorView {
  public:
   constexpr VectorView() = default;
   constexpr VectorView(double* data, int size) noexcept : data_(data), size_(size) {}
+  template <Contiguous<double> Numbers>
+  constexpr VectorView(Numbers& numbers) noexcept : VectorView(numbers.data(), static_cast<int>(numbers.size())) {}
+  template <int Size>
+  constexpr VectorView(double (&numbers)[Size]) noexcept : VectorView(numbers, Size) {}
 
-  constexpr operator ConstVectorView() const noexcept { return {data_, size_}; }
   constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
   constexpr double* data() const noexcept { return data_; }
   constexpr int size() const noexcept { return size_; }

@@ -55,19 +55,32 @@ class ModelCalls {
   }
 
   void plus(const BlockPlan& plan, const double* x, const double* delta, double* result) {
-    during(plan.type, plan.pointer, "plus", [&] { plan.block->plus(x, delta, result); });
+    during(plan.type, plan.pointer, "plus", [&] {
+      const auto& d = plan.declaration();
+      plan.block->plus({x, d.stored_size}, {delta, d.dof()}, {result, d.stored_size});
+    });
   }
   void minus(const BlockPlan& plan, const double* y, const double* x, double* delta) {
-    during(plan.type, plan.pointer, "minus", [&] { plan.block->minus(y, x, delta); });
+    during(plan.type, plan.pointer, "minus", [&] {
+      const auto& d = plan.declaration();
+      plan.block->minus({y, d.stored_size}, {x, d.stored_size}, {delta, d.dof()});
+    });
   }
   void read(const BlockPlan& plan, const double* x, double* outputs) {
-    during(plan.type, plan.pointer, "read", [&] { plan.block->read(x, outputs); });
+    during(plan.type, plan.pointer, "read", [&] {
+      plan.block->read({x, plan.declaration().stored_size}, {outputs, plan.outputs()});
+    });
   }
   Result write(const BlockPlan& plan, const double* outputs, double* x) {
-    return during(plan.type, plan.pointer, "write", [&] { return plan.block->write(outputs, x); });
+    return during(plan.type, plan.pointer, "write", [&] {
+      return plan.block->write({outputs, plan.outputs()}, {x, plan.declaration().stored_size});
+    });
   }
-  bool reset_jacobian(const BlockPlan& plan, const double* delta, double* G) {
-    return during(plan.type, plan.pointer, "reset_jacobian", [&] { return plan.block->reset_jacobian(delta, G); });
+  bool reset_jacobian(const BlockPlan& plan, const double* x, const double* delta, double* G) {
+    return during(plan.type, plan.pointer, "reset_jacobian", [&] {
+      const int dof = plan.dof();
+      return plan.block->reset_jacobian({x, plan.declaration().stored_size}, {delta, dof}, {G, dof, dof, dof});
+    });
   }
 
   Result evaluate(const DerivedPlan& plan, const DerivedInput& in, DerivedOutput& out) {

@@ -141,33 +141,34 @@ class Block : public StateBlock {
       declared.outputs.push_back({name, "rad", "", false, true, "rotation vector"});
   }
   const StateBlockDeclaration& declaration() const noexcept override { return declared; }
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     const Eigen::Quaterniond q = exponential(delta) * load(x);
     store(q.normalized(), result);
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     logarithm(load(y) * load(x).conjugate(), delta);
   }
-  void read(const double* x, double* outputs) const override { logarithm(load(x), outputs); }
-  Result write(const double* outputs, double* x) const override {
+  void read(ConstVectorView x, VectorView outputs) const override { logarithm(load(x), outputs); }
+  Result write(ConstVectorView outputs, VectorView x) const override {
     store(exponential(outputs), x);
     return Result::ok();
   }
-  bool reset_jacobian(const double* d, double* G) const override {
-    const double half[9] = {1, d[2] / 2, -d[1] / 2, -d[2] / 2, 1, d[0] / 2, d[1] / 2, -d[0] / 2, 1};
-    std::memcpy(G, half, sizeof half);
+  bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView d, MatrixView G) const override {
+    G.as<3, 3>() << 1, -d[2] / 2, d[1] / 2, d[2] / 2, 1, -d[0] / 2, -d[1] / 2, d[0] / 2, 1;
     return true;
   }
 
  protected:
-  static Eigen::Quaterniond load(const double* x) { return {x[0], x[1], x[2], x[3]}; }
-  static void store(const Eigen::Quaterniond& q, double* x) { x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z(); }
-  static Eigen::Quaterniond exponential(const double* v) {
+  static Eigen::Quaterniond load(ConstVectorView x) { return {x[0], x[1], x[2], x[3]}; }
+  static void store(const Eigen::Quaterniond& q, VectorView x) {
+    x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z();
+  }
+  static Eigen::Quaterniond exponential(ConstVectorView v) {
     const Eigen::Vector3d w(v[0], v[1], v[2]);
     const double angle = w.norm(), s = angle > 1e-9 ? std::sin(angle / 2) / angle : 0.5;
     return {std::cos(angle / 2), s * w[0], s * w[1], s * w[2]};
   }
-  static void logarithm(Eigen::Quaterniond q, double* v) {
+  static void logarithm(Eigen::Quaterniond q, VectorView v) {
     if (q.w() < 0) q.coeffs() *= -1;
     const double sine = q.vec().norm();
     const double factor = sine > 1e-12 ? 2 * std::atan2(sine, q.w()) / sine : 2;
