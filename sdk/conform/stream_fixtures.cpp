@@ -21,11 +21,11 @@ class CallsNoise final : public Fixture {
       : trial_(trial),
         composition_(std::move(composition)),
         noise_(parts::noise(*composition_, filter_name, "adapted")) {}
-  std::size_t memory_bytes() const override { return noise_.estimator->memory_bytes(); }
+  std::size_t memory_bytes() const override { return noise_.estimator->declaration().memory_bytes; }
   void start(std::byte* memory) const override { noise_.estimator->start(memory); }
-  Answer turn(std::uint64_t k, std::byte* memory, double fill) const override {
+  Answer turn(std::uint64_t k, std::byte* memory, double) const override {
     auto random = trial_.random(5000 + k);
-    return call(3.0 * normals(random, noise_.max_rows), 0.1, memory, fill);
+    return call(3.0 * normals(random, noise_.max_rows), 0.1, memory);
   }
   std::vector<std::string> hostile_finite() const override {
     return {"zero", "tiny 1e-300", "alternating 1e15", "dt 1e6", "dt -1"};
@@ -35,46 +35,23 @@ class CallsNoise final : public Fixture {
     auto random = trial_.random(4);
     Eigen::VectorXd r = normals(random, noise_.max_rows);
     for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = hostile_number(input, static_cast<std::size_t>(i), r[i]);
-    return call(r, input.rfind("dt ", 0) == 0 ? std::stod(input.substr(3)) : 0.1, memory, 0.0);
+    return call(r, input.rfind("dt ", 0) == 0 ? std::stod(input.substr(3)) : 0.1, memory);
   }
 
  private:
-  /// A covariance as an input: a copy whose writing to is found.
-  static MatrixView diagonal(Inputs& inputs, const char* name, const Eigen::VectorXd& variances) {
-    const Eigen::MatrixXd all = variances.asDiagonal();
-    const int rows = static_cast<int>(variances.size());
-    return {const_cast<double*>(inputs.keep(name, all.data(), static_cast<std::size_t>(all.size()))), rows, rows, rows};
-  }
-
-  Answer call(const Eigen::VectorXd& r, double dt, std::byte* memory, double) const {
+  Answer call(const Eigen::VectorXd& r, double dt, std::byte* memory) const {
     const int rows = noise_.max_rows;
-    const Eigen::VectorXd nominal =
-        Eigen::VectorXd::LinSpaced(rows, 1, rows).unaryExpr([](double i) { return i == 1 ? 4.0 : 9.0; });
-    Inputs inputs;
-    std::vector<std::int64_t> keys(static_cast<std::size_t>(rows));
-    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = static_cast<std::int64_t>(i);
-    const std::vector<int> groups(keys.size(), 0);  // the miniature's measurement has one
-    Innovation innovation;
+    testing::InnovationNumbers innovation;
     innovation.t = 3'000'000'000;
     innovation.dt = dt;
-    innovation.rows = rows;
-    innovation.row_keys = keys;
-    innovation.row_groups = groups;
-    innovation.residual = inputs.keep("the residual", r.data(), static_cast<std::size_t>(rows));
-    innovation.HPHt = diagonal(inputs, "HPHt", Eigen::VectorXd::Constant(rows, 0.5));
-    innovation.R_nominal = diagonal(inputs, "R_nominal", nominal);
-    Guarded R(static_cast<std::size_t>(rows * rows), 0.0);
-    Eigen::Map<Eigen::MatrixXd>(R.data(), rows, rows).diagonal() = nominal;
-    called("estimate", [&] { return noise_.estimator->estimate(innovation, memory, {R.data(), rows, rows, rows}), 0; });
-    if (noise_.estimator->wants_after()) {
-      const Eigen::VectorXd post_fit = 0.8 * r;
-      const double* post = inputs.keep("the post-fit residual", post_fit.data(), static_cast<std::size_t>(rows));
-      called("after", [&] { return noise_.estimator->after(Outcome::accepted, post, innovation.HPHt, memory), 0; });
-    }
+    innovation.residual = r;
+    innovation.HPHt = Eigen::VectorXd::Constant(rows, 0.5).asDiagonal();
+    innovation.R_nominal =
+        Eigen::VectorXd::LinSpaced(rows, 1, rows).unaryExpr([](double i) { return i == 1 ? 4.0 : 9.0; }).asDiagonal();
+    const auto estimated = testing::NoiseCaller(*noise_.estimator).estimate(innovation, memory);
     Answer answer;
-    answer.damage = inputs.damage("estimate");
-    if (!R.is_intact()) answer.damage = "R: written beyond its end";
-    answer.numbers = R.values();
+    answer.damage = estimated.damage;
+    answer.numbers.assign(estimated.R.data(), estimated.R.data() + estimated.R.size());
     answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }

@@ -132,34 +132,7 @@ class VectorView {
   int size_ = 0;
 };
 
-/// A rows×cols block of a column-major matrix: element (i, j) is data[i + j * stride].
-struct MatrixView {
-  double* data = nullptr;
-  int rows = 0;
-  int cols = 0;
-  int stride = 0;
-
-  double& operator()(int i, int j) const noexcept {
-    assert(data && i >= 0 && i < rows && j >= 0 && j < cols);
-    return data[i + static_cast<long>(j) * stride];
-  }
-  explicit operator bool() const noexcept { return data != nullptr; }
-
-  /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
-  template <int Rows, int Cols>
-  StridedMapOf<Rows, Cols> as() const {
-    assert(data && rows == Rows && cols == Cols);
-    return {data, rows, cols, Eigen::OuterStride<>(stride)};
-  }
-  StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
-  /// The part that begins at (row, col).
-  MatrixView block(int row, int col, int row_count, int col_count) const noexcept {
-    assert(data && row >= 0 && col >= 0 && row + row_count <= rows && col + col_count <= cols);
-    return {data + row + static_cast<long>(col) * stride, row_count, col_count, stride};
-  }
-};
-
-/// The same, to be read only.
+/// A rows×cols block of a column-major matrix that may be read: element (i, j) is data[i + j * stride].
 struct ConstMatrixView {
   const double* data = nullptr;
   int rows = 0;
@@ -178,6 +151,34 @@ struct ConstMatrixView {
   }
   ConstStridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const {
     return {data, rows, cols, Eigen::OuterStride<>(stride)};
+  }
+};
+
+/// The same, to be written.
+struct MatrixView {
+  double* data = nullptr;
+  int rows = 0;
+  int cols = 0;
+  int stride = 0;
+
+  double& operator()(int i, int j) const noexcept {
+    assert(data && i >= 0 && i < rows && j >= 0 && j < cols);
+    return data[i + static_cast<long>(j) * stride];
+  }
+  explicit operator bool() const noexcept { return data != nullptr; }
+  operator ConstMatrixView() const noexcept { return {data, rows, cols, stride}; }
+
+  /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
+  template <int Rows, int Cols>
+  StridedMapOf<Rows, Cols> as() const {
+    assert(data && rows == Rows && cols == Cols);
+    return {data, rows, cols, Eigen::OuterStride<>(stride)};
+  }
+  StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
+  /// The part that begins at (row, col).
+  MatrixView block(int row, int col, int row_count, int col_count) const noexcept {
+    assert(data && row >= 0 && col >= 0 && row + row_count <= rows && col + col_count <= cols);
+    return {data + row + static_cast<long>(col) * stride, row_count, col_count, stride};
   }
 };
 

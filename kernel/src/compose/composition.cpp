@@ -164,7 +164,7 @@ void Composer::lay_out() {
         part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
         measurement.memory_bytes += part.memory.count;
       }
-      if (measurement.noise) measurement.noise_memory = layout.add<std::byte>(measurement.noise->memory_bytes());
+      if (measurement.noise) measurement.noise_memory = layout.add<std::byte>(measurement.noise->declaration().memory_bytes);
       filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})

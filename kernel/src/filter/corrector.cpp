@@ -25,7 +25,7 @@ void Corrector::run(const MeasurementPlan& measurement, double* x, CovarianceFor
   inject(x, rows.delta.data());
 
   P.correct(rows.m, work);
-  if (measurement.noise && measurement.noise->wants_after()) {
+  if (measurement.noise && measurement.noise->declaration().looks_back) {
     // To first order. G and HPHt are made anew with P⁺ and no longer those of the update.
     const auto& columns = measurement.columns.columns;
     for (int i = 0; i < rows.m; ++i) {

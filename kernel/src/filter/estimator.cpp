@@ -153,8 +153,8 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
 }
 
 void Estimator::learn(const MeasurementPlan& measurement) {
-  if (!measurement.noise || !measurement.noise->wants_after()) return;
-  calls_.after(measurement, corrector_.post_fit(), rows_.square(rows_.work.HPHt));
+  if (!measurement.noise || !measurement.noise->declaration().looks_back) return;
+  calls_.after(measurement, {corrector_.post_fit(), rows_.m}, rows_.square(rows_.work.HPHt));
 }
 
 void Estimator::inflate(const MeasurementPlan& measurement) {

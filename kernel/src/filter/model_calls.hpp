@@ -51,7 +51,7 @@ class ModelCalls {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
   }
   void start_noise(const MeasurementPlan& plan) {
-    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(plan.noise_memory.in(arena_)); });
+    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(memory_of(plan.noise_memory)); });
   }
 
   void plus(const BlockPlan& plan, const double* x, const double* delta, double* result) {
@@ -98,13 +98,13 @@ class ModelCalls {
     const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, {}};
     return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
   }
-  void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {
-    during(plan.noise_type, plan.pointer, "estimate",
-           [&] { plan.noise->estimate(innovation, memory_of(plan.noise_memory), R); });
+  void estimate(const MeasurementPlan& plan, Innovation& innovation, MatrixView R) {
+    innovation.memory = memory_of(plan.noise_memory);
+    during(plan.noise_type, plan.pointer, "estimate", [&] { plan.noise->estimate(innovation, R); });
   }
-  void after(const MeasurementPlan& plan, const double* post_fit_residual, MatrixView HPHt_plus) {
-    during(plan.noise_type, plan.pointer, "after",
-           [&] { plan.noise->after(Outcome::accepted, post_fit_residual, HPHt_plus, memory_of(plan.noise_memory)); });
+  void after(const MeasurementPlan& plan, ConstVectorView residual, ConstMatrixView HPHt) {
+    const AfterUpdate in{Outcome::accepted, residual, HPHt, memory_of(plan.noise_memory)};
+    during(plan.noise_type, plan.pointer, "after", [&] { plan.noise->after(in); });
   }
 
  private:

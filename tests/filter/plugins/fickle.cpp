@@ -232,19 +232,20 @@ class Trust final : public NoiseEstimator {
     spec.example = "{}";
     return spec;
   }
-  Trust(const Binding& binding, const NoiseBinding&) : gives_(binding.parameters().text("gives")) {}
-  std::size_t memory_bytes() const noexcept override { return sizeof(long); }
-  void start(std::byte*) const override { spark(); }
-  void estimate(const Innovation& innovation, std::byte*, MatrixView R) const override {
+  Trust(const Binding& binding, const NoiseBinding&) : gives_(binding.parameters().text("gives")) {
+    declaration_.wants_after().keeps<long>();
+  }
+  void estimate(const Innovation& in, MatrixView R) const override {
     spark();
-    if (innovation.t <= nanoseconds(1)) return;
+    if (in.t <= nanoseconds(1)) return;
     if (gives_ == "negative") R(0, 0) = -4;
     if (gives_ == "nan") R(0, 0) = std::nan("");
   }
-  bool wants_after() const noexcept override { return true; }
-  void after(Outcome, const double*, MatrixView, std::byte*) const override { spark(); }
+  void after(const AfterUpdate&) const override { spark(); }
 
  private:
+  void initialise(const MemoryView&) const override { spark(); }
+
   std::string gives_;
 };
 

@@ -239,6 +239,38 @@ Complaints check_values(const MeasurementCaller& measurement, const Given& given
 /// R is symmetric and positive semidefinite.
 Complaints check_covariance(const Eigen::MatrixXd& R);
 
+// ---- noise estimators
+
+/// What an estimator is shown of a sample.
+struct InnovationNumbers {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd HPHt, R_nominal;
+  Time t = 0;
+  double dt = 0.1;                      // s
+  std::vector<std::int64_t> keys = {};  // empty: 0, 1, 2 …
+  std::vector<int> groups = {};         // empty: all rows are of group 0
+};
+
+struct Estimated {
+  Eigen::MatrixXd R;
+  std::string damage;
+};
+
+class NoiseCaller {
+ public:
+  explicit NoiseCaller(const NoiseEstimator& estimator) : estimator_(&estimator) {}
+  std::vector<std::byte> fresh_memory() const;
+  /// estimate(), and where it is wanted after(), as an update with the R that it gave leaves the sample. `memory` is
+  /// written to.
+  Estimated estimate(const InnovationNumbers& innovation, MemoryView memory) const;
+
+ private:
+  const NoiseEstimator* estimator_;
+};
+
+/// R is finite, symmetric and positive semidefinite, and nothing else is written.
+Complaints check_noise(const NoiseCaller& noise, const InnovationNumbers& innovation, MemoryView memory);
+
 // ---- derived blocks
 
 struct Evaluated {

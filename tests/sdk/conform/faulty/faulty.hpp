@@ -190,23 +190,25 @@ class Noise : public NoiseEstimator {
     return spec;
   }
   Noise(const Binding& binding, const NoiseBinding& noise)
-      : gain(binding.parameters().number("gain")), rows(noise.max_rows) {}
-  std::size_t memory_bytes() const noexcept override { return static_cast<std::size_t>(rows + 1) * sizeof(double); }
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
-    double* average = reinterpret_cast<double*>(memory);
-    for (int i = 0; i < innovation.rows; ++i) {
-      const double nominal = innovation.R_nominal(i, i);
-      const double seen = innovation.residual[i] * innovation.residual[i] - innovation.HPHt(i, i);
-      if (average[rows] == 0) average[i] = nominal;
-      if (std::isfinite(seen)) average[i] += gain * (seen - average[i]);
-      R(i, i) = std::max(average[i], 0.01 * nominal);
+      : gain(binding.parameters().number("gain")),
+        averages(declaration_.keeps_array<double>(static_cast<std::size_t>(noise.max_rows))),
+        has_begun(declaration_.keeps<double>()) {}
+  void estimate(const Innovation& in, MatrixView R) const override {
+    for (int i = 0; i < in.rows; ++i) {
+      const double nominal = in.R_nominal(i, i);
+      const double seen = in.residual[i] * in.residual[i] - in.HPHt(i, i);
+      double& average = in.memory[averages][static_cast<std::size_t>(i)];
+      if (in.memory[has_begun] == 0) average = nominal;
+      if (std::isfinite(seen)) average += gain * (seen - average);
+      R(i, i) = std::max(average, 0.01 * nominal);
     }
-    average[rows] = 1;
+    in.memory[has_begun] = 1;
   }
 
  protected:
   double gain = 0;
-  int rows = 0;
+  MemoryArray<double> averages;
+  Memory<double> has_begun;
 };
 
 /// A sawtooth with noise made of a hash.
