@@ -195,7 +195,7 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
   throw Stop("the state is not finite at " + time_text(t) + why);
 }
 
-void Estimator::write(SampleSlot& slot) {
+void Estimator::write(SampleWriter& slot) {
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
     calls_.read(block, state() + block.stored_offset, out);

@@ -71,15 +71,11 @@ class Thrower final : public Source {
     if (what_ == "own_error") throw OwnError("lost my marbles");
     if (what_ == "int") throw 42;
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
   void open(Reporter&) override { throw OwnError("cannot open"); }
-  std::size_t memory_bytes() const noexcept override { return 0; }
-  void start(std::uint64_t, std::byte*) const override {}
-  SourceStatus next(std::byte*, SampleSlot*, int&) const override { return SourceStatus::end; }
+  SourceStatus next(const MemoryView&, SourceOutput&) const override { return SourceStatus::end; }
 
  private:
   std::string what_;
-  std::vector<ChannelDeclaration> channels_;
 };
 
 /// A process model without any state of its own.

@@ -223,26 +223,19 @@ class Source : public binnacle::Source {
     return spec;
   }
   explicit Source(const Binding& binding) : samples(binding.parameters().integer("samples")) {
-    ChannelDeclaration channel;
-    channel.fields = {{"value", "m", FieldKind::level, false, false, "of the sawtooth"}};
-    declared.push_back(channel);
+    ChannelDeclaration of_values;
+    value = of_values.carries(field::level("value", "m").about("of the sawtooth"));
+    channel = declaration_.emits(std::move(of_values));
+    place = declaration_.keeps<State>();
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return declared; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(State); }
-  void start(std::uint64_t seed, std::byte* memory) const override {
-    const State state{seed, 0};
-    std::memcpy(memory, &state, sizeof state);
-  }
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override {
-    State state;
-    std::memcpy(&state, memory, sizeof state);
+  SourceStatus next(const MemoryView& memory, SourceOutput& output) const override {
+    State& state = memory[place];
     if (state.count < 0 || state.count >= samples) return SourceStatus::end;
     const std::uint64_t hash = (state.seed + static_cast<std::uint64_t>(state.count)) * 0x9e3779b97f4a7c15ull;
-    slots[0].t = 1'000'000'000 + state.count * 10'000'000;
-    slots[0].fields[0] = static_cast<double>(state.count % 10) + static_cast<double>(hash >> 40) * 1e-9;
-    channel = 0;
+    SampleWriter& out = output.on(channel);
+    out.t = 1'000'000'000 + state.count * 10'000'000;
+    out[value] = static_cast<double>(state.count % 10) + static_cast<double>(hash >> 40) * 1e-9;
     ++state.count;
-    std::memcpy(memory, &state, sizeof state);
     return SourceStatus::sample;
   }
 
@@ -251,8 +244,12 @@ class Source : public binnacle::Source {
     std::uint64_t seed = 0;
     std::int64_t count = 0;
   };
-  std::vector<ChannelDeclaration> declared;
+  void initialise(std::uint64_t seed, const MemoryView& memory) const override { memory[place].seed = seed; }
+
   std::int64_t samples = 0;
+  OutputChannel channel;
+  OutputField value;
+  Memory<State> place;
 };
 
 /// A running mean.
@@ -263,32 +260,32 @@ class Transform : public binnacle::Transform {
     spec.type = "transform";
     spec.summary = "a running mean";
     spec.parameters = {parameter::number("gain", "1").above(0).at_most(1).defaults("0.1").about("of a new sample")};
-    spec.inputs = {
-        {"values", {{"value", "m", FieldKind::level, false, false, "to be averaged"}}, false, "what is averaged"}};
+    spec.inputs = {input("values", {field::level("value", "m").about("to be averaged")}).about("what is averaged")};
     spec.example = R"({"input": "values"})";
     return spec;
   }
-  explicit Transform(const Binding& binding) : gain(binding.parameters().number("gain")) {
-    ChannelDeclaration channel;
-    channel.fields = {{"mean", "m", FieldKind::level, false, false, "so far"}};
-    declared.push_back(channel);
+  explicit Transform(const Binding& binding)
+      : gain(binding.parameters().number("gain")), value(binding.field(binding.input("values"), "value")) {
+    ChannelDeclaration of_means;
+    mean = of_means.carries(field::level("mean", "m").about("so far"));
+    channel = declaration_.emits(std::move(of_means));
+    so_far = declaration_.keeps<double>();
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return declared; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(double); }
-  void on(int, const SampleView& sample, std::byte* memory, Emitter& emitter) const override {
-    double mean = 0;
-    std::memcpy(&mean, memory, sizeof mean);
-    mean += gain * (sample.fields[0] - mean);
-    std::memcpy(memory, &mean, sizeof mean);
-    SampleSlot& slot = emitter.slot(0);
-    slot.t = sample.t;
-    slot.fields[0] = mean;
-    emitter.emit(0);
+  void on(const TransformInput& in, Emitter& emitter) const override {
+    double& average = in.memory[so_far];
+    average += gain * (in.sample[value] - average);
+    SampleWriter& out = emitter.on(channel);
+    out.t = in.sample.t;
+    out[mean] = average;
+    emitter.emit(channel);
   }
 
  protected:
-  std::vector<ChannelDeclaration> declared;
   double gain = 0;
+  Field value;
+  OutputChannel channel;
+  OutputField mean;
+  Memory<double> so_far;
 };
 
 /// For a library that brings them all as they are.
