@@ -105,8 +105,8 @@ void same_motion(Trial& trial, const Subject& subject, const Split& split) {
     const PortState& at = split.ports[i];
     if (!subject.caller().moves(split.ports, i)) continue;
     Eigen::VectorXd change(at.dof()), gap(at.dof());
-    at.block->minus(split.whole.x_plus[i].data(), at.x.data(), change.data());
-    at.block->minus(split.halves.ports[i].x.data(), split.whole.x_plus[i].data(), gap.data());
+    at.block->minus(split.whole.x_plus[i], at.x, change);
+    at.block->minus(split.halves.ports[i].x, split.whole.x_plus[i], gap);
     trial.expect(gap.norm() <= truncation * change.norm() + (negligible * at.scale).norm(),
                  "one step and two halves move '", subject.name(i), "' differently: by [", change.transpose(),
                  "] and [", (change + gap).transpose(), "]");

@@ -362,7 +362,7 @@ TEST_CASE("objects and errors outlive the catalog, and the library stays with th
   }
   double x = 1;
   const double delta = 2;
-  block->plus(&x, &delta, &x);
+  block->plus({&x, 1}, {&delta, 1}, {&x, 1});
   CHECK(x == 3);
   CHECK(block->declaration().kind == "vector:1:m");
   struct Silent final : Reporter {

@@ -53,7 +53,7 @@ void Composer::add_sources() {
         guarded(pointer, [&, &name = name](Findings& findings) {
           source.source = source.type->create_source(
               Binding(name, Parameters(parameters), {}, {}).of(source.type->spec).telling(findings));
-          add_channels(name, pointer, source.source->channels(), source.channels);
+          add_channels(name, pointer, source.source->declaration().channels, source.channels);
         });
     }
     if (error_count() != errors) {
@@ -204,31 +204,22 @@ bool Composer::read_inputs(const ComponentSpec& spec, const std::string& pointer
   return error_count() == errors && !is_told;
 }
 
-void Composer::create_transform(TransformPlan& transform, const ParameterValue& parameters) {
-  const ComponentSpec& spec = transform.type->spec;
-  std::vector<PortBinding> inputs;
+/// What a transform or sink is bound to.
+Binding Composer::stream_binding(const std::string& name, const ComponentSpec& spec, const ParameterValue& parameters,
+                                 const std::vector<NodeInput>& inputs) const {
   std::vector<bool> fields_bound, inputs_bound;
-  std::vector<std::vector<NamedUnit>> covariances(transform.inputs.size());
-  for (std::size_t i = 0; i < transform.inputs.size(); ++i) {
-    const int channel = transform.inputs[i].channel;
-    PortBinding input;
-    input.name = spec.inputs[i].name;
-    input.bound = channel >= 0;
-    inputs.push_back(input);
-    inputs_bound.push_back(input.bound);
-    if (input.bound) covariances[i] = plan_->channels[static_cast<std::size_t>(channel)].declaration.covariance;
+  std::vector<std::vector<NamedUnit>> covariances(inputs.size());
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const int channel = inputs[i].channel;
+    inputs_bound.push_back(channel >= 0);
+    if (channel >= 0) covariances[i] = plan_->channels[base::as_size(channel)].declaration.covariance;
     const auto first = fields_bound.size();
     fields_bound.resize(first + spec.inputs[i].fields.size(), false);
-    for (const auto* items : {&transform.inputs[i].fields.epoch, &transform.inputs[i].fields.row})
-      for (const auto& item : *items) fields_bound[first + static_cast<std::size_t>(item.declared)] = item.index >= 0;
+    for (const auto* items : {&inputs[i].fields.epoch, &inputs[i].fields.row})
+      for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
   }
-  guarded(transform.pointer, [&](Findings& findings) {
-    transform.transform = transform.type->create_transform(
-        Binding(transform.name, Parameters(parameters), inputs, fields_bound, 1, covariances)
-            .of(spec, inputs_bound)
-            .telling(findings));
-    add_channels(transform.name, transform.pointer, transform.transform->channels(), transform.channels);
-  });
+  return Binding(name, Parameters(parameters), {}, std::move(fields_bound), 1, std::move(covariances))
+      .of(spec, std::move(inputs_bound));
 }
 
 bool Composer::add_transform(const std::string& name) {
@@ -242,7 +233,12 @@ bool Composer::add_transform(const std::string& name) {
   const auto parameters = check_parameters(spec.parameters, spec.type, document(), transform.pointer,
                                            {"type", "input", "inputs", "fields"}, {}, diagnostics_);
   const bool is_bound = read_inputs(spec, transform.pointer, false, transform.inputs);
-  if (is_bound && error_count() == errors) create_transform(transform, parameters);
+  if (is_bound && error_count() == errors)
+    guarded(transform.pointer, [&](Findings& findings) {
+      transform.transform =
+          transform.type->create_transform(stream_binding(name, spec, parameters, transform.inputs).telling(findings));
+      add_channels(name, transform.pointer, transform.transform->declaration().channels, transform.channels);
+    });
   if (!transform.transform || error_count() != errors) return false;
   plan_->transforms.push_back(std::move(transform));
   return true;
@@ -307,7 +303,7 @@ void Composer::add_sinks() {
     if (error_count() != errors || !is_bound) continue;
     guarded(pointer, [&, &name = name](Findings& findings) {
       sink.sink =
-          sink.type->create_sink(Binding(name, Parameters(parameters), {}, {}).of(sink.type->spec).telling(findings));
+          sink.type->create_sink(stream_binding(name, sink.type->spec, parameters, sink.inputs).telling(findings));
     });
     if (sink.sink) plan_->sinks.push_back(std::move(sink));
   }

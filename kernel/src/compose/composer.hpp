@@ -75,7 +75,8 @@ class Composer {
   void add_sources();
   void add_transforms();
   bool add_transform(const std::string& name);
-  void create_transform(TransformPlan& transform, const ParameterValue& parameters);
+  Binding stream_binding(const std::string& name, const ComponentSpec& spec, const ParameterValue& parameters,
+                         const std::vector<NodeInput>& inputs) const;
   void add_sinks();
   void add_channels(const std::string& component, const std::string& pointer,
                     const std::vector<ChannelDeclaration>& declarations, std::vector<int>& indices);

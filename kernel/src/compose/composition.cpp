@@ -141,13 +141,13 @@ void Composer::lay_out() {
     plan.state = layout.add<std::int32_t>(3);
   };
   for (auto& source : plan_->sources) {
-    source.memory = layout.add<std::byte>(source.source->memory_bytes());
+    source.memory = layout.add<std::byte>(source.source->declaration().memory_bytes);
     source.head = layout.add<SourceHead>(1);
     for (const int channel : source.channels)
       source.slots.push_back(layout.add<double>(plan_->channels[as_size(channel)].doubles()));
   }
   for (auto& transform : plan_->transforms)
-    transform.memory = layout.add<std::byte>(transform.transform->memory_bytes());
+    transform.memory = layout.add<std::byte>(transform.transform->declaration().memory_bytes);
   for (auto& filter : plan_->filters) {
     const auto n = as_size(filter.n);
     filter.head = layout.add<TimeHead>(1);
@@ -164,7 +164,8 @@ void Composer::lay_out() {
         part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
         measurement.memory_bytes += part.memory.count;
       }
-      if (measurement.noise) measurement.noise_memory = layout.add<std::byte>(measurement.noise->memory_bytes());
+      if (measurement.noise)
+        measurement.noise_memory = layout.add<std::byte>(measurement.noise->declaration().memory_bytes);
       filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})

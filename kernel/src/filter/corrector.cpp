@@ -25,7 +25,7 @@ void Corrector::run(const MeasurementPlan& measurement, double* x, CovarianceFor
   inject(x, rows.delta.data());
 
   P.correct(rows.m, work);
-  if (measurement.noise && measurement.noise->wants_after()) {
+  if (measurement.noise && measurement.noise->declaration().looks_back) {
     // To first order. G and HPHt are made anew with P⁺ and no longer those of the update.
     const auto& columns = measurement.columns.columns;
     for (int i = 0; i < rows.m; ++i) {
@@ -50,7 +50,7 @@ void Corrector::inject(const double* x, const double* delta) {
       block_delta_[as_size(block.active[a])] = delta[as_size(block.first) + a];
     double* value = x_plus_.data() + block.stored_offset;
     calls_.plus(block, value, block_delta_.data(), value);
-    if (calls_.reset_jacobian(block, block_delta_.data(), jacobian_.data())) find_reset(block);
+    if (calls_.reset_jacobian(block, x + block.stored_offset, block_delta_.data(), jacobian_.data())) find_reset(block);
   }
 }
 

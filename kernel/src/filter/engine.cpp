@@ -221,7 +221,7 @@ void Engine::open_covariance(int measurement, Time t) {
   if (ledger_.observer()) ledger_.observer()->inflated(log_.inflation(wants, measurement, t, estimator_));
 }
 
-bool Engine::write_estimates(SampleSlot& slot) {
+bool Engine::write_estimates(SampleWriter& slot) {
   slot.t = status().t;
   slot.t0 = no_time;
   calls_.set_time(slot.t);

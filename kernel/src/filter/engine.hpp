@@ -62,7 +62,7 @@ class Engine final : private TimeLine::Work {
   const FilterPlan& plan() const { return plan_; }
   /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could
   /// not be written, and the filter stops.
-  bool write_estimates(SampleSlot& slot);
+  bool write_estimates(SampleWriter& slot);
 
  private:
   void start(Time t) override;

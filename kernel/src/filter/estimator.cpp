@@ -154,8 +154,8 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
 }
 
 void Estimator::learn(const MeasurementPlan& measurement) {
-  if (!measurement.noise || !measurement.noise->wants_after()) return;
-  calls_.after(measurement, corrector_.post_fit(), rows_.square(rows_.work.HPHt));
+  if (!measurement.noise || !measurement.noise->declaration().looks_back) return;
+  calls_.after(measurement, {corrector_.post_fit(), rows_.m}, rows_.square(rows_.work.HPHt));
 }
 
 void Estimator::inflate(const MeasurementPlan& measurement) {
@@ -196,7 +196,7 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
   throw Stop("the state is not finite at " + time_text(t) + why);
 }
 
-void Estimator::write(SampleSlot& slot) {
+void Estimator::write(SampleWriter& slot) {
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
     calls_.read(block, state() + block.stored_offset, out);

@@ -56,7 +56,7 @@ class Estimator {
   const double* state() const { return plan_.state.in(arena_); }
   const CovarianceForm& covariance() const { return *P_; }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
-  void write(SampleSlot& slot);
+  void write(SampleWriter& slot);
 
  private:
   double* x() { return plan_.state.in(arena_); }

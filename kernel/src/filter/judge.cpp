@@ -72,7 +72,7 @@ void Judge::weigh(const MeasurementPlan& measurement, Time t, double dt, SampleR
   innovation.rows = rows.m;
   innovation.row_keys = {rows.keys.data(), as_size(rows.m)};
   innovation.row_groups = {rows.groups.data(), as_size(rows.m)};
-  innovation.residual = rows.work.r;
+  innovation.residual = {rows.work.r, rows.m};
   innovation.HPHt = rows.square(rows.work.HPHt);
   innovation.R_nominal = rows.square(rows.R_nominal.data());
   const MatrixView R = rows.square(rows.work.R);

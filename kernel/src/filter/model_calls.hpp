@@ -55,23 +55,36 @@ class ModelCalls {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
   }
   void start_noise(const MeasurementPlan& plan) {
-    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(plan.noise_memory.in(arena_)); });
+    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(memory_of(plan.noise_memory)); });
   }
 
   void plus(const BlockPlan& plan, const double* x, const double* delta, double* result) {
-    during(plan.type, plan.pointer, "plus", [&] { plan.block->plus(x, delta, result); });
+    during(plan.type, plan.pointer, "plus", [&] {
+      const auto& d = plan.declaration();
+      plan.block->plus({x, d.stored_size}, {delta, d.dof()}, {result, d.stored_size});
+    });
   }
   void minus(const BlockPlan& plan, const double* y, const double* x, double* delta) {
-    during(plan.type, plan.pointer, "minus", [&] { plan.block->minus(y, x, delta); });
+    during(plan.type, plan.pointer, "minus", [&] {
+      const auto& d = plan.declaration();
+      plan.block->minus({y, d.stored_size}, {x, d.stored_size}, {delta, d.dof()});
+    });
   }
   void read(const BlockPlan& plan, const double* x, double* outputs) {
-    during(plan.type, plan.pointer, "read", [&] { plan.block->read(x, outputs); });
+    during(plan.type, plan.pointer, "read", [&] {
+      plan.block->read({x, plan.declaration().stored_size}, {outputs, plan.outputs()});
+    });
   }
   Result write(const BlockPlan& plan, const double* outputs, double* x) {
-    return during(plan.type, plan.pointer, "write", [&] { return plan.block->write(outputs, x); });
+    return during(plan.type, plan.pointer, "write", [&] {
+      return plan.block->write({outputs, plan.outputs()}, {x, plan.declaration().stored_size});
+    });
   }
-  bool reset_jacobian(const BlockPlan& plan, const double* delta, double* G) {
-    return during(plan.type, plan.pointer, "reset_jacobian", [&] { return plan.block->reset_jacobian(delta, G); });
+  bool reset_jacobian(const BlockPlan& plan, const double* x, const double* delta, double* G) {
+    return during(plan.type, plan.pointer, "reset_jacobian", [&] {
+      const int dof = plan.dof();
+      return plan.block->reset_jacobian({x, plan.declaration().stored_size}, {delta, dof}, {G, dof, dof, dof});
+    });
   }
 
   Result evaluate(const DerivedPlan& plan, const double* const* x, const Driving& u, DerivedOutput& out) {
@@ -92,13 +105,13 @@ class ModelCalls {
     const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, notes()};
     return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
   }
-  void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {
-    during(plan.noise_type, plan.pointer, "estimate",
-           [&] { plan.noise->estimate(innovation, memory_of(plan.noise_memory), R); });
+  void estimate(const MeasurementPlan& plan, Innovation& innovation, MatrixView R) {
+    innovation.memory = memory_of(plan.noise_memory);
+    during(plan.noise_type, plan.pointer, "estimate", [&] { plan.noise->estimate(innovation, R); });
   }
-  void after(const MeasurementPlan& plan, const double* post_fit_residual, MatrixView HPHt_plus) {
-    during(plan.noise_type, plan.pointer, "after",
-           [&] { plan.noise->after(Outcome::accepted, post_fit_residual, HPHt_plus, memory_of(plan.noise_memory)); });
+  void after(const MeasurementPlan& plan, ConstVectorView residual, ConstMatrixView HPHt) {
+    const AfterUpdate in{Outcome::accepted, residual, HPHt, memory_of(plan.noise_memory)};
+    during(plan.noise_type, plan.pointer, "after", [&] { plan.noise->after(in); });
   }
 
  private:

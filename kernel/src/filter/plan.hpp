@@ -75,6 +75,7 @@ struct BlockPlan {
 
   const StateBlockDeclaration& declaration() const { return block->declaration(); }
   int dof() const { return declaration().dof(); }
+  int outputs() const { return static_cast<int>(declaration().outputs.size()); }
   bool is_whole() const { return static_cast<int>(active.size()) == dof(); }
 };
 

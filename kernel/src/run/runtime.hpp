@@ -80,10 +80,10 @@ class Runtime {
   std::vector<std::unique_ptr<Engine>> engines_;
   std::vector<Channel> channels_;
   std::vector<Routes> routes_;
-  std::vector<std::vector<SampleSlot>> source_slots_;
+  std::vector<std::vector<SampleWriter>> source_slots_;
   std::vector<double> input_fields_;
   std::vector<double> input_rows_;
-  std::vector<SampleSlot> output_slots_;  // per channel
+  std::vector<SampleWriter> output_slots_;  // per channel
   std::vector<int> heard_;
   SampleSubscriber* subscriber_ = nullptr;
   std::vector<double> filter_seconds_;

@@ -261,7 +261,8 @@ void Session::read(BlockId block, std::span<double> outputs) const {
   check(block, &outputs);
   guarded(block, "read", [&](const auto& engine) {
     const auto& plan = engine.plan().blocks[as_size(block.index)];
-    plan.block->read(engine.state() + plan.stored_offset, outputs.data());
+    plan.block->read({engine.state() + plan.stored_offset, plan.declaration().stored_size},
+                     {outputs.data(), plan.outputs()});
   });
 }
 

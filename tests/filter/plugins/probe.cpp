@@ -22,21 +22,22 @@ class Counting : public NoiseEstimator {
     spec.example = "{}";
     return spec;
   }
-  Counting(const Binding& binding, const NoiseBinding&) : temporaries_(binding.parameters().boolean("temporaries")) {}
-  std::size_t memory_bytes() const noexcept override { return sizeof(double); }
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
-    double& count = *reinterpret_cast<double*>(memory);
+  Counting(const Binding& binding, const NoiseBinding&)
+      : temporaries_(binding.parameters().boolean("temporaries")), count_(declaration_.keeps<double>()) {}
+  void estimate(const Innovation& in, MatrixView R) const override {
+    double& count = in.memory[count_];
     count += 1;
     if (temporaries_) {
-      const Eigen::MatrixXd wide = Eigen::MatrixXd::Constant(30, 30, innovation.residual[0]);
+      const Eigen::MatrixXd wide = Eigen::MatrixXd::Constant(30, 30, in.residual[0]);
       count += 0 * (wide * wide)(0, 0);
     }
-    for (int j = 0; j < innovation.rows; ++j)
-      for (int i = 0; i < innovation.rows; ++i) R(i, j) = count * innovation.R_nominal(i, j);
+    for (int j = 0; j < in.rows; ++j)
+      for (int i = 0; i < in.rows; ++i) R(i, j) = count * in.R_nominal(i, j);
   }
 
  private:
   bool temporaries_;
+  Memory<double> count_;
 };
 
 /// y = (x0² , x0 x1): a chain with a state-dependent Jacobian.

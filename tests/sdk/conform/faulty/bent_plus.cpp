@@ -8,7 +8,7 @@ namespace {
 class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     Block::minus(y, x, delta);
     for (int i = 0; i < 3; ++i) delta[i] *= 0.5;
   }

@@ -8,7 +8,7 @@ namespace {
 class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  void read(const double* x, double* outputs) const override {
+  void read(ConstVectorView x, VectorView outputs) const override {
     Block::read(x, outputs);
     outputs[2] += 0.01;
   }

@@ -8,9 +8,9 @@ namespace {
 class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  bool reset_jacobian(const double* d, double* G) const override {
-    const double opposite[3] = {-d[0], -d[1], -d[2]};
-    return Block::reset_jacobian(opposite, G);
+  bool reset_jacobian(ConstVectorView x, ConstVectorView d, MatrixView G) const override {
+    const Eigen::Vector3d opposite = -d.as<3>();
+    return Block::reset_jacobian(x, opposite, G);
   }
 };
 
