@@ -36,10 +36,12 @@ void Joseph::inflate(int row, double variance) { view()(row, row) += variance; }
 double Joseph::variance(int row) const { return view()(row, row); }
 
 int Joseph::first_unsound(double bound) const {
+  const int step = padded(plan_.n) + 1;
+  unsigned unsound = 0;  // without a branch
+  for (int i = 0; i < plan_.n; ++i)
+    unsound |= static_cast<unsigned>(!(P_[i * step] >= 0)) | static_cast<unsigned>(!(P_[i * step] < bound));
+  if (!unsound) return -1;
   const MatrixView P = view();
-  bool is_sound = true;
-  for (int i = 0; i < plan_.n; ++i) is_sound = is_sound && P(i, i) >= 0 && P(i, i) < bound;
-  if (is_sound) return -1;
   int row = 0;
   while (P(row, row) >= 0 && P(row, row) < bound) ++row;
   return row;

@@ -37,11 +37,18 @@ Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspac
       x_plus_(as_size(plan.stored_size)),
       samples_(as_size(plan.samples_per_step)),
       fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.max_fields))) {
-  std::size_t dof = 1, ports = 1;
+  std::size_t dof = 1;
   for (const auto& block : plan.blocks) dof = std::max(dof, as_size(block.dof()));
   delta_.resize(dof);
   for (const auto& process : plan.processes) {
-    ports = std::max(ports, process.ports.size());
+    auto& inputs = inputs_.emplace_back();
+    auto& outputs = outputs_.emplace_back();
+    for (const int value : process.ports) {
+      inputs.push_back(value < 0 ? nullptr : workspace.value(value));
+      const bool is_advanced = value >= 0 && value < static_cast<int>(plan.blocks.size()) &&
+                               &plan.processes[as_size(plan.blocks[as_size(value)].process)] == &process;
+      outputs.push_back(is_advanced ? x_plus_.data() + plan.blocks[as_size(value)].stored_offset : nullptr);
+    }
     std::vector<Diagonal> diagonals;
     const auto& noise = process.model->declaration().noise;
     for (std::size_t k = 0; k < noise.size(); ++k) {
@@ -53,7 +60,6 @@ Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspac
     }
     diagonals_.push_back(std::move(diagonals));
   }
-  port_outputs_.resize(ports);
 }
 
 void Propagator::run(const Moment& now, Time t1, std::span<const InputSample> samples, const double* x) {
@@ -84,27 +90,15 @@ Step Propagator::step_for(const ProcessPlan& process, Time t0, Time t1, std::spa
   return {t0, t1, dt, {samples_.data(), samples.size()}};
 }
 
-/// Where a process writes x⁺, per port; null for ports that are only read.
-double* const* Propagator::outputs_of(std::size_t process) {
-  const auto& ports = plan_.processes[process].ports;
-  for (std::size_t p = 0; p < ports.size(); ++p) {
-    const bool is_advanced = ports[p] >= 0 && ports[p] < static_cast<int>(plan_.blocks.size()) &&
-                             plan_.blocks[as_size(ports[p])].process == static_cast<int>(process);
-    port_outputs_[p] = is_advanced ? x_plus_.data() + plan_.blocks[as_size(ports[p])].stored_offset : nullptr;
-  }
-  return port_outputs_.data();
-}
-
 void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSample> samples) {
   for (std::size_t p = 0; p < plan_.processes.size(); ++p) {
     const auto& process = plan_.processes[p];
     if (process.van_loan_group >= 0) {
-      linearize(process);
+      linearize(p);
     } else {
-      ProcessOutput out{outputs_of(p), workspace_.phi.data() + process.first_transition,
+      ProcessOutput out{outputs_[p].data(), workspace_.phi.data() + process.first_transition,
                         workspace_.noise.data() + process.first_noise};
-      const Result result =
-          calls_.propagate(process, step_for(process, now.t, t1, samples), workspace_.values_of(process.ports), out);
+      const Result result = calls_.propagate(process, step_for(process, now.t, t1, samples), inputs_[p].data(), out);
       if (!result) throw Stop("process '" + process.name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
     }
     check_noise(p, t1);
@@ -113,9 +107,10 @@ void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSam
 }
 
 /// The discretization of what is not finite would not end.
-void Propagator::linearize(const ProcessPlan& process) {
+void Propagator::linearize(std::size_t index) {
+  const auto& process = plan_.processes[index];
   ContinuousOutput out{workspace_.phi.data() + process.first_transition, workspace_.noise.data() + process.first_noise};
-  calls_.linearized(process, workspace_.values_of(process.ports), out);
+  calls_.linearized(process, inputs_[index].data(), out);
   const auto& transition = process.model->declaration().transition;
   for (std::size_t k = 0; k < transition.size(); ++k)
     if (!is_finite(workspace_.phi[as_size(process.first_transition) + k],
@@ -129,10 +124,9 @@ void Propagator::check_noise(std::size_t process, Time t) const {
   constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
   for (const auto& diagonal : diagonals_[process]) {
     const double* q = workspace_.noise[as_size(diagonal.noise)];
-    bool is_sound = true;
-    for (int i = 0; i < diagonal.dof; ++i)
-      is_sound = is_sound && q[i * diagonal.step] >= 0 && q[i * diagonal.step] <= largest;
-    if (is_sound) continue;
+    unsigned unsound = 0;  // without a branch; what is infinite comes out in the health check
+    for (int i = 0; i < diagonal.dof; ++i) unsound |= static_cast<unsigned>(!(q[i * diagonal.step] >= 0));
+    if (!unsound) continue;
     const auto& block = plan_.blocks[as_size(diagonal.block)];
     for (std::size_t a = 0; a < block.active.size(); ++a) {
       const double variance = q[block.active[a] * diagonal.step];

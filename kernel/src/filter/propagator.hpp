@@ -35,8 +35,7 @@ class Propagator {
 
   void run_models(const Moment& now, Time t1, std::span<const InputSample> samples);
   Step step_for(const ProcessPlan& process, Time t0, Time t1, std::span<const InputSample> samples);
-  double* const* outputs_of(std::size_t process);
-  void linearize(const ProcessPlan& process);
+  void linearize(std::size_t index);
   void check_noise(std::size_t process, Time t) const;
   void discretize_group(const VanLoanGroup& group, double dt);
   void advance_group(const VanLoanGroup& group, const double* Phi);
@@ -50,7 +49,8 @@ class Propagator {
   Workspace& workspace_;
   ModelCalls& calls_;
   std::vector<double> x_plus_;
-  std::vector<double*> port_outputs_;
+  std::vector<std::vector<const double*>> inputs_;  // per process and port: its value; null where it is open
+  std::vector<std::vector<double*>> outputs_;     // likewise: where x⁺ is written; null for ports that are only read
   std::vector<InputSample> samples_;              // as a model sees them
   std::vector<double> fields_;                    // theirs, converted
   std::vector<double> delta_;                     // of one block
