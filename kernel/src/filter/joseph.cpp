@@ -37,14 +37,9 @@ double Joseph::variance(int row) const { return view()(row, row); }
 
 int Joseph::first_unsound(double bound) const {
   const int step = padded(plan_.n) + 1;
-  unsigned unsound = 0;  // without a branch
   for (int i = 0; i < plan_.n; ++i)
-    unsound |= static_cast<unsigned>(!(P_[i * step] >= 0)) | static_cast<unsigned>(!(P_[i * step] < bound));
-  if (!unsound) return -1;
-  const MatrixView P = view();
-  int row = 0;
-  while (P(row, row) >= 0 && P(row, row) < bound) ++row;
-  return row;
+    if (!(P_[i * step] >= 0 && P_[i * step] < bound)) return i;
+  return -1;
 }
 
 void Joseph::expand(MatrixView into) const {

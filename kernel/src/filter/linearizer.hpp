@@ -35,6 +35,7 @@ class Linearizer {
   std::vector<double> fields_, row_fields_;  // of the sample, as a part reads it
   std::vector<SampleView> auxiliary_;        // likewise
   std::vector<double> auxiliary_fields_;
+  bool has_finite_noise_ = true;  // of the sample at work, so far
 };
 
 }  // namespace binnacle::filter
