@@ -41,8 +41,7 @@ Judgement Judge::run(const MeasurementPlan& measurement, Time t, double dt, bool
     return {Outcome::gated, reason};
   };
   for (const int offered = rows.m;;) {
-    const int m_max = rows.work.m_max;
-    for (int j = 0; j < rows.m; ++j) std::copy_n(rows.R_nominal.data() + j * m_max, rows.m, rows.work.R + j * m_max);
+    std::copy_n(rows.R_nominal.data(), rows.work.m_max * rows.m, rows.work.R);
     if (measurement.noise && !is_withheld) weigh(measurement, t, dt, rows);
     if (!factor_innovation(rows.m, rows.work)) {
       roll_back_noise();

@@ -21,15 +21,12 @@ int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int r
   return first_group + std::max(1, static_cast<int>(groups.size()));
 }
 
-/// Of r, H and R: NaN if anything is not finite, else 0.
+/// Of r and H: NaN if anything is not finite, else 0.
 double not_finite(const MeasurementPlan& plan, const SampleRows& rows) {
-  const auto m_max = as_size(rows.work.m_max);
   double sum = 0;
   for (int i = 0; i < rows.m; ++i) sum += rows.work.r[i] * 0.0;
   for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
-    for (int i = 0; i < rows.m; ++i) sum += rows.work.H[as_size(i) + c * m_max] * 0.0;
-  for (int j = 0; j < rows.m; ++j)
-    for (int i = 0; i < rows.m; ++i) sum += rows.R_nominal[as_size(i) + as_size(j) * m_max] * 0.0;
+    for (int i = 0; i < rows.m; ++i) sum += rows.work.H[as_size(i) + c * as_size(rows.work.m_max)] * 0.0;
   return sum;
 }
 
@@ -53,6 +50,7 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
   const Result derived = evaluate_derived(plan_, measurement.derived, now, workspace_, calls_);
   if (!derived) return derived;
   int first_group = 0;
+  has_finite_noise_ = true;
   for (const auto& part : measurement.parts) {
     int part_rows = 0;
     const Result result = run_part(part, sample, channel, now, P, rows, part_rows);
@@ -62,7 +60,7 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
     rows.m += part_rows;
   }
   if (rows.m == 0) return Result::unsupported("no rows");
-  if (not_finite(measurement, rows) != 0.0)
+  if (!has_finite_noise_ || not_finite(measurement, rows) != 0.0)
     return Result::invalid("the residual, its Jacobian or its noise is not finite");
   return Result::ok();
 }
@@ -95,15 +93,19 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
                        workspace_.driving(now, part.driving_rates), read_covariance_.of(part, P, workspace_), out);
   if (!result) return result;
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
-  for (int j = 0; j < most; ++j)  // what a model wrote beyond its rows is not the next part's
-    for (int i = 0; i < most; ++i)
-      if (i >= out.rows || j >= out.rows) out.R(i, j) = 0;
   part_rows = out.rows;
+  if (part_rows < most)  // what a model wrote beyond its rows is not the next part's
+    for (int j = 0; j < most; ++j)
+      for (int i = 0; i < most; ++i)
+        if (i >= part_rows || j >= part_rows) out.R(i, j) = 0;
   const MatrixView R{out.R.data, part_rows, part_rows, m_max};
   if (is_noise(R)) return result;
   for (int j = 0; j < part_rows; ++j)  // what is not finite may come from the sample: that is invalid, see run()
     for (int i = 0; i < part_rows; ++i)
-      if (!(R(i, j) * 0.0 == 0.0)) return result;
+      if (!(R(i, j) * 0.0 == 0.0)) {
+        has_finite_noise_ = false;
+        return result;
+      }
   throw Stop(call_text(part.type, part.pointer, "linearize", calls_.time()) + " gave " + flaw_of_noise(R));
 }
 

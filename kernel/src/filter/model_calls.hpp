@@ -29,19 +29,13 @@ class ModelCalls {
   explicit ModelCalls(std::byte* arena) : arena_(arena) {}
 
   /// The time of the sample or step at work; no_time: none yet.
-  void set_time(Time t) {
-    t_ = t;
-    site_.set_time(t);
-  }
-  Time time() const { return t_; }
-  bool is_under_way() const { return call_ != nullptr; }
+  void set_time(Time t) { site_.set_time(t); }
+  Time time() const { return site_.time(); }
+  bool is_under_way() const { return site_.call() != nullptr; }
   /// call_text() of the call under way.
-  std::string text() const { return call_text(*type_, *pointer_, call_, t_); }
+  std::string text() const { return call_text(*site_.component(), *pointer_, site_.call(), time()); }
   /// Forgets a call that threw.
-  void leave() {
-    call_ = nullptr;
-    site_.leave();
-  }
+  void leave() { site_.leave(); }
   /// The call under way, for other threads and for a handler at exit.
   const CallSite& site() const { return site_; }
   /// What models noted.
@@ -119,9 +113,7 @@ class ModelCalls {
   template <class Call>
   std::invoke_result_t<Call&> during(const std::string& type, const std::string& pointer, const char* name,
                                      Call&& call) {
-    type_ = &type;
     pointer_ = &pointer;
-    call_ = name;
     site_.enter(nullptr, type, name);
     if constexpr (std::is_void_v<std::invoke_result_t<Call&>>) {
       call();
@@ -141,10 +133,7 @@ class ModelCalls {
   std::byte* memory_of(const Place<std::byte>& place) const { return place.count > 0 ? place.in(arena_) : nullptr; }
 
   std::byte* arena_;
-  const std::string* type_ = nullptr;
   const std::string* pointer_ = nullptr;
-  const char* call_ = nullptr;
-  Time t_ = no_time;
   CallSite site_;
   NoteBook note_book_;
 };
