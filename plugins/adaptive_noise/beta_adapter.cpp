@@ -49,7 +49,7 @@ ComponentSpec BetaAdapter::spec() {
 
 BetaAdapter::BetaAdapter(const Binding& binding, const NoiseBinding& noise)
     : window_(static_cast<int>(binding.parameters().integer("window"))),
-      rows_(noise, Window::values(window_.length()), window_.length()),
+      rows_(declaration_, noise, Window::values(window_.length()), window_.length()),
       r1_(read_variances(binding.parameters(), "r1", noise)),
       r2_(read_variances(binding.parameters(), "r2", noise)),
       r1_factor_(binding.parameters().number("r1_factor")),
@@ -58,6 +58,8 @@ BetaAdapter::BetaAdapter(const Binding& binding, const NoiseBinding& noise)
       holds_(binding.parameters().boolean("hold")) {
   const std::string& per = binding.parameters().text("per");
   per_ = per == "group" ? Per::group : per == "component" ? Per::component : Per::one;
+  units_ = declaration_.keeps_array<Unit>(static_cast<std::size_t>(unit_count()));
+  variances_ = declaration_.keeps_array<double>(static_cast<std::size_t>(rows_.max_rows()));
 }
 
 /// A group is called by its full name, PART.GROUP in a stack, or by the part's alone.
@@ -89,35 +91,16 @@ int BetaAdapter::unit_count() const noexcept {
   return per_ == Per::one ? 1 : per_ == Per::group ? rows_.groups() : rows_.slots();
 }
 
-int BetaAdapter::unit_of(const std::byte* memory, int row) const noexcept {
+int BetaAdapter::unit_of(const MemoryView& memory, int row) const noexcept {
   return per_ == Per::one ? 0 : per_ == Per::group ? rows_.group(memory, row) : rows_.slot(memory, row);
 }
 
-BetaAdapter::Unit* BetaAdapter::units(std::byte* memory) const noexcept {
-  return reinterpret_cast<Unit*>(memory + rows_.bytes());
-}
-
-double* BetaAdapter::variances(std::byte* memory) const noexcept {
-  return reinterpret_cast<double*>(units(memory) + unit_count());
-}
-
-std::size_t BetaAdapter::memory_bytes() const noexcept {
-  return rows_.bytes() + static_cast<std::size_t>(unit_count()) * sizeof(Unit) +
-         static_cast<std::size_t>(rows_.max_rows()) * sizeof(double);
-}
-
-void BetaAdapter::start(std::byte* memory) const {
-  rows_.start(memory);
-  std::fill_n(reinterpret_cast<double*>(units(memory)), unit_count() * static_cast<int>(sizeof(Unit) / sizeof(double)),
-              0.0);
-  std::fill_n(variances(memory), rows_.max_rows(), 0.0);
-}
-
-void BetaAdapter::estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const {
-  rows_.enter(innovation, memory);
+void BetaAdapter::estimate(const Innovation& in, MatrixView R) const {
+  const MemoryView& memory = in.memory;
+  rows_.enter(in);
   window_.clear_place(rows_, memory);
-  Unit* const unit = units(memory);
-  for (int u = 0; u < unit_count(); ++u) unit[u] = {unit[u].beta, unit[u].has_beta, 0, 0, 0, 0, 0, 1};
+  const std::span<Unit> unit = memory[units_];
+  for (Unit& sum : unit) sum = {sum.beta, sum.has_beta, 0, 0, 0, 0, 0, 1};
 
   const auto r1 = [&](int row) {
     return r1_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(r1_factor_ * r1_factor_ * R(row, row));
@@ -126,22 +109,21 @@ void BetaAdapter::estimate(const Innovation& innovation, std::byte* memory, Matr
     return r2_[static_cast<std::size_t>(rows_.group(memory, row))].value_or(R(row, row));
   };
 
-  for (int row = 0; row < innovation.rows; ++row) {
+  for (int row = 0; row < in.rows; ++row) {
     const int slot = rows_.slot(memory, row);
-    window_.push(rows_, slot, innovation.residual[row], memory);
-    const double* const past = rows_.values(memory, slot);
-    Unit& sum = unit[unit_of(memory, row)];
-    if (per_ == Per::component && past[window_.length()] == 1.0) sum.has_beta = 0;  // a slot taken over
+    window_.push(rows_, slot, in.residual[row], memory);
+    const std::span<const double> past = rows_.values(memory, slot);
+    Unit& sum = unit[static_cast<std::size_t>(unit_of(memory, row))];
+    if (per_ == Per::component && past.back() == 1.0) sum.has_beta = 0;  // a slot taken over
     const double nominal = R(row, row), floor = bounds_.floor, ceiling = bounds_.ceiling;
-    sum.wanted += r2(row) * (window_.mean_product(past, past) - innovation.HPHt(row, row) - r1(row));
+    sum.wanted += r2(row) * (window_.mean_product(past, past) - in.HPHt(row, row) - r1(row));
     sum.nominal += r2(row) * (nominal - r1(row));
     sum.floor += r2(row) * (floor * floor * nominal - r1(row));
     sum.ceiling += r2(row) * (ceiling * ceiling * nominal - r1(row));
     sum.square += r2(row) * r2(row);
     if (!window_.is_full(past)) sum.is_full = 0;
   }
-  for (int u = 0; u < unit_count(); ++u) {
-    Unit& sum = unit[u];
+  for (Unit& sum : unit) {
     if (!(sum.square > 0.0)) continue;
     if (sum.has_beta == 0.0) sum.beta = std::max(sum.nominal / sum.square, 0.0);
     sum.has_beta = 1;
@@ -151,13 +133,13 @@ void BetaAdapter::estimate(const Innovation& innovation, std::byte* memory, Matr
     sum.beta = std::clamp(sum.beta, std::max(sum.floor / sum.square, 0.0), std::max(sum.ceiling / sum.square, 0.0));
   }
 
-  double* const variance = variances(memory);
-  for (int row = 0; row < innovation.rows; ++row) {
-    const Unit& sum = unit[unit_of(memory, row)];
+  const std::span<double> variance = memory[variances_];
+  for (int row = 0; row < in.rows; ++row) {
+    const Unit& sum = unit[static_cast<std::size_t>(unit_of(memory, row))];
     const bool is_nominal = !(sum.square > 0.0) || (waits_ && sum.is_full == 0.0);
-    variance[row] = is_nominal ? R(row, row) : r1(row) + sum.beta * r2(row);
+    variance[static_cast<std::size_t>(row)] = is_nominal ? R(row, row) : r1(row) + sum.beta * r2(row);
   }
-  set_variances(variance, R);
+  set_variances(variance.data(), R);
 }
 
 }  // namespace binnacle::adaptive_noise

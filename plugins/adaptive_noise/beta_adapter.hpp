@@ -21,9 +21,7 @@ class BetaAdapter final : public NoiseEstimator {
   static ComponentSpec spec();
   BetaAdapter(const Binding& binding, const NoiseBinding& noise);
 
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::byte* memory) const override;
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override;
+  void estimate(const Innovation& in, MatrixView R) const override;
 
  private:
   enum class Per { group, component, one };
@@ -33,9 +31,7 @@ class BetaAdapter final : public NoiseEstimator {
 
   static Variances read_variances(const Parameters& parameters, const char* name, const NoiseBinding& noise);
   int unit_count() const noexcept;
-  int unit_of(const std::byte* memory, int row) const noexcept;
-  Unit* units(std::byte* memory) const noexcept;
-  double* variances(std::byte* memory) const noexcept;
+  int unit_of(const MemoryView& memory, int row) const noexcept;
 
   Window window_;
   RowMemory rows_;
@@ -44,6 +40,8 @@ class BetaAdapter final : public NoiseEstimator {
   double r1_factor_;
   Bounds bounds_;
   bool waits_, holds_;
+  MemoryArray<Unit> units_;
+  MemoryArray<double> variances_;
 };
 
 }  // namespace binnacle::adaptive_noise

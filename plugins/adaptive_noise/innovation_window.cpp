@@ -95,71 +95,62 @@ ComponentSpec InnovationWindow::spec() {
 
 InnovationWindow::InnovationWindow(const Binding& binding, const NoiseBinding& noise)
     : window_(static_cast<int>(binding.parameters().integer("window"))),
-      rows_(noise, Window::values(window_.length()), window_.length()),
+      rows_(declaration_, noise, Window::values(window_.length()), window_.length()),
       learn_below_(binding.parameters().number("learn_below")),
       bounds_(read_bounds(binding.parameters())),
       is_residual_(binding.parameters().text("from") == "residual"),
-      is_full_(binding.parameters().text("shape") == "full") {}
-
-std::size_t InnovationWindow::memory_bytes() const noexcept {
+      is_full_(binding.parameters().text("shape") == "full") {
   const auto m = static_cast<std::size_t>(rows_.max_rows());
-  return rows_.bytes() + (4 * m * m + 2 * m) * sizeof(double);
+  if (is_residual_) declaration_.wants_after();
+  for (auto* square : {&estimate_, &root_, &vectors_, &update_}) *square = declaration_.keeps_array<double>(m * m);
+  learnt_ = declaration_.keeps_array<double>(m);
 }
 
-void InnovationWindow::start(std::byte* memory) const {
-  rows_.start(memory);
-  const int m = rows_.max_rows();
-  std::fill_n(scratch(memory).estimate, 4 * m * m + 2 * m, 0.0);
-}
-
-InnovationWindow::Scratch InnovationWindow::scratch(std::byte* memory) const noexcept {
-  const int square = rows_.max_rows() * rows_.max_rows();
-  auto* const first = reinterpret_cast<double*>(memory + rows_.bytes());
-  return {first, first + square, first + 2 * square, first + 3 * square, first + 4 * square};
-}
-
-void InnovationWindow::estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const {
-  rows_.enter(innovation, memory);
+void InnovationWindow::estimate(const Innovation& in, MatrixView R) const {
+  const MemoryView& memory = in.memory;
+  rows_.enter(in);
   window_.clear_place(rows_, memory);
-  const Scratch own = scratch(memory);
+  const auto learnt = memory[learnt_];
   bool is_ready = true;
-  for (int i = 0; i < innovation.rows; ++i) {
-    own.learnt[i] = innovation.HPHt(i, i) <= learn_below_ * R(i, i) ? 1.0 : 0.0;
+  for (int i = 0; i < in.rows; ++i) {
+    learnt[static_cast<std::size_t>(i)] = in.HPHt(i, i) <= learn_below_ * R(i, i) ? 1.0 : 0.0;
     const int slot = rows_.slot(memory, i);
-    if (!is_residual_ && own.learnt[i] != 0.0) window_.push(rows_, slot, innovation.residual[i], memory);
+    if (!is_residual_ && learnt[static_cast<std::size_t>(i)] != 0.0) window_.push(rows_, slot, in.residual[i], memory);
     is_ready = is_ready && window_.is_full(rows_.values(memory, slot));
   }
   if (is_full_) {
-    if (is_ready) write_full(innovation, memory, R);
+    if (is_ready) write_full(in, R);
   } else {
-    write_diagonal(innovation, memory, R);
+    write_diagonal(in, R);
   }
 }
 
-double InnovationWindow::covariance(const Innovation& innovation, std::byte* memory, int i, int j) const noexcept {
+double InnovationWindow::covariance(const Innovation& in, int i, int j) const noexcept {
+  const MemoryView& memory = in.memory;
   const int a = rows_.slot(memory, i), b = rows_.slot(memory, j);
   const double mean = window_.mean_product(rows_.values(memory, a), rows_.values(memory, b));
-  return is_residual_ ? mean + scratch(memory).update[a + b * rows_.max_rows()] : mean - innovation.HPHt(i, j);
+  return is_residual_ ? mean + memory[update_][static_cast<std::size_t>(a + b * rows_.max_rows())]
+                      : mean - in.HPHt(i, j);
 }
 
-void InnovationWindow::write_diagonal(const Innovation& innovation, std::byte* memory, MatrixView R) const noexcept {
-  double* const variance = scratch(memory).estimate;
-  for (int i = 0; i < innovation.rows; ++i) {
-    const bool is_ready = window_.is_full(rows_.values(memory, rows_.slot(memory, i)));
-    const double found = is_ready ? covariance(innovation, memory, i, i) : R(i, i);
+void InnovationWindow::write_diagonal(const Innovation& in, MatrixView R) const noexcept {
+  double* const variance = in.memory[estimate_].data();
+  for (int i = 0; i < in.rows; ++i) {
+    const bool is_ready = window_.is_full(rows_.values(in.memory, rows_.slot(in.memory, i)));
+    const double found = is_ready ? covariance(in, i, i) : R(i, i);
     variance[i] = std::isnan(found) ? R(i, i) : bounds_.clamped(found, R(i, i));
   }
   set_variances(variance, R);
 }
 
-void InnovationWindow::write_full(const Innovation& innovation, std::byte* memory, MatrixView R) const noexcept {
-  const int m = innovation.rows;
-  const Scratch own = scratch(memory);
-  const MatrixView A{own.estimate, m, m, m}, L{own.root, m, m, m}, V{own.vectors, m, m, m};
+void InnovationWindow::write_full(const Innovation& in, MatrixView R) const noexcept {
+  const int m = in.rows;
+  const auto square = [&](MemoryArray<double> array) { return MatrixView{in.memory[array].data(), m, m, m}; };
+  const MatrixView A = square(estimate_), L = square(root_), V = square(vectors_);
   if (!factor(R, L)) return;
   for (int j = 0; j < m; ++j)
     for (int i = j; i < m; ++i) {
-      A(i, j) = A(j, i) = covariance(innovation, memory, i, j);
+      A(i, j) = A(j, i) = covariance(in, i, j);
       if (std::isnan(A(i, j))) return;
     }
   whiten(L, A);
@@ -180,14 +171,16 @@ void InnovationWindow::write_full(const Innovation& innovation, std::byte* memor
   }
 }
 
-void InnovationWindow::after(Outcome outcome, const double* residual, MatrixView HPHt_plus, std::byte* memory) const {
-  if (outcome != Outcome::accepted) return;
-  const Scratch own = scratch(memory);
+void InnovationWindow::after(const AfterUpdate& in) const {
+  if (in.outcome != Outcome::accepted) return;
+  const MemoryView& memory = in.memory;
+  const auto learnt = memory[learnt_], update = memory[update_];
   const int rows = rows_.rows(memory);
   for (int i = 0; i < rows; ++i) {
     const int a = rows_.slot(memory, i);
-    if (own.learnt[i] != 0.0) window_.push(rows_, a, residual[i], memory);
-    for (int j = 0; j < rows; ++j) own.update[a + rows_.slot(memory, j) * rows_.max_rows()] = HPHt_plus(i, j);
+    if (learnt[static_cast<std::size_t>(i)] != 0.0) window_.push(rows_, a, in.residual[i], memory);
+    for (int j = 0; j < rows; ++j)
+      update[static_cast<std::size_t>(a + rows_.slot(memory, j) * rows_.max_rows())] = in.HPHt(i, j);
   }
 }
 

@@ -20,31 +20,23 @@ class InnovationWindow final : public NoiseEstimator {
   static ComponentSpec spec();
   InnovationWindow(const Binding& binding, const NoiseBinding& noise);
 
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::byte* memory) const override;
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override;
-  bool wants_after() const noexcept override { return is_residual_; }
-  void after(Outcome outcome, const double* post_fit_residual, MatrixView HPHt_plus, std::byte* memory) const override;
+  void estimate(const Innovation& in, MatrixView R) const override;
+  void after(const AfterUpdate& in) const override;
 
  private:
-  struct Scratch {
-    double* estimate;  // m×m
-    double* root;      // m×m
-    double* vectors;   // m×m
-    double* update;    // m×m, H P⁺ Hᵀ of the last update by slots: memory, not scratch
-    double* learnt;    // m, whether a row of the sample at hand is to be learnt from: memory
-  };
-  Scratch scratch(std::byte* memory) const noexcept;
-  void write_diagonal(const Innovation& innovation, std::byte* memory, MatrixView R) const noexcept;
-  void write_full(const Innovation& innovation, std::byte* memory, MatrixView R) const noexcept;
+  void write_diagonal(const Innovation& in, MatrixView R) const noexcept;
+  void write_full(const Innovation& in, MatrixView R) const noexcept;
   /// C ∓ HPHᵀ of two rows.
-  double covariance(const Innovation& innovation, std::byte* memory, int i, int j) const noexcept;
+  double covariance(const Innovation& in, int i, int j) const noexcept;
 
   Window window_;
   RowMemory rows_;
   double learn_below_;
   Bounds bounds_;
   bool is_residual_, is_full_;
+  MemoryArray<double> estimate_, root_, vectors_;  // m×m, scratch
+  MemoryArray<double> update_;                     // m×m, H P⁺ Hᵀ of the last update by slots
+  MemoryArray<double> learnt_;                     // m, whether a row of the sample at hand is to be learnt from
 };
 
 }  // namespace binnacle::adaptive_noise

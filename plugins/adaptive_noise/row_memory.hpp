@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "binnacle/noise_estimator.hpp"
@@ -17,51 +18,54 @@ namespace binnacle::adaptive_noise {
 /// when all are taken the one not seen for longest makes room.
 class RowMemory {
  public:
-  /// values: doubles that the estimator keeps per slot.
-  RowMemory(const NoiseBinding& binding, int values, std::int64_t lifetime = std::numeric_limits<std::int64_t>::max());
+  /// values: doubles that the estimator keeps per slot. The memory is declared in `declaration`.
+  RowMemory(MemoryDeclaration& declaration, const NoiseBinding& binding, int values,
+            std::int64_t lifetime = std::numeric_limits<std::int64_t>::max());
 
-  std::size_t bytes() const noexcept;
-  void start(std::byte* memory) const noexcept;
   /// A sample begins: every row has its slot. A new slot's values are zero.
-  void enter(const Innovation& innovation, std::byte* memory) const noexcept;
+  void enter(const Innovation& in) const noexcept;
 
   int max_rows() const noexcept { return max_rows_; }
-  int groups() const noexcept { return static_cast<int>(first_row_.size()); }
+  int groups() const noexcept { return groups_; }
 
   // Of the sample entered last. What was restored from a damaged snapshot must not lead outside of the memory.
-  std::int64_t sample(const std::byte* memory) const noexcept { return std::max<std::int64_t>(head(memory).sample, 0); }
-  int rows(const std::byte* memory) const noexcept {
-    return static_cast<int>(std::clamp<std::int64_t>(head(memory).rows, 0, max_rows_));
+  std::int64_t sample(const MemoryView& memory) const noexcept {
+    return std::max<std::int64_t>(memory[head_].sample, 0);
   }
-  int slot(const std::byte* memory, int row) const noexcept {
-    const std::int64_t stored = reinterpret_cast<const std::int64_t*>(memory + sizeof(Head))[row];
+  int rows(const MemoryView& memory) const noexcept {
+    return static_cast<int>(std::clamp<std::int64_t>(memory[head_].rows, 0, max_rows_));
+  }
+  int slot(const MemoryView& memory, int row) const noexcept {
+    const std::int64_t stored = memory[slot_of_row_][static_cast<std::size_t>(row)];
     return static_cast<int>(std::clamp<std::int64_t>(stored, 0, max_rows_ - 1));
   }
-  int group(const std::byte* memory, int row) const noexcept {
-    return static_cast<int>(std::clamp<std::int64_t>(slot_table(memory)[slot(memory, row)].group, 0, groups() - 1));
+  int group(const MemoryView& memory, int row) const noexcept {
+    const std::int64_t stored = memory[slots_][static_cast<std::size_t>(slot(memory, row))].group;
+    return static_cast<int>(std::clamp<std::int64_t>(stored, 0, groups() - 1));
   }
-  double* values(std::byte* memory, int slot) const noexcept;
+  std::span<double> values(const MemoryView& memory, int slot) const noexcept {
+    const auto size = static_cast<std::size_t>(values_per_slot_);
+    return memory[values_].subspan(static_cast<std::size_t>(slot) * size, size);
+  }
   int slots() const noexcept { return max_rows_; }
 
  private:
   struct Head {
-    std::int64_t sample, rows;
+    std::int64_t sample = 0, rows = 0;
   };
   struct Slot {
-    std::int64_t group, key, last;  // group −1: free
+    std::int64_t group = -1, key = 0, last = 0;  // group −1: free
   };
-  static const Head& head(const std::byte* memory) noexcept { return *reinterpret_cast<const Head*>(memory); }
-  static std::int64_t* slot_of_row(std::byte* memory) noexcept {
-    return reinterpret_cast<std::int64_t*>(memory + sizeof(Head));
-  }
-  Slot* slot_table(std::byte* memory) const noexcept;
-  const Slot* slot_table(const std::byte* memory) const noexcept;
-  int find(int group, std::int64_t key, int hint, std::byte* memory) const noexcept;
+  int find(int group, std::int64_t key, int hint, const MemoryView& memory) const noexcept;
 
   int max_rows_;
-  int values_;
+  int values_per_slot_;
   std::int64_t lifetime_;
-  std::vector<int> first_row_;
+  int groups_;
+  Memory<Head> head_;
+  MemoryArray<std::int64_t> slot_of_row_;
+  MemoryArray<Slot> slots_;
+  MemoryArray<double> values_;
 };
 
 /// The last `length` samples of a number per row, NaN where the row was missing: values [0, length) of a slot. The next
@@ -73,12 +77,12 @@ class Window {
   explicit Window(int length) : length_(length) {}
   int length() const noexcept { return length_; }
   /// A sample begins for all slots: its place is empty.
-  void clear_place(const RowMemory& rows, std::byte* memory) const noexcept;
-  void push(const RowMemory& rows, int slot, double value, std::byte* memory) const noexcept;
+  void clear_place(const RowMemory& rows, const MemoryView& memory) const noexcept;
+  void push(const RowMemory& rows, int slot, double value, const MemoryView& memory) const noexcept;
   /// Mean of the products of two rows over the samples that had both; NaN if there are none.
-  double mean_product(const double* a, const double* b) const noexcept;
+  double mean_product(std::span<const double> a, std::span<const double> b) const noexcept;
   /// Whether `length` values were pushed.
-  bool is_full(const double* values) const noexcept { return values[length_] >= length_; }
+  bool is_full(std::span<const double> values) const noexcept { return values.back() >= length_; }
 
  private:
   int length_;

@@ -35,27 +35,17 @@ ComponentSpec SageHusa::spec() {
 }
 
 SageHusa::SageHusa(const Binding& binding, const NoiseBinding& noise)
-    : rows_(noise, sizeof(Row) / sizeof(double)),
+    : rows_(declaration_, noise, sizeof(Row) / sizeof(double)),
       forgetting_(binding.parameters().number("forgetting")),
       learn_below_(binding.parameters().number("learn_below")),
       bounds_(read_bounds(binding.parameters())),
-      is_residual_(binding.parameters().text("from") == "residual") {}
-
-double* SageHusa::variances(std::byte* memory) const noexcept {
-  return reinterpret_cast<double*>(memory + rows_.bytes());
+      is_residual_(binding.parameters().text("from") == "residual"),
+      variances_(declaration_.keeps_array<double>(static_cast<std::size_t>(rows_.max_rows()))) {
+  if (is_residual_) declaration_.wants_after();
 }
 
-std::size_t SageHusa::memory_bytes() const noexcept {
-  return rows_.bytes() + static_cast<std::size_t>(rows_.max_rows()) * sizeof(double);
-}
-
-void SageHusa::start(std::byte* memory) const {
-  rows_.start(memory);
-  std::fill_n(variances(memory), rows_.max_rows(), 0.0);
-}
-
-SageHusa::Row& SageHusa::row_at(std::byte* memory, int row) const noexcept {
-  return *reinterpret_cast<Row*>(rows_.values(memory, rows_.slot(memory, row)));
+SageHusa::Row& SageHusa::row_at(const MemoryView& memory, int row) const noexcept {
+  return *reinterpret_cast<Row*>(rows_.values(memory, rows_.slot(memory, row)).data());
 }
 
 // d = 1/(1 + b + … + b^k) = (1 − b)/(1 − b^(k+1)), and 1/(k + 1) for b = 1.
@@ -64,25 +54,26 @@ void SageHusa::learn(Row& row, double variance) const noexcept {
   row.variance += (variance - row.variance) / row.weight;
 }
 
-void SageHusa::estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const {
-  rows_.enter(innovation, memory);
-  double* const variance = variances(memory);
-  for (int i = 0; i < innovation.rows; ++i) {
+void SageHusa::estimate(const Innovation& in, MatrixView R) const {
+  const MemoryView& memory = in.memory;
+  rows_.enter(in);
+  const std::span<double> variance = memory[variances_];
+  for (int i = 0; i < in.rows; ++i) {
     Row& row = row_at(memory, i);
-    const double nominal = R(i, i), predicted = innovation.HPHt(i, i);
+    const double nominal = R(i, i), predicted = in.HPHt(i, i);
     if (row.weight == 0.0) row = {nominal, 1.0, 0.0};
     row.is_learnt = predicted <= learn_below_ * nominal ? 1.0 : 0.0;
-    if (!is_residual_ && row.is_learnt != 0.0) learn(row, innovation.residual[i] * innovation.residual[i] - predicted);
-    variance[i] = bounds_.clamped(row.variance, nominal);
+    if (!is_residual_ && row.is_learnt != 0.0) learn(row, in.residual[i] * in.residual[i] - predicted);
+    variance[static_cast<std::size_t>(i)] = bounds_.clamped(row.variance, nominal);
   }
-  set_variances(variance, R);
+  set_variances(variance.data(), R);
 }
 
-void SageHusa::after(Outcome outcome, const double* residual, MatrixView HPHt_plus, std::byte* memory) const {
-  if (outcome != Outcome::accepted) return;
-  for (int i = 0; i < rows_.rows(memory); ++i) {
-    Row& row = row_at(memory, i);
-    if (row.is_learnt != 0.0) learn(row, residual[i] * residual[i] + HPHt_plus(i, i));
+void SageHusa::after(const AfterUpdate& in) const {
+  if (in.outcome != Outcome::accepted) return;
+  for (int i = 0; i < rows_.rows(in.memory); ++i) {
+    Row& row = row_at(in.memory, i);
+    if (row.is_learnt != 0.0) learn(row, in.residual[i] * in.residual[i] + in.HPHt(i, i));
   }
 }
 

@@ -19,22 +19,19 @@ class SageHusa final : public NoiseEstimator {
   static ComponentSpec spec();
   SageHusa(const Binding& binding, const NoiseBinding& noise);
 
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::byte* memory) const override;
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override;
-  bool wants_after() const noexcept override { return is_residual_; }
-  void after(Outcome outcome, const double* post_fit_residual, MatrixView HPHt_plus, std::byte* memory) const override;
+  void estimate(const Innovation& in, MatrixView R) const override;
+  void after(const AfterUpdate& in) const override;
 
  private:
   struct Row;  // what is remembered of one
-  Row& row_at(std::byte* memory, int row) const noexcept;
+  Row& row_at(const MemoryView& memory, int row) const noexcept;
   void learn(Row& row, double variance) const noexcept;
-  double* variances(std::byte* memory) const noexcept;
 
   RowMemory rows_;
   double forgetting_, learn_below_;
   Bounds bounds_;
   bool is_residual_;
+  MemoryArray<double> variances_;
 };
 
 }  // namespace binnacle::adaptive_noise

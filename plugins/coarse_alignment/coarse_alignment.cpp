@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <new>
-#include <type_traits>
+#include <utility>
 
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
@@ -21,10 +19,6 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr int imu_input = 0;
-constexpr int gnss_input = 1;
-constexpr int attitude_channel = 0;
-constexpr int gyro_bias_channel = 1;
 constexpr Time longest_hole = nanoseconds_per_second / 10;  // between IMU samples, bridged by the one after it
 constexpr double least_cos_pitch = 0.05;                    // below it roll and yaw are hardly told apart
 
@@ -87,34 +81,29 @@ struct State {
     is_levelled = is_headed = 0;
   }
 };
-static_assert(std::is_trivially_copyable_v<State> && alignof(State) <= 8);
 
 ComponentSpec CoarseAlignment::spec() {
   using namespace parameter;
-  const auto fields = [](const char* names[], int count, const char* unit, FieldKind kind, std::vector<FieldSpec>& to) {
-    const std::string text = kind == FieldKind::rate ? "mean over the sample, body axes" : "";
-    for (int i = 0; i < count; ++i) to.push_back({names[i], unit, kind, false, false, text});
-  };
   ComponentSpec spec;
   spec.type = "coarse_alignment";
   spec.summary = "first attitude of an IMU: levelled at rest, heading given, from the course, or gyrocompassed";
   spec.source =
       "P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., "
       "section 5.6.2";
-  ChannelPort imu{"imu", {}, false, "angular rate and specific force, body axes (forward, right, down)"};
-  const char* rates[] = {"wx", "wy", "wz"};
-  const char* forces[] = {"fx", "fy", "fz"};
-  fields(rates, 3, "rad/s", FieldKind::rate, imu.fields);
-  fields(forces, 3, "m/s^2", FieldKind::rate, imu.fields);
-  ChannelPort gnss{"gnss",
-                   {{"vn", "m/s", FieldKind::level, false, false, "north velocity"},
-                    {"ve", "m/s", FieldKind::level, false, false, "east velocity"},
-                    {"lat", "rad", FieldKind::level, true, false, "latitude, for the earth rate"},
-                    {"velocity_sd_n", "m/s", FieldKind::level, true, false, "standard deviation of vn"},
-                    {"velocity_sd_e", "m/s", FieldKind::level, true, false, "standard deviation of ve"}},
-                   true,
-                   "velocity: for the course, and to know that the vehicle is at rest"};
-  spec.inputs = {imu, gnss};
+  std::vector<FieldSpec> of_imu;
+  for (const char* name : {"wx", "wy", "wz"})
+    of_imu.push_back(field::rate(name, "rad/s").about("mean over the sample, body axes"));
+  for (const char* name : {"fx", "fy", "fz"})
+    of_imu.push_back(field::rate(name, "m/s^2").about("mean over the sample, body axes"));
+  spec.inputs = {
+      input("imu", std::move(of_imu)).about("angular rate and specific force, body axes (forward, right, down)"),
+      input("gnss",
+            {field::level("vn", "m/s").about("north velocity"), field::level("ve", "m/s").about("east velocity"),
+             field::level("lat", "rad").optional().about("latitude, for the earth rate"),
+             field::level("velocity_sd_n", "m/s").optional().about("standard deviation of vn"),
+             field::level("velocity_sd_e", "m/s").optional().about("standard deviation of ve")})
+          .optional()
+          .about("velocity: for the course, and to know that the vehicle is at rest")};
   spec.parameters.push_back(
       choice("heading", {"given", "course", "gyrocompass"})
           .required()
@@ -222,40 +211,46 @@ CoarseAlignment::CoarseAlignment(const Binding& binding) {
   s.gyro_misalignment = p.number("gyro_misalignment");
   if (s.min_speed <= s.max_speed) throw ComponentError("a course needs more speed than rest allows", "/min_speed");
 
+  imu_ = binding.input("imu");
+  gnss_ = binding.input("gnss");
+  w_ = binding.fields(imu_, "wx", "wy", "wz");
+  f_ = binding.fields(imu_, "fx", "fy", "fz");
+  velocity_ = binding.fields(gnss_, "vn", "ve");
+  velocity_sd_ = binding.fields(gnss_, "velocity_sd_n", "velocity_sd_e");
+  latitude_ = binding.field(gnss_, "lat");
+  declare_channels();
+  state_ = declaration_.keeps<State>();
+}
+
+void CoarseAlignment::declare_channels() {
   ChannelDeclaration attitude;
-  attitude.fields = {{"roll", "rad", FieldKind::level, false, false, "Euler angles z-y-x, navigation to body"},
-                     {"pitch", "rad", FieldKind::level, false, false, ""},
-                     {"yaw", "rad", FieldKind::level, false, false, ""}};
+  attitude_ = attitude.carries(field::level("roll", "rad").about("Euler angles z-y-x, navigation to body"),
+                               field::level("pitch", "rad"), field::level("yaw", "rad"));
   attitude.covariance = {{"north", "rad"}, {"east", "rad"}, {"down", "rad"}};
-  channels_.push_back(std::move(attitude));
-  if (s.heading == Heading::gyrocompass) return;  // there the mean rate is what the heading is made of
-  ChannelDeclaration bias;
-  bias.name = "gyro_bias";
-  for (const char* axis : {"x", "y", "z"}) {
-    bias.fields.push_back(
-        {axis, "rad/s", FieldKind::level, false, false, "mean rate at rest, earth rate removed where known"});
-    bias.covariance.push_back({axis, "rad/s"});
-  }
-  channels_.push_back(std::move(bias));
+  attitude_channel_ = declaration_.emits(std::move(attitude));
+  if (settings_.heading == Heading::gyrocompass) return;  // there the mean rate is what the heading is made of
+  const auto rate = [](const char* axis) {
+    return field::level(axis, "rad/s").about("mean rate at rest, earth rate removed where known");
+  };
+  ChannelDeclaration bias("gyro_bias");
+  gyro_bias_ = bias.carries(rate("x"), rate("y"), rate("z"));
+  bias.covariance = {{"x", "rad/s"}, {"y", "rad/s"}, {"z", "rad/s"}};
+  gyro_bias_channel_ = declaration_.emits(std::move(bias));
 }
 
-std::size_t CoarseAlignment::memory_bytes() const noexcept { return sizeof(State); }
-
-void CoarseAlignment::start(std::uint64_t /*seed*/, std::byte* memory) const {
-  std::memset(memory, 0, sizeof(State));
-  reinterpret_cast<State*>(memory)->t_imu = no_time;
+void CoarseAlignment::initialise(std::uint64_t /*seed*/, const MemoryView& memory) const {
+  memory[state_].t_imu = no_time;
 }
 
-void CoarseAlignment::on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const {
-  State& state = *std::launder(reinterpret_cast<State*>(memory));
+void CoarseAlignment::on(const TransformInput& in, Emitter& emitter) const {
+  State& state = in.memory[state_];
   if (state.was_solved && !settings_.every) return;
-  if (input == imu_input) on_imu(sample, state, emitter);
-  if (input == gnss_input) on_gnss(sample, state, emitter);
+  if (in.from == imu_) on_imu(in.sample, state, emitter);
+  if (in.from == gnss_) on_gnss(in.sample, state, emitter);
 }
 
 void CoarseAlignment::on_imu(const SampleView& sample, State& state, Emitter& emitter) const {
-  const Vector3d rate(sample.fields[0], sample.fields[1], sample.fields[2]);
-  const Vector3d force(sample.fields[3], sample.fields[4], sample.fields[5]);
+  const Vector3d rate = sample[w_], force = sample[f_];
   if (!rate.allFinite() || !force.allFinite()) return;
   const Time before = state.t_imu;
   state.t_imu = sample.t;
@@ -337,7 +332,7 @@ void CoarseAlignment::gyrocompass(Time t, const RestMeans& means, State& state) 
 }
 
 void CoarseAlignment::on_gnss(const SampleView& sample, State& state, Emitter& emitter) const {
-  const double vn = sample.fields[0], ve = sample.fields[1], lat = sample.fields[2];
+  const double vn = sample[velocity_[0]], ve = sample[velocity_[1]], lat = sample[latitude_];
   if (std::isfinite(lat)) {
     state.latitude = lat;
     state.has_latitude = 1;
@@ -374,7 +369,8 @@ void CoarseAlignment::on_gnss(const SampleView& sample, State& state, Emitter& e
 /// Of the course as a heading: mounting and habit, velocity noise across the course, and slip while turning.
 double CoarseAlignment::course_variance(const SampleView& sample, double turn_rate) const {
   constexpr double unreported = 0.2;  // m/s
-  const double vn = sample.fields[0], ve = sample.fields[1], sd_n = sample.fields[3], sd_e = sample.fields[4];
+  const double vn = sample[velocity_[0]], ve = sample[velocity_[1]];
+  const double sd_n = sample[velocity_sd_[0]], sd_e = sample[velocity_sd_[1]];
   const double speed_squared = squared(vn) + squared(ve);
   double across = squared(settings_.velocity_sd.value_or(unreported));
   if (!settings_.velocity_sd && std::isfinite(sd_n) && std::isfinite(sd_e))
@@ -405,20 +401,19 @@ void CoarseAlignment::emit(Time t, State& state, Emitter& emitter) const {
   const double tilt = state.tilt_variance + growth(state.t_level, state.turned_at_level);
   const double heading = state.heading_variance + growth(state.t_heading, state.turned_at_heading);
 
-  SampleSlot& slot = emitter.slot(attitude_channel);
-  slot.t = t;
+  SampleWriter& out = emitter.on(attitude_channel_);
+  out.t = t;
   const Vector3d late = state.corrected_rate() * seconds(t - state.t_imu);
   const Vector4d q = sd::quaternion_product(state.attitude(), sd::quaternion_exp(late));
-  Eigen::Map<Vector3d, Eigen::Unaligned>(slot.fields) = sd::euler_from_quaternion(q);
+  out[attitude_] = sd::euler_from_quaternion(q);
   const Eigen::Map<const Eigen::Vector2d> c(state.coupling);
-  Eigen::Map<Eigen::Matrix3d, Eigen::Unaligned> P(slot.covariance);
+  auto P = out.attach_covariance().as<3, 3>();
   P.setZero();
   P.topLeftCorner<2, 2>().diagonal().setConstant(tilt);
   P.topRightCorner<2, 1>() = tilt * c;
   P.bottomLeftCorner<1, 2>() = tilt * c.transpose();
   P(2, 2) = heading + tilt * c.squaredNorm();
-  slot.has_covariance = true;
-  emitter.emit(attitude_channel);
+  emitter.emit(attitude_channel_);
   if (settings_.heading != Heading::gyrocompass) emit_gyro_bias(t, state, emitter);
 }
 
@@ -432,12 +427,11 @@ void CoarseAlignment::emit_gyro_bias(Time t, const State& state, Emitter& emitte
   } else {
     variance += squared(sd::wgs84::omega_ie);
   }
-  SampleSlot& slot = emitter.slot(gyro_bias_channel);
-  slot.t = t;
-  Eigen::Map<Vector3d, Eigen::Unaligned>(slot.fields) = bias;
-  Eigen::Map<Eigen::Matrix3d, Eigen::Unaligned>(slot.covariance) = variance * Eigen::Matrix3d::Identity();
-  slot.has_covariance = true;
-  emitter.emit(gyro_bias_channel);
+  SampleWriter& out = emitter.on(gyro_bias_channel_);
+  out.t = t;
+  out[gyro_bias_] = bias;
+  out.attach_covariance().as<3, 3>() = variance * Eigen::Matrix3d::Identity();
+  emitter.emit(gyro_bias_channel_);
 }
 
 }  // namespace binnacle::coarse_alignment

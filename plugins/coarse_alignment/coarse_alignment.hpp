@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "binnacle/source.hpp"
 #include "rest_window.hpp"
@@ -40,12 +39,11 @@ class CoarseAlignment final : public Transform {
   static ComponentSpec spec();
   explicit CoarseAlignment(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
+  void initialise(std::uint64_t seed, const MemoryView& memory) const override;
+  void declare_channels();
   void on_imu(const SampleView& sample, State& state, Emitter& emitter) const;
   void on_gnss(const SampleView& sample, State& state, Emitter& emitter) const;
   void level(Time t, State& state) const;
@@ -56,7 +54,13 @@ class CoarseAlignment final : public Transform {
   void emit_gyro_bias(Time t, const State& state, Emitter& emitter) const;
 
   Settings settings_;
-  std::vector<ChannelDeclaration> channels_;
+  Input imu_, gnss_;
+  Fields<3> w_, f_;
+  Fields<2> velocity_, velocity_sd_;  // north, east
+  Field latitude_;
+  OutputChannel attitude_channel_, gyro_bias_channel_;
+  OutputFields<3> attitude_, gyro_bias_;
+  Memory<State> state_;
 };
 
 }  // namespace binnacle::coarse_alignment

@@ -3,19 +3,15 @@
 #include "simulator.hpp"
 
 #include <cmath>
-#include <new>
 #include <numbers>
 #include <optional>
-#include <type_traits>
+#include <utility>
 
-#include "simulation/fields.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::coning_simulator {
 
 namespace {
-
-using simulation::FieldWriter;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
@@ -34,24 +30,7 @@ Eigen::Vector3d rounded_to_single(const Eigen::Vector3d& v) { return v.cast<floa
 /// To a femtosecond: 0.004 s and not the double next to it, which would be 0.4 ps off after an hour.
 long double as_written(double seconds) { return std::round(1e15L * static_cast<long double>(seconds)) / 1e15L; }
 
-std::vector<ChannelDeclaration> declare_channels(bool has_place, Time longest) {
-  std::vector<ChannelDeclaration> channels(2);
-  channels[ConingSimulator::imu].name = "imu";
-  channels[ConingSimulator::imu].fields = simulation::imu_fields(false);
-  channels[ConingSimulator::imu].max_interval = longest;
-  channels[ConingSimulator::truth].name = "truth";
-  channels[ConingSimulator::truth].fields =
-      has_place ? simulation::joined(
-                      {simulation::position_fields(), simulation::velocity_fields(), simulation::attitude_fields()})
-                : simulation::attitude_fields();
-  return channels;
-}
-
 }  // namespace
-
-struct ConingSimulator::Memory {
-  std::int64_t next_sample, next_truth;
-};
 
 ComponentSpec ConingSimulator::spec() {
   using namespace parameter;
@@ -95,17 +74,24 @@ ConingSimulator::ConingSimulator(const Parameters& parameters)
       interval_(as_written(parameters.number("interval")) / static_cast<long double>(parameters.integer("samples"))),
       duration_(parameters.time("duration")),
       truth_clock_(parameters.number("truth_rate")),
-      channels_(declare_channels(has_place_, end_of(1) + 1)) {
+      memory_(declaration_.keeps<Memory>()) {
+  declare_channels();
   constexpr double most_cycles = 1e3;
   if (cone_.frequency * static_cast<double>(interval_) > most_cycles)
     throw ComponentError("a sample is longer than 1000 cycles of the cone", "/interval");
 }
 
-std::size_t ConingSimulator::memory_bytes() const noexcept { return sizeof(Memory); }
-
-void ConingSimulator::start(std::uint64_t /*seed*/, std::byte* memory) const {
-  static_assert(std::is_trivially_copyable_v<Memory>);
-  new (memory) Memory{1, 0};
+void ConingSimulator::declare_channels() {
+  ChannelDeclaration of_imu("imu"), of_truth("truth");
+  imu_ = simulation::carry_imu(of_imu, false);
+  of_imu.max_interval = end_of(1) + 1;
+  if (has_place_) {
+    position_ = of_truth.carries(simulation::position_fields());
+    velocity_ = of_truth.carries(simulation::velocity_fields());
+  }
+  attitude_ = of_truth.carries(simulation::attitude_fields());
+  imu_channel_ = declaration_.emits(std::move(of_imu));
+  truth_channel_ = declaration_.emits(std::move(of_truth));
 }
 
 Time ConingSimulator::end_of(std::int64_t sample) const {
@@ -119,40 +105,43 @@ double ConingSimulator::cycle_at(long double seconds) const {
   return static_cast<double>(cycles - static_cast<long double>(static_cast<std::int64_t>(cycles)));
 }
 
-SourceStatus ConingSimulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
-  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
+SourceStatus ConingSimulator::next(const MemoryView& bytes, SourceOutput& out) const {
+  Memory& memory = bytes[memory_];
   const Time sample_due = end_of(memory.next_sample) <= duration_ ? end_of(memory.next_sample) : simulation::never;
   const Time truth_due = truth_clock_.due(memory.next_truth, duration_);
   if (sample_due == simulation::never && truth_due == simulation::never) return SourceStatus::end;
   if (truth_due <= sample_due) {
     ++memory.next_truth;
-    emit_truth(truth_due, slots[channel = truth]);
+    emit_truth(truth_due, out.on(truth_channel_));
   } else {
-    emit_imu(memory.next_sample++, slots[channel = imu]);
+    emit_imu(memory.next_sample++, out.on(imu_channel_));
   }
   return SourceStatus::sample;
 }
 
 // Increments belong to the exact intervals; the labels are those to the nearest nanosecond.
-void ConingSimulator::emit_imu(std::int64_t sample, SampleSlot& slot) const {
+void ConingSimulator::emit_imu(std::int64_t sample, SampleWriter& out) const {
   const double middle = cycle_at(interval_ * (static_cast<long double>(sample) - 0.5L));
   simulation::Inertial exact = motion_.increments(middle, static_cast<double>(interval_));
   if (is_single_) {
     exact.omega_ib_b = rounded_to_single(exact.omega_ib_b);
     exact.f_b = rounded_to_single(exact.f_b);
   }
-  slot.t0 = end_of(sample - 1);
-  slot.t = end_of(sample);
-  FieldWriter(slot) << exact.omega_ib_b << exact.f_b;
+  out.t0 = end_of(sample - 1);
+  out.t = end_of(sample);
+  out[imu_.w] = exact.omega_ib_b;
+  out[imu_.f] = exact.f_b;
 }
 
-void ConingSimulator::emit_truth(Time t, SampleSlot& slot) const {
+void ConingSimulator::emit_truth(Time t, SampleWriter& out) const {
   const double cycle = cycle_at(static_cast<long double>(t) / 1e9L);
   const Eigen::Vector3d angles = strapdown::euler_from_quaternion(motion_.attitude(cycle));
-  slot.t = t;
-  FieldWriter writer(slot);
-  if (has_place_) writer << motion_.position(cycle) << motion_.velocity(cycle);
-  writer << angles;
+  out.t = t;
+  if (has_place_) {
+    out[position_] = motion_.position(cycle);
+    out[velocity_] = motion_.velocity(cycle);
+  }
+  out[attitude_] = angles;
 }
 
 }  // namespace binnacle::coning_simulator

@@ -2,13 +2,12 @@
 // The source: a coning motion as increments of an inertial sensor, and truth.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "binnacle/source.hpp"
 #include "coning_motion.hpp"
 #include "simulation/clock.hpp"
+#include "simulation/fields.hpp"
 
 namespace binnacle::coning_simulator {
 
@@ -17,21 +16,21 @@ class ConingSimulator final : public Source {
   static ComponentSpec spec();
   explicit ConingSimulator(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+  SourceStatus next(const MemoryView& bytes, SourceOutput& out) const override;
 
   enum Channel { imu, truth };
 
  private:
-  struct Memory;
+  struct Memory {
+    std::int64_t next_sample = 1, next_truth = 0;
+  };
 
   explicit ConingSimulator(const Parameters& parameters);
+  void declare_channels();
   Time end_of(std::int64_t sample) const;
   double cycle_at(long double seconds) const;
-  void emit_imu(std::int64_t sample, SampleSlot& slot) const;
-  void emit_truth(Time t, SampleSlot& slot) const;
+  void emit_imu(std::int64_t sample, SampleWriter& out) const;
+  void emit_truth(Time t, SampleWriter& out) const;
 
   Cone cone_;
   ConingMotion motion_;
@@ -39,7 +38,10 @@ class ConingSimulator final : public Source {
   long double interval_;  // s, of one sample
   Time duration_;
   simulation::Clock truth_clock_;
-  std::vector<ChannelDeclaration> channels_;
+  OutputChannel imu_channel_, truth_channel_;
+  simulation::ImuFields imu_;
+  OutputFields<3> position_, velocity_, attitude_;  // of truth; the first two only with a place
+  binnacle::Memory<Memory> memory_;
 };
 
 }  // namespace binnacle::coning_simulator

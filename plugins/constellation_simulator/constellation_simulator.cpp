@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <new>
-#include <type_traits>
 
-#include "binnacle/view.hpp"
 #include "constellation.hpp"
 #include "gnss/channels.hpp"
 #include "gnss/signal_path.hpp"
@@ -23,8 +20,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int most_satellites = 32;
-enum Channel { observations, ephemerides, truth };
-enum Field { lat, vn = 3, roll = 6 };
 
 FieldSpec level(const char* name, const char* unit, const char* text, bool optional = false) {
   return {name, unit, FieldKind::level, optional, false, text};
@@ -128,7 +123,11 @@ ConstellationSimulator::ConstellationSimulator(const Binding& binding) : constel
   min_sin_elevation_ = std::sin(parameters.number("elevation_mask"));
   has_antenna_mask_ = parameters.has("antenna_mask");
   min_sin_antenna_ = has_antenna_mask_ ? std::sin(parameters.number("antenna_mask")) : -1.0;
-  if (has_antenna_mask_ && !(binding.has_field(roll) && binding.has_field(roll + 1) && binding.has_field(roll + 2)))
+  const Input input = binding.input("truth");
+  position_ = binding.fields(input, "lat", "lon", "height");
+  velocity_ = binding.fields(input, "vn", "ve", "vd");
+  attitude_ = binding.fields(input, "roll", "pitch", "yaw");
+  if (has_antenna_mask_ && !attitude_.is_bound())
     throw ComponentError("an antenna mask needs roll, pitch and yaw, which the channel does not carry",
                          "/antenna_mask");
   has_rotation_ = parameters.boolean("earth_rotation");
@@ -141,19 +140,24 @@ ConstellationSimulator::ConstellationSimulator(const Binding& binding) : constel
   clock_bias_ = clock.number("bias"), clock_drift_ = clock.number("drift");
   read_events(parameters);
 
+  declare_channels();
+  memory_ = declaration_.keeps<Memory>();
+}
+
+void ConstellationSimulator::declare_channels() {
   const auto rows = static_cast<int>(constellation_.size());
-  ChannelDeclaration seen, sent, clocks;
-  seen.name = "obs";
-  seen.fields = gnss::observation_fields(false);
-  std::erase_if(seen.fields, [](const FieldSpec& field) { return field.name == "cn0"; });
-  seen.max_rows = rows;
-  sent.name = "ephemeris";
-  sent.fields = gnss::ephemeris_fields();
-  sent.max_rows = rows;
-  clocks.name = "truth";
-  clocks.fields = {level("bias", "m", "of the receiver's clock, times c"),
-                   level("drift", "m/s", "of the receiver's clock, times c"), level("satellites", "1", "in view")};
-  channels_ = {std::move(seen), std::move(sent), std::move(clocks)};
+  ChannelDeclaration seen("obs"), sent("ephemeris", gnss::ephemeris_fields()), clocks("truth");
+  const auto fields = gnss::observation_fields(false);
+  satellite_ = seen.carries_per_row(fields[gnss::observation::satellite]);
+  pseudorange_ = seen.carries_per_row(fields[gnss::observation::pseudorange]);
+  range_rate_ = seen.carries_per_row(fields[gnss::observation::range_rate]);
+  seen.max_rows = sent.max_rows = rows;
+  clock_bias_field_ = clocks.carries(level("bias", "m", "of the receiver's clock, times c"));
+  clock_drift_field_ = clocks.carries(level("drift", "m/s", "of the receiver's clock, times c"));
+  seen_field_ = clocks.carries(level("satellites", "1", "in view"));
+  observations_ = declaration_.emits(std::move(seen));
+  ephemerides_ = declaration_.emits(std::move(sent));
+  truth_ = declaration_.emits(std::move(clocks));
 }
 
 void ConstellationSimulator::read_events(const Parameters& parameters) {
@@ -190,11 +194,8 @@ void ConstellationSimulator::read_events(const Parameters& parameters) {
     }
 }
 
-std::size_t ConstellationSimulator::memory_bytes() const noexcept { return sizeof(Memory); }
-
-void ConstellationSimulator::start(std::uint64_t seed, std::byte* bytes) const {
-  static_assert(std::is_trivially_copyable_v<Memory> && alignof(Memory) <= 8);
-  Memory& memory = *new (bytes) Memory{};
+void ConstellationSimulator::initialise(std::uint64_t seed, const MemoryView& bytes) const {
+  Memory& memory = bytes[memory_];
   memory.last = no_time;
   memory.clock_stream = random::stream(seed, "clock");
   memory.bias_stream = random::stream(seed, "pseudorange.bias");
@@ -224,12 +225,11 @@ void ConstellationSimulator::advance(Memory& memory, Time t) const {
 }
 
 void ConstellationSimulator::emit_ephemerides(Time t, Emitter& emitter) const {
-  SampleSlot& slot = emitter.slot(ephemerides);
-  slot.t = t;
-  slot.rows = static_cast<int>(constellation_.size());
-  for (std::size_t i = 0; i < constellation_.size(); ++i)
-    gnss::write_ephemeris(constellation_[i], slot.row_fields + i * gnss::ephemeris_field_count);
-  emitter.emit(ephemerides);
+  SampleWriter& out = emitter.on(ephemerides_);
+  out.t = t;
+  for (const gnss::Ephemeris& satellite : constellation_)
+    gnss::write_ephemeris(satellite, out.row_view(out.rows++).data());
+  emitter.emit(ephemerides_);
 }
 
 /// The tightest of the cuts at t; null: none.
@@ -245,22 +245,22 @@ bool ConstellationSimulator::is_visible(const Antenna& antenna, const Vector3d& 
   return !antenna.up_e || antenna.up_e->dot(direction) >= min_sin_antenna_;
 }
 
-void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::byte* bytes, Emitter& emitter) const {
-  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
-  if (!vector_at<6>(sample.fields).allFinite()) return;
+void ConstellationSimulator::on(const TransformInput& in, Emitter& emitter) const {
+  Memory& memory = in.memory[memory_];
+  const SampleView& sample = in.sample;
+  const Vector3d lla = sample[position_], v_n = sample[velocity_], roll_pitch_yaw = sample[attitude_];
+  if (!lla.allFinite() || !v_n.allFinite()) return;
   if (memory.last != no_time && sample.t - memory.last < every_) return;
   if (memory.last == no_time) emit_ephemerides(sample.t, emitter);
   advance(memory, sample.t);
 
-  const Vector3d lla = vector_at<3>(sample.fields);
   Antenna antenna;
   antenna.C_en = strapdown::C_en(lla[0], lla[1]);
   antenna.r_e = strapdown::ecef_from_lla(lla);
-  antenna.v_e = antenna.C_en * vector_at<3>(sample.fields + vn);
-  if (has_antenna_mask_ && vector_at<3>(sample.fields + roll).allFinite())
+  antenna.v_e = antenna.C_en * v_n;
+  if (has_antenna_mask_ && roll_pitch_yaw.allFinite())
     antenna.up_e =
-        -(antenna.C_en *
-          strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(vector_at<3>(sample.fields + roll))).col(2));
+        -(antenna.C_en * strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(roll_pitch_yaw)).col(2));
 
   struct Row {
     gnss::SatelliteKey satellite;
@@ -304,24 +304,23 @@ void ConstellationSimulator::on(int /*input*/, const SampleView& sample, std::by
       std::move(lost + 1, end, lost);
     }
 
-  SampleSlot& clock = emitter.slot(truth);
+  SampleWriter& clock = emitter.on(truth_);
   clock.t = sample.t;
-  clock.fields[0] = memory.clock_bias;
-  clock.fields[1] = memory.clock_drift;
-  clock.fields[2] = count;
-  emitter.emit(truth);
+  clock[clock_bias_field_] = memory.clock_bias;
+  clock[clock_drift_field_] = memory.clock_drift;
+  clock[seen_field_] = count;
+  emitter.emit(truth_);
   if (count == 0) return;
-  SampleSlot& slot = emitter.slot(observations);
-  slot.t = sample.t;
-  slot.rows = count;
+  SampleWriter& out = emitter.on(observations_);
+  out.t = sample.t;
+  out.rows = count;
   for (int i = 0; i < count; ++i) {
-    double* const row = slot.row_fields + 3 * i;
     const Row& seen = rows[static_cast<std::size_t>(i)];
-    row[0] = static_cast<double>(seen.satellite);
-    row[1] = seen.pseudorange;
-    row[2] = seen.rate;
+    out(i, satellite_) = static_cast<double>(seen.satellite);
+    out(i, pseudorange_) = seen.pseudorange;
+    out(i, range_rate_) = seen.rate;
   }
-  emitter.emit(observations);
+  emitter.emit(observations_);
 }
 
 }  // namespace binnacle::constellation_simulator

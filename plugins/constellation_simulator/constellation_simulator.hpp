@@ -21,10 +21,7 @@ class ConstellationSimulator final : public Transform {
   static ComponentSpec spec();
   explicit ConstellationSimulator(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
   struct Memory;
@@ -48,6 +45,8 @@ class ConstellationSimulator final : public Transform {
     double bias;  // m
   };
 
+  void initialise(std::uint64_t seed, const MemoryView& bytes) const override;
+  void declare_channels();
   void read_events(const Parameters& parameters);
   void advance(Memory& memory, Time t) const;
   void emit_ephemerides(Time t, Emitter& emitter) const;
@@ -63,7 +62,11 @@ class ConstellationSimulator final : public Transform {
   std::vector<Cut> cuts_;
   std::vector<Fault> faults_;
   std::vector<Jump> jumps_;
-  std::vector<ChannelDeclaration> channels_;
+  Fields<3> position_, velocity_, attitude_;
+  OutputChannel observations_, ephemerides_, truth_;
+  OutputRowField satellite_, pseudorange_, range_rate_;
+  OutputField clock_bias_field_, clock_drift_field_, seen_field_;
+  binnacle::Memory<Memory> memory_;
 };
 
 }  // namespace binnacle::constellation_simulator

@@ -52,7 +52,7 @@ PushedSource::PushedSource(const Binding& binding) {
   channel.max_rows = static_cast<int>(parameters.integer("max_rows"));
   if (parameters.has("covariance"))
     for (const auto& component : parameters.list("covariance")) channel.covariance.push_back({component.text, ""});
-  channels_.push_back(std::move(channel));
+  declaration_.emits(std::move(channel));
 }
 
 }  // namespace binnacle::core

@@ -12,15 +12,7 @@ class PushedSource : public Source {
   static ComponentSpec spec();
   explicit PushedSource(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return 0; }
-  void start(std::uint64_t /*seed*/, std::byte* /*memory*/) const override {}
-  SourceStatus next(std::byte* /*memory*/, SampleSlot* /*slots*/, int& /*channel*/) const override {
-    return SourceStatus::wait;
-  }
-
- private:
-  std::vector<ChannelDeclaration> channels_;
+  SourceStatus next(const MemoryView& /*memory*/, SourceOutput& /*out*/) const override { return SourceStatus::wait; }
 };
 
 }  // namespace binnacle::core

@@ -90,20 +90,20 @@ VectorBlock::VectorBlock(const Binding& binding) {
   }
 }
 
-void VectorBlock::plus(const double* x, const double* delta, double* result) const {
+void VectorBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
   for (int i = 0; i < declaration_.stored_size; ++i) result[i] = x[i] + delta[i];
 }
 
-void VectorBlock::minus(const double* y, const double* x, double* delta) const {
+void VectorBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
   for (int i = 0; i < declaration_.stored_size; ++i) delta[i] = y[i] - x[i];
 }
 
-void VectorBlock::read(const double* x, double* outputs) const { std::copy_n(x, declaration_.stored_size, outputs); }
+void VectorBlock::read(ConstVectorView x, VectorView outputs) const { outputs.as() = x.as(); }
 
-Result VectorBlock::write(const double* outputs, double* x) const {
+Result VectorBlock::write(ConstVectorView outputs, VectorView x) const {
   for (int i = 0; i < declaration_.stored_size; ++i)
     if (!std::isfinite(outputs[i])) return Result::invalid("a component is not finite");
-  std::copy_n(outputs, declaration_.stored_size, x);
+  x.as() = outputs.as();
   return Result::ok();
 }
 

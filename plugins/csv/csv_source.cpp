@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 
 #include "cells.hpp"
@@ -15,10 +14,6 @@ namespace binnacle::csv {
 namespace {
 
 using Value = ParameterValue;
-
-struct Cursor {
-  std::uint64_t next = 0;
-};
 
 ParameterSpec missing_spec() {
   return parameter::list("missing", parameter::text("value"))
@@ -271,30 +266,21 @@ CsvSource::CsvSource(const Binding& binding) {
   layout_.on_invalid = parameters.text("invalid_rows") == "skip" ? OnInvalid::skip : OnInvalid::error;
   if (layout_.has_intervals)
     channel.max_interval = layout_.interval.value_or(layout_.max_gap.value_or(nanoseconds_per_second));
-  channels_.push_back(std::move(channel));
+  channel_ = declaration_.emits(std::move(channel));
+  next_ = declaration_.keeps<std::uint64_t>();
 }
 
 void CsvSource::open(Reporter& reporter) { table_ = read_table(layout_, reporter); }
 
-std::size_t CsvSource::memory_bytes() const noexcept { return sizeof(Cursor); }
-
-void CsvSource::start(std::uint64_t /*seed*/, std::byte* memory) const {
-  const Cursor cursor;
-  std::memcpy(memory, &cursor, sizeof cursor);
-}
-
-SourceStatus CsvSource::next(std::byte* memory, SampleSlot* slots, int& channel) const {
-  Cursor cursor;
-  std::memcpy(&cursor, memory, sizeof cursor);
-  if (cursor.next >= table_.times.size()) return SourceStatus::end;
-  const auto row = static_cast<std::size_t>(cursor.next++);
-  std::memcpy(memory, &cursor, sizeof cursor);
-  channel = 0;
-  SampleSlot& slot = slots[0];
-  slot.t = table_.times[row];
-  slot.t0 = table_.starts.empty() ? no_time : table_.starts[row];
+SourceStatus CsvSource::next(const MemoryView& bytes, SourceOutput& output) const {
+  std::uint64_t& next = bytes[next_];
+  if (next >= table_.times.size()) return SourceStatus::end;
+  const auto row = static_cast<std::size_t>(next++);
+  SampleWriter& out = output.on(channel_);
+  out.t = table_.times[row];
+  out.t0 = table_.starts.empty() ? no_time : table_.starts[row];
   const std::size_t width = layout_.columns.size();
-  std::memcpy(slot.fields, table_.values.data() + row * width, width * sizeof(double));
+  std::copy_n(table_.values.begin() + static_cast<std::ptrdiff_t>(row * width), width, out.all().data());
   return SourceStatus::sample;
 }
 

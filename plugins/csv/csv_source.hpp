@@ -2,7 +2,7 @@
 // The csv source: recorded samples from delimited text, plain or gzipped.
 #pragma once
 
-#include <vector>
+#include <cstdint>
 
 #include "binnacle/source.hpp"
 #include "csv_table.hpp"
@@ -15,15 +15,13 @@ class CsvSource final : public Source {
   static ComponentSpec spec();
   explicit CsvSource(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
   void open(Reporter& reporter) override;
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+  SourceStatus next(const MemoryView& bytes, SourceOutput& output) const override;
 
  private:
   Layout layout_;
-  std::vector<ChannelDeclaration> channels_;
+  OutputChannel channel_;
+  Memory<std::uint64_t> next_;  // row
   Table table_;
 };
 

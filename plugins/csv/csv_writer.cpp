@@ -95,7 +95,7 @@ CsvWriter::CsvWriter(const Binding& binding) : path_(binding.parameters().text("
       throw ComponentError("there is no field '" + name + "' to write; there are " + joined(fields) +
                                " (a field of another name is told by \"fields\": {\"speed\": \"" + name + "\"})",
                            pointer);
-    Column column{name, name, static_cast<std::size_t>(found - fields.begin()), 1};
+    Column column{name, name, binding.field(binding.input("input"), name), 1};
     for (const auto& [key, member] : value.members) {
       if (key == "column" && member.type != ParameterValue::Type::absent) column.name = member.text;
       if (key != "unit") continue;
@@ -118,14 +118,14 @@ void CsvWriter::open() {
   text_ = header_;
 }
 
-void CsvWriter::on(int /*input*/, const SampleView& sample) {
-  const auto is_number = [&](const Column& column) { return std::isfinite(sample.fields[column.index]); };
+void CsvWriter::on(Input /*from*/, const SampleView& sample) {
+  const auto is_number = [&](const Column& column) { return std::isfinite(sample[column.handle]); };
   if (std::none_of(columns_.begin(), columns_.end(), is_number)) return;
   append_time(text_, sample.t + offset_);
   for (auto& column : columns_) {
     text_ += ',';
     if (!is_number(column)) continue;
-    append_number(text_, sample.fields[column.index] / column.unit);
+    append_number(text_, sample[column.handle] / column.unit);
     column.has_number = true;
   }
   text_ += '\n';

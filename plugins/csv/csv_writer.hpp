@@ -16,15 +16,15 @@ class CsvWriter final : public Sink {
   explicit CsvWriter(const Binding& binding);
 
   void open() override;
-  void on(int input, const SampleView& sample) override;
+  void on(Input from, const SampleView& sample) override;
   void close() override;
 
  private:
   struct Column {
     std::string field;
     std::string name;
-    std::size_t index;  // of the field, in the order of the spec
-    double unit;        // in SI
+    Field handle;
+    double unit;  // in SI
     bool has_number = false;
   };
 

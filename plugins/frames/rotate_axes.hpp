@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <vector>
-
 #include "binnacle/source.hpp"
 #include "binnacle/spec.hpp"
 
@@ -18,16 +16,17 @@ class RotateAxes final : public Transform {
   static ComponentSpec spec();
   explicit RotateAxes(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return 0; }
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
   /// C_nb′ = C_nb Cᵀ, and for an IMU that is mounted along the vehicle's axes C_v^b′ = C C_v^b, C_v^b = exp(−[ζ×]).
   void on_truth(const SampleView& sample, Emitter& emitter) const;
 
-  std::vector<ChannelDeclaration> channels_;
   Eigen::Matrix3d C_;
+  Input imu_;
+  Fields<3> w_, f_, attitude_, mounting_;
+  OutputChannel turned_imu_, turned_truth_;
+  OutputFields<3> turned_w_, turned_f_, turned_attitude_, turned_mounting_;
 };
 
 }  // namespace binnacle::frames

@@ -2,7 +2,6 @@
 // A block whose value, error and outputs are the same numbers.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "binnacle/state_block.hpp"
@@ -13,17 +12,17 @@ template <int Size>
 class AdditiveBlock : public StateBlock {
  public:
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     for (int i = 0; i < Size; ++i) result[i] = x[i] + delta[i];
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     for (int i = 0; i < Size; ++i) delta[i] = y[i] - x[i];
   }
-  void read(const double* x, double* outputs) const override { std::copy_n(x, Size, outputs); }
-  Result write(const double* outputs, double* x) const override {
+  void read(ConstVectorView x, VectorView outputs) const override { outputs.as<Size>() = x.as<Size>(); }
+  Result write(ConstVectorView outputs, VectorView x) const override {
     for (int i = 0; i < Size; ++i)
       if (!std::isfinite(outputs[i])) return Result::invalid("a value is not finite");
-    std::copy_n(outputs, Size, x);
+    x.as<Size>() = outputs.as<Size>();
     return Result::ok();
   }
 

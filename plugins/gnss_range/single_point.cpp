@@ -6,11 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 
 #include "binnacle/view.hpp"
-#include "solution_fields.hpp"
 #include "strapdown/earth.hpp"
 
 namespace binnacle::gnss_range {
@@ -19,7 +16,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-enum Input { ephemeris_input, klobuchar_input, observation_input };
 constexpr int unknowns = 5;  // x y z, clock, and what Galileo has more
 using Normal = Eigen::Matrix<double, unknowns, unknowns>;
 using Unknowns = Eigen::Matrix<double, unknowns, 1>;
@@ -44,7 +40,6 @@ struct SinglePointState {
   std::int64_t has_place = 0;
   double place[3] = {};
 };
-static_assert(std::is_trivially_copyable_v<SinglePointState> && alignof(SinglePointState) <= 8);
 
 struct SinglePointFix {
   gnss::AntennaPlace place{Vector3d::Zero(), Vector3d::Zero(), Eigen::Matrix3d::Identity()};
@@ -110,49 +105,49 @@ SinglePoint::SinglePoint(const Binding& binding)
       max_gdop_(binding.parameters().number("max_gdop")),
       unknown_speed_(binding.parameters().number("unknown_speed")),
       unknown_drift_(binding.parameters().number("unknown_drift")) {
-  const auto common = [](ChannelDeclaration& channel) {
-    channel.fields.push_back(level("bias", "m", "how far the receiver's clock is ahead, times c"));
-    channel.fields.push_back(level("drift", "m/s", "its rate, times c"));
-    channel.fields.push_back(level("satellites", "1", "used"));
-    channel.fields.push_back(level("excluded", "1", "left out for their residual"));
-    channel.fields.push_back(level("gdop", "1", "geometric dilution of precision"));
-    channel.covariance.push_back({"receiver_clock.bias", "m"});
-    channel.covariance.push_back({"receiver_clock.drift", "m/s"});
+  ephemeris_ = binding.input("ephemeris");
+  klobuchar_ = binding.input("iono");
+  ecef_ = declare("", false);
+  ned_ = declare("ned", true);
+  state_ = declaration_.keeps<SinglePointState>();
+}
+
+SinglePoint::Solution SinglePoint::declare(const char* name, bool is_geodetic) {
+  Solution handles;
+  ChannelDeclaration channel(name);
+  static_cast<PlaceFields&>(handles) = is_geodetic ? carry_geodetic(channel) : carry_ecef(channel);
+  handles.clock = channel.carries(level("bias", "m", "how far the receiver's clock is ahead, times c"),
+                                  level("drift", "m/s", "its rate, times c"));
+  handles.count =
+      channel.carries(level("satellites", "1", "used"), level("excluded", "1", "left out for their residual"));
+  handles.gdop = channel.carries(level("gdop", "1", "geometric dilution of precision"));
+  const auto deviations = [&](const char* x, const char* y, const char* z, const char* unit) {
+    const char* const text = "standard deviation";
+    return channel.carries(level(x, unit, text), level(y, unit, text), level(z, unit, text));
   };
-  ChannelDeclaration ecef;
-  ecef.fields = ecef_fields();
-  for (const char* axis : {"x", "y", "z"}) ecef.covariance.push_back({std::string("position.") + axis, "m"});
-  for (const char* axis : {"x", "y", "z"}) ecef.covariance.push_back({std::string("velocity.") + axis, "m/s"});
-  common(ecef);
-  ChannelDeclaration ned;
-  ned.name = "ned";
-  ned.fields = geodetic_fields();
-  for (const char* axis : {"north", "east", "down"}) ned.covariance.push_back({std::string("position.") + axis, "m"});
-  for (const char* axis : {"north", "east", "down"}) ned.covariance.push_back({std::string("velocity.") + axis, "m/s"});
-  common(ned);
-  for (const char* name : {"position_sd_n", "position_sd_e", "position_sd_d"})
-    ned.fields.push_back(level(name, "m", "standard deviation"));
-  for (const char* name : {"velocity_sd_n", "velocity_sd_e", "velocity_sd_d"})
-    ned.fields.push_back(level(name, "m/s", "standard deviation"));
-  channels_ = {std::move(ecef), std::move(ned)};
+  if (is_geodetic) {
+    handles.position_sd = deviations("position_sd_n", "position_sd_e", "position_sd_d", "m");
+    handles.velocity_sd = deviations("velocity_sd_n", "velocity_sd_e", "velocity_sd_d", "m/s");
+  }
+  const std::array<const char*, 3> axes = is_geodetic ? std::array{"north", "east", "down"} : std::array{"x", "y", "z"};
+  for (const char* axis : axes) channel.covariance.push_back({std::string("position.") + axis, "m"});
+  for (const char* axis : axes) channel.covariance.push_back({std::string("velocity.") + axis, "m/s"});
+  channel.covariance.push_back({"receiver_clock.bias", "m"});
+  channel.covariance.push_back({"receiver_clock.drift", "m/s"});
+  handles.channel = declaration_.emits(std::move(channel));
+  return handles;
 }
 
-std::size_t SinglePoint::memory_bytes() const noexcept { return sizeof(SinglePointState); }
-
-void SinglePoint::start(std::uint64_t /*seed*/, std::byte* memory) const {
-  const SinglePointState state;
-  std::memcpy(memory, &state, sizeof state);
-}
-
-void SinglePoint::on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const {
-  auto& state = *reinterpret_cast<SinglePointState*>(memory);
-  if (input == ephemeris_input) {
+void SinglePoint::on(const TransformInput& in, Emitter& emitter) const {
+  const SampleView& sample = in.sample;
+  SinglePointState& state = in.memory[state_];
+  if (in.from == ephemeris_) {
     const int rows = std::clamp(sample.rows, 0, gnss::most_rows);
     state.ephemeris_rows = rows;
     std::copy_n(sample.row_fields, rows * gnss::ephemeris_field_count, state.ephemerides);
     return;
   }
-  if (input == klobuchar_input) {
+  if (in.from == klobuchar_) {
     state.has_klobuchar = 1;
     std::copy_n(sample.fields, 8, state.klobuchar);
     return;
@@ -324,35 +319,34 @@ void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePo
     for (int j = 0; j < 4; ++j) fix.P(of_rates[i], of_rates[j]) = cofactors(i, j);
 }
 
+void SinglePoint::write(Time t, const SinglePointFix& fix, const Solution& to, SampleWriter& out) const {
+  out.t = t;
+  out[to.clock] = Eigen::Vector2d(fix.clock, fix.drift);
+  out[to.count] = Eigen::Vector2d(fix.used, fix.excluded_count);
+  out[to.gdop] = fix.gdop;
+}
+
 void SinglePoint::emit(Time t, const SinglePointFix& fix, Emitter& emitter) const {
-  const auto common = [&](double* fields) {
-    const double values[] = {fix.clock, fix.drift, static_cast<double>(fix.used),
-                             static_cast<double>(fix.excluded_count), fix.gdop};
-    std::copy(std::begin(values), std::end(values), fields);
-  };
-  SampleSlot& ecef = emitter.slot(0);
-  ecef.t = t;
-  vector_at<3>(ecef.fields) = fix.place.ecef;
-  vector_at<3>(ecef.fields + 3) = fix.velocity;
-  common(ecef.fields + 6);
-  matrix_at<8, 8>(ecef.covariance) = fix.P;
-  ecef.has_covariance = true;
-  emitter.emit(0);
+  SampleWriter& ecef = emitter.on(ecef_.channel);
+  write(t, fix, ecef_, ecef);
+  ecef[ecef_.position] = fix.place.ecef;
+  ecef[ecef_.velocity] = fix.velocity;
+  ecef.attach_covariance().as<8, 8>() = fix.P;
+  emitter.emit(ecef_.channel);
 
   const Eigen::Matrix3d C_ne = fix.place.C_en.transpose();
   Covariance turn = Covariance::Identity();
   turn.topLeftCorner<3, 3>() = C_ne;
   turn.block<3, 3>(3, 3) = C_ne;
   const Covariance P = turn * fix.P * turn.transpose();
-  SampleSlot& ned = emitter.slot(1);
-  ned.t = t;
-  vector_at<3>(ned.fields) = fix.place.lla;
-  vector_at<3>(ned.fields + 3) = C_ne * fix.velocity;
-  common(ned.fields + 6);
-  for (int i = 0; i < 6; ++i) ned.fields[11 + i] = std::sqrt(P(i, i));
-  matrix_at<8, 8>(ned.covariance) = 0.5 * (P + P.transpose());
-  ned.has_covariance = true;
-  emitter.emit(1);
+  SampleWriter& ned = emitter.on(ned_.channel);
+  write(t, fix, ned_, ned);
+  ned[ned_.position] = fix.place.lla;
+  ned[ned_.velocity] = C_ne * fix.velocity;
+  for (int i = 0; i < 3; ++i) ned[ned_.position_sd[i]] = std::sqrt(P(i, i));
+  for (int i = 0; i < 3; ++i) ned[ned_.velocity_sd[i]] = std::sqrt(P(3 + i, 3 + i));
+  ned.attach_covariance().as<8, 8>() = 0.5 * (P + P.transpose());
+  emitter.emit(ned_.channel);
 }
 
 }  // namespace binnacle::gnss_range

@@ -2,11 +2,12 @@
 // Single-point solutions: position, velocity and clock of each epoch by itself, by iterated least squares.
 #pragma once
 
-#include <vector>
+#include <array>
 
 #include "binnacle/source.hpp"
 #include "gnss/corrections.hpp"
 #include "satellite_limit.hpp"
+#include "solution_fields.hpp"
 
 namespace binnacle::gnss_range {
 
@@ -18,10 +19,7 @@ class SinglePoint final : public Transform {
   static ComponentSpec spec();
   explicit SinglePoint(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
   using Sightings = std::array<gnss::Sighting, gnss::most_rows>;
@@ -39,7 +37,21 @@ class SinglePoint final : public Transform {
   SatelliteLimit limit_;
   gnss::ElevationNoise range_noise_, rate_noise_;
   double exclude_beyond_, max_gdop_, unknown_speed_, unknown_drift_;
-  std::vector<ChannelDeclaration> channels_;
+
+  /// Of each of the two channels.
+  struct Solution : PlaceFields {
+    OutputChannel channel;
+    OutputFields<2> clock;  // bias, drift
+    OutputFields<2> count;  // used, excluded
+    OutputField gdop;
+    OutputFields<3> position_sd, velocity_sd;  // of ned only
+  };
+  Solution declare(const char* name, bool is_geodetic);
+  void write(Time t, const SinglePointFix& fix, const Solution& to, SampleWriter& out) const;
+
+  Input ephemeris_, klobuchar_;
+  Solution ecef_, ned_;
+  Memory<SinglePointState> state_;
 };
 
 }  // namespace binnacle::gnss_range

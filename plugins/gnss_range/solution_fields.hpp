@@ -2,33 +2,33 @@
 // Fields by which a place and a motion are told.
 #pragma once
 
-#include <vector>
-
+#include "binnacle/sample.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle::gnss_range {
 
 inline FieldSpec level(const char* name, const char* unit, const char* text) {
-  return {name, unit, FieldKind::level, false, false, text};
+  return field::level(name, unit).about(text);
 }
 
-inline std::vector<FieldSpec> ecef_fields() {
-  return {level("x", "m", "ECEF position"),    level("y", "m", "ECEF position"),
-          level("z", "m", "ECEF position"),    level("vx", "m/s", "ECEF velocity"),
-          level("vy", "m/s", "ECEF velocity"), level("vz", "m/s", "ECEF velocity")};
+struct PlaceFields {
+  OutputFields<3> position, velocity;
+};
+
+inline PlaceFields carry_ecef(ChannelDeclaration& channel) {
+  const char *const place = "ECEF position", *const motion = "ECEF velocity";
+  const auto position = channel.carries(level("x", "m", place), level("y", "m", place), level("z", "m", place));
+  return {position,
+          channel.carries(level("vx", "m/s", motion), level("vy", "m/s", motion), level("vz", "m/s", motion))};
 }
 
-inline std::vector<FieldSpec> geodetic_fields() {
-  return {level("lat", "rad", "geodetic latitude"),         level("lon", "rad", "longitude, east positive"),
-          level("height", "m", "above the ellipsoid"),      level("vn", "m/s", "velocity over ground, north"),
-          level("ve", "m/s", "velocity over ground, east"), level("vd", "m/s", "velocity over ground, down")};
-}
-
-/// Position and velocity, first in ECEF axes and then geodetic.
-inline std::vector<FieldSpec> place_fields() {
-  auto fields = ecef_fields();
-  for (auto& field : geodetic_fields()) fields.push_back(std::move(field));
-  return fields;
+inline PlaceFields carry_geodetic(ChannelDeclaration& channel) {
+  const auto position =
+      channel.carries(level("lat", "rad", "geodetic latitude"), level("lon", "rad", "longitude, east positive"),
+                      level("height", "m", "above the ellipsoid"));
+  return {position, channel.carries(level("vn", "m/s", "velocity over ground, north"),
+                                    level("ve", "m/s", "velocity over ground, east"),
+                                    level("vd", "m/s", "velocity over ground, down"))};
 }
 
 }  // namespace binnacle::gnss_range

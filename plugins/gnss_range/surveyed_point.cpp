@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "binnacle/view.hpp"
 #include "gnss/channels.hpp"
-#include "solution_fields.hpp"
 #include "strapdown/earth.hpp"
 
 namespace binnacle::gnss_range {
@@ -23,10 +21,8 @@ ComponentSpec SurveyedPoint::spec() {
                      number("lat", "rad").at_least(-M_PI / 2).at_most(M_PI / 2).about("geodetic latitude, WGS-84"),
                      number("lon", "rad").about("longitude, east positive"),
                      number("height", "m").about("above the ellipsoid")};
-  spec.inputs = {{"when",
-                  {{"satellite", "1", FieldKind::level, false, true, "an observation channel"}},
-                  false,
-                  "whose epochs are repeated"}};
+  spec.inputs = {input("when", {field::level("satellite", "1").per_row().about("an observation channel")})
+                     .about("whose epochs are repeated")};
   spec.example = R"json({"input": "gnss.obs", "ecef": [-3976219.1, 3382371.6, 3652511.2]})json";
   return spec;
 }
@@ -45,18 +41,19 @@ SurveyedPoint::SurveyedPoint(const Binding& binding) {
     lla_ = strapdown::lla_from_ecef(ecef_);
   }
   ChannelDeclaration channel;
-  channel.fields = place_fields();
-  channels_ = {std::move(channel)};
+  ecef_fields_ = carry_ecef(channel);
+  geodetic_fields_ = carry_geodetic(channel);
+  channel_ = declaration_.emits(std::move(channel));
 }
 
-void SurveyedPoint::on(int /*input*/, const SampleView& sample, std::byte* /*memory*/, Emitter& emitter) const {
-  SampleSlot& slot = emitter.slot(0);
-  slot.t = sample.t;
-  vector_at<3>(slot.fields) = ecef_;
-  vector_at<3>(slot.fields + 3).setZero();
-  vector_at<3>(slot.fields + 6) = lla_;
-  vector_at<3>(slot.fields + 9).setZero();
-  emitter.emit(0);
+void SurveyedPoint::on(const TransformInput& in, Emitter& emitter) const {
+  SampleWriter& out = emitter.on(channel_);
+  out.t = in.sample.t;
+  out[ecef_fields_.position] = ecef_;
+  out[ecef_fields_.velocity].setZero();
+  out[geodetic_fields_.position] = lla_;
+  out[geodetic_fields_.velocity].setZero();
+  emitter.emit(channel_);
 }
 
 }  // namespace binnacle::gnss_range

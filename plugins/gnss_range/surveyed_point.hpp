@@ -4,9 +4,8 @@
 
 #include <Eigen/Core>
 
-#include <vector>
-
 #include "binnacle/source.hpp"
+#include "solution_fields.hpp"
 
 namespace binnacle::gnss_range {
 
@@ -16,13 +15,12 @@ class SurveyedPoint final : public Transform {
   static ComponentSpec spec();
   explicit SurveyedPoint(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return 0; }
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
-  std::vector<ChannelDeclaration> channels_;
   Eigen::Vector3d ecef_, lla_;
+  OutputChannel channel_;
+  PlaceFields ecef_fields_, geodetic_fields_;
 };
 
 }  // namespace binnacle::gnss_range

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 
 #include "binnacle/parameters.hpp"
+#include "binnacle/view.hpp"
 #include "gnss/channels.hpp"
 #include "header.hpp"
 
@@ -80,25 +80,32 @@ RinexSource::RinexSource(const Binding& binding)
   if (!observation_path_.empty()) check_file(observation_path_, FileType::observation);
   if (!navigation_path_.empty()) check_file(navigation_path_, FileType::navigation);
 
+  declare_channels();
+}
+
+void RinexSource::declare_channels() {
   const auto rows = gnss::most_satellites_per_constellation *
                     (static_cast<int>(!signals_.gps.empty()) + static_cast<int>(!signals_.galileo.empty()));
-  ChannelDeclaration obs;
-  obs.name = "obs";
-  obs.fields = gnss::observation_fields(false);
-  obs.fields.push_back({"event", "1", FieldKind::level, false, false, "1: power failure since the epoch before"});
-  obs.fields.push_back(
-      {"clock_offset", "s", FieldKind::level, false, false, "of the receiver, as the file tells it; NaN: it does not"});
-  obs.fields.push_back({"clock_jump", "m", FieldKind::level, false, false,
-                        "the receiver's clock was set by it since the epoch before; found from code and phase"});
-  obs.max_rows = rows;
-  ChannelDeclaration ephemeris;
-  ephemeris.name = "ephemeris";
-  ephemeris.fields = gnss::ephemeris_fields();
-  ephemeris.max_rows = rows;
-  ChannelDeclaration iono;
-  iono.name = "iono";
-  iono.fields = gnss::klobuchar_fields();
-  channels_ = {std::move(obs), std::move(ephemeris), std::move(iono)};
+  ChannelDeclaration obs("obs"), ephemeris("ephemeris", gnss::ephemeris_fields()), iono("iono");
+  const auto fields = gnss::observation_fields(false);
+  satellite_ = obs.carries_per_row(fields[gnss::observation::satellite]);
+  pseudorange_ = obs.carries_per_row(fields[gnss::observation::pseudorange]);
+  range_rate_ = obs.carries_per_row(fields[gnss::observation::range_rate]);
+  cn0_ = obs.carries_per_row(fields[gnss::observation::cn0]);
+  event_ = obs.carries(field::level("event", "1").about("1: power failure since the epoch before"));
+  clock_offset_ =
+      obs.carries(field::level("clock_offset", "s").about("of the receiver, as the file tells it; NaN: it does not"));
+  clock_jump_ = obs.carries(field::level("clock_jump", "m")
+                                .about("the receiver's clock was set by it since the epoch before; found from code and "
+                                       "phase"));
+  obs.max_rows = ephemeris.max_rows = rows;
+  const auto k = gnss::klobuchar_fields();
+  alpha_ = iono.carries(k[0], k[1], k[2], k[3]);
+  beta_ = iono.carries(k[4], k[5], k[6], k[7]);
+  obs_ = declaration_.emits(std::move(obs));
+  ephemeris_ = declaration_.emits(std::move(ephemeris));
+  iono_ = declaration_.emits(std::move(iono));
+  next_ = declaration_.keeps<std::uint64_t>();
 }
 
 bool RinexSource::takes(gnss::SatelliteKey key) const { return !signals_.of(gnss::constellation_of(key)).empty(); }
@@ -141,11 +148,11 @@ void RinexSource::open(Reporter& reporter) {
 /// At one instant coefficients and messages come before the observations that need them.
 void RinexSource::arrange(Time first, Time last) {
   if (!navigation_.messages.empty() && first <= last) {
-    if (navigation_.klobuchar) events_.push_back({first, klobuchar, 0});
+    if (navigation_.klobuchar) events_.push_back({first, Kind::klobuchar, 0});
     sets_ = choose_messages(navigation_.messages, rules_, first, last);
-    for (std::size_t i = 0; i < sets_.size(); ++i) events_.push_back({sets_[i].t, ephemerides, i});
+    for (std::size_t i = 0; i < sets_.size(); ++i) events_.push_back({sets_[i].t, Kind::ephemerides, i});
   }
-  for (std::size_t i = 0; i < epochs_.size(); ++i) events_.push_back({epochs_[i].t, observations, i});
+  for (std::size_t i = 0; i < epochs_.size(); ++i) events_.push_back({epochs_[i].t, Kind::observations, i});
   std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
 }
 
@@ -155,8 +162,8 @@ void RinexSource::report_orphans(Faults& faults) const {
   int first_line = 0;
   const MessageSet* set = nullptr;
   for (const Event& event : events_) {
-    if (event.channel == ephemerides) set = &sets_[event.index];
-    if (event.channel != observations) continue;
+    if (event.kind == Kind::ephemerides) set = &sets_[event.index];
+    if (event.kind != Kind::observations) continue;
     for (const Observation& observation : epochs_[event.index].satellites) {
       const bool has_message = set && std::any_of(set->messages.begin(), set->messages.end(), [&](std::size_t i) {
                                  return navigation_.messages[i].ephemeris.satellite == observation.satellite;
@@ -173,46 +180,37 @@ void RinexSource::report_orphans(Faults& faults) const {
   faults.note("B065", first_line, message);
 }
 
-void RinexSource::start(std::uint64_t /*seed*/, std::byte* memory) const {
-  const std::uint64_t next_event = 0;
-  std::memcpy(memory, &next_event, sizeof next_event);
-}
-
-SourceStatus RinexSource::next(std::byte* memory, SampleSlot* slots, int& channel) const {
-  std::uint64_t at = 0;
-  std::memcpy(&at, memory, sizeof at);
+SourceStatus RinexSource::next(const MemoryView& bytes, SourceOutput& output) const {
+  std::uint64_t& at = bytes[next_];
   if (at >= events_.size()) return SourceStatus::end;
   const Event& event = events_[static_cast<std::size_t>(at++)];
-  std::memcpy(memory, &at, sizeof at);
-  channel = event.channel;
-  SampleSlot& slot = slots[channel];
-  slot.t = event.t;
-  if (event.channel == klobuchar) {
-    std::copy_n(navigation_.klobuchar->alpha, 4, slot.fields);
-    std::copy_n(navigation_.klobuchar->beta, 4, slot.fields + 4);
-  } else if (event.channel == ephemerides) {
-    double* row = slot.row_fields;
-    for (const std::size_t message : sets_[event.index].messages) {
-      gnss::write_ephemeris(navigation_.messages[message].ephemeris, row);
-      row += gnss::ephemeris_field_count;
-      ++slot.rows;
-    }
+  SampleWriter& out = output.on(event.kind == Kind::klobuchar     ? iono_
+                                : event.kind == Kind::ephemerides ? ephemeris_
+                                                                  : obs_);
+  out.t = event.t;
+  if (event.kind == Kind::klobuchar) {
+    out[alpha_] = vector_at<4>(navigation_.klobuchar->alpha);
+    out[beta_] = vector_at<4>(navigation_.klobuchar->beta);
+  } else if (event.kind == Kind::ephemerides) {
+    for (const std::size_t message : sets_[event.index].messages)
+      gnss::write_ephemeris(navigation_.messages[message].ephemeris, out.row_view(out.rows++).data());
   } else {
-    const Epoch& epoch = epochs_[event.index];
-    slot.fields[0] = epoch.event;
-    slot.fields[1] = epoch.clock_offset;
-    slot.fields[2] = epoch.clock_jump;
-    double* row = slot.row_fields;
-    for (const Observation& observation : epoch.satellites) {
-      row[gnss::observation::satellite] = static_cast<double>(observation.satellite);
-      row[gnss::observation::pseudorange] = observation.pseudorange;
-      row[gnss::observation::range_rate] = observation.range_rate;
-      row[gnss::observation::cn0] = observation.cn0;
-      row += gnss::observation::field_count;
-      ++slot.rows;
-    }
+    write_observations(epochs_[event.index], out);
   }
   return SourceStatus::sample;
+}
+
+void RinexSource::write_observations(const Epoch& epoch, SampleWriter& out) const {
+  out[event_] = epoch.event;
+  out[clock_offset_] = epoch.clock_offset;
+  out[clock_jump_] = epoch.clock_jump;
+  for (const Observation& observation : epoch.satellites) {
+    const int row = out.rows++;
+    out(row, satellite_) = static_cast<double>(observation.satellite);
+    out(row, pseudorange_) = observation.pseudorange;
+    out(row, range_rate_) = observation.range_rate;
+    out(row, cn0_) = observation.cn0;
+  }
 }
 
 }  // namespace binnacle::rinex

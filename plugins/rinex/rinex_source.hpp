@@ -16,21 +16,20 @@ class RinexSource final : public Source {
   static ComponentSpec spec();
   explicit RinexSource(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
   void open(Reporter& reporter) override;
-  std::size_t memory_bytes() const noexcept override { return sizeof(std::uint64_t); }
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+  SourceStatus next(const MemoryView& bytes, SourceOutput& output) const override;
 
  private:
-  enum Channel { observations, ephemerides, klobuchar };
+  enum class Kind { observations, ephemerides, klobuchar };
   struct Event {
     Time t;
-    Channel channel;
+    Kind kind;
     std::size_t index;
   };
 
+  void declare_channels();
   bool takes(gnss::SatelliteKey key) const;
+  void write_observations(const Epoch& epoch, SampleWriter& out) const;
   void arrange(Time first, Time last);
   void report_orphans(Faults& faults) const;
 
@@ -40,7 +39,11 @@ class RinexSource final : public Source {
   OnInvalid on_invalid_ = OnInvalid::skip;
   ChoiceRules rules_;
   Time from_, to_;
-  std::vector<ChannelDeclaration> channels_;
+  OutputChannel obs_, ephemeris_, iono_;
+  OutputField event_, clock_offset_, clock_jump_;
+  OutputRowField satellite_, pseudorange_, range_rate_, cn0_;
+  OutputFields<4> alpha_, beta_;
+  Memory<std::uint64_t> next_;  // event
 
   std::vector<Epoch> epochs_;
   Navigation navigation_;

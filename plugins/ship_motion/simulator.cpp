@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulator.hpp"
 
-#include <new>
-#include <type_traits>
-
 #include <Eigen/Cholesky>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -13,14 +10,6 @@
 namespace binnacle::ship_motion {
 
 namespace {
-
-FieldSpec level(const char* name, const char* unit, const char* text) {
-  FieldSpec field;
-  field.name = name;
-  field.unit = unit;
-  field.text = text;
-  return field;
-}
 
 /// A with A Aᵀ = P; P may be singular.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& P) {
@@ -102,14 +91,16 @@ Simulator::Simulator(const Binding& binding) : noise_(binding.parameters().numbe
 }
 
 void Simulator::declare_channels() {
-  channels_.resize(2);
-  channels_[truth].name = "truth";
-  channels_[truth].fields = {level("angle", "rad", "of the ship")};
-  if (!is_recorded()) channels_[truth].fields.push_back(level("rate", "rad/s", "of the angle"));
-  channels_[truth].fields.push_back(level("error", "rad", "what the drift has added to the reading"));
-  channels_[truth].fields.push_back(level("drift", "rad/s", "of the gyro"));
-  channels_[gyro].name = "gyro";
-  channels_[gyro].fields = {level("angle", "rad", "as read: angle, error and white noise")};
+  using field::level;
+  ChannelDeclaration of_truth("truth"), of_gyro("gyro");
+  angle_ = of_truth.carries(level("angle", "rad").about("of the ship"));
+  if (!is_recorded()) rate_ = of_truth.carries(level("rate", "rad/s").about("of the angle"));
+  error_ = of_truth.carries(level("error", "rad").about("what the drift has added to the reading"));
+  drift_ = of_truth.carries(level("drift", "rad/s").about("of the gyro"));
+  reading_ = of_gyro.carries(level("angle", "rad").about("as read: angle, error and white noise"));
+  truth_channel_ = declaration_.emits(std::move(of_truth));
+  gyro_channel_ = declaration_.emits(std::move(of_gyro));
+  memory_ = declaration_.keeps<Memory>();
 }
 
 void Simulator::discretize(double interval) {
@@ -133,11 +124,10 @@ void Simulator::open(Reporter& /*reporter*/) {
   discretize(record_.interval);
 }
 
-std::size_t Simulator::memory_bytes() const noexcept { return sizeof(Memory); }
-
-void Simulator::start(std::uint64_t seed, std::byte* bytes) const {
-  static_assert(std::is_trivially_copyable_v<Memory>);
-  Memory& memory = *new (bytes) Memory{random::stream(seed, "ship"), {}, 0, truth};
+void Simulator::initialise(std::uint64_t seed, const MemoryView& bytes) const {
+  Memory& memory = bytes[memory_];
+  memory.engine = random::stream(seed, "ship");
+  memory.next = truth;
   States w(F_.rows());
   for (Eigen::Index i = 0; i < w.size(); ++i) w[i] = random::normal(memory.engine);
   Eigen::Map<States, Eigen::Unaligned>(memory.x, w.size()) = root_P_ * w;
@@ -149,25 +139,24 @@ bool Simulator::is_over(const Memory& memory) const {
                        : memory.sample > duration_ / interval_;
 }
 
-SourceStatus Simulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
-  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
+SourceStatus Simulator::next(const MemoryView& bytes, SourceOutput& output) const {
+  Memory& memory = bytes[memory_];
   if (is_over(memory)) return SourceStatus::end;
   Eigen::Map<States, Eigen::Unaligned> x(memory.x, F_.rows());
   const auto row = static_cast<std::size_t>(memory.sample);
   const double angle = is_recorded() ? record_.values[memory.sample] : x[0];
-  channel = memory.next == truth ? truth : gyro;
-  SampleSlot& slot = slots[channel];
-  slot.t = is_recorded() ? record_.times[row] : memory.sample * interval_;
-  memory.next = channel == truth ? gyro : truth;
-  if (channel == truth) {
-    int field = 0;
-    slot.fields[field++] = angle;
-    if (!is_recorded()) slot.fields[field++] = x[1];
-    slot.fields[field++] = x[order_];
-    slot.fields[field++] = x[order_ + 1];
+  const bool is_truth = memory.next == truth;
+  SampleWriter& out = output.on(is_truth ? truth_channel_ : gyro_channel_);
+  out.t = is_recorded() ? record_.times[row] : memory.sample * interval_;
+  memory.next = is_truth ? gyro : truth;
+  if (is_truth) {
+    out[angle_] = angle;
+    if (!is_recorded()) out[rate_] = x[1];
+    out[error_] = x[order_];
+    out[drift_] = x[order_ + 1];
     return SourceStatus::sample;
   }
-  slot.fields[0] = angle + x[order_] + noise_ * random::normal(memory.engine);
+  out[reading_] = angle + x[order_] + noise_ * random::normal(memory.engine);
   States w(x.size());
   for (Eigen::Index i = 0; i < w.size(); ++i) w[i] = random::normal(memory.engine);
   x = (Phi_ * x + root_Q_ * w).eval();

@@ -18,17 +18,16 @@ class Simulator final : public Source {
   static ComponentSpec spec();
   explicit Simulator(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
   void open(Reporter& reporter) override;
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+  SourceStatus next(const MemoryView& bytes, SourceOutput& output) const override;
 
-  enum Channel { truth, gyro };
+  enum Channel { truth, gyro };  // the order of its channels
 
  private:
   static constexpr int max_states = 6;
   struct Memory;
+
+  void initialise(std::uint64_t seed, const MemoryView& bytes) const override;
   using States = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_states, 1>;
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_states, max_states>;
 
@@ -44,7 +43,10 @@ class Simulator final : public Source {
   Square F_, density_, root_P_;       // continuous form, root of the first covariance
   Square Phi_, root_Q_;               // per interval
   double noise_;                      // rad
-  std::vector<ChannelDeclaration> channels_;
+  OutputChannel truth_channel_, gyro_channel_;
+  OutputField angle_, rate_, error_, drift_;  // of truth; the rate only of a motion that is not recorded
+  OutputField reading_;                       // of gyro
+  binnacle::Memory<Memory> memory_;
 };
 
 }  // namespace binnacle::ship_motion

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "simulation/fields.hpp"
 #include "waves.hpp"
 
 namespace binnacle::ship_simulator {
@@ -19,13 +18,20 @@ constexpr double degree = std::numbers::pi / 180.0;
 
 /// The attitude of axes that are fixed in the SINS and would be those of the ship if the mounting were the nominal one.
 /// Where the SINS stands upright its own roll and yaw are ill conditioned; these are not.
-FieldList level_attitude_fields() {
+Triad level_attitude_fields() {
   return {level("level_roll", "rad", "roll of the SINS turned back by the nominal mounting"),
           level("level_pitch", "rad", "pitch of the SINS turned back by the nominal mounting"),
           level("level_yaw", "rad", "yaw of the SINS turned back by the nominal mounting")};
 }
 
-FieldList navigation_fields() { return joined({position_fields(), velocity_fields(), attitude_fields()}); }
+Channels::State carry_state(ChannelDeclaration& channel) {
+  Channels::State handles;
+  handles.position = channel.carries(position_fields());
+  handles.velocity = channel.carries(velocity_fields());
+  handles.attitude = channel.carries(attitude_fields());
+  handles.level_attitude = channel.carries(level_attitude_fields());
+  return handles;
+}
 
 std::vector<ParameterSpec> start_members() {
   using namespace parameter;
@@ -226,17 +232,26 @@ ComponentSpec declare_component() {
   return spec;
 }
 
-std::vector<ChannelDeclaration> declare_channels(Time imu_interval) {
-  const FieldList mins = joined({velocity_fields(), position_fields(), attitude_fields()});
-  const FieldList state = joined({navigation_fields(), level_attitude_fields()});
-  const FieldList mounting = {level("mx", "rad", "misalignment about MINS x (forward)"),
-                              level("my", "rad", "misalignment about MINS y (right)"),
-                              level("mz", "rad", "misalignment about MINS z (down)")};
-  return {{"imu", imu_fields(false), 0, {}, imu_interval},
-          {"mins", mins, 0, {}, 0},
-          {"truth", state, 0, {}, 0},
-          {"initial", state, 0, navigation_covariance(), 0},
-          {"mounting", mounting, 0, {}, 0}};
+Channels declare_channels(SourceDeclaration& declaration, Time imu_interval) {
+  Channels handles;
+  ChannelDeclaration imu("imu"), mins("mins"), truth("truth"), initial("initial"), mounting("mounting");
+  static_cast<ImuFields&>(handles.imu) = carry_imu(imu, false);
+  imu.max_interval = imu_interval;
+  handles.mins.velocity = mins.carries(velocity_fields());
+  handles.mins.position = mins.carries(position_fields());
+  handles.mins.attitude = mins.carries(attitude_fields());
+  handles.truth = carry_state(truth);
+  handles.initial = carry_state(initial);
+  initial.covariance = navigation_covariance();
+  handles.mounting.misalignment = mounting.carries(level("mx", "rad", "misalignment about MINS x (forward)"),
+                                                   level("my", "rad", "misalignment about MINS y (right)"),
+                                                   level("mz", "rad", "misalignment about MINS z (down)"));
+  handles.imu.channel = declaration.emits(std::move(imu));
+  handles.mins.channel = declaration.emits(std::move(mins));
+  handles.truth.channel = declaration.emits(std::move(truth));
+  handles.initial.channel = declaration.emits(std::move(initial));
+  handles.mounting.channel = declaration.emits(std::move(mounting));
+  return handles;
 }
 
 }  // namespace binnacle::ship_simulator

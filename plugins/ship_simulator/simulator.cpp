@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
 #include <string>
-#include <type_traits>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "declaration.hpp"
 #include "random/normal.hpp"
-#include "simulation/fields.hpp"
 #include "simulation/quadrature.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
@@ -23,7 +19,6 @@ namespace binnacle::ship_simulator {
 
 using Eigen::Vector3d;
 using Eigen::Vector4d;
-using simulation::FieldWriter;
 using simulation::first_normal_vector;
 using simulation::Inertial;
 using simulation::normal_vector;
@@ -103,8 +98,7 @@ double uniform_phase(random::Philox& stream) {
 
 }  // namespace
 
-/// All that changes while the source runs, and what is drawn once a run: plain memory in the kernel's arena. The phases
-/// of the tones follow it.
+/// All that changes while the source runs, and what is drawn once a run: plain memory in the kernel's arena.
 struct ShipSimulator::Memory {
   std::uint64_t seed;
   std::int64_t next_imu, next_mins, next_truth, next_mounting;  // ticks of their clocks
@@ -133,7 +127,9 @@ ShipSimulator::ShipSimulator(const Parameters& p)
       mounting_(read_mounting(p.object("mounting"))),
       initial_(read_initial(p.object("initial"), p.boolean("perfect"))),
       longest_piece_(widest_piece / std::max(motion_.largest_omega(), 1e-3)),
-      channels_(declare_channels(imu_clock_.at(1) + 1)) {
+      channels_(declare_channels(declaration_, imu_clock_.at(1) + 1)),
+      memory_(declaration_.keeps<Memory>()),
+      phases_(declaration_.keeps_array<double>(motion_.tone_count())) {
   const double reach = p.object("start").number("speed") * seconds(duration_);
   if (reach > 1e6)
     throw ComponentError("the ship would go further than 1000 km, where its course is no longer what it was told",
@@ -142,14 +138,9 @@ ShipSimulator::ShipSimulator(const Parameters& p)
 
 ComponentSpec ShipSimulator::spec() { return declare_component(); }
 
-std::size_t ShipSimulator::memory_bytes() const noexcept {
-  return sizeof(Memory) + motion_.tone_count() * sizeof(double);
-}
-
-void ShipSimulator::start(std::uint64_t seed, std::byte* bytes) const {
-  static_assert(std::is_trivially_copyable_v<Memory> && alignof(Memory) <= 8);
+void ShipSimulator::initialise(std::uint64_t seed, const MemoryView& bytes) const {
   const double dt = imu_clock_.interval_before(1);
-  Memory& memory = *new (bytes) Memory{};
+  Memory& memory = bytes[memory_];
   memory.seed = seed;
   memory.next_imu = 1;
   memory.next_mins = 1;
@@ -167,7 +158,7 @@ void ShipSimulator::start(std::uint64_t seed, std::byte* bytes) const {
   Vector(memory.misalignment) = misalignment;
   Quaternion(memory.q_ms) = strapdown::attitude_plus(mounting_.nominal, misalignment);
 
-  auto* const phases = new (bytes + sizeof(Memory)) double[std::max<std::size_t>(motion_.tone_count(), 1)];
+  double* const phases = bytes[phases_].data();
   std::size_t i = 0;
   for (std::size_t k = 0; k < freedoms; ++k) {
     auto stream = random::stream(seed, std::string("motion.") + freedom_name[k]);
@@ -179,9 +170,9 @@ void ShipSimulator::start(std::uint64_t seed, std::byte* bytes) const {
   if (has_rotation_vectors_) Quaternion(memory.q_im) = inertial_attitude(motion_.at(0.0, phases), 0.0);
 }
 
-SourceStatus ShipSimulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
-  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
-  const double* const phases = std::launder(reinterpret_cast<const double*>(bytes + sizeof(Memory)));
+SourceStatus ShipSimulator::next(const MemoryView& bytes, SourceOutput& out) const {
+  Memory& memory = bytes[memory_];
+  const double* const phases = bytes[phases_].data();
   const Time truth_due = truth_clock_.due(memory.next_truth, duration_);
   const Time mounting_due = truth_clock_.due(memory.next_mounting, duration_);
   const Time imu_due = imu_clock_.due(memory.next_imu, duration_);
@@ -189,17 +180,17 @@ SourceStatus ShipSimulator::next(std::byte* bytes, SampleSlot* slots, int& chann
   const Time first = std::min({truth_due, mounting_due, imu_due, mins_due});
 
   if (memory.has_initial != 0) {
-    emit_initial(memory, phases, slots[channel = initial]);
+    emit_initial(memory, phases, out.on(channels_.initial.channel));
   } else if (first == simulation::never) {
     return SourceStatus::end;
   } else if (first == truth_due) {
-    emit_truth(memory, phases, slots[channel = truth]);
+    emit_truth(memory, phases, out.on(channels_.truth.channel));
   } else if (first == mounting_due) {
-    emit_mounting(memory, slots[channel = mounting]);
+    emit_mounting(memory, out.on(channels_.mounting.channel));
   } else if (first == imu_due) {
-    emit_imu(memory, phases, slots[channel = imu]);
+    emit_imu(memory, phases, out.on(channels_.imu.channel));
   } else {
-    emit_mins(memory, phases, slots[channel = mins]);
+    emit_mins(memory, phases, out.on(channels_.mins.channel));
   }
   return SourceStatus::sample;
 }
@@ -229,7 +220,7 @@ Vector3d ShipSimulator::rotation_since(Vector4d& last, double t, const double* p
   return strapdown::quaternion_log(turn);
 }
 
-void ShipSimulator::emit_imu(Memory& memory, const double* phases, SampleSlot& slot) const {
+void ShipSimulator::emit_imu(Memory& memory, const double* phases, SampleWriter& out) const {
   const std::int64_t tick = memory.next_imu++;
   const Time begin = imu_clock_.at(tick - 1), end = imu_clock_.at(tick);
   const double dt = seconds(end - begin);
@@ -240,43 +231,47 @@ void ShipSimulator::emit_imu(Memory& memory, const double* phases, SampleSlot& s
     Quaternion(memory.q_im) = last;
   }
   const Eigen::Matrix3d C_sm = strapdown::dcm_from_quaternion(ConstQuaternion(memory.q_ms)).transpose();
-  slot.t0 = start_time_ + begin;
-  slot.t = start_time_ + end;
-  FieldWriter(slot) << measured(gyro_, memory.gyro, C_sm * exact.omega_ib_b, dt)
-                    << measured(accel_, memory.accel, C_sm * exact.f_b, dt);
+  out.t0 = start_time_ + begin;
+  out.t = start_time_ + end;
+  out[channels_.imu.w] = measured(gyro_, memory.gyro, C_sm * exact.omega_ib_b, dt);
+  out[channels_.imu.f] = measured(accel_, memory.accel, C_sm * exact.f_b, dt);
 }
 
-void ShipSimulator::emit_mins(Memory& memory, const double* phases, SampleSlot& slot) const {
+void ShipSimulator::emit_mins(Memory& memory, const double* phases, SampleWriter& out) const {
   const Time t = mins_clock_.at(memory.next_mins++);
   const simulation::Motion m = motion(motion_.at(seconds(t), phases));
   const auto error = [](const Vector3d& sigma, random::Philox& stream, const double* bias) -> Vector3d {
     return ConstVector(bias) + sigma.cwiseProduct(normal_vector(stream));
   };
-  slot.t = start_time_ + t;
-  FieldWriter(slot) << m.v_n + error(mins_.velocity_noise, memory.velocity_stream, memory.velocity_bias)
-                    << strapdown::position_plus(m.lla, error(mins_.position_noise, memory.position_stream,
-                                                             memory.position_bias))
-                    << m.roll_pitch_yaw + error(mins_.attitude_noise, memory.attitude_stream, memory.attitude_bias);
+  out.t = start_time_ + t;
+  const auto& to = channels_.mins;
+  out[to.velocity] = m.v_n + error(mins_.velocity_noise, memory.velocity_stream, memory.velocity_bias);
+  out[to.position] =
+      strapdown::position_plus(m.lla, error(mins_.position_noise, memory.position_stream, memory.position_bias));
+  out[to.attitude] = m.roll_pitch_yaw + error(mins_.attitude_noise, memory.attitude_stream, memory.attitude_bias);
 }
 
-void ShipSimulator::emit_truth(Memory& memory, const double* phases, SampleSlot& slot) const {
+void ShipSimulator::emit_truth(Memory& memory, const double* phases, SampleWriter& out) const {
   const Time t = truth_clock_.at(memory.next_truth++);
   const Point point = at_lever_arm(motion_.at(seconds(t), phases), mounting_.lever_arm);
   const Vector4d q_ns = strapdown::quaternion_product(point.q_nm, ConstQuaternion(memory.q_ms));
   const Vector4d level = strapdown::quaternion_product(q_ns, strapdown::quaternion_conjugate(mounting_.nominal));
-  slot.t = start_time_ + t;
-  FieldWriter(slot) << point.lla << point.v_n << strapdown::euler_from_quaternion(q_ns)
-                    << strapdown::euler_from_quaternion(level);
+  out.t = start_time_ + t;
+  const auto& to = channels_.truth;
+  out[to.position] = point.lla;
+  out[to.velocity] = point.v_n;
+  out[to.attitude] = strapdown::euler_from_quaternion(q_ns);
+  out[to.level_attitude] = strapdown::euler_from_quaternion(level);
 }
 
-void ShipSimulator::emit_mounting(Memory& memory, SampleSlot& slot) const {
-  slot.t = start_time_ + truth_clock_.at(memory.next_mounting++);
-  FieldWriter(slot) << ConstVector(memory.misalignment);
+void ShipSimulator::emit_mounting(Memory& memory, SampleWriter& out) const {
+  out.t = start_time_ + truth_clock_.at(memory.next_mounting++);
+  out[channels_.mounting.misalignment] = ConstVector(memory.misalignment);
 }
 
 // From the truth: truth = estimate ⊞ δ with δ ~ N(0, error²). From the MINS: what it shows at the start, as if the SINS
 // were mounted as designed; the attitude is then wrong by the misalignment.
-void ShipSimulator::emit_initial(Memory& memory, const double* phases, SampleSlot& slot) const {
+void ShipSimulator::emit_initial(Memory& memory, const double* phases, SampleWriter& out) const {
   memory.has_initial = 0;
   const State state = motion_.at(0.0, phases);
   const Point point = at_lever_arm(state, mounting_.lever_arm);
@@ -298,12 +293,13 @@ void ShipSimulator::emit_initial(Memory& memory, const double* phases, SampleSlo
                                  -initial_.error.tail<3>().cwiseProduct(w_attitude));
     level = strapdown::quaternion_product(q_ns, strapdown::quaternion_conjugate(mounting_.nominal));
   }
-  slot.t = start_time_;
-  FieldWriter(slot) << strapdown::position_plus(point.lla, position_error) << point.v_n + velocity_error
-                    << strapdown::euler_from_quaternion(strapdown::quaternion_product(level, mounting_.nominal))
-                    << strapdown::euler_from_quaternion(level);
-  Eigen::Map<Eigen::Matrix<double, 9, 9>>(slot.covariance) = initial_.sigma.cwiseAbs2().asDiagonal();
-  slot.has_covariance = true;
+  out.t = start_time_;
+  const auto& to = channels_.initial;
+  out[to.position] = strapdown::position_plus(point.lla, position_error);
+  out[to.velocity] = point.v_n + velocity_error;
+  out[to.attitude] = strapdown::euler_from_quaternion(strapdown::quaternion_product(level, mounting_.nominal));
+  out[to.level_attitude] = strapdown::euler_from_quaternion(level);
+  out.attach_covariance().as<9, 9>() = initial_.sigma.cwiseAbs2().asDiagonal();
 }
 
 }  // namespace binnacle::ship_simulator

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/source.hpp"
+#include "declaration.hpp"
 #include "ship_motion.hpp"
 #include "simulation/clock.hpp"
 #include "simulation/sensor_errors.hpp"
@@ -39,24 +40,23 @@ class ShipSimulator final : public Source {
   static ComponentSpec spec();
   explicit ShipSimulator(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+  SourceStatus next(const MemoryView& bytes, SourceOutput& out) const override;
 
-  enum Channel { imu, mins, truth, initial, mounting };
+  enum Channel { imu, mins, truth, initial, mounting };  // the order of its channels
 
  private:
   struct Memory;
 
+  void initialise(std::uint64_t seed, const MemoryView& bytes) const override;
+
   explicit ShipSimulator(const Parameters& parameters);
   simulation::Inertial increments(double t0, double t1, const double* phases) const;
   Eigen::Vector3d rotation_since(Eigen::Vector4d& last, double t, const double* phases) const;
-  void emit_imu(Memory& memory, const double* phases, SampleSlot& slot) const;
-  void emit_mins(Memory& memory, const double* phases, SampleSlot& slot) const;
-  void emit_truth(Memory& memory, const double* phases, SampleSlot& slot) const;
-  void emit_mounting(Memory& memory, SampleSlot& slot) const;
-  void emit_initial(Memory& memory, const double* phases, SampleSlot& slot) const;
+  void emit_imu(Memory& memory, const double* phases, SampleWriter& out) const;
+  void emit_mins(Memory& memory, const double* phases, SampleWriter& out) const;
+  void emit_truth(Memory& memory, const double* phases, SampleWriter& out) const;
+  void emit_mounting(Memory& memory, SampleWriter& out) const;
+  void emit_initial(Memory& memory, const double* phases, SampleWriter& out) const;
 
   ShipMotion motion_;
   Time start_time_, duration_;
@@ -67,7 +67,9 @@ class ShipSimulator final : public Source {
   MountingModel mounting_;
   InitialModel initial_;
   double longest_piece_;  // s, of an interval under quadrature
-  std::vector<ChannelDeclaration> channels_;
+  Channels channels_;
+  binnacle::Memory<Memory> memory_;
+  MemoryArray<double> phases_;  // of the tones
 };
 
 }  // namespace binnacle::ship_simulator

@@ -2,8 +2,6 @@
 // The detection_score transform: for how many seconds a detector missed what was, and told what was not.
 #pragma once
 
-#include <vector>
-
 #include "binnacle/source.hpp"
 
 namespace binnacle::stationary_detector {
@@ -14,15 +12,16 @@ class DetectionScore final : public Transform {
   static ComponentSpec spec();
   explicit DetectionScore(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
   struct Memory;
   Time after_;
-  std::vector<ChannelDeclaration> channels_;
+  Input detected_, truth_;
+  Field says_standing_, is_standing_;
+  OutputChannel channel_;
+  OutputField missed_, false_, standing_, moving_;
+  binnacle::Memory<Memory> memory_;
 };
 
 }  // namespace binnacle::stationary_detector

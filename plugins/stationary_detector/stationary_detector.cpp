@@ -2,9 +2,10 @@
 // The stationary_detector transform: from inertial samples to channels that speak while the vehicle stands or moves.
 #include "stationary_detector.hpp"
 
+#include <array>
 #include <cmath>
-#include <new>
-#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "binnacle/view.hpp"
 #include "strapdown/earth.hpp"
@@ -15,37 +16,30 @@ namespace {
 
 using Eigen::Vector3d;
 
-enum Input { imu_input, gyro_bias_input };
-enum Channel { standing_channel, moving_channel, state_channel };
 enum class State : std::int64_t { unknown, standing, moving };
 
-std::vector<FieldSpec> imu_fields(const char* text) {
-  std::vector<FieldSpec> fields;
-  for (const char* name : {"wx", "wy", "wz"}) fields.push_back({name, "rad/s", FieldKind::rate, false, false, text});
-  for (const char* name : {"fx", "fy", "fz"}) fields.push_back({name, "m/s^2", FieldKind::rate, false, false, text});
+using Triad = std::array<FieldSpec, 3>;
+
+Triad triad(const char* const (&names)[3], const char* unit, FieldKind kind, const char* text) {
+  Triad fields;
+  for (std::size_t i = 0; i < 3; ++i) fields[i] = {names[i], unit, kind, false, false, text};
   return fields;
 }
-
-ChannelDeclaration channel(std::string name, std::vector<FieldSpec> fields, double interval) {
-  ChannelDeclaration declaration;
-  declaration.name = std::move(name);
-  declaration.fields = std::move(fields);
-  declaration.max_interval = nanoseconds(interval);
-  return declaration;
-}
+Triad rates(const char* text) { return triad({"wx", "wy", "wz"}, "rad/s", FieldKind::rate, text); }
+Triad forces(const char* text) { return triad({"fx", "fy", "fz"}, "m/s^2", FieldKind::rate, text); }
 
 }  // namespace
 
 /// All that it remembers; plain memory in the kernel's arena.
 struct StationaryDetector::Memory {
-  MotionWindow window;
-  Time t;  // end of the last sample; no_time: none yet
-  State state;
-  double still, not_still;   // s, for how long the window has looked so
-  Time since;                // begin of the interval that is being averaged for the next sample of a channel
-  double averaged;           // s
-  double rate[3], force[3];  // ∫ dt over it
-  double gyro_bias[3];       // rad/s, the latest
+  MotionWindow window{};
+  Time t = no_time;  // end of the last sample; no_time: none yet
+  State state = State::unknown;
+  double still = 0, not_still = 0;     // s, for how long the window has looked so
+  Time since = no_time;                // begin of the interval that is averaged for the next sample of a channel
+  double averaged = 0;                 // s
+  double rate[3] = {}, force[3] = {};  // ∫ dt over it
+  double gyro_bias[3] = {};            // rad/s, the latest
 
   void forget() {
     window.clear();
@@ -84,10 +78,14 @@ ComponentSpec StationaryDetector::spec() {
       number("standing_rate", "Hz").above(0).at_most(1000).defaults("1").about("samples of the channel standing"),
       number("moving_rate", "Hz").above(0).at_most(1000).defaults("1").about("samples of the channel moving"),
       time("max_gap").above(0).defaults("\"0.5 s\"").about("a longer hole in the samples: it begins anew")};
-  ChannelPort bias{"gyro_bias", {}, true, "the latest is taken off the rates, whose bias (11) does not see otherwise"};
-  for (const char* name : {"x", "y", "z"})
-    bias.fields.push_back({name, "rad/s", FieldKind::level, false, false, "gyroscope bias, body axes"});
-  spec.inputs = {{"imu", imu_fields("body axes, whatever they are"), false, "the inertial sensor"}, bias};
+  std::vector<FieldSpec> of_imu;
+  for (const Triad& part : {rates("body axes, whatever they are"), forces("body axes, whatever they are")})
+    of_imu.insert(of_imu.end(), part.begin(), part.end());
+  const Triad bias = triad({"x", "y", "z"}, "rad/s", FieldKind::level, "gyroscope bias, body axes");
+  spec.inputs = {input("imu", of_imu).about("the inertial sensor"),
+                 input("gyro_bias", {bias.begin(), bias.end()})
+                     .optional()
+                     .about("the latest is taken off the rates, whose bias (11) does not see otherwise")};
   spec.example = R"json({"input": "imu", "standing_rate": 1, "moving_rate": 1})json";
   return spec;
 }
@@ -102,30 +100,42 @@ StationaryDetector::StationaryDetector(const Binding& binding) {
   settings_.max_gap = parameters.time("max_gap");
   settings_.standing_period = 1.0 / parameters.number("standing_rate");
   settings_.moving_period = 1.0 / parameters.number("moving_rate");
-  const char* mean = "mean over the interval that the statement is about";
-  channels_ = {channel("standing", imu_fields(mean), 2 * settings_.standing_period),
-               channel("moving", imu_fields(mean), 2 * settings_.moving_period),
-               channel("state",
-                       {{"standing", "1", FieldKind::level, false, false, "1 while it stands, 0 while it moves"}}, 0)};
+  imu_ = binding.input("imu");
+  gyro_bias_ = binding.input("gyro_bias");
+  w_ = binding.fields(imu_, "wx", "wy", "wz");
+  f_ = binding.fields(imu_, "fx", "fy", "fz");
+  bias_ = binding.fields(gyro_bias_, "x", "y", "z");
+  declare_channels();
+  memory_ = declaration_.keeps<Memory>();
 }
 
-std::size_t StationaryDetector::memory_bytes() const noexcept { return sizeof(Memory); }
-
-void StationaryDetector::start(std::uint64_t /*seed*/, std::byte* memory) const {
-  static_assert(std::is_trivially_copyable_v<Memory> && alignof(Memory) <= 8);
-  auto* fresh = new (memory) Memory{};
-  fresh->forget();
+void StationaryDetector::declare_channels() {
+  const auto mean = [&](const char* name, double period) {
+    const char* const text = "mean over the interval that the statement is about";
+    ChannelDeclaration channel(name);
+    channel.max_interval = nanoseconds(2 * period);
+    Mean handles;
+    handles.w = channel.carries(rates(text));
+    handles.f = channel.carries(forces(text));
+    handles.channel = declaration_.emits(std::move(channel));
+    return handles;
+  };
+  standing_ = mean("standing", settings_.standing_period);
+  moving_ = mean("moving", settings_.moving_period);
+  ChannelDeclaration state("state");
+  is_standing_ = state.carries(field::level("standing", "1").about("1 while it stands, 0 while it moves"));
+  state_channel_ = declaration_.emits(std::move(state));
 }
 
-void StationaryDetector::on(int input, const SampleView& sample, std::byte* bytes, Emitter& emitter) const {
-  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
-  if (input == imu_input) return on_imu(sample, memory, emitter);
-  const Vector3d bias = vector_at<3>(sample.fields);
+void StationaryDetector::on(const TransformInput& in, Emitter& emitter) const {
+  Memory& memory = in.memory[memory_];
+  if (in.from == imu_) return on_imu(in.sample, memory, emitter);
+  const Vector3d bias = in.sample[bias_];
   if (bias.allFinite()) vector_at<3>(memory.gyro_bias) = bias;
 }
 
 void StationaryDetector::on_imu(const SampleView& sample, Memory& memory, Emitter& emitter) const {
-  const Vector3d rate = vector_at<3>(sample.fields), force = vector_at<3>(sample.fields + 3);
+  const Vector3d rate = sample[w_], force = sample[f_];
   if (!rate.allFinite() || !force.allFinite()) return;  // what it leaves is a hole
   if (sample.t == memory.t) return;
   const auto elapsed = static_cast<std::uint64_t>(sample.t) - static_cast<std::uint64_t>(memory.t);
@@ -165,20 +175,20 @@ void StationaryDetector::decide(Time t, Memory& memory, Emitter& emitter) const 
   if (!still && memory.not_still >= settings_.off - roundoff) memory.state = State::moving;
   if (memory.state != before) memory.begin_interval(t);
   if (memory.state == State::unknown) return;
-  SampleSlot& slot = emitter.slot(state_channel);
-  slot.t = t;
-  slot.fields[0] = memory.state == State::standing ? 1.0 : 0.0;
-  emitter.emit(state_channel);
+  SampleWriter& out = emitter.on(state_channel_);
+  out.t = t;
+  out[is_standing_] = memory.state == State::standing ? 1.0 : 0.0;
+  emitter.emit(state_channel_);
 }
 
 void StationaryDetector::speak(Time t, Memory& memory, Emitter& emitter) const {
-  const Channel channel = memory.state == State::standing ? standing_channel : moving_channel;
-  SampleSlot& slot = emitter.slot(channel);
-  slot.t = t;
-  slot.t0 = memory.since;
-  vector_at<3>(slot.fields) = vector_at<3>(memory.rate) / memory.averaged;
-  vector_at<3>(slot.fields + 3) = vector_at<3>(memory.force) / memory.averaged;
-  emitter.emit(channel);
+  const Mean& mean = memory.state == State::standing ? standing_ : moving_;
+  SampleWriter& out = emitter.on(mean.channel);
+  out.t = t;
+  out.t0 = memory.since;
+  out[mean.w] = vector_at<3>(memory.rate) / memory.averaged;
+  out[mean.f] = vector_at<3>(memory.force) / memory.averaged;
+  emitter.emit(mean.channel);
   memory.begin_interval(t);
 }
 

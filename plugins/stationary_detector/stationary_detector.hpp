@@ -2,8 +2,6 @@
 // The stationary_detector transform: from inertial samples to channels that speak while the vehicle stands or moves.
 #pragma once
 
-#include <vector>
-
 #include "binnacle/source.hpp"
 #include "motion_window.hpp"
 
@@ -25,21 +23,28 @@ class StationaryDetector final : public Transform {
   static ComponentSpec spec();
   explicit StationaryDetector(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const override;
+  void on(const TransformInput& in, Emitter& emitter) const override;
 
  private:
   struct Memory;
 
+  void declare_channels();
   void on_imu(const SampleView& sample, Memory& memory, Emitter& emitter) const;
   bool looks_still(const Memory& memory) const;
   void decide(Time t, Memory& memory, Emitter& emitter) const;
   void speak(Time t, Memory& memory, Emitter& emitter) const;
 
   Settings settings_;
-  std::vector<ChannelDeclaration> channels_;
+  Input imu_, gyro_bias_;
+  Fields<3> w_, f_, bias_;
+  struct Mean {
+    OutputChannel channel;
+    OutputFields<3> w, f;
+  };
+  Mean standing_, moving_;
+  OutputChannel state_channel_;
+  OutputField is_standing_;
+  binnacle::Memory<Memory> memory_;
 };
 
 }  // namespace binnacle::stationary_detector

@@ -59,28 +59,28 @@ MountingBlock::MountingBlock(const Binding& binding) : nominal_(nominal_rotation
   declaration_.error_display_unit = "mil";
 }
 
-void MountingBlock::plus(const double* x, const double* delta, double* result) const {
-  vector_at<4>(result) = strapdown::attitude_plus(vector_at<4>(x), vector_at<3>(delta));
+void MountingBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
+  result.as<4>() = strapdown::attitude_plus(x.as<4>(), delta.as<3>());
 }
 
-void MountingBlock::minus(const double* y, const double* x, double* delta) const {
-  vector_at<3>(delta) = strapdown::attitude_minus(vector_at<4>(y), vector_at<4>(x));
+void MountingBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
+  delta.as<3>() = strapdown::attitude_minus(y.as<4>(), x.as<4>());
 }
 
-void MountingBlock::read(const double* x, double* outputs) const {
-  vector_at<3>(outputs) = strapdown::attitude_minus(vector_at<4>(x), nominal_);
+void MountingBlock::read(ConstVectorView x, VectorView outputs) const {
+  outputs.as<3>() = strapdown::attitude_minus(x.as<4>(), nominal_);
 }
 
-Result MountingBlock::write(const double* outputs, double* x) const {
-  const auto m = vector_at<3>(outputs);
+Result MountingBlock::write(ConstVectorView outputs, VectorView x) const {
+  const auto m = outputs.as<3>();
   if (!m.allFinite()) return Result::invalid("a mounting angle is not finite");
   if (m.norm() > std::numbers::pi) return Result::invalid("the mounting is more than half a turn from nominal");
-  vector_at<4>(x) = strapdown::attitude_plus(nominal_, m);
+  x.as<4>() = strapdown::attitude_plus(nominal_, m);
   return Result::ok();
 }
 
-bool MountingBlock::reset_jacobian(const double* delta, double* G) const {
-  matrix_at<3, 3>(G) = strapdown::left_jacobian(vector_at<3>(delta));
+bool MountingBlock::reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const {
+  G.as<3, 3>() = strapdown::left_jacobian(delta.as<3>());
   return true;
 }
 

@@ -8,7 +8,6 @@
 
 #include "body_parameters.hpp"
 #include "segments.hpp"
-#include "simulation/fields.hpp"
 #include "simulation/sensor_errors.hpp"
 
 namespace binnacle::vehicle_simulator {
@@ -19,23 +18,10 @@ using namespace simulation;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-FieldList deviation_fields(const std::string& quantity, const std::string& unit) {
+Triad deviation_fields(const std::string& quantity, const std::string& unit) {
   const std::string text = "standard deviation that the receiver states for its " + quantity + ", ";
   return {level(quantity + "_sd_n", unit, text + "north"), level(quantity + "_sd_e", unit, text + "east"),
           level(quantity + "_sd_d", unit, text + "down")};
-}
-
-FieldList truth_fields() {
-  return joined({position_fields(),
-                 velocity_fields(),
-                 attitude_fields(),
-                 triad("bg", "rad/s", "bias of the gyroscopes, constant and wandering part together"),
-                 triad("ba", "m/s^2", "bias of the accelerometers, constant and wandering part together"),
-                 triad("sg", "1", "scale factor error of the gyroscopes"),
-                 triad("sa", "1", "scale factor error of the accelerometers"),
-                 {level("mount_x", "rad", "misalignment of the IMU in the vehicle, about the vehicle's x"),
-                  level("mount_y", "rad", "about its y"), level("mount_z", "rad", "about its z"),
-                  level("speed", "m/s", "along the path"), level("standing", "1", "1 at a speed of zero, else 0")}});
 }
 
 std::vector<ParameterSpec> start_members() {
@@ -162,18 +148,38 @@ ComponentSpec declare_component() {
   return spec;
 }
 
-std::vector<ChannelDeclaration> declare_channels(bool emits_rates, Time imu_interval) {
-  ChannelDeclaration imu{"imu", imu_fields(emits_rates), 0, {}, imu_interval};
-  ChannelDeclaration gnss{"gnss",
-                          joined({position_fields(), velocity_fields(), deviation_fields("position", "m"),
-                                  deviation_fields("velocity", "m/s")}),
-                          0,
-                          {},
-                          0};
-  ChannelDeclaration truth{"truth", truth_fields(), 0, {}, 0};
-  ChannelDeclaration initial{"initial", joined({position_fields(), velocity_fields(), attitude_fields()}), 0,
-                             navigation_covariance(), 0};
-  return {std::move(imu), std::move(gnss), std::move(truth), std::move(initial)};
+Channels declare_channels(SourceDeclaration& declaration, bool emits_rates, Time imu_interval) {
+  Channels handles;
+  ChannelDeclaration imu("imu"), gnss("gnss"), truth("truth"), initial("initial");
+  static_cast<ImuFields&>(handles.imu) = carry_imu(imu, emits_rates);
+  imu.max_interval = imu_interval;
+  handles.gnss.position = gnss.carries(position_fields());
+  handles.gnss.velocity = gnss.carries(velocity_fields());
+  handles.gnss.position_sd = gnss.carries(deviation_fields("position", "m"));
+  handles.gnss.velocity_sd = gnss.carries(deviation_fields("velocity", "m/s"));
+  auto& t = handles.truth;
+  t.position = truth.carries(position_fields());
+  t.velocity = truth.carries(velocity_fields());
+  t.attitude = truth.carries(attitude_fields());
+  t.gyro_bias = truth.carries(triad("bg", "rad/s", "bias of the gyroscopes, constant and wandering part together"));
+  t.accel_bias =
+      truth.carries(triad("ba", "m/s^2", "bias of the accelerometers, constant and wandering part together"));
+  t.gyro_scale = truth.carries(triad("sg", "1", "scale factor error of the gyroscopes"));
+  t.accel_scale = truth.carries(triad("sa", "1", "scale factor error of the accelerometers"));
+  t.misalignment =
+      truth.carries(level("mount_x", "rad", "misalignment of the IMU in the vehicle, about the vehicle's x"),
+                    level("mount_y", "rad", "about its y"), level("mount_z", "rad", "about its z"));
+  t.speed = truth.carries(level("speed", "m/s", "along the path"));
+  t.standing = truth.carries(level("standing", "1", "1 at a speed of zero, else 0"));
+  handles.initial.position = initial.carries(position_fields());
+  handles.initial.velocity = initial.carries(velocity_fields());
+  handles.initial.attitude = initial.carries(attitude_fields());
+  initial.covariance = navigation_covariance();
+  handles.imu.channel = declaration.emits(std::move(imu));
+  handles.gnss.channel = declaration.emits(std::move(gnss));
+  handles.truth.channel = declaration.emits(std::move(truth));
+  handles.initial.channel = declaration.emits(std::move(initial));
+  return handles;
 }
 
 }  // namespace binnacle::vehicle_simulator

@@ -2,16 +2,35 @@
 // What the simulator declares: its parameters and its channels.
 #pragma once
 
-#include <vector>
-
-#include "binnacle/sample.hpp"
+#include "binnacle/source.hpp"
 #include "binnacle/spec.hpp"
+#include "simulation/fields.hpp"
 
 namespace binnacle::vehicle_simulator {
 
 ComponentSpec declare_component();
 
-/// imu, gnss, truth, initial, in the order of VehicleSimulator::Channel.
-std::vector<ChannelDeclaration> declare_channels(bool emits_rates, Time imu_interval);
+/// Handles of all that is emitted.
+struct Channels {
+  struct Imu : simulation::ImuFields {
+    OutputChannel channel;
+  } imu;
+  struct Gnss {
+    OutputChannel channel;
+    OutputFields<3> position, velocity, position_sd, velocity_sd;
+  } gnss;
+  struct Truth {
+    OutputChannel channel;
+    OutputFields<3> position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, accel_scale, misalignment;
+    OutputField speed, standing;
+  } truth;
+  struct Initial {
+    OutputChannel channel;
+    OutputFields<3> position, velocity, attitude;
+  } initial;
+};
+
+/// In the order of VehicleSimulator::Channel.
+Channels declare_channels(SourceDeclaration& declaration, bool emits_rates, Time imu_interval);
 
 }  // namespace binnacle::vehicle_simulator

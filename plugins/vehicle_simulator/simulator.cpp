@@ -4,22 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
-#include <type_traits>
 
 #include <Eigen/Geometry>
 
 #include "body_parameters.hpp"
-#include "declaration.hpp"
 #include "random/normal.hpp"
-#include "simulation/fields.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::vehicle_simulator {
 
-using simulation::FieldWriter;
 using simulation::never;
 using simulation::normal_vector;
 using simulation::SensorModel;
@@ -91,7 +86,8 @@ VehicleSimulator::VehicleSimulator(const Parameters& parameters)
       accel_(read_sensor_unless(parameters.boolean("perfect"), parameters.object("accel"))),
       gnss_(read_gnss(parameters.object("gnss"), parameters.boolean("perfect"))),
       initial_(read_initial(parameters.object("initial_sigma"), parameters.boolean("perfect"))),
-      channels_(declare_channels(emits_rates_, imu_clock_.at(1) + 1)) {}
+      channels_(declare_channels(declaration_, emits_rates_, imu_clock_.at(1) + 1)),
+      memory_(declaration_.keeps<Memory>()) {}
 
 ComponentSpec VehicleSimulator::spec() { return declare_component(); }
 
@@ -102,25 +98,22 @@ void VehicleSimulator::open(Reporter&) {
                          "/start/lat");
 }
 
-std::size_t VehicleSimulator::memory_bytes() const noexcept { return sizeof(Memory); }
-
-void VehicleSimulator::start(std::uint64_t seed, std::byte* memory) const {
-  static_assert(std::is_trivially_copyable_v<Memory> && alignof(Memory) <= 8);
+void VehicleSimulator::initialise(std::uint64_t seed, const MemoryView& bytes) const {
   const double dt = imu_clock_.interval_before(1);
-  new (memory) Memory{.seed = seed,
-                      .next_imu = 1,
-                      .next_gnss = 0,
-                      .next_truth = 0,
-                      .has_initial = 1,
-                      .gyro = simulation::start(gyro_, "gyro", seed, dt),
-                      .accel = simulation::start(accel_, "accel", seed, dt),
-                      .body = body_.start(seed),
-                      .position_stream = random::stream(seed, "gnss.position"),
-                      .velocity_stream = random::stream(seed, "gnss.velocity")};
+  bytes[memory_] = Memory{.seed = seed,
+                          .next_imu = 1,
+                          .next_gnss = 0,
+                          .next_truth = 0,
+                          .has_initial = 1,
+                          .gyro = simulation::start(gyro_, "gyro", seed, dt),
+                          .accel = simulation::start(accel_, "accel", seed, dt),
+                          .body = body_.start(seed),
+                          .position_stream = random::stream(seed, "gnss.position"),
+                          .velocity_stream = random::stream(seed, "gnss.velocity")};
 }
 
-SourceStatus VehicleSimulator::next(std::byte* bytes, SampleSlot* slots, int& channel) const {
-  Memory& memory = *std::launder(reinterpret_cast<Memory*>(bytes));
+SourceStatus VehicleSimulator::next(const MemoryView& bytes, SourceOutput& out) const {
+  Memory& memory = bytes[memory_];
   const Time end = trajectory_->duration();
   const Time truth_due = truth_clock_.due(memory.next_truth, end);
   const Time imu_due = imu_clock_.due(memory.next_imu, end);
@@ -128,61 +121,70 @@ SourceStatus VehicleSimulator::next(std::byte* bytes, SampleSlot* slots, int& ch
   const Time first = std::min({truth_due, imu_due, gnss_due});
 
   if (memory.has_initial != 0) {
-    emit_initial(memory, slots[channel = initial]);
+    emit_initial(memory, out.on(channels_.initial.channel));
   } else if (first == never) {
     return SourceStatus::end;
   } else if (first == truth_due) {
-    emit_truth(memory, slots[channel = truth]);
+    emit_truth(memory, out.on(channels_.truth.channel));
   } else if (first == imu_due) {
-    emit_imu(memory, slots[channel = imu]);
+    emit_imu(memory, out.on(channels_.imu.channel));
   } else {
-    emit_gnss(memory, slots[channel = gnss]);
+    emit_gnss(memory, out.on(channels_.gnss.channel));
   }
   return SourceStatus::sample;
 }
 
-void VehicleSimulator::emit_imu(Memory& memory, SampleSlot& slot) const {
+void VehicleSimulator::emit_imu(Memory& memory, SampleWriter& out) const {
   const std::int64_t tick = memory.next_imu++;
   const double dt = imu_clock_.interval_before(tick);
   const Inertial exact =
       body_.increments(*trajectory_, seconds(imu_clock_.at(tick - 1)), seconds(imu_clock_.at(tick)), memory.body);
   const double unit = emits_rates_ ? 1.0 / dt : 1.0;
-  slot.t0 = start_time_ + imu_clock_.at(tick - 1);
-  slot.t = start_time_ + imu_clock_.at(tick);
-  FieldWriter(slot) << unit * measured(gyro_, memory.gyro, exact.omega_ib_b, dt)
-                    << unit * measured(accel_, memory.accel, exact.f_b, dt);
+  out.t0 = start_time_ + imu_clock_.at(tick - 1);
+  out.t = start_time_ + imu_clock_.at(tick);
+  out[channels_.imu.w] = unit * measured(gyro_, memory.gyro, exact.omega_ib_b, dt);
+  out[channels_.imu.f] = unit * measured(accel_, memory.accel, exact.f_b, dt);
   const double next_dt = imu_clock_.interval_before(tick + 1);
   advance(gyro_, memory.gyro, next_dt);
   advance(accel_, memory.accel, next_dt);
 }
 
-void VehicleSimulator::emit_gnss(Memory& memory, SampleSlot& slot) const {
+void VehicleSimulator::emit_gnss(Memory& memory, SampleWriter& out) const {
   const Time t = gnss_clock_.at(memory.next_gnss++);
   const ImuMotion motion = body_.motion(*trajectory_, seconds(t), memory.body);
   const Eigen::Matrix3d C_nb = strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(motion.roll_pitch_yaw));
   const Eigen::Vector3d position_error = gnss_.position_error.cwiseProduct(normal_vector(memory.position_stream));
   const Eigen::Vector3d velocity_error = gnss_.velocity_error.cwiseProduct(normal_vector(memory.velocity_stream));
-  slot.t = start_time_ + t;
-  FieldWriter(slot) << strapdown::position_plus(motion.lla, C_nb * gnss_.lever_arm_b + position_error)
-                    << antenna_velocity(motion, C_nb, gnss_.lever_arm_b) + velocity_error << gnss_.position_reported
-                    << gnss_.velocity_reported;
+  out.t = start_time_ + t;
+  const auto& to = channels_.gnss;
+  out[to.position] = strapdown::position_plus(motion.lla, C_nb * gnss_.lever_arm_b + position_error);
+  out[to.velocity] = antenna_velocity(motion, C_nb, gnss_.lever_arm_b) + velocity_error;
+  out[to.position_sd] = gnss_.position_reported;
+  out[to.velocity_sd] = gnss_.velocity_reported;
 }
 
-void VehicleSimulator::emit_truth(Memory& memory, SampleSlot& slot) const {
+void VehicleSimulator::emit_truth(Memory& memory, SampleWriter& out) const {
   const Time t = truth_clock_.at(memory.next_truth++);
   const ImuMotion motion = body_.motion(*trajectory_, seconds(t), memory.body);
   const double speed = trajectory_->course(seconds(t)).speed;
   const Time interval_begin = imu_clock_.at(memory.next_imu - 1);
   const double fraction = seconds(t - interval_begin) / imu_clock_.interval_before(memory.next_imu);
-  slot.t = start_time_ + t;
-  FieldWriter(slot) << motion.lla << motion.v_n << motion.roll_pitch_yaw << bias_at(memory.gyro, fraction)
-                    << bias_at(memory.accel, fraction) << Eigen::Vector3d(memory.gyro.scale)
-                    << Eigen::Vector3d(memory.accel.scale) << Eigen::Vector3d(memory.body.misalignment) << speed
-                    << (speed == 0.0 ? 1.0 : 0.0);
+  out.t = start_time_ + t;
+  const auto& to = channels_.truth;
+  out[to.position] = motion.lla;
+  out[to.velocity] = motion.v_n;
+  out[to.attitude] = motion.roll_pitch_yaw;
+  out[to.gyro_bias] = bias_at(memory.gyro, fraction);
+  out[to.accel_bias] = bias_at(memory.accel, fraction);
+  out[to.gyro_scale] = Eigen::Vector3d(memory.gyro.scale);
+  out[to.accel_scale] = Eigen::Vector3d(memory.accel.scale);
+  out[to.misalignment] = Eigen::Vector3d(memory.body.misalignment);
+  out[to.speed] = speed;
+  out[to.standing] = speed == 0.0 ? 1.0 : 0.0;
 }
 
 // The estimate is drawn so that truth = estimate ⊞ δ with δ ~ N(0, P₀), P₀ = diag(sigma²).
-void VehicleSimulator::emit_initial(Memory& memory, SampleSlot& slot) const {
+void VehicleSimulator::emit_initial(Memory& memory, SampleWriter& out) const {
   memory.has_initial = 0;
   const ImuMotion motion = body_.motion(*trajectory_, 0.0, memory.body);
   const auto delta = [&](int group, std::string_view name) -> Eigen::Vector3d {
@@ -190,12 +192,12 @@ void VehicleSimulator::emit_initial(Memory& memory, SampleSlot& slot) const {
     return (initial_.is_perfect ? 0.0 : 1.0) * initial_.sigma.segment<3>(3 * group).cwiseProduct(w);
   };
   const Eigen::Vector4d q_nb = strapdown::quaternion_from_euler(motion.roll_pitch_yaw);
-  slot.t = start_time_;
-  FieldWriter(slot) << strapdown::position_plus(motion.lla, -delta(0, "initial.position"))
-                    << motion.v_n - delta(1, "initial.velocity")
-                    << strapdown::euler_from_quaternion(strapdown::attitude_plus(q_nb, -delta(2, "initial.attitude")));
-  Eigen::Map<Eigen::Matrix<double, 9, 9>>(slot.covariance) = initial_.sigma.cwiseAbs2().asDiagonal();
-  slot.has_covariance = true;
+  out.t = start_time_;
+  const auto& to = channels_.initial;
+  out[to.position] = strapdown::position_plus(motion.lla, -delta(0, "initial.position"));
+  out[to.velocity] = motion.v_n - delta(1, "initial.velocity");
+  out[to.attitude] = strapdown::euler_from_quaternion(strapdown::attitude_plus(q_nb, -delta(2, "initial.attitude")));
+  out.attach_covariance().as<9, 9>() = initial_.sigma.cwiseAbs2().asDiagonal();
 }
 
 }  // namespace binnacle::vehicle_simulator

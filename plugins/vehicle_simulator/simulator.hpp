@@ -9,6 +9,7 @@
 
 #include "binnacle/source.hpp"
 #include "body.hpp"
+#include "declaration.hpp"
 #include "simulation/clock.hpp"
 #include "simulation/sensor_errors.hpp"
 #include "trajectory.hpp"
@@ -33,22 +34,21 @@ class VehicleSimulator final : public Source {
   static ComponentSpec spec();
   explicit VehicleSimulator(const Binding& binding);
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
   void open(Reporter& reporter) override;
-  std::size_t memory_bytes() const noexcept override;
-  void start(std::uint64_t seed, std::byte* memory) const override;
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override;
+  SourceStatus next(const MemoryView& bytes, SourceOutput& out) const override;
 
-  enum Channel { imu, gnss, truth, initial };
+  enum Channel { imu, gnss, truth, initial };  // the order of its channels
 
  private:
   struct Memory;
 
+  void initialise(std::uint64_t seed, const MemoryView& bytes) const override;
+
   explicit VehicleSimulator(const Parameters& parameters);
-  void emit_imu(Memory& memory, SampleSlot& slot) const;
-  void emit_gnss(Memory& memory, SampleSlot& slot) const;
-  void emit_truth(Memory& memory, SampleSlot& slot) const;
-  void emit_initial(Memory& memory, SampleSlot& slot) const;
+  void emit_imu(Memory& memory, SampleWriter& out) const;
+  void emit_gnss(Memory& memory, SampleWriter& out) const;
+  void emit_truth(Memory& memory, SampleWriter& out) const;
+  void emit_initial(Memory& memory, SampleWriter& out) const;
 
   std::vector<Segment> segments_;
   Start start_;
@@ -60,7 +60,8 @@ class VehicleSimulator final : public Source {
   simulation::SensorModel gyro_, accel_;
   GnssModel gnss_;
   InitialModel initial_;
-  std::vector<ChannelDeclaration> channels_;
+  Channels channels_;
+  binnacle::Memory<Memory> memory_;
   std::unique_ptr<const Trajectory> trajectory_;  // made by open(), never changed afterwards
 };
 

@@ -46,15 +46,18 @@ class CallsBlock final : public Fixture {
         read(declared.outputs.size(), fill), written(from.size(), fill),
         G(static_cast<std::size_t>(declared.dof() * declared.dof()), fill);
     Inputs inputs;
-    const double* x = inputs.keep("x", from);
-    const double* delta = inputs.keep("delta", by.data(), static_cast<std::size_t>(by.size()));
-    called("plus", [&] { return block.plus(x, delta, y.data()), 0; });
-    const double* moved = inputs.keep("y", y.values());
-    called("minus", [&] { return block.minus(moved, x, back.data()), 0; });
-    called("read", [&] { return block.read(moved, read.data()), 0; });
-    const double* outputs = inputs.keep("the outputs", read.values());
-    const Result result = called("write", [&] { return block.write(outputs, written.data()); });
-    const bool has_reset = called("reset_jacobian", [&] { return block.reset_jacobian(delta, G.data()); });
+    const ConstVectorView x = inputs.keep("x", ConstVectorView(from));
+    const ConstVectorView delta = inputs.keep("delta", ConstVectorView(by));
+    called("plus", [&] { return block.plus(x, delta, y), 0; });
+    const ConstVectorView moved = inputs.keep("y", ConstVectorView(y));
+    called("minus", [&] { return block.minus(moved, x, back), 0; });
+    called("read", [&] { return block.read(moved, read), 0; });
+    const ConstVectorView outputs = inputs.keep("the outputs", ConstVectorView(read));
+    const Result result = called("write", [&] { return block.write(outputs, written); });
+    const int dof = declared.dof();
+    const bool has_reset = called("reset_jacobian", [&] {
+      return block.reset_jacobian(x, delta, {G.data(), dof, dof, dof});
+    });
     Answer answer;
     answer.damage = inputs.damage("a call of the block");
     examine(y, "plus", fill, answer.damage);

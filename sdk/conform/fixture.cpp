@@ -154,7 +154,7 @@ PortStates port_states(const std::vector<parts::Value>& ports, std::mt19937_64& 
       for (int i = 0; i < declared.dof(); ++i)
         state.scale[i] = scale_of(declared.error[static_cast<std::size_t>(i)].unit);
       const Eigen::VectorXd delta = spread * state.scale.cwiseProduct(normals(random, declared.dof()));
-      state.block->plus(state.x.data(), delta.data(), state.x.data());
+      state.block->plus(state.x, delta, state.x);
     }
     states.push_back(std::move(state));
   }

@@ -30,6 +30,20 @@ void jacobian(Trial& trial) {
   }
 }
 
+void value(Trial& trial) {
+  const Subject subject(trial);
+  for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
+    auto random = trial.random(500 + static_cast<std::uint64_t>(repeat));
+    const PortStates ports = subject.measurement.ports(random, 0.1);
+    const SampleNumbers sample = subject.measurement.sample(ports, random);
+    const auto nominal = subject.measurement.call(ports, sample, subject.memory);
+    if (!nominal.result) Trial::skip(std::string("it refuses what it should see: ") + nominal.result.reason);
+    if (!trial.expect_none(testing::check_values(subject.measurement.caller, subject.measurement.given(sample), ports,
+                                                 subject.memory)))
+      return;
+  }
+}
+
 void covariance(Trial& trial) {
   const Subject subject(trial);
   int seen = 0;
@@ -51,6 +65,12 @@ void covariance(Trial& trial) {
 std::vector<Check> measurement_checks() {
   const std::vector<Role> roles = {Role::measurement_model};
   return {
+      {"numbers.measurement.value",
+       2,
+       roles,
+       {"life.repeatable"},
+       "residual and R are the same to the bit with and without H",
+       value},
       {"numbers.measurement.jacobian",
        2,
        roles,

@@ -82,7 +82,7 @@ void inject(PortStates& ports, const Eigen::VectorXd& delta) {
     if (ports[i].is_open()) continue;
     const Eigen::VectorXd own = delta.segment(testing::offset(ports, i), ports[i].dof());
     const std::vector<double> from = ports[i].x;
-    ports[i].block->plus(from.data(), own.data(), ports[i].x.data());
+    ports[i].block->plus(from, own, ports[i].x);
   }
 }
 
@@ -187,7 +187,7 @@ class Run {
         const std::vector<double> from(state.begin() + block.stored_offset,
                                        state.begin() + block.stored_offset + block.declaration->stored_size);
         const Eigen::VectorXd delta = error.segment(block.first_row, truth_[i].dof());
-        truth_[i].block->plus(from.data(), delta.data(), truth_[i].x.data());
+        truth_[i].block->plus(from, delta, truth_[i].x);
       }
     }
   }

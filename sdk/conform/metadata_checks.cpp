@@ -205,9 +205,10 @@ void declared(Trial& trial) {
     case Role::process_model: return declared_process(trial, composition, spec);
     case Role::measurement_model: return declared_measurement(trial, composition);
     case Role::derived_block: return declared_derived(trial, composition, spec);
-    case Role::source: return declared_channels(trial, parts::source(composition, component_name).model->channels());
+    case Role::source:
+      return declared_channels(trial, parts::source(composition, component_name).model->declaration().channels);
     case Role::transform:
-      return declared_channels(trial, parts::transform(composition, component_name).model->channels());
+      return declared_channels(trial, parts::transform(composition, component_name).model->declaration().channels);
     default: Trial::not_applicable("this role declares nothing once it is bound");
   }
 }

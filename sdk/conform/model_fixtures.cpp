@@ -150,7 +150,7 @@ SampleNumbers MeasurementFixture::first_guess(const PortStates& ports, std::mt19
       if (port.is_open() || !has_field[i] || given.contains(specs[i].name)) continue;
       const auto& outputs = port.block->declaration().outputs;
       std::vector<double> read(outputs.size());
-      port.block->read(port.x.data(), read.data());
+      port.block->read(port.x, read);
       for (std::size_t o = 0; o < outputs.size(); ++o)
         if (outputs[o].name == specs[i].name) given[specs[i].name] = read[o];
     }

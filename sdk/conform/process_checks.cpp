@@ -45,6 +45,19 @@ void jacobian(Trial& trial) {
   }
 }
 
+void value(Trial& trial) {
+  const Subject subject(trial);
+  if (!subject.process.is_closed()) Trial::not_applicable("it has a continuous form only");
+  for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
+    auto random = trial.random(500 + static_cast<std::uint64_t>(repeat));
+    const PortStates ports = subject.process.ports(random, 0.3);
+    const DrivenStep step = subject.process.step(random, ordinary_dt);
+    const auto nominal = subject.process.call(ports, step, subject.memory);
+    if (!nominal.result) Trial::skip(std::string("it refuses ordinary input: ") + nominal.result.reason);
+    if (!trial.expect_none(testing::check_values(subject.caller(), ports, step.step(), subject.memory))) return;
+  }
+}
+
 void noise(Trial& trial) {
   const Subject subject(trial);
   int seen = 0;
@@ -92,8 +105,8 @@ void same_motion(Trial& trial, const Subject& subject, const Split& split) {
     const PortState& at = split.ports[i];
     if (!subject.caller().moves(split.ports, i)) continue;
     Eigen::VectorXd change(at.dof()), gap(at.dof());
-    at.block->minus(split.whole.x_plus[i].data(), at.x.data(), change.data());
-    at.block->minus(split.halves.ports[i].x.data(), split.whole.x_plus[i].data(), gap.data());
+    at.block->minus(split.whole.x_plus[i], at.x, change);
+    at.block->minus(split.halves.ports[i].x, split.whole.x_plus[i], gap);
     trial.expect(gap.norm() <= truncation * change.norm() + (negligible * at.scale).norm(),
                  "one step and two halves move '", subject.name(i), "' differently: by [", change.transpose(),
                  "] and [", (change + gap).transpose(), "]");
@@ -174,6 +187,12 @@ void discretization(Trial& trial) {
 std::vector<Check> process_checks() {
   const std::vector<Role> roles = {Role::process_model};
   return {
+      {"numbers.process.value",
+       2,
+       roles,
+       {"life.repeatable"},
+       "x+ is the same to the bit with and without Phi and Qd",
+       value},
       {"numbers.process.rest", 2, roles, {"life.repeatable"}, "dt = 0 gives x+ = x, Phi = I, Qd = 0", rest},
       {"numbers.process.jacobian",
        2,

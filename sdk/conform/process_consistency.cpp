@@ -66,7 +66,7 @@ class Run {
       const BlockInfo& block = block_of(i);
       const Eigen::VectorXd delta = error.segment(block.first_row, truth_[i].dof());
       const std::vector<double> from = estimate(block);
-      truth_[i].block->plus(from.data(), delta.data(), truth_[i].x.data());
+      truth_[i].block->plus(from, delta, truth_[i].x);
     }
   }
 
@@ -79,7 +79,7 @@ class Run {
     for (std::size_t i = 0; i < truth_.size(); ++i) {
       if (!process_.caller.moves(truth_, i)) continue;
       const Eigen::VectorXd delta = shock.segment(testing::offset(truth_, i), truth_[i].dof());
-      truth_[i].block->plus(p.x_plus[i].data(), delta.data(), truth_[i].x.data());
+      truth_[i].block->plus(p.x_plus[i], delta, truth_[i].x);
     }
     std::vector<double> numbers = is_driven_ ? step.fields() : truth_.front().x;
     if (!is_driven_)
@@ -96,7 +96,7 @@ class Run {
       const BlockInfo& block = block_of(i);
       Eigen::VectorXd e(truth_[i].dof());
       const std::vector<double> estimated = estimate(block);
-      truth_[i].block->minus(truth_[i].x.data(), estimated.data(), e.data());
+      truth_[i].block->minus(truth_[i].x, estimated, e);
       const Eigen::MatrixXd own = filter_.covariance(FilterId{0})
                                       .as()
                                       .block(block.first_row, block.first_row, truth_[i].dof(), truth_[i].dof());

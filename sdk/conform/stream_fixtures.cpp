@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calls of noise estimators, sources and transforms.
-#include <algorithm>
-#include <array>
-
 #include "fixture.hpp"
 #include "guarded.hpp"
 
 namespace binnacle::conform {
 
 using testing::append;
-using testing::called;
-using testing::Guarded;
-using testing::Inputs;
 
 namespace {
 
@@ -21,11 +15,11 @@ class CallsNoise final : public Fixture {
       : trial_(trial),
         composition_(std::move(composition)),
         noise_(parts::noise(*composition_, filter_name, "adapted")) {}
-  std::size_t memory_bytes() const override { return noise_.estimator->memory_bytes(); }
+  std::size_t memory_bytes() const override { return noise_.estimator->declaration().memory_bytes; }
   void start(std::byte* memory) const override { noise_.estimator->start(memory); }
-  Answer turn(std::uint64_t k, std::byte* memory, double fill) const override {
+  Answer turn(std::uint64_t k, std::byte* memory, double) const override {
     auto random = trial_.random(5000 + k);
-    return call(3.0 * normals(random, noise_.max_rows), 0.1, memory, fill);
+    return call(3.0 * normals(random, noise_.max_rows), 0.1, memory);
   }
   std::vector<std::string> hostile_finite() const override {
     return {"zero", "tiny 1e-300", "alternating 1e15", "dt 1e6", "dt -1"};
@@ -35,46 +29,23 @@ class CallsNoise final : public Fixture {
     auto random = trial_.random(4);
     Eigen::VectorXd r = normals(random, noise_.max_rows);
     for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = hostile_number(input, static_cast<std::size_t>(i), r[i]);
-    return call(r, input.rfind("dt ", 0) == 0 ? std::stod(input.substr(3)) : 0.1, memory, 0.0);
+    return call(r, input.rfind("dt ", 0) == 0 ? std::stod(input.substr(3)) : 0.1, memory);
   }
 
  private:
-  /// A covariance as an input: a copy whose writing to is found.
-  static MatrixView diagonal(Inputs& inputs, const char* name, const Eigen::VectorXd& variances) {
-    const Eigen::MatrixXd all = variances.asDiagonal();
-    const int rows = static_cast<int>(variances.size());
-    return {const_cast<double*>(inputs.keep(name, all.data(), static_cast<std::size_t>(all.size()))), rows, rows, rows};
-  }
-
-  Answer call(const Eigen::VectorXd& r, double dt, std::byte* memory, double) const {
+  Answer call(const Eigen::VectorXd& r, double dt, std::byte* memory) const {
     const int rows = noise_.max_rows;
-    const Eigen::VectorXd nominal =
-        Eigen::VectorXd::LinSpaced(rows, 1, rows).unaryExpr([](double i) { return i == 1 ? 4.0 : 9.0; });
-    Inputs inputs;
-    std::vector<std::int64_t> keys(static_cast<std::size_t>(rows));
-    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = static_cast<std::int64_t>(i);
-    const std::vector<int> groups(keys.size(), 0);  // the miniature's measurement has one
-    Innovation innovation;
+    testing::InnovationNumbers innovation;
     innovation.t = 3'000'000'000;
     innovation.dt = dt;
-    innovation.rows = rows;
-    innovation.row_keys = keys;
-    innovation.row_groups = groups;
-    innovation.residual = inputs.keep("the residual", r.data(), static_cast<std::size_t>(rows));
-    innovation.HPHt = diagonal(inputs, "HPHt", Eigen::VectorXd::Constant(rows, 0.5));
-    innovation.R_nominal = diagonal(inputs, "R_nominal", nominal);
-    Guarded R(static_cast<std::size_t>(rows * rows), 0.0);
-    Eigen::Map<Eigen::MatrixXd>(R.data(), rows, rows).diagonal() = nominal;
-    called("estimate", [&] { return noise_.estimator->estimate(innovation, memory, {R.data(), rows, rows, rows}), 0; });
-    if (noise_.estimator->wants_after()) {
-      const Eigen::VectorXd post_fit = 0.8 * r;
-      const double* post = inputs.keep("the post-fit residual", post_fit.data(), static_cast<std::size_t>(rows));
-      called("after", [&] { return noise_.estimator->after(Outcome::accepted, post, innovation.HPHt, memory), 0; });
-    }
+    innovation.residual = r;
+    innovation.HPHt = Eigen::VectorXd::Constant(rows, 0.5).asDiagonal();
+    innovation.R_nominal =
+        Eigen::VectorXd::LinSpaced(rows, 1, rows).unaryExpr([](double i) { return i == 1 ? 4.0 : 9.0; }).asDiagonal();
+    const auto estimated = testing::NoiseCaller(*noise_.estimator).estimate(innovation, memory);
     Answer answer;
-    answer.damage = inputs.damage("estimate");
-    if (!R.is_intact()) answer.damage = "R: written beyond its end";
-    answer.numbers = R.values();
+    answer.damage = estimated.damage;
+    answer.numbers.assign(estimated.R.data(), estimated.R.data() + estimated.R.size());
     answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }
@@ -83,40 +54,11 @@ class CallsNoise final : public Fixture {
   parts::NoisePart noise_;
 };
 
-/// The slots of a component's channels, as the kernel has them.
-class Slots {
- public:
-  Slots(const std::vector<ChannelDeclaration>& channels, double fill) {
-    for (const auto& channel : channels) {
-      std::size_t epoch = 0, row = 0;
-      for (const auto& field : channel.fields) (field.is_per_row ? row : epoch) += 1;
-      fields_.emplace_back(epoch, fill);
-      rows_.emplace_back(row * static_cast<std::size_t>(channel.max_rows), fill);
-      covariance_.emplace_back(channel.covariance.size() * channel.covariance.size(), fill);
-    }
-    slots.resize(channels.size());
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      slots[i].fields = fields_[i].data();
-      slots[i].row_fields = rows_[i].data();
-      slots[i].covariance = covariance_[i].data();
-    }
-  }
-  bool is_intact() const {
-    const auto intact = [](const Guarded& part) { return part.is_intact(); };
-    return std::all_of(fields_.begin(), fields_.end(), intact) && std::all_of(rows_.begin(), rows_.end(), intact) &&
-           std::all_of(covariance_.begin(), covariance_.end(), intact);
-  }
-  void report(std::size_t channel, std::vector<double>& numbers) const {
-    const SampleSlot& slot = slots[channel];
-    numbers.push_back(static_cast<double>(channel));
-    numbers.push_back(static_cast<double>(slot.t));
-    append(numbers, fields_[channel].values());
-  }
-  std::vector<SampleSlot> slots;
-
- private:
-  std::vector<Guarded> fields_, rows_, covariance_;
-};
+void append_sample(const testing::Emitted& sample, std::vector<double>& numbers) {
+  numbers.push_back(static_cast<double>(sample.channel));
+  numbers.push_back(static_cast<double>(sample.t));
+  append(numbers, sample.fields);
+}
 
 class CallsSource final : public Fixture {
  public:
@@ -134,22 +76,14 @@ class CallsSource final : public Fixture {
     }
     trial_.stage("");
   }
-  std::size_t memory_bytes() const override { return source_.model->memory_bytes(); }
+  std::size_t memory_bytes() const override { return source_.model->declaration().memory_bytes; }
   void start(std::byte* memory) const override { source_.model->start(trial_.seed, memory); }
   Answer turn(std::uint64_t, std::byte* memory, double fill) const override {
-    Slots slots(source_.model->channels(), fill);
-    int channel = 0;
-    const SourceStatus status =
-        called("next", [&] { return source_.model->next(memory, slots.slots.data(), channel); });
+    const auto next = testing::SourceCaller(*source_.model).next(memory, fill);
     Answer answer;
-    if (!slots.is_intact()) answer.damage = "a slot: written beyond its end";
-    answer.numbers.push_back(static_cast<double>(status));
-    if (status == SourceStatus::sample) {
-      if (channel < 0 || channel >= static_cast<int>(slots.slots.size()))
-        answer.damage = "there is no channel " + std::to_string(channel);
-      else
-        slots.report(static_cast<std::size_t>(channel), answer.numbers);
-    }
+    answer.damage = next.damage;
+    answer.numbers.push_back(static_cast<double>(next.status));
+    if (next.status == SourceStatus::sample && next.damage.empty()) append_sample(next.sample, answer.numbers);
     answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }
@@ -166,7 +100,7 @@ class CallsTransform final : public Fixture {
       : trial_(trial),
         composition_(std::move(composition)),
         transform_(parts::transform(*composition_, component_name)) {}
-  std::size_t memory_bytes() const override { return transform_.model->memory_bytes(); }
+  std::size_t memory_bytes() const override { return transform_.model->declaration().memory_bytes; }
   void start(std::byte* memory) const override { transform_.model->start(trial_.seed, memory); }
   Answer turn(std::uint64_t k, std::byte* memory, double fill) const override {
     auto random = trial_.random(6000 + k);
@@ -191,49 +125,20 @@ class CallsTransform final : public Fixture {
   }
 
  private:
-  struct Collector final : Emitter {
-    Collector(const std::vector<ChannelDeclaration>& channels, double fill) : slots(channels, fill) {}
-    SampleSlot& slot(int channel) override { return slots.slots.at(static_cast<std::size_t>(channel)); }
-    void emit(int channel) override {
-      const auto i = static_cast<std::size_t>(channel);
-      if (i >= slots.slots.size()) {
-        damage = "it emits on a channel that it has not";
-        return;
-      }
-      if (emitted_count < most) emitted[emitted_count++] = i;
-    }
-    /// Afterwards, so that nothing of it is counted as the plugin's.
-    std::vector<double> numbers() const {
-      std::vector<double> all;
-      for (std::size_t e = 0; e < emitted_count; ++e) slots.report(emitted[e], all);
-      return all;
-    }
-    static constexpr std::size_t most = 64;
-    Slots slots;
-    std::array<std::size_t, most> emitted{};
-    std::size_t emitted_count = 0;
-    const char* damage = "";
-  };
-
   SampleNumbers numbers_of(const ChannelPort& input, std::mt19937_64& random) const {
     const std::vector<bool> all(input.fields.size(), true);
     return made_up(input.fields, all, Surroundings(transform_.type->spec).input(input.name), 0, random, 1.0);
   }
 
   Answer call(std::size_t input, const SampleNumbers& numbers, Time t, std::byte* memory, double fill) const {
-    Collector collector(transform_.model->channels(), fill);
-    Inputs inputs;
     SampleView sample = numbers.view();
     sample.t = t;
     sample.t0 = t - 10'000'000;
-    sample.fields = inputs.keep("the sample", numbers.epoch);
-    sample.row_fields = inputs.keep("the sample (its rows)", numbers.row);
-    called("on", [&] { return transform_.model->on(static_cast<int>(input), sample, memory, collector), 0; });
+    const auto made =
+        testing::TransformCaller(*transform_.model, transform_.type->spec).on(input, sample, memory, fill);
     Answer answer;
-    answer.damage = inputs.damage("on");
-    if (*collector.damage) answer.damage = collector.damage;
-    if (!collector.slots.is_intact()) answer.damage = "a slot: written beyond its end";
-    answer.numbers = collector.numbers();
+    answer.damage = made.damage;
+    for (const auto& emitted : made.samples) append_sample(emitted, answer.numbers);
     answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }

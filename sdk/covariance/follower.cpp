@@ -229,17 +229,17 @@ VectorXd Follower::output_row(const Subject& subject) const {
   constexpr double step = 1e-4;
   const auto& declaration = *subject.block->declaration;
   const auto& output = declaration.outputs[static_cast<std::size_t>(subject.output)];
-  const double* const x = x_.data() + subject.block->stored_offset;
+  const ConstVectorView x(x_.data() + subject.block->stored_offset, declaration.stored_size);
   std::vector<double> moved(static_cast<std::size_t>(declaration.stored_size)), above(declaration.outputs.size()),
       below = above;
   VectorXd delta = VectorXd::Zero(declaration.dof()), row = delta;
   for (Index i = 0; i < delta.size(); ++i) {
     delta[i] = step;
-    subject.manifold->plus(x, delta.data(), moved.data());
-    subject.manifold->read(moved.data(), above.data());
+    subject.manifold->plus(x, delta, moved);
+    subject.manifold->read(moved, above);
     delta[i] = -step;
-    subject.manifold->plus(x, delta.data(), moved.data());
-    subject.manifold->read(moved.data(), below.data());
+    subject.manifold->plus(x, delta, moved);
+    subject.manifold->read(moved, below);
     delta[i] = 0;
     const double difference =
         above[static_cast<std::size_t>(subject.output)] - below[static_cast<std::size_t>(subject.output)];

@@ -126,6 +126,10 @@ constexpr CodeEntry entries[] = {
     {"B082", "snapshot of something else",
      "The bytes are no snapshot, or one of another composition, plugin or version.",
      "Restore it with the config, plugins and program it was taken with."},
+    {"B083", "a model's note",
+     "A model met something in the run that people should know. Equal notes of one component are one warning, with the "
+     "time of the first and their number.",
+     "Read the message; the plugin's README says more."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
      "Use one of the names that the message lists; a cell without a variant is \"\"."},
     {"B091", "variants of one name", "Two variants of a study have the same name, or one that would be lost.",

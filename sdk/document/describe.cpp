@@ -106,8 +106,9 @@ std::string describe(const ComponentType& type) {
   text += table(fields_title(type.role), field_rows(spec.fields));
   text += table("Mean rates of the driving input", field_rows(spec.driving_rates));
   for (const ChannelPort& input : spec.inputs) {
-    const std::string title = "Input '" + input.name + "'" + (input.is_optional ? " (optional)" : "") +
-                              (input.text.empty() ? "" : ": " + input.text);
+    const bool is_model = type.role == Role::process_model || type.role == Role::measurement_model;
+    const std::string title = (is_model ? "Auxiliary channel '" : "Input '") + input.name + "'" +
+                              (input.is_optional ? " (optional)" : "") + (input.text.empty() ? "" : ": " + input.text);
     const std::vector<Row> rows = field_rows(input.fields);
     text += rows.empty() ? "\n" + title + "\n" : table(title, rows);
   }

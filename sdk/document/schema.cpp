@@ -170,7 +170,7 @@ class ReservedKeys {
 
   void add_process_keys() {
     add_ports();
-    properties["fields"] = mapping(spec_.fields);
+    add_auxiliary_keys();
     properties["samples_per_step"] = ref("samples_per_step");
     if (spec_.fields.empty()) return;
     properties["input"] = text_schema("the channel that drives the filter");
@@ -179,15 +179,24 @@ class ReservedKeys {
 
   void add_measurement_keys() {
     add_ports();
-    properties["fields"] = mapping(spec_.fields);
+    add_auxiliary_keys();
+  }
+
+  void add_auxiliary_keys() {
+    properties["fields"] = mapping(all_fields());
+    if (spec_.inputs.empty()) return;
     properties["inputs"] = inputs();
     if (needs_named_inputs()) required.push_back("inputs");
   }
 
-  void add_input_keys() {
-    std::vector<FieldSpec> fields;
+  std::vector<FieldSpec> all_fields() const {
+    std::vector<FieldSpec> fields = spec_.fields;
     for (const ChannelPort& input : spec_.inputs) fields.insert(fields.end(), input.fields.begin(), input.fields.end());
-    properties["fields"] = mapping(fields);
+    return fields;
+  }
+
+  void add_input_keys() {
+    properties["fields"] = mapping(all_fields());
     properties["input"] = text_schema("name of a channel");
     properties["inputs"] = inputs();
   }

@@ -101,8 +101,12 @@ class Skeleton {
   }
 
   static Json inputs(const ComponentType& type) {
-    Json reserved = Json::object();
     if (type.spec.inputs.size() == 1) return {{"input", "CHANNEL"}};
+    return named_inputs(type);
+  }
+
+  static Json named_inputs(const ComponentType& type) {
+    Json reserved = Json::object();
     for (const ChannelPort& input : type.spec.inputs) {
       if (!input.is_optional) reserved["inputs"][input.name] = "CHANNEL";
     }
@@ -120,12 +124,14 @@ class Skeleton {
   void add_process(const ComponentType& type) {
     Json reserved = ports(type);
     if (!type.spec.fields.empty()) reserved["input"] = "CHANNEL";
+    reserved.update(named_inputs(type));
     put(type, in_filter("process"), reserved);
   }
 
   void add_measurement(const ComponentType& type) {
     Json reserved{{"channel", "CHANNEL"}};
     reserved.update(ports(type));
+    reserved.update(named_inputs(type));
     last_measurement_ = put(type, in_filter("measurements"), reserved);
   }
 
@@ -157,7 +163,8 @@ class Skeleton {
     add_parameters(type.spec.parameters, place, json);
     const Json example = Json::parse(type.spec.example, nullptr, false, true);
     if (example.is_object()) json.update(example);
-    if (json.contains("input")) json.erase("inputs");
+    const bool is_model = type.role == Role::process_model || type.role == Role::measurement_model;
+    if (!is_model && json.contains("input")) json.erase("inputs");
     return json;
   }
 

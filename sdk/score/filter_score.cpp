@@ -233,13 +233,14 @@ void FilterScore::stepped(const StepRecord& record) {
       continue;
     }
     const auto& block = info_.blocks[as_size(references_[as_size(pending_[i].reference)].plan->block)];
-    const double* x0 = record.x0 + block.stored_offset;
-    const double* x1 = record.x1 + block.stored_offset;
+    const int stored = block.declaration->stored_size;
+    const ConstVectorView x0(record.x0 + block.stored_offset, stored), x1(record.x1 + block.stored_offset, stored);
+    const VectorView delta(delta_.data(), block.declaration->dof()), between(between_.data(), stored);
     const double fraction = seconds(pending_[i].t - record.t0) / seconds(record.t1 - record.t0);
-    block.block->minus(x1, x0, delta_.data());
-    for (int c = 0; c < block.declaration->dof(); ++c) delta_[as_size(c)] *= fraction;
-    block.block->plus(x0, delta_.data(), between_.data());
-    score_block(pending_[i], between_.data(), record.P0);
+    block.block->minus(x1, x0, delta);
+    delta.as() *= fraction;
+    block.block->plus(x0, delta, between);
+    score_block(pending_[i], between.data(), record.P0);
   }
   pending_.resize(kept);
 }
@@ -310,14 +311,16 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Ma
   const auto& block = *reference.block;
   const auto& declaration = *block.declaration;
   const bool keeps_sigmas = !reference.sigmas.empty();
+  const ConstVectorView at(estimate, declaration.stored_size);
   if (reference.is_whole) {
-    if (!block.block->write(pending.values.data(), truth_.data())) return;
-    block.block->minus(truth_.data(), estimate, delta_.data());
+    const VectorView truth(truth_.data(), declaration.stored_size);
+    if (!block.block->write(pending.values, truth)) return;
+    block.block->minus(truth, at, {delta_.data(), declaration.dof()});
     push_errors(reference.series, declaration, pending.t, delta_.data());
     if (keeps_sigmas) push_error_sigmas(reference, P);
     score_consistency(reference, pending.t, P);
   }
-  block.block->read(estimate, outputs_.data());
+  block.block->read(at, {outputs_.data(), static_cast<int>(declaration.outputs.size())});
   if (keeps_sigmas) output_sigmas(block, estimate, P, sigma_scratch_.data(), sigmas_.data());
   for (std::size_t i = 0; i < declaration.outputs.size(); ++i) {
     if (reference.output_series[i] < 0) continue;
@@ -394,7 +397,7 @@ void FilterScore::latest_implied_states(Time t, double* values) {
     const auto count = value.declaration->outputs.size();
     if (implied_state.t() == t) {
       std::vector<double> scratch(output_sigma_scratch(value));
-      value.block->read(implied_state.value(), values);
+      value.block->read({implied_state.value(), value.declaration->stored_size}, {values, static_cast<int>(count)});
       output_sigmas(value, implied_state.value(), implied_state.covariance(), scratch.data(), values + count);
     } else {
       std::fill_n(values, 2 * count, not_a_number);

@@ -51,7 +51,7 @@ bool ImpliedState::take(const UpdateRecord& record, MatrixView P) {
   std::fill(delta_.begin(), delta_.end(), 0.0);
   for (std::size_t a = 0; a < block_.active.size(); ++a)
     delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];
-  block_.block->plus(record.x0 + block_.stored_offset, delta_.data(), value_.data());
+  block_.block->plus({record.x0 + block_.stored_offset, block_.declaration->stored_size}, delta_, value_);
   MatrixXd E = -B * H;
   E.middleCols(block_.first_row, rows_) += MatrixXd::Identity(rows_, rows_);
   covariance().as() = E * P.as() * E.transpose() + B * record.R.as() * B.transpose();

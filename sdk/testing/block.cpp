@@ -15,18 +15,18 @@ class Laws {
   std::vector<double> plus(const std::vector<double>& x, const Eigen::VectorXd& delta) const {
     Inputs inputs;
     Guarded y(x.size(), unwritten());
-    const double* from = inputs.keep("x", x);
-    const double* by = inputs.keep("delta", delta.data(), static_cast<std::size_t>(delta.size()));
-    called("plus", [&] { return at_.block->plus(from, by, y.data()), 0; });
+    const ConstVectorView from = inputs.keep("x", ConstVectorView(x));
+    const ConstVectorView by = inputs.keep("delta", ConstVectorView(delta));
+    called("plus", [&] { return at_.block->plus(from, by, y), 0; });
     complain("plus", y, inputs);
     return y.values();
   }
   Eigen::VectorXd minus(const std::vector<double>& y, const std::vector<double>& x) const {
     Inputs inputs;
     Guarded delta(as_size(at_.dof()), unwritten());
-    const double* to = inputs.keep("y", y);
-    const double* from = inputs.keep("x", x);
-    called("minus", [&] { return at_.block->minus(to, from, delta.data()), 0; });
+    const ConstVectorView to = inputs.keep("y", ConstVectorView(y));
+    const ConstVectorView from = inputs.keep("x", ConstVectorView(x));
+    called("minus", [&] { return at_.block->minus(to, from, delta), 0; });
     complain("minus", delta, inputs);
     return vector_at(delta.data(), at_.dof());
   }
@@ -59,7 +59,7 @@ Complaints check_laws(const PortState& at, const Eigen::VectorXd& delta, const E
   block.near("(x [+] d) [-] x = d", block.minus(y, at.x), delta);
   block.near("x [+] (y [-] x) = y", block.minus(block.plus(at.x, block.minus(y, at.x)), y), zero);
   std::vector<double> in_place = at.x;
-  at.block->plus(in_place.data(), delta.data(), in_place.data());
+  at.block->plus(in_place, delta, in_place);
   if (in_place != y) out.add("plus() gives another result when x and result are the same memory");
   return out;
 }
@@ -68,8 +68,8 @@ Complaints check_readable(const PortState& at, const Exactness& exactness) {
   Complaints out;
   const Laws block(at, exactness, out);
   std::vector<double> outputs(at.block->declaration().outputs.size()), written(at.x.size());
-  called("read", [&] { return at.block->read(at.x.data(), outputs.data()), 0; });
-  const Result result = called("write", [&] { return at.block->write(outputs.data(), written.data()); });
+  called("read", [&] { return at.block->read(at.x, outputs), 0; });
+  const Result result = called("write", [&] { return at.block->write(outputs, written); });
   if (!result)
     out.add("write() refuses what read() gave: ", result.reason);
   else
@@ -83,7 +83,8 @@ Complaints check_reset(const PortState& at, const Eigen::VectorXd& delta, double
   const Laws block(at, any, out);
   Eigen::MatrixXd G = Eigen::MatrixXd::Identity(at.dof(), at.dof());
   std::vector<double> written(static_cast<std::size_t>(G.size()));
-  if (called("reset_jacobian", [&] { return at.block->reset_jacobian(delta.data(), written.data()); }))
+  const int dof = at.dof();
+  if (called("reset_jacobian", [&] { return at.block->reset_jacobian(at.x, delta, {written.data(), dof, dof, dof}); }))
     G = matrix_at(written.data(), at.dof(), at.dof());
   const auto injected = block.plus(at.x, delta);
   Eigen::MatrixXd numeric(at.dof(), at.dof());

@@ -51,7 +51,7 @@ Complaints check_derived(const DerivedCaller& derived, const StateBlock& yields,
   const Function change = [&](const PortStates& at) -> Eigen::VectorXd {
     const Evaluated evaluated = derived.evaluate(at, u);
     Eigen::VectorXd delta = Eigen::VectorXd::Constant(dof, NAN);
-    if (evaluated.result) yields.minus(evaluated.value.data(), nominal.value.data(), delta.data());
+    if (evaluated.result) yields.minus(evaluated.value, nominal.value, delta);
     return delta;
   };
   const auto& reads = derived.model().declaration().read_ports;

@@ -15,7 +15,7 @@ PortStates moved(PortStates ports, std::size_t port, int component, double by) {
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(ports[port].dof());
   delta[component] = by;
   const std::vector<double> from = ports[port].x;
-  ports[port].block->plus(from.data(), delta.data(), ports[port].x.data());
+  ports[port].block->plus(from, delta, ports[port].x);
   return ports;
 }
 

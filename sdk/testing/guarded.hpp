@@ -46,6 +46,9 @@ class Inputs {
  public:
   /// The copy to be handed out; null stays null. `name` stands in the complaint.
   const double* keep(std::string name, const double* values, std::size_t count);
+  ConstVectorView keep(std::string name, ConstVectorView values) {
+    return {keep(std::move(name), values.data(), static_cast<std::size_t>(values.size())), values.size()};
+  }
   const double* keep(std::string name, const std::vector<double>& values) {
     return keep(std::move(name), values.data(), values.size());
   }

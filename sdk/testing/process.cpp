@@ -26,7 +26,7 @@ Function change_of(const ProcessCaller& process, const Step& step, const std::ve
     const Propagated p = process.propagate(at, step, memory);
     if (!p.result) return Eigen::VectorXd::Constant(at[to].dof(), NAN);
     Eigen::VectorXd delta(at[to].dof());
-    at[to].block->minus(p.x_plus[to].data(), nominal.x_plus[to].data(), delta.data());
+    at[to].block->minus(p.x_plus[to], nominal.x_plus[to], delta);
     return delta;
   };
 }
@@ -114,7 +114,7 @@ Complaints check_rest(const ProcessCaller& process, const PortStates& ports, con
   for (std::size_t i = 0; i < ports.size(); ++i) {
     if (!process.moves(ports, i)) continue;
     Eigen::VectorXd delta(ports[i].dof());
-    ports[i].block->minus(still.x_plus[i].data(), ports[i].x.data(), delta.data());
+    ports[i].block->minus(still.x_plus[i], ports[i].x, delta);
     if (!(delta.cwiseAbs().array() <= (rounding * ports[i].scale.array() + 8 * ports[i].resolution)).all())
       out.add("dt = 0 moves '", process.spec().ports[i].name, "' by [", delta.transpose(), "]");
   }

@@ -97,8 +97,9 @@ Propagated ProcessCaller::linearized(const PortStates& ports, double fill) const
   Blocks dynamics("dynamics", declared().transition, ports, fill), noise("noise", declared().noise, ports, fill);
   Inputs inputs;
   const auto x = pointers(ports, spec_, inputs);
+  const std::vector<SampleView> auxiliary = guarded_inputs(auxiliary_, *spec_, inputs);
   ContinuousOutput output{dynamics.at(), noise.at()};
-  called("linearized", [&] { return model_->linearized({x.data()}, output), 0; });
+  called("linearized", [&] { return model_->linearized({x.data(), auxiliary.data()}, output), 0; });
   out.damage = inputs.damage("linearized");
   out.x_plus.resize(ports.size());
   dynamics.collect(out, out.transition);

@@ -98,8 +98,9 @@ class Nees : public runtime::SampleSubscriber {
       std::vector<double> outputs;
       for (const int field : reference.fields) outputs.push_back(truth.fields[field]);
       std::vector<double> stored(static_cast<std::size_t>(block.declaration().stored_size));
-      REQUIRE(block.block->write(outputs.data(), stored.data()));
-      block.block->minus(stored.data(), engine.state() + block.stored_offset, delta.data() + block.first);
+      REQUIRE(block.block->write(outputs, stored));
+      block.block->minus(stored, {engine.state() + block.stored_offset, block.declaration().stored_size},
+                         {delta.data() + block.first, block.dof()});
     }
     for (std::size_t b = 0; b < plan_.blocks.size(); ++b) {
       const int first = plan_.blocks[b].first, dof = row[b].dof;

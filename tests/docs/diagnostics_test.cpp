@@ -24,7 +24,7 @@ std::string reference() {
       "B08x\n"
       "about running filters, B09x about studies. Exit status: 3 when the config is wrong, 4 when a plugin cannot be\n"
       "loaded, 5 when only data are, 1 when a filter broke or never started, 2 when a journal is of another study.\n"
-      "Warnings (B031, B032, B043, B047, B065 and others that a source reports) do not change it.\n\n"
+      "Warnings (B031, B032, B043, B047, B065, B083 and others that a source reports) do not change it.\n\n"
       "This file is made from the table in `sdk/document/codes.cpp`; `BINNACLE_WRITE_DOCS=1 tests/run -L docs` "
       "writes\n"
       "it anew.\n";

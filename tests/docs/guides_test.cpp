@@ -45,13 +45,19 @@ const std::vector<std::string> guides{"sdk/docs/write-a-block.md",
                                       "sdk/docs/write-a-noise-estimator.md",
                                       "sdk/docs/write-a-source.md",
                                       "sdk/docs/ports-and-derived-blocks.md",
+                                      "sdk/docs/auxiliary-channels.md",
+                                      "sdk/docs/rows.md",
+                                      "sdk/docs/test-a-plugin.md",
+                                      "sdk/docs/debug-a-plugin.md",
                                       "sdk/docs/units-and-errors.md",
                                       "sdk/docs/abi-rules.md",
                                       "sdk/docs/embed-a-filter.md"};
 
 /// What tests/package builds and runs.
 bool is_built(const std::string& file) {
-  return file.rfind("sdk/template/", 0) == 0 || file.rfind("tests/package/", 0) == 0;
+  for (const char* folder : {"sdk/template/", "sdk/examples/", "tests/package/"})
+    if (file.rfind(folder, 0) == 0) return true;
+  return false;
 }
 
 /// Lines with anything but a comment on them.

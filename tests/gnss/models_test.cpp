@@ -11,6 +11,7 @@
 #include "../plugins/bind.hpp"
 #include "../plugins/kind_blocks.hpp"
 #include "../plugins/model_check.hpp"
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 #include "sky.hpp"
 #include "strapdown/earth.hpp"
@@ -73,49 +74,25 @@ struct Solution {
   Eigen::MatrixXd P, P_ned;
 };
 
-class Collector final : public Emitter {
- public:
-  explicit Collector(const Transform& transform) {
-    for (const auto& channel : transform.channels()) {
-      fields_.emplace_back(channel.fields.size(), 0.0);
-      covariances_.emplace_back(channel.covariance.size() * channel.covariance.size(), 0.0);
-    }
-    slots_.resize(fields_.size());
-    emitted_.resize(fields_.size());
-  }
-  SampleSlot& slot(int channel) override {
-    const auto c = static_cast<std::size_t>(channel);
-    slots_[c] = SampleSlot{};
-    slots_[c].fields = fields_[c].data();
-    slots_[c].covariance = covariances_[c].data();
-    return slots_[c];
-  }
-  void emit(int channel) override { emitted_[static_cast<std::size_t>(channel)] = true; }
-  Solution solution() const {
-    Solution s;
-    s.is_there = emitted_[0] && emitted_[1];
-    s.ecef = fields_[0];
-    s.ned = fields_[1];
-    s.P = matrix_at(covariances_[0].data(), 8, 8);
-    s.P_ned = matrix_at(covariances_[1].data(), 8, 8);
-    return s;
-  }
-
- private:
-  std::vector<std::vector<double>> fields_, covariances_;
-  std::vector<SampleSlot> slots_;
-  std::vector<bool> emitted_;
-};
+Solution solution_of(const SinglePoint& transform, const Scene& scene) {
+  const ComponentSpec spec = SinglePoint::spec();
+  const binnacle::testing::TransformCaller caller(transform, spec);
+  auto memory = caller.fresh_memory(0);
+  for (const std::size_t input : {0u, 1u}) caller.on(input, scene.auxiliary[input], memory.data());
+  const auto made = caller.on(2, scene.sample, memory.data());
+  REQUIRE(made.damage.empty());
+  Solution s;
+  s.is_there = made.samples.size() == 2;
+  if (!s.is_there) return s;
+  s.ecef = made.samples[0].fields;
+  s.ned = made.samples[1].fields;
+  s.P = matrix_at(made.samples[0].covariance.data(), 8, 8);
+  s.P_ned = matrix_at(made.samples[1].covariance.data(), 8, 8);
+  return s;
+}
 
 Solution solve(const Scene& scene, const json& parameters) {
-  const auto transform = bind<SinglePoint>({parameters, {}, {}});
-  std::vector<std::byte> memory(transform->memory_bytes());
-  transform->start(0, memory.data());
-  Collector collector(*transform);
-  transform->on(0, scene.auxiliary[0], memory.data(), collector);
-  transform->on(1, scene.auxiliary[1], memory.data(), collector);
-  transform->on(2, scene.sample, memory.data(), collector);
-  return collector.solution();
+  return solution_of(*bind<SinglePoint>({parameters, {}, {}}), scene);
 }
 
 }  // namespace
@@ -323,12 +300,7 @@ TEST_CASE("wild numbers in any place are refused or give finite rows") {
       CHECK(all);
     }
     CHECK(out.empty());
-    std::vector<std::byte> memory(solver->memory_bytes());
-    solver->start(0, memory.data());
-    Collector collector(*solver);
-    for (const int input : {0, 1}) solver->on(input, scene.auxiliary[input], memory.data(), collector);
-    solver->on(2, scene.sample, memory.data(), collector);
-    const Solution s = collector.solution();
+    const Solution s = solution_of(*solver, scene);
     if (s.is_there) CHECK((vector_at<3>(s.ecef.data()).allFinite() && s.P.allFinite()));
   };
   const Scene scene;

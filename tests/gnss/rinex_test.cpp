@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Source rinex: what it reads, and what it says of files that are broken.
 #include "../../plugins/rinex/rinex_source.hpp"
+#include "binnacle/testing.hpp"
 
 #include <unistd.h>
 
@@ -193,26 +194,16 @@ struct Recording {
 
  private:
   void read(const RinexSource& source) {
-    std::vector<std::byte> memory(source.memory_bytes());
-    source.start(0, memory.data());
-    for (;;) {
-      std::vector<std::vector<double>> fields, rows;
-      std::vector<SampleSlot> slots;
-      for (const auto& channel : source.channels()) {
-        fields.emplace_back(channel.fields.size(), std::nan(""));
-        rows.emplace_back(channel.fields.size() * static_cast<std::size_t>(channel.max_rows), std::nan(""));
-        slots.emplace_back();
-        slots.back().fields = fields.back().data();
-        slots.back().row_fields = rows.back().data();
-      }
-      int channel = 0;
-      if (source.next(memory.data(), slots.data(), channel) != SourceStatus::sample) return;
-      const auto c = static_cast<std::size_t>(channel);
-      std::size_t width = 0;
-      for (const auto& field : source.channels()[c].fields) width += field.is_per_row;
-      Sample sample{channel, seconds(slots[c].t), {}, fields[c]};
-      for (int i = 0; i < slots[c].rows; ++i) {
-        const auto begin = rows[c].begin() + static_cast<std::ptrdiff_t>(width * static_cast<std::size_t>(i));
+    const binnacle::testing::SourceCaller caller(source);
+    auto memory = caller.fresh_memory(0);
+    for (auto next = caller.next(memory.data()); next.status == SourceStatus::sample;
+         next = caller.next(memory.data())) {
+      REQUIRE(next.damage.empty());
+      Sample sample{next.sample.channel, seconds(next.sample.t), {}, next.sample.fields};
+      const auto count = static_cast<std::size_t>(next.sample.rows);
+      const std::size_t width = count == 0 ? 0 : next.sample.row_fields.size() / count;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto begin = next.sample.row_fields.begin() + static_cast<std::ptrdiff_t>(width * i);
         sample.rows.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(width));
       }
       samples.push_back(std::move(sample));

@@ -28,7 +28,7 @@ step "cmake --install" "$cmake" --install "$build" --prefix "$scratch/installed"
 cp -R "$scratch/installed/share/binnacle/sdk/examples" "$scratch/examples"
 export CMAKE_PREFIX_PATH=$scratch/installed
 
-for example in battery tracker sphere; do
+for example in battery tracker sphere balloon; do
   folder=$scratch/examples/$example
   step "$example: configure" "$cmake" -S "$folder" -B "$folder/build" -DCMAKE_COMPILE_WARNING_AS_ERROR=ON
   step "$example: build" "$cmake" --build "$folder/build"
@@ -38,3 +38,6 @@ for example in battery tracker sphere; do
     exit 1
   }
 done
+PATH=$scratch/installed/bin:$PATH
+in_balloon() { (cd "$scratch/examples/balloon" && sh one_check.sh); }
+step "balloon: one check in this process" in_balloon

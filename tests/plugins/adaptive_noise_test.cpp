@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Noise estimators on simulated innovations whose covariance is known: what they find, what bounds them, what they keep.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "adaptive_noise/beta_adapter.hpp"
 #include "adaptive_noise/innovation_window.hpp"
 #include "adaptive_noise/sage_husa.hpp"
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 #include "config/document.hpp"
 #include "random/normal.hpp"
@@ -46,44 +48,36 @@ std::unique_ptr<Estimator> make(const Json& config, const NoiseBinding& noise) {
 /// An estimator with its memory, used as the kernel uses it.
 class Bench {
  public:
-  Bench(std::shared_ptr<const NoiseEstimator> estimator) : estimator_(std::move(estimator)) { restart(); }
+  Bench(std::shared_ptr<const NoiseEstimator> estimator, NoiseBinding binding)
+      : estimator_(std::move(estimator)), binding_(std::move(binding)) {
+    restart();
+  }
 
-  void restart() {
-    memory_.assign(estimator_->memory_bytes() / sizeof(double) + 1, 0.0);
-    estimator_->start(bytes());
-  }
+  void restart() { memory_ = binnacle::testing::NoiseCaller(*estimator_).fresh_memory(); }
   /// R for these residuals; then what follows an update with it.
-  MatrixXd offer(const VectorXd& residual, MatrixXd HPHt, MatrixXd nominal, std::vector<std::int64_t> keys = {}) {
-    const int m = static_cast<int>(residual.size());
-    if (keys.empty())
-      for (int i = 0; i < m; ++i) keys.push_back(i);
-    MatrixXd R = nominal;
-    Innovation innovation;
-    innovation.rows = m;
-    innovation.row_keys = keys;
-    innovation.residual = residual.data();
-    innovation.HPHt = {HPHt.data(), m, m, m};
-    innovation.R_nominal = {nominal.data(), m, m, m};
-    estimator_->estimate(innovation, bytes(), {R.data(), m, m, m});
-    if (estimator_->wants_after()) {
-      const MatrixXd gain = HPHt * (HPHt + R).inverse();
-      const VectorXd post_fit = residual - gain * residual;
-      MatrixXd HPHt_plus = HPHt - gain * HPHt;
-      estimator_->after(Outcome::accepted, post_fit.data(), {HPHt_plus.data(), m, m, m}, bytes());
-    }
-    return R;
+  MatrixXd offer(const VectorXd& residual, const MatrixXd& HPHt, const MatrixXd& nominal,
+                 const std::vector<std::int64_t>& keys = {}) {
+    binnacle::testing::InnovationNumbers innovation{residual, HPHt, nominal};
+    innovation.keys = keys;
+    const auto& first = binding_.group_first_row;
+    for (int row = 0; row < residual.size(); ++row)
+      innovation.groups.push_back(static_cast<int>(std::upper_bound(first.begin(), first.end(), row) - first.begin()) -
+                                  1);
+    const auto estimated = binnacle::testing::NoiseCaller(*estimator_).estimate(innovation, memory_.data());
+    REQUIRE(estimated.damage.empty());
+    return estimated.R;
   }
-  std::vector<double>& memory() { return memory_; }
+  std::vector<std::byte>& memory() { return memory_; }
 
  private:
-  std::byte* bytes() { return reinterpret_cast<std::byte*>(memory_.data()); }
   std::shared_ptr<const NoiseEstimator> estimator_;
-  std::vector<double> memory_;
+  NoiseBinding binding_;
+  std::vector<std::byte> memory_;
 };
 
 template <class Estimator>
 Bench bench(const Json& config, const NoiseBinding& noise) {
-  return Bench(make<Estimator>(config, noise));
+  return Bench(make<Estimator>(config, noise), noise);
 }
 
 /// Innovations N(0, HPHᵀ + R).

@@ -235,7 +235,7 @@ TEST_CASE("several samples are right for rates that change linearly, and uneven 
       CHECK(distance(bench, walk(bench, ports, {even_step}, fresh).ports, truth) > 1e-5);
       const auto in_float = walk(single, ports, {even.step()}, fresh).ports;
       Vector3d phi;
-      bench.attitude.minus(in_float[2].x.data(), truth[2].x.data(), phi.data());
+      bench.attitude.minus(in_float[2].x, truth[2].x, phi);
       CHECK(phi.norm() < 1e-6);
       CHECK(phi.norm() > 1e-9);
     }
@@ -259,7 +259,7 @@ TEST_CASE("attitude alone: noise, rest, memory", "[attitude]") {
     // Turned by −ω about the body's axes: the sign, against the definition of the kind.
     const auto moved = check.propagate(ports, step, memory, out);
     Vector3d phi;
-    block.minus(moved.x_plus[0].data(), ports[0].x.data(), phi.data());
+    block.minus(moved.x_plus[0], ports[0].x, phi);
     const Eigen::Matrix3d C = strapdown::dcm_from_quaternion(vector_at<4>(ports[0].x.data()));
     CHECK((phi - C * vector_at<3>(step.samples[0].fields)).norm() < 1e-4 * phi.norm());
   }

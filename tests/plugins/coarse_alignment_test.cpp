@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Coarse alignment: signs in every quadrant, honest covariances, no attitude without rest, recorded drives.
 #include "../recorded_data.hpp"
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 
 #include <Eigen/Dense>
@@ -62,39 +63,15 @@ struct Output {
   Matrix3d P;
 };
 
-class Collector : public Emitter {
- public:
-  SampleSlot& slot(int channel) override {
-    auto& storage = storage_.at(static_cast<std::size_t>(channel));
-    storage.fields.setConstant(unknown);
-    storage.P.setConstant(unknown);
-    storage.slot = SampleSlot();
-    storage.slot.fields = storage.fields.data();
-    storage.slot.covariance = storage.P.data();
-    return storage.slot;
-  }
-  void emit(int channel) override {
-    const auto& storage = storage_.at(static_cast<std::size_t>(channel));
-    REQUIRE(storage.slot.has_covariance);
-    (channel == 0 ? attitudes : biases).push_back({storage.slot.t, storage.fields, storage.P});
-  }
+struct Outputs {
   std::vector<Output> attitudes, biases;
-
- private:
-  struct Storage {
-    Vector3d fields;
-    Matrix3d P;
-    SampleSlot slot;
-  };
-  std::array<Storage, 2> storage_;
 };
 
 /// The transform with its memory and what it has emitted.
 class Aligner {
  public:
-  explicit Aligner(const ParameterValue& parameters) : transform_(bind(parameters)) {
-    memory.resize(transform_.memory_bytes());
-    transform_.start(1, memory.data());
+  explicit Aligner(const ParameterValue& parameters) : transform_(bind_as<CoarseAlignment>(parameters)) {
+    memory = binnacle::testing::TransformCaller(transform_, spec_).fresh_memory(1);
   }
   void imu(Time t0, Time t, const Vector3d& w, const Vector3d& f) {
     const double fields[] = {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
@@ -102,21 +79,32 @@ class Aligner {
     sample.t = t;
     sample.t0 = t0;
     sample.fields = fields;
-    transform_.on(0, sample, memory.data(), out);
+    offer(0, sample);
   }
   void gnss(Time t, double vn, double ve, double lat = unknown, double sd_n = unknown, double sd_e = unknown) {
     const double fields[] = {vn, ve, lat, sd_n, sd_e};
     SampleView sample;
     sample.t = t;
     sample.fields = fields;
-    transform_.on(1, sample, memory.data(), out);
+    offer(1, sample);
   }
   const CoarseAlignment& transform() const { return transform_; }
 
   std::vector<std::byte> memory;
-  Collector out;
+  Outputs out;
 
  private:
+  void offer(std::size_t input, const SampleView& sample) {
+    const auto made = binnacle::testing::TransformCaller(transform_, spec_).on(input, sample, memory.data());
+    REQUIRE(made.damage.empty());
+    for (const auto& emitted : made.samples) {
+      REQUIRE(emitted.covariance.size() == 9);
+      (emitted.channel == 0 ? out.attitudes : out.biases)
+          .push_back({emitted.t, Vector3d(emitted.fields.data()), Matrix3d(emitted.covariance.data())});
+    }
+  }
+
+  const ComponentSpec spec_ = CoarseAlignment::spec();
   CoarseAlignment transform_;
 };
 
@@ -250,7 +238,7 @@ TEST_CASE("alignment: gyrocompassing in every quadrant, north and south") {
       auto parameters = with(defaults("gyrocompass"), "gyro_bias", number(1e-8));
       parameters = with(parameters, "accelerometer_bias", number(1e-4));
       Aligner aligner(with(parameters, "latitude", number(lat)));
-      REQUIRE(aligner.transform().channels().size() == 1);
+      REQUIRE(aligner.transform().declaration().channels.size() == 1);
       Drive drive;
       drive.lat = lat;
       drive.euler = euler;
@@ -541,7 +529,7 @@ TEST_CASE("alignment: the gyro bias at rest, without the earth's rate") {
   drive.gyro_bias = Vector3d(0.2, -0.3, 0.1) * deg;
   const auto parameters = with(with(defaults("given"), "yaw", number(drive.euler.z())), "gyro_drift", number(0));
   Aligner aligner(parameters);
-  const auto& channels = aligner.transform().channels();
+  const auto& channels = aligner.transform().declaration().channels;
   REQUIRE(channels.size() == 2);
   REQUIRE(channels[0].name.empty());
   REQUIRE(channels[0].covariance.size() == 3);
@@ -577,7 +565,7 @@ TEST_CASE("alignment: its memory is all that it knows") {
 TEST_CASE("alignment: refuses what does not go together") {
   const auto fault = [](const ParameterValue& parameters) -> std::string {
     try {
-      CoarseAlignment transform(bind(parameters));
+      CoarseAlignment transform(bind_as<CoarseAlignment>(parameters));
     } catch (const ComponentError& error) {
       return error.pointer() + ": " + error.what();
     }
@@ -607,8 +595,7 @@ namespace {
 /// A recorded file through the csv source, one sample ahead.
 class Recording {
  public:
-  Recording(const std::string& path, const std::vector<std::pair<std::string, ParameterValue>>& columns)
-      : width_(columns.size()) {
+  Recording(const std::string& path, const std::vector<std::pair<std::string, ParameterValue>>& columns) {
     std::vector<std::pair<std::string, ParameterValue>> specified;
     for (const auto& [name, si_unit] : columns)
       specified.push_back({name, object({{"unit", si_unit}, {"kind", text(is_imu(name) ? "rate" : "level")}})});
@@ -622,17 +609,14 @@ class Recording {
       void warn(const std::string&, const std::string&, int, const std::string&) override {}
     } silent;
     source_->open(silent);
-    memory_.resize(source_->memory_bytes());
-    source_->start(0, memory_.data());
+    memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(0);
   }
   bool next() {
-    fields.assign(width_, unknown);
-    SampleSlot slot;
-    slot.fields = fields.data();
-    int channel = 0;
-    if (source_->next(memory_.data(), &slot, channel) != SourceStatus::sample) return false;
-    t = slot.t;
-    t0 = slot.t0;
+    auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
+    if (next.status != SourceStatus::sample) return false;
+    fields = std::move(next.sample.fields);
+    t = next.sample.t;
+    t0 = next.sample.t0;
     return true;
   }
   Time t = no_time, t0 = no_time;
@@ -640,7 +624,6 @@ class Recording {
 
  private:
   static bool is_imu(const std::string& name) { return name[0] == 'g' || name[0] == 'a'; }
-  std::size_t width_;
   std::unique_ptr<csv::CsvSource> source_;
   std::vector<std::byte> memory_;
 };

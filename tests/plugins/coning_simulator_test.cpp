@@ -2,6 +2,7 @@
 // The coning simulator: increments against the motion that truth tells, on the earth and off it.
 #include "../../plugins/coning_simulator/coning_motion.hpp"
 #include "../../plugins/coning_simulator/simulator.hpp"
+#include "binnacle/testing.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -45,18 +46,14 @@ struct Sample {
 
 std::vector<Sample> all_of(const json& parameters) {
   const auto source = bound(parameters);
-  alignas(8) std::byte memory[64] = {};
-  REQUIRE(source->memory_bytes() <= sizeof memory);
-  source->start(1, memory);
+  const binnacle::testing::SourceCaller caller(*source);
+  auto memory = caller.fresh_memory(1);
   std::vector<Sample> samples;
   for (;;) {
-    double storage[2][16];
-    SampleSlot slots[2];
-    for (int c = 0; c < 2; ++c) slots[c].fields = storage[c];
-    int channel = -1;
-    if (source->next(memory, slots, channel) == SourceStatus::end) return samples;
-    const auto width = static_cast<int>(source->channels()[static_cast<std::size_t>(channel)].fields.size());
-    samples.push_back({channel, slots[channel].t0, slots[channel].t, {storage[channel], storage[channel] + width}});
+    const auto next = caller.next(memory.data());
+    REQUIRE(next.damage.empty());
+    if (next.status == SourceStatus::end) return samples;
+    samples.push_back({next.sample.channel, next.sample.t0, next.sample.t, next.sample.fields});
   }
 }
 
@@ -116,13 +113,11 @@ TEST_CASE("coning: an hour later the phase has its digits still", "[coning]") {
   const auto source = bound({{"frequency", 25}, {"interval", 0.004}, {"duration", 4000}});
   const auto at = [&](std::int64_t sample) {
     const std::int64_t memory[2] = {sample, 1000000};
-    alignas(8) std::byte bytes[16];
-    std::memcpy(bytes, memory, sizeof bytes);
-    double fields[6];
-    SampleSlot slots[2];
-    slots[0].fields = slots[1].fields = fields;
-    int channel = -1;
-    REQUIRE(source->next(bytes, slots, channel) == SourceStatus::sample);
+    std::vector<std::byte> bytes(sizeof memory);
+    std::memcpy(bytes.data(), memory, sizeof memory);
+    const auto next = binnacle::testing::SourceCaller(*source).next(bytes.data());
+    REQUIRE(next.status == SourceStatus::sample);
+    const auto& fields = next.sample.fields;
     return Vector3d(fields[0], fields[1], fields[2]);
   };
   // Ten samples are one cycle.

@@ -2,6 +2,7 @@
 // Plugin constellation_simulator: geometry against the inertial frame, rates against differences, errors against their
 // statistics, masks, cuts, faults and jumps.
 #include "../../plugins/constellation_simulator/constellation_simulator.hpp"
+#include "binnacle/testing.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,38 +39,32 @@ struct Seen {
 using Epoch = std::map<int, Seen>;
 
 /// Keeps what the simulator emits, epoch by epoch.
-class Ear final : public Emitter {
+class Ear {
  public:
-  SampleSlot& slot(int channel) override {
-    rows_.assign(64 * gnss::ephemeris_field_count, std::numeric_limits<double>::quiet_NaN());
-    fields_.assign(8, std::numeric_limits<double>::quiet_NaN());
-    slot_ = {};
-    slot_.fields = fields_.data();
-    slot_.row_fields = rows_.data();
-    (void)channel;
-    return slot_;
-  }
-  void emit(int channel) override {
-    if (channel == 0) {
-      Epoch epoch;
-      for (int i = 0; i < slot_.rows; ++i)
-        epoch[static_cast<int>(rows_[3 * static_cast<std::size_t>(i)])] = {rows_[3 * static_cast<std::size_t>(i) + 1],
-                                                                           rows_[3 * static_cast<std::size_t>(i) + 2]};
-      epochs[slot_.t] = epoch;
-    } else if (channel == 1) {
-      for (int i = 0; i < slot_.rows; ++i)
-        ephemerides.push_back(gnss::read_ephemeris(rows_.data() + i * gnss::ephemeris_field_count));
-    } else {
-      clock[slot_.t] = {fields_[0], fields_[1]};
-    }
+  void hear(const ConstellationSimulator& simulator, const SampleView& sample, std::vector<std::byte>& memory) {
+    static const ComponentSpec spec = ConstellationSimulator::spec();
+    const auto made = binnacle::testing::TransformCaller(simulator, spec).on(0, sample, memory.data());
+    REQUIRE(made.damage.empty());
+    for (const auto& emitted : made.samples) keep(emitted);
   }
   std::map<Time, Epoch> epochs;
   std::map<Time, Seen> clock;
   std::vector<gnss::Ephemeris> ephemerides;
 
  private:
-  std::vector<double> rows_, fields_;
-  SampleSlot slot_;
+  void keep(const binnacle::testing::Emitted& emitted) {
+    const double* const rows = emitted.row_fields.data();
+    if (emitted.channel == 0) {
+      Epoch epoch;
+      for (int i = 0; i < emitted.rows; ++i) epoch[static_cast<int>(rows[3 * i])] = {rows[3 * i + 1], rows[3 * i + 2]};
+      epochs[emitted.t] = epoch;
+    } else if (emitted.channel == 1) {
+      for (int i = 0; i < emitted.rows; ++i)
+        ephemerides.push_back(gnss::read_ephemeris(rows + i * gnss::ephemeris_field_count));
+    } else {
+      clock[emitted.t] = {emitted.fields[0], emitted.fields[1]};
+    }
+  }
 };
 
 struct Vehicle {
@@ -87,7 +82,7 @@ nlohmann::json with(nlohmann::json more) {
 Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double duration, double step = 1,
            std::uint64_t seed = 1) {
   const auto simulator = bind<ConstellationSimulator>({parameters, {}, {}});
-  std::vector<std::byte> memory(simulator->memory_bytes());
+  std::vector<std::byte> memory(simulator->declaration().memory_bytes);
   simulator->start(seed, memory.data());
   Ear ear;
   for (int k = 0; k <= std::lround(duration / step); ++k) {
@@ -97,7 +92,7 @@ Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double dura
     vector_at<3>(&fields[6]) = vehicle.angles;
     SampleView sample;
     sample.t = nanoseconds(k * step), sample.fields = fields;
-    simulator->on(0, sample, memory.data(), ear);
+    ear.hear(*simulator, sample, memory);
   }
   return ear;
 }
@@ -152,7 +147,7 @@ TEST_CASE("a range rate is the rate of the range, standing and moving", "[conste
       vehicle.v_n = v_n;
       vehicle.lla = strapdown::position_plus(vehicle.lla, v_n * (t - 100));
       const auto simulator = bind<ConstellationSimulator>({no_errors, {}, {}});
-      std::vector<std::byte> memory(simulator->memory_bytes());
+      std::vector<std::byte> memory(simulator->declaration().memory_bytes);
       simulator->start(1, memory.data());
       Ear ear;
       double fields[9] = {};
@@ -160,7 +155,7 @@ TEST_CASE("a range rate is the rate of the range, standing and moving", "[conste
       vector_at<3>(&fields[3]) = v_n;
       SampleView sample;
       sample.t = nanoseconds(t), sample.fields = fields;
-      simulator->on(0, sample, memory.data(), ear);
+      ear.hear(*simulator, sample, memory);
       at.push_back(ear.epochs.begin()->second);
     }
     REQUIRE(at[1].size() >= 5);

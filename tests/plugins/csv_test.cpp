@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The csv source: what it reads, how it cuts intervals, and the exact words for every fault of the data.
 #include "../recorded_data.hpp"
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 
 #include <unistd.h>
@@ -92,24 +93,18 @@ std::vector<Sample> read(const ParameterValue& value, Warnings* warnings = nullp
   CsvSource source(bind(value));
   Warnings own;
   source.open(warnings ? *warnings : own);
-  std::vector<std::byte> memory(source.memory_bytes());
-  source.start(1, memory.data());
+  const binnacle::testing::SourceCaller caller(source);
+  auto memory = caller.fresh_memory(1);
   std::vector<Sample> samples;
-  const std::size_t width = source.channels().at(0).fields.size();
   for (;;) {
-    Sample sample{0, 0, std::vector<double>(width, 7)};
-    SampleSlot slot;
-    slot.fields = sample.fields.data();
-    int channel = -1;
-    const SourceStatus status = source.next(memory.data(), &slot, channel);
-    if (status != SourceStatus::sample) {
-      REQUIRE(status == SourceStatus::end);
+    const auto next = caller.next(memory.data());
+    REQUIRE(next.damage.empty());
+    if (next.status != SourceStatus::sample) {
+      REQUIRE(next.status == SourceStatus::end);
       return samples;
     }
-    REQUIRE(channel == 0);
-    sample.t = slot.t;
-    sample.t0 = slot.t0;
-    samples.push_back(sample);
+    REQUIRE(next.sample.channel == 0);
+    samples.push_back({next.sample.t, next.sample.t0, next.sample.fields});
   }
 }
 
@@ -242,8 +237,8 @@ TEST_CASE("csv: fields arrive in SI, in the order of the config, with the interv
   const auto value = parameters(file.path(), {{"height", column("h", unit("m", 1))},
                                               {"wx", column("gx_dps", unit("rad/s", std::numbers::pi / 180), "rate")}});
   CsvSource source(bind(value));
-  REQUIRE(source.channels().size() == 1);
-  const auto& channel = source.channels()[0];
+  REQUIRE(source.declaration().channels.size() == 1);
+  const auto& channel = source.declaration().channels[0];
   REQUIRE(channel.name.empty());
   REQUIRE(channel.fields.size() == 2);
   REQUIRE(channel.fields[0].name == "height");
@@ -568,22 +563,19 @@ TEST_CASE("csv: the cursor is all of its memory") {
   CsvSource source(bind(rate_and_level(file.path())));
   Warnings warnings;
   source.open(warnings);
-  std::vector<std::byte> memory(source.memory_bytes());
-  source.start(1, memory.data());
-  double fields[2];
-  SampleSlot slot;
-  slot.fields = fields;
-  int channel = 0;
-  REQUIRE(source.next(memory.data(), &slot, channel) == SourceStatus::sample);
+  const binnacle::testing::SourceCaller caller(source);
+  auto memory = caller.fresh_memory(1);
+  REQUIRE(caller.next(memory.data()).status == SourceStatus::sample);
   const auto snapshot = memory;
-  REQUIRE(source.next(memory.data(), &slot, channel) == SourceStatus::sample);
-  REQUIRE(source.next(memory.data(), &slot, channel) == SourceStatus::sample);
-  REQUIRE(source.next(memory.data(), &slot, channel) == SourceStatus::end);
-  REQUIRE(source.next(memory.data(), &slot, channel) == SourceStatus::end);
+  REQUIRE(caller.next(memory.data()).status == SourceStatus::sample);
+  REQUIRE(caller.next(memory.data()).status == SourceStatus::sample);
+  REQUIRE(caller.next(memory.data()).status == SourceStatus::end);
+  REQUIRE(caller.next(memory.data()).status == SourceStatus::end);
   memory = snapshot;
-  REQUIRE(source.next(memory.data(), &slot, channel) == SourceStatus::sample);
-  REQUIRE(slot.t == 2 * second);
-  REQUIRE(slot.t0 == second);
+  const auto next = caller.next(memory.data());
+  REQUIRE(next.status == SourceStatus::sample);
+  REQUIRE(next.sample.t == 2 * second);
+  REQUIRE(next.sample.t0 == second);
 }
 
 TEST_CASE("csv: the spec is complete") {
@@ -615,17 +607,18 @@ TEST_CASE("csv: a recorded drive of 127 000 rows is read in a fraction of a seco
   std::cout << "csv: imu.csv.gz of the long drive read in " << elapsed.count() << " s, " << cpu
             << " s of processor: " << 15.314359 / cpu << " MB of text per second\n";
   REQUIRE(warnings.all.empty());
-  std::vector<std::byte> memory(source.memory_bytes());
-  source.start(0, memory.data());
-  double fields[6];
-  SampleSlot slot;
-  slot.fields = fields;
-  int channel = 0, count = 0;
-  while (source.next(memory.data(), &slot, channel) == SourceStatus::sample) ++count;
+  const binnacle::testing::SourceCaller caller(source);
+  auto memory = caller.fresh_memory(0);
+  int count = 0;
+  binnacle::testing::Emitted last;
+  for (auto next = caller.next(memory.data()); next.status == SourceStatus::sample; next = caller.next(memory.data())) {
+    last = next.sample;
+    ++count;
+  }
   REQUIRE(count == 127198);
-  REQUIRE(slot.t == 1'278'803'943'508);
-  REQUIRE(fields[0] == -0.0021347899298075172);
-  REQUIRE(fields[5] == -4.8505859375);
+  REQUIRE(last.t == 1'278'803'943'508);
+  REQUIRE(last.fields[0] == -0.0021347899298075172);
+  REQUIRE(last.fields[5] == -4.8505859375);
 }
 
 namespace {
@@ -644,7 +637,7 @@ void write(csv::CsvWriter& writer, Time t, const std::vector<double>& fields) {
   SampleView view{};
   view.t = t;
   view.fields = fields.data();
-  writer.on(0, view);
+  writer.on(Input(0, true), view);
 }
 
 ParameterValue written(const std::string& path, std::vector<std::pair<std::string, ParameterValue>> columns) {
@@ -657,9 +650,9 @@ ParameterValue written(const std::string& path, std::vector<std::pair<std::strin
 TEST_CASE("csv_writer writes what the csv source reads again, bit by bit") {
   const TemporaryFile file("what was there before");
   const double degree = std::numbers::pi / 180;
-  csv::CsvWriter writer(
-      bind(written(file.path(), {{"fx", object({{"unit", unit("m/s^2", 9.80665)}, {"column", text("a")}})},
-                                 {"wz", object({{"unit", unit("rad/s", degree)}, {"column", text("w")}})}})));
+  csv::CsvWriter writer(bind_as<csv::CsvWriter>(
+      written(file.path(), {{"fx", object({{"unit", unit("m/s^2", 9.80665)}, {"column", text("a")}})},
+                            {"wz", object({{"unit", unit("rad/s", degree)}, {"column", text("w")}})}})));
   writer.open();
   write(writer, -510'000'000, writable({{"fx", 9.80665}, {"wz", 0.3 * degree}}));
   write(writer, 0, writable({{"vn", 3}}));  // no number of the two: left out
@@ -686,7 +679,7 @@ TEST_CASE("csv_writer writes what the csv source reads again, bit by bit") {
 TEST_CASE("csv_writer says what it cannot write") {
   const auto refusal = [](const ParameterValue& value) -> std::string {
     try {
-      csv::CsvWriter writer(bind(value));
+      csv::CsvWriter writer(bind_as<csv::CsvWriter>(value));
       writer.open();
       write(writer, 0, writable({{"vn", 1}}));
       writer.close();

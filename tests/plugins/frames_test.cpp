@@ -5,6 +5,7 @@
 #include "../../plugins/frames/mounted_attitude.hpp"
 #include "../../plugins/frames/mounting.hpp"
 #include "../../plugins/frames/rotate_axes.hpp"
+#include "binnacle/testing.hpp"
 
 #include <Eigen/Geometry>
 
@@ -232,22 +233,14 @@ TEST_CASE("mounted attitude: paper 001 (7), and the angles of a mount", "[frames
 
 namespace {
 
-class OneSample final : public Emitter {
- public:
-  SampleSlot& slot(int channel) override {
-    REQUIRE((channel == 0 || channel == 1));
-    slot_.fields = fields;
-    return slot_;
-  }
-  void emit(int) override { ++emitted; }
-
-  double fields[6] = {};
-  int emitted = 0;
-  const SampleSlot& sample() const { return slot_; }
-
- private:
-  SampleSlot slot_;
-};
+binnacle::testing::Emitted turned_by(const RotateAxes& model, std::size_t input, const SampleView& sample) {
+  static const ComponentSpec spec = RotateAxes::spec();
+  const auto made = binnacle::testing::TransformCaller(model, spec).on(input, sample, nullptr);
+  REQUIRE(made.damage.empty());
+  REQUIRE(made.samples.size() == 1);
+  REQUIRE(made.samples[0].channel == static_cast<int>(input));
+  return made.samples[0];
+}
 
 }  // namespace
 
@@ -257,11 +250,11 @@ TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes 
                              {"yaw", 167.45 * degree},
                              {"flip", "flu_to_frd"}};
   const auto model = bind<RotateAxes>({mount, {}, {}});
-  REQUIRE(model->channels().size() == 2);
-  REQUIRE(model->channels()[0].name.empty());
-  REQUIRE(model->channels()[0].fields.size() == 6);
-  REQUIRE(model->channels()[0].fields[0].kind == FieldKind::rate);
-  REQUIRE(model->memory_bytes() == 0);
+  REQUIRE(model->declaration().channels.size() == 2);
+  REQUIRE(model->declaration().channels[0].name.empty());
+  REQUIRE(model->declaration().channels[0].fields.size() == 6);
+  REQUIRE(model->declaration().channels[0].fields[0].kind == FieldKind::rate);
+  REQUIRE(model->declaration().memory_bytes == 0);
 
   // Written out: Rz Ry Rx to forward-left-up, then y and z reversed.
   const Matrix3d C = Vector3d(1, -1, -1).asDiagonal() * (Eigen::AngleAxisd(167.45 * degree, Vector3d::UnitZ()) *
@@ -273,13 +266,11 @@ TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes 
   sample.t0 = 100;
   sample.t = 200;
   sample.fields = raw;
-  OneSample out;
-  model->on(0, sample, nullptr, out);
-  REQUIRE(out.emitted == 1);
-  REQUIRE(out.sample().t0 == 100);
-  REQUIRE(out.sample().t == 200);
-  REQUIRE((vector_at<3>(out.fields) - C * Vector3d(0.1, -0.2, 0.3)).norm() < 1e-15);
-  REQUIRE((vector_at<3>(out.fields + 3) - C * Vector3d(1, -2, 9)).norm() < 1e-14);
+  const auto out = turned_by(*model, 0, sample);
+  REQUIRE(out.t0 == 100);
+  REQUIRE(out.t == 200);
+  REQUIRE((vector_at<3>(out.fields.data()) - C * Vector3d(0.1, -0.2, 0.3)).norm() < 1e-15);
+  REQUIRE((vector_at<3>(out.fields.data() + 3) - C * Vector3d(1, -2, 9)).norm() < 1e-14);
 
   // Attitude of the turned axes, by the derived block with the same angles: n from raw = n from turned, C.
   const AttitudeKind attitude;
@@ -289,24 +280,22 @@ TEST_CASE("rotate axes: the same as the mounted attitude, and the interval goes 
   REQUIRE((C_nv * C - strapdown::dcm_from_quaternion(q)).norm() < 1e-14);
 
   const auto none = bind<RotateAxes>({});
-  none->on(0, sample, nullptr, out);
-  REQUIRE((vector_at<6>(out.fields) - vector_at<6>(raw)).norm() < 1e-15);
+  REQUIRE((vector_at<6>(turned_by(*none, 0, sample).fields.data()) - vector_at<6>(raw)).norm() < 1e-15);
 }
 
 TEST_CASE("rotate axes: turning recorded samples by -10 mrad about z adds 10 mrad to the misalignment", "[frames]") {
   const double added = 10e-3;
   const auto model = bind<RotateAxes>({{{"yaw", -added}}, {}, {}});
-  REQUIRE(model->channels()[1].name == "truth");
+  REQUIRE(model->declaration().channels[1].name == "truth");
   const Vector3d zeta{0, -10.7e-3, 1e-3}, euler{0.02, -0.03, 2.5};
   std::vector<double> fields = numbers(euler);
   fields.insert(fields.end(), zeta.data(), zeta.data() + 3);
   SampleView truth;
   truth.t = 7;
   truth.fields = fields.data();
-  OneSample out;
-  model->on(1, truth, nullptr, out);
-  REQUIRE(out.sample().t == 7);
-  const Vector3d turned = vector_at<3>(out.fields + 3);
+  const auto out = turned_by(*model, 1, truth);
+  REQUIRE(out.t == 7);
+  const Vector3d turned = vector_at<3>(out.fields.data() + 3);
   REQUIRE((turned - Vector3d(0, -10.7e-3, 11e-3)).norm() < 1e-4);
 
   // Paper 001 (6), (7): a vehicle that drives along its x axis, in the axes of the sensor before and after.
@@ -315,9 +304,8 @@ TEST_CASE("rotate axes: turning recorded samples by -10 mrad about z adds 10 mra
   const double imu[6] = {v_b[0], v_b[1], v_b[2], 0, 0, 0};
   SampleView sample;
   sample.fields = imu;
-  const Vector3d euler_turned = vector_at<3>(out.fields);
-  model->on(0, sample, nullptr, out);
-  REQUIRE((vector_at<3>(out.fields) - v_turned).norm() < 1e-14);
+  const Vector3d euler_turned = vector_at<3>(out.fields.data());
+  REQUIRE((vector_at<3>(turned_by(*model, 0, sample).fields.data()) - v_turned).norm() < 1e-14);
   // And it goes the same way over the ground.
   const auto C = [](const Vector3d& angles) {
     return strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(angles));

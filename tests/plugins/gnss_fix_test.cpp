@@ -35,7 +35,7 @@ TEST_CASE("position fix: residual and H at several places", "[gnss_fix]") {
                                          std::array{1.4, 3.14159, 100.0}, std::array{0.0, 0.0, -50.0}}) {
     const std::vector<double> x{lat, lon, height}, offset{12.0, -7.0, 3.0};
     std::vector<double> z(3);
-    position.plus(x.data(), offset.data(), z.data());
+    position.plus(x, offset, z);
     z.insert(z.end(), {1.0, 2.0, 4.0});
     const PortStates ports{{&position, x, 10.0, 1e-8}};
     Complaints out;
@@ -123,7 +123,7 @@ TEST_CASE("position and velocity fix: ECEF to north east down, with the whole co
   const Eigen::Vector3d lla(0.65, 2.2, 60.0), v_n(4, -7, 0.5);
   const Eigen::Matrix3d C_en = strapdown::C_en(lla[0], lla[1]);
   std::vector<double> z(6), x(lla.data(), lla.data() + 3), offset{12.0, -7.0, 3.0}, there(3);
-  position.plus(x.data(), offset.data(), there.data());
+  position.plus(x, offset, there);
   Eigen::Map<Eigen::Vector3d>(z.data()) = strapdown::ecef_from_lla(Eigen::Map<Eigen::Vector3d>(there.data()));
   Eigen::Map<Eigen::Vector3d>(z.data() + 3) = C_en * v_n;
   const Eigen::Matrix<double, 7, 7> root =

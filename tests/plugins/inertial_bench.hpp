@@ -189,9 +189,9 @@ Walked walk(const Bench& bench, PortStates ports, const std::vector<Step>& steps
 template <class Bench>
 double distance(const Bench& bench, const PortStates& a, const PortStates& b) {
   Eigen::Vector3d p, v, phi;
-  bench.position.minus(a[0].x.data(), b[0].x.data(), p.data());
-  bench.velocity.minus(a[1].x.data(), b[1].x.data(), v.data());
-  bench.attitude.minus(a[2].x.data(), b[2].x.data(), phi.data());
+  bench.position.minus(a[0].x, b[0].x, p);
+  bench.velocity.minus(a[1].x, b[1].x, v);
+  bench.attitude.minus(a[2].x, b[2].x, phi);
   return std::max({p.norm(), v.norm(), phi.norm()});
 }
 

@@ -18,8 +18,10 @@ namespace binnacle::test {
 class KindBlock : public StateBlock {
  public:
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void read(const double* x, double* outputs) const override { std::copy_n(x, declaration_.outputs.size(), outputs); }
-  Result write(const double* /*outputs*/, double* /*x*/) const override {
+  void read(ConstVectorView x, VectorView outputs) const override {
+    std::copy_n(x.data(), outputs.size(), outputs.data());
+  }
+  Result write(ConstVectorView /*outputs*/, VectorView /*x*/) const override {
     return Result::invalid("the blocks of tests are not written");
   }
 
@@ -42,10 +44,10 @@ class AdditiveKind final : public KindBlock {
   AdditiveKind(std::string kind, int size, const std::string& unit)
       : KindBlock(std::move(kind), size, names(size, unit)) {}
 
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     for (int i = 0; i < declaration().stored_size; ++i) result[i] = x[i] + delta[i];
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     for (int i = 0; i < declaration().stored_size; ++i) delta[i] = y[i] - x[i];
   }
 
@@ -61,19 +63,19 @@ class AdditiveKind final : public KindBlock {
 class PositionKind final : public KindBlock {
  public:
   PositionKind() : KindBlock("position", 3, {{"north", "m"}, {"east", "m"}, {"down", "m"}}) {}
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     const auto [north, east] = metres_per_radian(x);
     const double lat = x[0] + delta[0] / north, lon = x[1] + delta[1] / east, height = x[2] - delta[2];
     result[0] = lat, result[1] = std::remainder(lon, 2 * EIGEN_PI), result[2] = height;
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     const auto [north, east] = metres_per_radian(x);
     const double down = x[2] - y[2];
     delta[0] = (y[0] - x[0]) * north, delta[1] = std::remainder(y[1] - x[1], 2 * EIGEN_PI) * east, delta[2] = down;
   }
 
  private:
-  static std::pair<double, double> metres_per_radian(const double* x) {
+  static std::pair<double, double> metres_per_radian(ConstVectorView x) {
     const double a = 6378137.0, f = 1 / 298.257223563, e2 = f * (2 - f);
     const double w = std::sqrt(1 - e2 * std::sin(x[0]) * std::sin(x[0]));
     return {a * (1 - e2) / (w * w * w) + x[2], (a / w + x[2]) * std::cos(x[0])};
@@ -84,24 +86,26 @@ class PositionKind final : public KindBlock {
 class AttitudeKind final : public KindBlock {
  public:
   AttitudeKind() : KindBlock("attitude", 4, {{"north", "rad"}, {"east", "rad"}, {"down", "rad"}}) {}
-  void plus(const double* x, const double* delta, double* result) const override {
-    const Eigen::Vector3d phi = vector_at<3>(delta);
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
+    const Eigen::Vector3d phi = delta.as<3>();
     const double angle = phi.norm();
     const Eigen::Vector3d axis = angle > 0 ? Eigen::Vector3d(phi / angle) : Eigen::Vector3d(1, 0, 0);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, axis));
     store((turn * load(x)).normalized(), result);
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     Eigen::Quaterniond turn = load(y) * load(x).conjugate();
     if (turn.w() < 0) turn.coeffs() *= -1;
     const double sine = turn.vec().norm();
     const double per_sine = sine > 0 ? 2 * std::atan2(sine, turn.w()) / sine : 2;
-    vector_at<3>(delta) = per_sine * turn.vec();
+    delta.as<3>() = per_sine * turn.vec();
   }
 
  private:
-  static Eigen::Quaterniond load(const double* x) { return {x[0], x[1], x[2], x[3]}; }
-  static void store(const Eigen::Quaterniond& q, double* x) { x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z(); }
+  static Eigen::Quaterniond load(ConstVectorView x) { return {x[0], x[1], x[2], x[3]}; }
+  static void store(const Eigen::Quaterniond& q, VectorView x) {
+    x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z();
+  }
 };
 
 }  // namespace binnacle::test

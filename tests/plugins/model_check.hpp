@@ -175,7 +175,7 @@ inline Complaints check_block(const StateBlock& block, const std::vector<double>
       const testing::Exactness exactness{resolution + relative * delta.norm(), 0};
       out.add_all(testing::check_laws(at, delta, exactness));
       PortState y = at;
-      block.plus(at.x.data(), delta.data(), y.x.data());
+      block.plus(at.x, delta, y.x);
       out.add_all(testing::check_readable(y, exactness));
     }
   return out;

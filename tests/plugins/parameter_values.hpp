@@ -64,6 +64,16 @@ inline ParameterValue with(ParameterValue value, const std::string& name, Parame
   return value;
 }
 
+/// With the handles of Component's inputs, all bound.
+template <class Component>
+Binding bind_as(const ParameterValue& parameters) {
+  static const ComponentSpec spec = Component::spec();
+  std::size_t fields = spec.fields.size();
+  for (const ChannelPort& input : spec.inputs) fields += input.fields.size();
+  return Binding("tested", Parameters(parameters), {}, std::vector<bool>(fields, true))
+      .of(spec, std::vector<bool>(spec.inputs.size(), true));
+}
+
 inline Binding bind(const ParameterValue& parameters, std::string name = "tested") {
   return {std::move(name), Parameters(parameters), {}, {}};
 }

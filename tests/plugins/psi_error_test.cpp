@@ -102,7 +102,7 @@ Long travel(const Bench& bench, PortStates ports, const std::vector<Step>& steps
 PortStates moved(PortStates ports, std::size_t port, int component, double by) {
   VectorXd delta = VectorXd::Zero(ports[port].dof());
   delta[component] = by;
-  ports[port].block->plus(ports[port].x.data(), delta.data(), ports[port].x.data());
+  ports[port].block->plus(ports[port].x, delta, ports[port].x);
   return ports;
 }
 
@@ -115,7 +115,7 @@ MatrixXd travel_differences(const Bench& bench, const PortStates& ports, const s
       const Long moved = travel(bench, start, steps, false);
       VectorXd delta(9);
       for (std::size_t to = 0; to < 3; ++to)
-        nominal.end[to].block->minus(moved.end[to].x.data(), nominal.end[to].x.data(), delta.data() + 3 * to);
+        nominal.end[to].block->minus(moved.end[to].x, nominal.end[to].x, {delta.data() + 3 * to, 3});
       return delta;
     };
     for (int component = 0; component < 3; ++component) {
@@ -315,7 +315,7 @@ TEST_CASE("psi_error: a perfect sensor on a ship keeps its azimuth", "[psi_error
       memory = p.memory;
       Vector3d phi;
       const auto truth = numbers(voyage.at(seconds(step.t1)).q_nb);
-      bench.attitude.minus(truth.data(), at[2].x.data(), phi.data());
+      bench.attitude.minus(truth, at[2].x, phi);
       worst = std::max(worst, std::abs(phi[2]) / mil);
     }
     INFO("with " << (c.increments == Increments::integrals ? "integrals" : "rotation vectors") << ", neighbour "

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bind.hpp"
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 #include "kind_blocks.hpp"
 
@@ -76,22 +77,17 @@ Told told_by(Simulator& simulator, std::uint64_t seed) {
     void warn(const std::string&, const std::string&, int, const std::string&) override {}
   } silent;
   simulator.open(silent);
-  std::vector<double> memory(simulator.memory_bytes() / sizeof(double) + 2);
-  auto* const bytes = reinterpret_cast<std::byte*>(memory.data());
-  simulator.start(seed, bytes);
-  const std::size_t width = simulator.channels()[Simulator::truth].fields.size();
-  double truth[4], gyro[1];
-  SampleSlot slots[2];
-  slots[0].fields = truth;
-  slots[1].fields = gyro;
+  const binnacle::testing::SourceCaller caller(simulator);
+  auto memory = caller.fresh_memory(seed);
   Told told;
-  for (int channel = 0; simulator.next(bytes, slots, channel) == SourceStatus::sample;) {
-    if (channel == Simulator::gyro) {
-      told.gyro.push_back(gyro[0]);
+  for (auto next = caller.next(memory.data()); next.status == SourceStatus::sample; next = caller.next(memory.data())) {
+    REQUIRE(next.damage.empty());
+    if (next.sample.channel == Simulator::gyro) {
+      told.gyro.push_back(next.sample.fields[0]);
       continue;
     }
-    told.t.push_back(slots[0].t);
-    told.truth.emplace_back(truth, truth + width);
+    told.t.push_back(next.sample.t);
+    told.truth.push_back(next.sample.fields);
   }
   return told;
 }

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 #include "config/document.hpp"
 #include "ship_simulator/simulator.hpp"
@@ -63,27 +64,12 @@ class Voyage {
     source_ = std::make_shared<Sim>(Binding("ship", Parameters(parameters), {}, {}));
     restart(seed);
   }
-  void restart(std::uint64_t seed) {
-    memory_.assign(source_->memory_bytes() / sizeof(double) + 1, 0.0);
-    source_->start(seed, bytes());
-  }
+  void restart(std::uint64_t seed) { memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed); }
   std::optional<Emitted> next() {
-    const auto& channels = source_->channels();
-    std::array<std::array<double, 16>, 5> fields;
-    std::array<double, 81> covariance{};
-    std::array<SampleSlot, 5> slots;
-    for (std::size_t i = 0; i < 5; ++i) {
-      fields[i].fill(std::numeric_limits<double>::quiet_NaN());
-      slots[i].fields = fields[i].data();
-      slots[i].covariance = covariance.data();
-    }
-    int channel = -1;
-    if (source_->next(bytes(), slots.data(), channel) == SourceStatus::end) return std::nullopt;
-    const auto i = static_cast<std::size_t>(channel);
-    Emitted sample{channel, slots[i].t, slots[i].t0, {}, {}};
-    sample.fields.assign(fields[i].begin(), fields[i].begin() + static_cast<long>(channels[i].fields.size()));
-    if (slots[i].has_covariance) sample.covariance.assign(covariance.begin(), covariance.end());
-    return sample;
+    const auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
+    REQUIRE(next.damage.empty());
+    if (next.status == SourceStatus::end) return std::nullopt;
+    return Emitted{next.sample.channel, next.sample.t, next.sample.t0, next.sample.fields, next.sample.covariance};
   }
   std::vector<Emitted> rest() {
     std::vector<Emitted> all;
@@ -96,12 +82,11 @@ class Voyage {
       if (sample->channel == channel) chosen.push_back(std::move(*sample));
     return chosen;
   }
-  std::vector<double>& memory() { return memory_; }
+  std::vector<std::byte>& memory() { return memory_; }
 
  private:
-  std::byte* bytes() { return reinterpret_cast<std::byte*>(memory_.data()); }
   std::shared_ptr<Sim> source_;
-  std::vector<double> memory_;
+  std::vector<std::byte> memory_;
 };
 
 Json paper() { return {{"start", {{"lat", "36.4 deg"}, {"lon", "127.4 deg"}, {"heading", "30 deg"}}}}; }

@@ -2,6 +2,7 @@
 // Plugin stationary_detector: delays on steps, the counter, vibration, holes, what the channels carry; the score.
 #include "../../plugins/stationary_detector/stationary_detector.hpp"
 #include "../../plugins/stationary_detector/detection_score.hpp"
+#include "binnacle/testing.hpp"
 
 #include <array>
 #include <cmath>
@@ -28,19 +29,19 @@ struct Said {
   std::array<double, 6> fields;
 };
 
-class Ear final : public Emitter {
+class Ear {
  public:
-  SampleSlot& slot(int channel) override {
-    auto& storage = storage_.at(static_cast<std::size_t>(channel));
-    storage.fields.fill(unknown);
-    storage.slot = {};
-    storage.slot.fields = storage.fields.data();
-    return storage.slot;
-  }
-  void emit(int channel) override {
-    const auto& storage = storage_.at(static_cast<std::size_t>(channel));
-    const Time t0 = storage.slot.t0;
-    said.push_back({channel, seconds(storage.slot.t), t0 == no_time ? unknown : seconds(t0), storage.fields});
+  template <class Detector>
+  void hear(const Detector& detector, std::size_t input, const SampleView& sample, std::vector<std::byte>& memory) {
+    static const ComponentSpec spec = Detector::spec();
+    const auto made = binnacle::testing::TransformCaller(detector, spec).on(input, sample, memory.data());
+    REQUIRE(made.damage.empty());
+    for (const auto& emitted : made.samples) {
+      Said one{emitted.channel, seconds(emitted.t), emitted.t0 == no_time ? unknown : seconds(emitted.t0), {}};
+      one.fields.fill(unknown);
+      std::copy(emitted.fields.begin(), emitted.fields.end(), one.fields.begin());
+      said.push_back(one);
+    }
   }
   std::vector<Said> of(int channel) const {
     std::vector<Said> some;
@@ -49,13 +50,6 @@ class Ear final : public Emitter {
     return some;
   }
   std::vector<Said> said;
-
- private:
-  struct Storage {
-    std::array<double, 6> fields;
-    SampleSlot slot;
-  };
-  std::array<Storage, 3> storage_;
 };
 
 struct Motion {
@@ -72,7 +66,7 @@ nlohmann::json with(const nlohmann::json& parameters) {
 class Bench {
  public:
   explicit Bench(const nlohmann::json& parameters = nlohmann::json::object())
-      : detector(bind<StationaryDetector>({with(parameters), {}, {}})), memory(detector->memory_bytes()) {
+      : detector(bind<StationaryDetector>({with(parameters), {}, {}})), memory(detector->declaration().memory_bytes) {
     detector->start(1, memory.data());
   }
   void imu(double t0, double t, const Motion& motion) {
@@ -80,13 +74,13 @@ class Bench {
                              motion.force[0], motion.force[1], motion.force[2]};
     SampleView sample;
     sample.t0 = nanoseconds(t0), sample.t = nanoseconds(t), sample.fields = fields;
-    detector->on(0, sample, memory.data(), ear);
+    ear.hear(*detector, 0, sample, memory);
   }
   void bias(double x, double y, double z) {
     const double fields[] = {x, y, z};
     SampleView sample;
     sample.t = 0, sample.fields = fields;
-    detector->on(1, sample, memory.data(), ear);
+    ear.hear(*detector, 1, sample, memory);
   }
   void drive(double from, double to, double rate, const std::function<Motion(double)>& motion) {
     for (int k = static_cast<int>(std::lround(from * rate)); k < std::lround(to * rate); ++k)
@@ -276,13 +270,13 @@ TEST_CASE("stationary detector: restored from a copy of its memory it goes on as
 
 TEST_CASE("detection score: missed and false seconds") {
   const auto score = bind<DetectionScore>({{{"after", 1.0}}, {}, {}});
-  std::vector<std::byte> memory(score->memory_bytes());
+  std::vector<std::byte> memory(score->declaration().memory_bytes);
   score->start(1, memory.data());
   Ear ear;
-  const auto push = [&](int input, double t, double value) {
+  const auto push = [&](std::size_t input, double t, double value) {
     SampleView sample;
     sample.t = nanoseconds(t), sample.fields = &value;
-    score->on(input, sample, memory.data(), ear);
+    ear.hear(*score, input, sample, memory);
   };
   // Stands from 0 to 10 and from 20; the detector says so from 3 to 12 and from 21.5.
   for (int k = 0; k <= 300; ++k) {

@@ -73,13 +73,13 @@ class WrongFeedback final : public StateBlock {
  public:
   explicit WrongFeedback(const StateBlock& block) : block_(block) {}
   const StateBlockDeclaration& declaration() const noexcept override { return block_.declaration(); }
-  void plus(const double* x, const double* delta, double* result) const override {
-    const Vector3d minus = -vector_at<3>(delta);
-    block_.plus(x, minus.data(), result);
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
+    const Vector3d minus = -delta.as<3>();
+    block_.plus(x, minus, result);
   }
-  void minus(const double* y, const double* x, double* delta) const override { block_.minus(y, x, delta); }
-  void read(const double* x, double* outputs) const override { block_.read(x, outputs); }
-  Result write(const double* outputs, double* x) const override { return block_.write(outputs, x); }
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override { block_.minus(y, x, delta); }
+  void read(ConstVectorView x, VectorView outputs) const override { block_.read(x, outputs); }
+  Result write(ConstVectorView outputs, VectorView x) const override { return block_.write(outputs, x); }
 
  private:
   const StateBlock& block_;
@@ -105,7 +105,7 @@ struct DcmBench {
 
   PortStates ports(const Attitudes& at) const {
     std::vector<double> q_SM(4);
-    mounting->write(at.mounting.data(), q_SM.data());
+    mounting->write(at.mounting, q_SM);
     const Vector4d q_nS = quaternion_product(quaternion_from_euler(at.master), Vector4d(vector_at<4>(q_SM.data())));
     return {{&attitude, values(attitude_plus(q_nS, at.error)), 1e-2, 4e-16}, {mounting.get(), q_SM, 1e-2, 4e-16}};
   }
@@ -144,9 +144,9 @@ TEST_CASE("mounting: kind, laws, readable angles from nominal", "[transfer_match
   REQUIRE(block->declaration().kind == "mounting");
   for (const Vector3d& m : {Vector3d(0, 0, 0), Vector3d(0.02, -0.01, 0.03), Vector3d(1.2, -0.7, 0.4)}) {
     std::vector<double> x(4);
-    REQUIRE(block->write(m.data(), x.data()));
+    REQUIRE(block->write(m, x));
     Vector3d read;
-    block->read(x.data(), read.data());
+    block->read(x, read);
     REQUIRE((read - m).norm() < 1e-14);
     REQUIRE_NO_COMPLAINTS(check_block(*block, x, 1.0, 1e-14, 1e-13));
     REQUIRE_NO_COMPLAINTS(check_reset(*block, x, Vector3d(0.1, -0.2, 0.3), {1e-8}));
@@ -167,7 +167,7 @@ TEST_CASE("mounting: nominal as a matrix or as angles, not as both, and only rot
   REQUIRE(by_angles->write(nothing, one));
   REQUIRE(mounting_block()->write(nothing, other));
   Vector3d apart;
-  by_angles->minus(one, other, apart.data());
+  by_angles->minus(one, other, apart);
   REQUIRE(apart.norm() < 1e-15);
   const nlohmann::json reflection{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, stretched{{1, 0, 0}, {0, 1.01, 0}, {0, 0, 1}};
   REQUIRE_THROWS_AS(bind<MountingBlock>({{{"nominal", upright}, {"angles", {0, 1, 0}}}, {}, {}}), ComponentError);
@@ -179,8 +179,8 @@ TEST_CASE("mounting: the feedback is the paper's (5), in the master's axes", "[t
   const auto block = mounting_block();
   const Vector3d m{0.02, -0.01, 0.03}, delta{1e-5, -2e-5, 3e-5};
   double x[4], corrected[4];
-  REQUIRE(block->write(m.data(), x));
-  block->plus(x, delta.data(), corrected);
+  REQUIRE(block->write(m, x));
+  block->plus(x, delta, corrected);
   const Matrix3d C = dcm_from_quaternion(vector_at<4>(x)), C_true = dcm_from_quaternion(vector_at<4>(corrected));
   REQUIRE((C - (Matrix3d::Identity() - strapdown::skew(delta)) * C_true).norm() < 1e-8);
   REQUIRE((C - (Matrix3d::Identity() + strapdown::skew(delta)) * C_true).norm() > 1e-5);
@@ -193,8 +193,8 @@ TEST_CASE("dcm_match: the residual is psi - C_M dmu to first order", "[transfer_
   PortStates ports = bench.ports(at);
   // The estimates are truth ⊟ δ.
   const Vector3d minus_psi = -psi, minus_mu = -mu;
-  ports[0].block->plus(ports[0].x.data(), minus_psi.data(), ports[0].x.data());
-  ports[1].block->plus(ports[1].x.data(), minus_mu.data(), ports[1].x.data());
+  ports[0].block->plus(ports[0].x, minus_psi, ports[0].x);
+  ports[1].block->plus(ports[1].x, minus_mu, ports[1].x);
   Complaints out;
   const auto fields = values(at.master);
   const Measured m = linearize(*bench.model, sample_of(fields), ports, {}, out);
@@ -244,7 +244,7 @@ TEST_CASE("dcm_match: the chord is right to second order in errors of attitude a
   const Vector4d q_nM = quaternion_from_euler(master);
   std::vector<double> q_SM(4);
   const Vector3d zero = Vector3d::Zero();
-  mounting->write(zero.data(), q_SM.data());
+  mounting->write(zero, q_SM);
   // The estimate is the nominal one; the master shows what is true.
   const Vector4d q_nS = quaternion_product(q_nM, Vector4d(vector_at<4>(q_SM.data())));
   const Vector4d true_nS = attitude_plus(q_nS, psi), true_SM = attitude_plus(Vector4d(vector_at<4>(q_SM.data())), mu);
@@ -344,9 +344,9 @@ constexpr const char* alignment_config = R"json({
     "binnacle": 1,
     "filters": {"align": {
       "blocks": {
-        "position": {"type": "phi_error/position", "estimate": []},
-        "velocity": {"type": "phi_error/velocity", "sigma": "0.257 m/s", "estimate": ["north", "east"]},
-        "attitude": {"type": "phi_error/attitude", "mounting": [0, "90 deg", 0], "sigma": "1 deg"},
+        "position": {"type": "navigation/position", "estimate": []},
+        "velocity": {"type": "navigation/velocity", "sigma": "0.257 m/s", "estimate": ["north", "east"]},
+        "attitude": {"type": "navigation/attitude", "mounting": [0, "90 deg", 0], "sigma": "1 deg"},
         "mounting": {"type": "transfer_match/mounting", "nominal": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
                      "init": {"mx": 0, "my": 0, "mz": 0}, "sigma": "1 deg"}},
       "process": {

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/testing.hpp"
 #include "catch.hpp"
 #include "config/document.hpp"
 #include "spec/check.hpp"
@@ -53,22 +54,13 @@ class Drive {
     source_ = std::make_unique<VehicleSimulator>(Binding("drive", Parameters(value), {}, {}));
     Quiet quiet;
     source_->open(quiet);
-    memory_.assign(source_->memory_bytes() / sizeof(double) + 1, 0.0);
-    source_->start(seed, bytes());
+    memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed);
   }
   std::optional<Emitted> next() {
-    const auto& channels = source_->channels();
-    std::vector<std::vector<double>> fields(channels.size());
-    std::vector<double> covariance(81);
-    std::vector<SampleSlot> slots(channels.size());
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      fields[i].assign(channels[i].fields.size(), std::numeric_limits<double>::quiet_NaN());
-      slots[i].fields = fields[i].data(), slots[i].covariance = covariance.data();
-    }
-    int channel = -1;
-    if (source_->next(bytes(), slots.data(), channel) == SourceStatus::end) return std::nullopt;
-    const auto i = static_cast<std::size_t>(channel);
-    return Emitted{channel, slots[i].t, slots[i].t0, fields[i]};
+    const auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
+    REQUIRE(next.damage.empty());
+    if (next.status == SourceStatus::end) return std::nullopt;
+    return Emitted{next.sample.channel, next.sample.t, next.sample.t0, next.sample.fields};
   }
   std::vector<Emitted> of(int channel) {
     std::vector<Emitted> all;
@@ -78,9 +70,8 @@ class Drive {
   }
 
  private:
-  std::byte* bytes() { return reinterpret_cast<std::byte*>(memory_.data()); }
   std::unique_ptr<VehicleSimulator> source_;
-  std::vector<double> memory_;
+  std::vector<std::byte> memory_;
 };
 
 Json quiet_drive() {

@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/testing.hpp"
 #include "binnacle/unit.hpp"
 #include "catch.hpp"
 #include "config/document.hpp"
@@ -74,26 +75,13 @@ class Drive {
     restart(seed);
   }
 
-  void restart(std::uint64_t seed) {
-    memory_.assign(source_->memory_bytes() / sizeof(double) + 1, 0.0);
-    source_->start(seed, bytes());
-  }
+  void restart(std::uint64_t seed) { memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed); }
 
   std::optional<Emitted> next() {
-    const auto& channels = source_->channels();
-    std::vector<std::vector<double>> fields(channels.size()), covariances(channels.size());
-    std::vector<SampleSlot> slots(channels.size());
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      fields[i].assign(channels[i].fields.size(), std::numeric_limits<double>::quiet_NaN());
-      covariances[i].assign(channels[i].covariance.size() * channels[i].covariance.size(), 0.0);
-      slots[i].fields = fields[i].data();
-      slots[i].covariance = covariances[i].data();
-    }
-    int channel = -1;
-    if (source_->next(bytes(), slots.data(), channel) == SourceStatus::end) return std::nullopt;
-    const auto i = static_cast<std::size_t>(channel);
-    return Emitted{channel, slots[i].t, slots[i].t0, fields[i],
-                   slots[i].has_covariance ? covariances[i] : std::vector<double>{}};
+    const auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
+    REQUIRE(next.damage.empty());
+    if (next.status == SourceStatus::end) return std::nullopt;
+    return Emitted{next.sample.channel, next.sample.t, next.sample.t0, next.sample.fields, next.sample.covariance};
   }
 
   std::vector<Emitted> rest() {
@@ -109,14 +97,12 @@ class Drive {
     return chosen;
   }
 
-  std::vector<double>& memory() { return memory_; }
-  const std::vector<ChannelDeclaration>& channels() const { return source_->channels(); }
+  std::vector<std::byte>& memory() { return memory_; }
+  const std::vector<ChannelDeclaration>& channels() const { return source_->declaration().channels; }
 
  private:
-  std::byte* bytes() { return reinterpret_cast<std::byte*>(memory_.data()); }
-
   std::shared_ptr<VehicleSimulator> source_;
-  std::vector<double> memory_;
+  std::vector<std::byte> memory_;
 };
 
 Trajectory trajectory_of(const Json& config) {

@@ -57,6 +57,10 @@ const Mistake mistakes[] = {
     {"comma missing", R"~("size": 1,)~", R"~("size": 1)~", 3,
      "bad.json:11:47: error[B001]: expected ',' or '}' after the value, found '\"'\n"
      "1 error\n"},
+    {"a type that moved to another plugin", R"~("type": "vector")~", R"~("type": "phi_error/position")~", 3,
+     "bad.json:11:28: error[B011] /filters/walk/blocks/place/type: 'phi_error/position' is now called "
+     "'navigation/position'\n"
+     "1 error\n"},
     {"unknown type", R"~("random_walk")~", R"~("random_wlak")~", 3,
      "bad.json:14:29: error[B011] /filters/walk/process/wander/type: unknown process model 'random_wlak'; did you mean "
      "'random_walk'?\n"

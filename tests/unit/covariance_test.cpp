@@ -121,7 +121,7 @@ TEST_CASE("predict equals the dense product for random structures") {
 
     const MatrixXd P = random_covariance(n, engine);
     Stored stored(P);
-    std::vector<double> scratch(predict_scratch(plan));
+    std::vector<double> scratch(predict_scratch(plan), std::nan(""));  // what it holds at first does not matter
     predict(plan, phi_table.data(), noise_table.data(), stored.data.data(), scratch.data());
 
     const MatrixXd expected = Phi * P * Phi.transpose() + Q;
@@ -185,8 +185,9 @@ TEST_CASE("the update equals Joseph's form, also with considered states") {
     const double nis = normalized_innovation_squared(m, update.work);
     gain(considers ? corrected.data() : nullptr, n, m, update.work);
     correct(stored.data.data(), n, m, update.work);
-    VectorXd delta(n);
+    VectorXd delta(padded(n));
     gain_times_residual(n, m, update.work, delta.data());
+    delta.conservativeResize(n);
 
     const MatrixXd S = H * P * H.transpose() + R;
     MatrixXd K = P * H.transpose() * S.inverse();
@@ -240,6 +241,17 @@ TEST_CASE("every instruction set gives the same bits") {
     avx2_strip_loops.correct(P2.data(), n, m, work(K2, U2));
     REQUIRE(std::memcmp(P1.data(), P2.data(), P1.size() * sizeof(double)) == 0);
     REQUIRE(std::memcmp(K1.data(), K2.data(), K1.size() * sizeof(double)) == 0);
+    base_strip_loops.mirror(P1.data(), n);
+    avx2_strip_loops.mirror(P2.data(), n);
+    REQUIRE(std::memcmp(P1.data(), P2.data(), P1.size() * sizeof(double)) == 0);
+    auto T1 = doubles(ld * ld), T2 = T1;
+    const auto square = doubles(ld * ld);
+    base_strip_loops.transpose(square.data(), ld, ld, T1.data(), ld);
+    avx2_strip_loops.transpose(square.data(), ld, ld, T2.data(), ld);
+    REQUIRE(T1 == T2);
+    for (int j = 0; j < ld; ++j)
+      for (int i = 0; i < ld; ++i)
+        REQUIRE(T1[static_cast<std::size_t>(j + i * ld)] == square[static_cast<std::size_t>(i + j * ld)]);
   }
 }
 

@@ -41,7 +41,7 @@ struct TypeLayout {
   X(ProcessDeclaration) X(InputSample) X(Step) X(ProcessOutput) X(ContinuousOutput) X(ProcessInput)                   \
   X(ContinuousInput) X(PhiBlock) X(QBlock) X(ResidualGroup) X(MeasurementDeclaration) X(MeasurementInput)             \
   X(MeasurementOutput) X(DerivedDeclaration) X(DerivedInput) X(DerivedOutput) X(Innovation) X(ChannelDeclaration)     \
-  X(SampleView) X(SampleSlot) X(StateBlock) X(ProcessModel) X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator)     \
+  X(SampleView) X(SampleWriter) X(StateBlock) X(ProcessModel) X(MeasurementModel) X(DerivedBlock) X(NoiseEstimator)     \
   X(Source) X(Transform) X(Sink) X(Registry) X(Reporter) X(Emitter)
 // clang-format on
 

@@ -92,10 +92,14 @@ class Binding {
   Field field(Input input, std::string_view name) const {
     return epoch_field(fields_of(input), first_field_of(input), name);
   }
-  /// Handles of several that are read as one vector: `binding.fields("vn", "ve", "vd")`.
+  /// Handles of several that are read as one vector: `binding.fields("vn", "ve", "vd")`, `binding.fields(imu, "wx", …)`.
   template <class... Names>
   Fields<static_cast<int>(sizeof...(Names))> fields(const Names&... names) const {
     return {{field(std::string_view(names))...}};
+  }
+  template <class... Names>
+  Fields<static_cast<int>(sizeof...(Names))> fields(Input input, const Names&... names) const {
+    return {{field(input, std::string_view(names))...}};
   }
   /// Handle of a field with one value per row.
   RowField row_field(std::string_view name) const { return per_row_field(spec().fields, 0, name); }
@@ -122,10 +126,11 @@ class Binding {
   }
   /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
   bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
-  /// The error components of SampleView::covariance: of a transform's i-th input, of a measurement's channel (0). Empty
-  /// where the channel attaches none. A filter's channel calls them BLOCK.COMPONENT.
-  const std::vector<NamedUnit>& covariance(int input = 0) const {
-    return covariances_.at(static_cast<std::size_t>(input));
+  /// The error components of SampleView::covariance, of a measurement's channel or of a transform's input. Empty where
+  /// the channel attaches none. A filter's channel calls them BLOCK.COMPONENT.
+  const std::vector<NamedUnit>& covariance() const { return covariances_.at(0); }
+  const std::vector<NamedUnit>& covariance(Input input) const {
+    return covariances_.at(static_cast<std::size_t>(input.index()));
   }
   /// Process model: the samples that a step hands it unless a measurement cuts the group short. A filter's steps are
   /// those of its process model that asks for most.

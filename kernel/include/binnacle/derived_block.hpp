@@ -52,6 +52,7 @@ struct DerivedDeclaration {
 struct DerivedInput {
   PortValues x;
   Driving u;
+  Notes notes = {};
 };
 
 struct DerivedOutput {

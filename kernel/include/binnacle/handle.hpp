@@ -114,6 +114,54 @@ class Input {
   bool is_bound_ = false;
 };
 
+/// A field of a channel that is emitted, with one value per sample, from ChannelDeclaration::carries(): `out[field] = …`.
+class OutputField {
+ public:
+  constexpr OutputField() = default;
+  constexpr explicit OutputField(int index) noexcept : index_(index) {}
+  /// Among the per-epoch fields, in the order of the declaration.
+  constexpr int index() const noexcept { return index_; }
+
+ private:
+  int index_ = 0;
+};
+
+/// N of them that were declared together: `out[fields] = v` for an Eigen vector.
+template <int N>
+class OutputFields {
+ public:
+  constexpr OutputFields() = default;
+  constexpr explicit OutputFields(int first) noexcept : first_(first) {}
+  constexpr int first() const noexcept { return first_; }
+  constexpr OutputField operator[](int i) const noexcept { return OutputField(first_ + i); }
+
+ private:
+  int first_ = 0;
+};
+
+/// A field with one value per row, from ChannelDeclaration::carries_per_row(): `out(row, field) = …`.
+class OutputRowField {
+ public:
+  constexpr OutputRowField() = default;
+  constexpr explicit OutputRowField(int index) noexcept : index_(index) {}
+  constexpr int index() const noexcept { return index_; }
+
+ private:
+  int index_ = 0;
+};
+
+/// A channel that a source or transform emits on, from its declaration's emits().
+class OutputChannel {
+ public:
+  constexpr OutputChannel() = default;
+  constexpr explicit OutputChannel(int index) noexcept : index_(index) {}
+  constexpr int index() const noexcept { return index_; }
+  friend constexpr bool operator==(const OutputChannel&, const OutputChannel&) = default;
+
+ private:
+  int index_ = 0;
+};
+
 /// A T that the kernel keeps for this component, from the declaration's keeps<T>(): `in.memory[handle]` is a T&.
 template <class T>
 class Memory {

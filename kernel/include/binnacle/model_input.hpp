@@ -91,6 +91,8 @@ class DrivingRates {
 struct Driving {
   Time t = no_time;  // of the state
   DrivingRates rates;
+  bool bridges =
+      false;  // the last driving interval bridged a hole in the input: its rates are those held over the hole
 };
 
 /// The latest samples of the auxiliary channels: `auxiliary[input]`. Ask `available` first: a channel may have emitted
@@ -141,7 +143,7 @@ class Notes {
   constexpr Notes() = default;
   constexpr Notes(void* keeper, Function function) noexcept : keeper_(keeper), function_(function) {}
 
-  /// text: a literal, or whatever lives as long as the plugin.
+  /// Notes of a component are equal when their text is. It is copied, up to its 119th byte.
   void leave(const char* text) const {
     if (function_) function_(keeper_, text);
   }

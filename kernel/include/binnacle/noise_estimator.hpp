@@ -2,12 +2,12 @@
 // NoiseEstimator: how far a measurement is trusted.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/memory.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
 
@@ -20,35 +20,67 @@ struct NoiseBinding {
   std::vector<NamedUnit> groups;     // name and unit of its rows
 };
 
-/// One innovation as an estimator sees it. All m×m matrices are views into kernel memory.
+/// What a bound noise estimator remembers, and whether it looks back:
+///
+///     rows_ = declaration_.wants_after().keeps_array<Row>(noise.max_rows);
+struct NoiseDeclaration : MemoryDeclaration {
+  bool looks_back = false;
+
+  /// after() is called.
+  NoiseDeclaration& wants_after() {
+    looks_back = true;
+    return *this;
+  }
+};
+
+/// One innovation as an estimator sees it.
 struct Innovation {
   Time t = no_time;
   double dt = 0;  // since this measurement's last accepted sample [s]; 0 at the first
   int rows = 0;
   std::span<const std::int64_t> row_keys;
-  std::span<const int> row_groups;   // whose row it is: index into NoiseBinding::groups, ascending
-  const double* residual = nullptr;  // r, before the update
-  MatrixView HPHt;                   // H P⁻ Hᵀ
-  MatrixView R_nominal;
+  std::span<const int> row_groups;  // whose row it is: index into NoiseBinding::groups, ascending
+  ConstVectorView residual;         // r, before the update: rows
+  ConstMatrixView HPHt;             // H P⁻ Hᵀ: rows × rows
+  ConstMatrixView R_nominal;        // rows × rows
+  MemoryView memory;
 };
 
 enum class Outcome { accepted, gated, late, unsupported, invalid, withheld, rejected };
 inline constexpr int outcome_count = 7;
 
+/// What an update left.
+struct AfterUpdate {
+  Outcome outcome = Outcome::accepted;
+  ConstVectorView residual;  // post-fit: r − H δ
+  ConstMatrixView HPHt;      // H P⁺ Hᵀ
+  MemoryView memory;
+};
+
 /// Replaces the nominal R by an estimate. Its memory is rolled back when the sample is gated, unless the config says
-/// `learn_from_gated`. Constructor: (const Binding&, const NoiseBinding&). Immutable; never throws, never allocates.
+/// `learn_from_gated`. Immutable; never throws, never allocates, touches only what it is handed.
+///
+/// The constructor, from (const Binding&, const NoiseBinding&), fills `declaration_`.
 class NoiseEstimator {
  public:
   virtual ~NoiseEstimator() = default;
 
-  virtual std::size_t memory_bytes() const noexcept = 0;
-  virtual void start(std::byte* /*memory*/) const {}
-  /// Writes R (rows×rows, symmetric, positive semidefinite); it holds R_nominal on entry.
-  virtual void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const = 0;
-  /// After the update: the outcome, the post-fit residual and H P⁺ Hᵀ. Called only when wants_after().
-  virtual bool wants_after() const noexcept { return false; }
-  virtual void after(Outcome /*outcome*/, const double* /*post_fit_residual*/, MatrixView /*HPHt_plus*/,
-                     std::byte* /*memory*/) const {}
+  virtual const NoiseDeclaration& declaration() const noexcept { return declaration_; }
+  /// Memory at the start of a run.
+  void start(MemoryView memory) const {
+    declaration().write_initial(memory.data());
+    initialise(memory);
+  }
+  /// Writes R (rows × rows, symmetric, positive semidefinite); it holds R_nominal on entry.
+  virtual void estimate(const Innovation& in, MatrixView R) const = 0;
+  /// After the update, where the declaration wants_after().
+  virtual void after(const AfterUpdate& /*in*/) const {}
+
+ protected:
+  /// For memory whose first value depends on a parameter.
+  virtual void initialise(const MemoryView& /*memory*/) const {}
+
+  NoiseDeclaration declaration_;
 };
 
 }  // namespace binnacle

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "binnacle/abi.hpp"
-#include "binnacle/legacy.hpp"
 #include "binnacle/registry.hpp"
 
 /// Defines the two exported symbols of a plugin, followed by the body of its registration function:

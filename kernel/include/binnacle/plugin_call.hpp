@@ -24,6 +24,11 @@ class CallSite {
   /// The sample at work; no_time: none.
   void set_time(Time t) noexcept { t_.store(t, std::memory_order_relaxed); }
 
+  /// As entered; the call is null when none is under way.
+  const std::string* component() const noexcept { return component_.load(std::memory_order_relaxed); }
+  const char* call() const noexcept { return call_.load(std::memory_order_acquire); }
+  Time time() const noexcept { return t_.load(std::memory_order_relaxed); }
+
   /// "plugin 'csv', component 'csv': next at 12.3 s"; empty when no call is under way.
   std::string text() const;
 

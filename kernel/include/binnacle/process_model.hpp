@@ -185,6 +185,7 @@ struct InputSample {
   Time whole_t0 = no_time;
   Time whole_t1 = no_time;
   const double* fields = nullptr;
+  bool bridges = false;  // no sample of the sensor: it bridges a hole with rates held over it
 
   bool is_fragment() const noexcept { return t0 != whole_t0 || t1 != whole_t1; }
   double operator[](Field field) const noexcept { return fields[field.index()]; }
@@ -197,12 +198,14 @@ struct InputSample {
 };
 
 /// One propagation from t0 to t1. `samples` is empty for a model without input fields, else 1…samples_per_step
-/// consecutive samples of possibly unequal length that fill it. dt is the sum of theirs [s].
+/// consecutive samples of possibly unequal length that fill it. dt is the sum of theirs [s]. A hole in the input is
+/// bridged by a step of its own, which says so to every model: one may add what noise that deserves.
 struct Step {
   Time t0 = no_time;
   Time t1 = no_time;
   double dt = 0;
   std::span<const InputSample> samples;
+  bool bridges = false;
 };
 
 struct ProcessInput {
@@ -223,6 +226,8 @@ struct ProcessOutput {
 
 struct ContinuousInput {
   PortValues x;
+  AuxiliarySamples auxiliary = {};
+  Notes notes = {};
 };
 
 /// Where a linear model writes its continuous form ẋ = F x + w, E[w wᵀ] = GQGᵀ δ(t).

@@ -35,7 +35,7 @@ struct RunOptions {
 };
 
 struct RunResult {
-  Diagnostics warnings;  // gaps and repairs in the data
+  Diagnostics warnings;  // gaps and repairs in the data, notes of models
   Diagnostics failures;  // B080 broken, B081 never started; empty when all went well
 };
 

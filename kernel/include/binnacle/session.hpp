@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "binnacle/composition.hpp"
+#include "binnacle/diagnostic.hpp"
 #include "binnacle/noise_estimator.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/step_log.hpp"
@@ -126,6 +127,8 @@ class Session {
   /// False once the filter is broken: diagnosis() says why, and it takes no more samples.
   bool healthy(FilterId filter) const;
   std::string diagnosis(FilterId filter) const;
+  /// What its models noted so far: a warning (B083) for each, with plugin, component, call, time of the first, and count.
+  Diagnostics notes(FilterId filter) const;
   /// Of the filter's estimates; no_time before it has started.
   Time time(FilterId filter) const;
 

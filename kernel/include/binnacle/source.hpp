@@ -2,12 +2,13 @@
 // Source, Transform, Sink: where samples come from, what is made of them, where they go.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/memory.hpp"
 #include "binnacle/sample.hpp"
 
 namespace binnacle {
@@ -22,43 +23,96 @@ class Reporter {
   virtual void warn(const std::string& code, const std::string& file, int line, const std::string& message) = 0;
 };
 
-/// Emits samples in order of time. After open() it is immutable: cursor and random state lie in `memory`.
+/// What a bound transform emits and remembers; a source says besides whether it is live.
+struct StreamDeclaration : MemoryDeclaration {
+  std::vector<ChannelDeclaration> channels;
+
+  OutputChannel emits(ChannelDeclaration channel) {
+    channels.push_back(std::move(channel));
+    return OutputChannel(static_cast<int>(channels.size()) - 1);
+  }
+};
+struct SourceDeclaration : StreamDeclaration {
+  bool live = false;  // samples come as they are measured: next() may answer `wait`
+};
+
+/// The sample that a call of Source::next() gives.
+class SourceOutput {
+ public:
+  /// The kernel's: a writer per channel.
+  constexpr explicit SourceOutput(SampleWriter* by_channel) noexcept : by_channel_(by_channel) {}
+
+  /// The sample is on this channel. One a call; all numbers are NaN at first.
+  SampleWriter& on(OutputChannel channel) noexcept {
+    channel_ = channel.index();
+    return by_channel_[channel_];
+  }
+  /// −1: none was chosen.
+  constexpr int channel() const noexcept { return channel_; }
+
+ private:
+  SampleWriter* by_channel_;
+  int channel_ = -1;
+};
+
+/// Emits samples in order of time. After open() it is immutable: cursor and random state lie in its memory.
 ///
-/// The constructor must be cheap and check what can be checked without reading everything (the file exists, its header
-/// has the columns), so that `binnacle check` can use it. open() reads; it is called once before the first next() and
-/// may throw ComponentError::in_data.
+/// The constructor fills `declaration_`. It must be cheap and check what can be checked without reading everything (the
+/// file exists, its header has the columns), so that `binnacle check` can use it. open() reads; it is called once before
+/// the first next() and may throw ComponentError::in_data.
 class Source {
  public:
   virtual ~Source() = default;
 
-  virtual const std::vector<ChannelDeclaration>& channels() const noexcept = 0;
+  const SourceDeclaration& declaration() const noexcept { return declaration_; }
   virtual void open(Reporter& /*reporter*/) {}
-  virtual std::size_t memory_bytes() const noexcept = 0;
-  /// Initialises memory. `seed` is unique to (study seed, run, this component); equal seeds give equal samples.
-  virtual void start(std::uint64_t seed, std::byte* memory) const = 0;
-  /// Writes the next sample into slots[channel] and sets channel. Times never decrease. `wait`: nothing yet (live input).
-  virtual SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const = 0;
+  /// Memory at the start of a run. `seed` is unique to (study seed, run, this component); equal seeds give equal samples.
+  void start(std::uint64_t seed, MemoryView memory) const {
+    declaration_.write_initial(memory.data());
+    initialise(seed, memory);
+  }
+  /// The next sample. Times never decrease. `wait`: nothing yet (live input).
+  virtual SourceStatus next(const MemoryView& memory, SourceOutput& out) const = 0;
+
+ protected:
+  /// For memory whose first value depends on the seed or a parameter.
+  virtual void initialise(std::uint64_t /*seed*/, const MemoryView& /*memory*/) const {}
+
+  SourceDeclaration declaration_;
 };
 
 /// Receives what a transform makes of a sample.
 class Emitter {
  public:
   virtual ~Emitter() = default;
-  /// The slot of an output channel, cleared to NaN; fill it and call emit(). One sample per channel and call of on().
-  virtual SampleSlot& slot(int channel) = 0;
-  virtual void emit(int channel) = 0;
+  /// A sample on this channel, cleared to NaN; fill it and call emit(). One per channel and call of Transform::on().
+  virtual SampleWriter& on(OutputChannel channel) = 0;
+  virtual void emit(OutputChannel channel) = 0;
 };
 
-/// Makes samples of samples: detectors, coarse alignment, rotations. Immutable after open().
+struct TransformInput {
+  Input from;         // a handle of Binding::input()
+  SampleView sample;  // the fields declared for it
+  MemoryView memory;
+};
+
+/// Makes samples of samples: detectors, coarse alignment, rotations. Immutable. The constructor fills `declaration_`.
 class Transform {
  public:
   virtual ~Transform() = default;
 
-  virtual const std::vector<ChannelDeclaration>& channels() const noexcept = 0;
-  virtual std::size_t memory_bytes() const noexcept = 0;
-  virtual void start(std::uint64_t /*seed*/, std::byte* /*memory*/) const {}
-  /// input: index into ComponentSpec::inputs.
-  virtual void on(int input, const SampleView& sample, std::byte* memory, Emitter& emitter) const = 0;
+  const StreamDeclaration& declaration() const noexcept { return declaration_; }
+  /// As Source::start().
+  void start(std::uint64_t seed, MemoryView memory) const {
+    declaration_.write_initial(memory.data());
+    initialise(seed, memory);
+  }
+  virtual void on(const TransformInput& in, Emitter& out) const = 0;
+
+ protected:
+  virtual void initialise(std::uint64_t /*seed*/, const MemoryView& /*memory*/) const {}
+
+  StreamDeclaration declaration_;
 };
 
 /// Takes samples out of the composition: recorders, live output. The one component with a life outside the arena.
@@ -66,7 +120,7 @@ class Sink {
  public:
   virtual ~Sink() = default;
   virtual void open() {}
-  virtual void on(int input, const SampleView& sample) = 0;
+  virtual void on(Input from, const SampleView& sample) = 0;
   virtual void close() {}
 };
 

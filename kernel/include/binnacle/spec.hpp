@@ -270,12 +270,14 @@ struct ComponentSpec {
   std::vector<PortSpec> ports;           // process and measurement models, derived blocks
   std::vector<FieldSpec> fields;         // process model: of the driving input. Measurement model: of its sample
   std::vector<FieldSpec> driving_rates;  // measurement model, derived block: mean rates of the last driving interval
-  std::vector<ChannelPort> inputs;       // transforms, sinks. Measurement model: auxiliary channels (latest value)
+  std::vector<ChannelPort> inputs;       // transforms, sinks. Process and measurement model: auxiliary (latest value)
   std::string kind;                      // state block: kind it has. Derived block: kind it yields (pattern)
   std::string example;                   // JSON of a working configuration of it, without "type"
   // JSON: what the example refers to and the conformance suite cannot guess: {"blocks": {…}, "sources": {…},
   // "sample": {field: SI value}, "files": {name: text}}; "" = nothing
   std::string surroundings;
+  // Full names that it had, "phi_error/position": under them a config gets an error that states the new one.
+  std::vector<std::string> former_names;
 };
 
 }  // namespace binnacle

@@ -8,6 +8,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/result.hpp"
+#include "binnacle/view.hpp"
 
 namespace binnacle {
 
@@ -74,16 +75,18 @@ class StateBlock {
   virtual const StateBlockDeclaration& declaration() const noexcept = 0;
 
   /// result = x ⊞ δ. x, result: stored_size. delta: dof.
-  virtual void plus(const double* x, const double* delta, double* result) const = 0;
+  virtual void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const = 0;
   /// delta = y ⊟ x, that is x ⊞ delta = y.
-  virtual void minus(const double* y, const double* x, double* delta) const = 0;
+  virtual void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const = 0;
   /// The readable outputs of x, in the declared order [SI].
-  virtual void read(const double* x, double* outputs) const = 0;
+  virtual void read(ConstVectorView x, VectorView outputs) const = 0;
   /// x from a complete set of readable outputs, or a refusal (a latitude beyond the pole).
-  virtual Result write(const double* outputs, double* x) const = 0;
-  /// How an injected δ turns the remaining error: δ_new = G (δ_old − δ) to first order. G: dof×dof column-major.
+  virtual Result write(ConstVectorView outputs, VectorView x) const = 0;
+  /// How injecting δ at x (the value before) turns the remaining error: δ_new = G (δ_old − δ) to first order. G: dof×dof.
   /// False (the default) means G = I.
-  virtual bool reset_jacobian(const double* /*delta*/, double* /*G*/) const { return false; }
+  virtual bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView /*delta*/, MatrixView /*G*/) const {
+    return false;
+  }
 };
 
 }  // namespace binnacle

@@ -6,7 +6,8 @@
 #include <Eigen/Core>
 
 #include <cassert>
-#include <span>
+#include <concepts>
+#include <type_traits>
 
 namespace binnacle {
 
@@ -53,11 +54,26 @@ inline Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned> matrix_at(const doubl
 // Every view is null where there is nothing to see (an open port, a Jacobian that nobody wants): test it with `if`.
 // Sizes are checked by assert(), so in builds without NDEBUG.
 
+/// An Eigen object whose numbers need not lie one after the other: a row, a block of a matrix.
+template <class Numbers>
+concept Scattered = !Numbers::IsVectorAtCompileTime || Numbers::InnerStrideAtCompileTime != 1;
+/// Doubles that do: a std::vector or std::array, an Eigen vector, a view.
+template <class Numbers, class Double>
+concept Contiguous = !Scattered<std::remove_const_t<Numbers>> && requires(Numbers & numbers) {
+  { numbers.data() } -> std::convertible_to<Double*>;
+  { numbers.size() } -> std::convertible_to<int>;
+};
+
 /// `size` doubles that may be read.
 class ConstVectorView {
  public:
   constexpr ConstVectorView() = default;
   constexpr ConstVectorView(const double* data, int size) noexcept : data_(data), size_(size) {}
+  template <Contiguous<const double> Numbers>
+  constexpr ConstVectorView(const Numbers& numbers) noexcept
+      : ConstVectorView(numbers.data(), static_cast<int>(numbers.size())) {}
+  template <int Size>
+  constexpr ConstVectorView(const double (&numbers)[Size]) noexcept : ConstVectorView(numbers, Size) {}
 
   constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
   constexpr const double* data() const noexcept { return data_; }
@@ -88,8 +104,11 @@ class VectorView {
  public:
   constexpr VectorView() = default;
   constexpr VectorView(double* data, int size) noexcept : data_(data), size_(size) {}
+  template <Contiguous<double> Numbers>
+  constexpr VectorView(Numbers& numbers) noexcept : VectorView(numbers.data(), static_cast<int>(numbers.size())) {}
+  template <int Size>
+  constexpr VectorView(double (&numbers)[Size]) noexcept : VectorView(numbers, Size) {}
 
-  constexpr operator ConstVectorView() const noexcept { return {data_, size_}; }
   constexpr explicit operator bool() const noexcept { return data_ != nullptr; }
   constexpr double* data() const noexcept { return data_; }
   constexpr int size() const noexcept { return size_; }
@@ -113,34 +132,7 @@ class VectorView {
   int size_ = 0;
 };
 
-/// A rows×cols block of a column-major matrix: element (i, j) is data[i + j * stride].
-struct MatrixView {
-  double* data = nullptr;
-  int rows = 0;
-  int cols = 0;
-  int stride = 0;
-
-  double& operator()(int i, int j) const noexcept {
-    assert(data && i >= 0 && i < rows && j >= 0 && j < cols);
-    return data[i + static_cast<long>(j) * stride];
-  }
-  explicit operator bool() const noexcept { return data != nullptr; }
-
-  /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
-  template <int Rows, int Cols>
-  StridedMapOf<Rows, Cols> as() const {
-    assert(data && rows == Rows && cols == Cols);
-    return {data, rows, cols, Eigen::OuterStride<>(stride)};
-  }
-  StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
-  /// The part that begins at (row, col).
-  MatrixView block(int row, int col, int row_count, int col_count) const noexcept {
-    assert(data && row >= 0 && col >= 0 && row + row_count <= rows && col + col_count <= cols);
-    return {data + row + static_cast<long>(col) * stride, row_count, col_count, stride};
-  }
-};
-
-/// The same, to be read only.
+/// A rows×cols block of a column-major matrix that may be read: element (i, j) is data[i + j * stride].
 struct ConstMatrixView {
   const double* data = nullptr;
   int rows = 0;
@@ -159,6 +151,34 @@ struct ConstMatrixView {
   }
   ConstStridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const {
     return {data, rows, cols, Eigen::OuterStride<>(stride)};
+  }
+};
+
+/// The same, to be written.
+struct MatrixView {
+  double* data = nullptr;
+  int rows = 0;
+  int cols = 0;
+  int stride = 0;
+
+  double& operator()(int i, int j) const noexcept {
+    assert(data && i >= 0 && i < rows && j >= 0 && j < cols);
+    return data[i + static_cast<long>(j) * stride];
+  }
+  explicit operator bool() const noexcept { return data != nullptr; }
+  operator ConstMatrixView() const noexcept { return {data, rows, cols, stride}; }
+
+  /// All of it: `H.as<3, 3>()`, or `H.as()` where the size is known at run time only.
+  template <int Rows, int Cols>
+  StridedMapOf<Rows, Cols> as() const {
+    assert(data && rows == Rows && cols == Cols);
+    return {data, rows, cols, Eigen::OuterStride<>(stride)};
+  }
+  StridedMapOf<Eigen::Dynamic, Eigen::Dynamic> as() const { return {data, rows, cols, Eigen::OuterStride<>(stride)}; }
+  /// The part that begins at (row, col).
+  MatrixView block(int row, int col, int row_count, int col_count) const noexcept {
+    assert(data && row >= 0 && col >= 0 && row + row_count <= rows && col + col_count <= cols);
+    return {data + row + static_cast<long>(col) * stride, row_count, col_count, stride};
   }
 };
 

@@ -121,7 +121,7 @@ void Composer::read_initial(FilterBuild& build, BlockPlan& block, const std::str
   std::vector<double> values(block.declaration().outputs.size(), 0.0);
   if (!read_initial_values(block, pointer, values) || error_count() != errors) return;
   block.initial.value.assign(as_size(block.declaration().stored_size), 0.0);
-  const Result result = block.block->write(values.data(), block.initial.value.data());
+  const Result result = block.block->write(values, block.initial.value);
   if (!result) error("B030", init_pointer, "block '" + block.name + "' refuses its initial value: " + result.reason);
 }
 

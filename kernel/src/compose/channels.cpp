@@ -45,7 +45,7 @@ void Composer::add_sources() {
     source.type = component.type;
     if (component.is_whole)
       source.source = make<Source>(component, {}, [&](const Source& made) {
-        add_channels(source.name, source.pointer, made.channels(), source.channels);
+        add_channels(source.name, source.pointer, made.declaration().channels, source.channels);
       });
     if (error_count() != errors)
       failed_components_.insert(source.name);
@@ -163,10 +163,11 @@ bool Composer::read_inputs(Component& component, std::vector<NodeInput>& inputs)
   const std::size_t errors = error_count();
   const ComponentSpec& spec = component.spec();
   const std::string& pointer = component.pointer;
-  const bool is_single = spec.inputs.size() == 1;
+  const bool is_stage = component.type->role == Role::transform || component.type->role == Role::sink;
+  const bool is_single = is_stage && spec.inputs.size() == 1;
   const std::string inputs_pointer = join_pointer(pointer, "inputs");
   const auto* named = object_at(document(), inputs_pointer, "'inputs'", diagnostics_);
-  const bool has_single = at(join_pointer(pointer, "input")) != nullptr;
+  const bool has_single = is_stage && at(join_pointer(pointer, "input")) != nullptr;
   if (named)
     check_keys(document(), inputs_pointer, names_of(spec.inputs), "'inputs' of '" + spec.type + "'", diagnostics_);
   bool is_told = false;
@@ -204,12 +205,9 @@ Component Composer::read_stage(Role role, const std::string& name, const std::st
   if (!component.type) return component;
   component.is_whole = read_inputs(component, inputs) && component.is_whole;
   component.covariances.assign(inputs.size(), {});
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    PortBinding& input = component.ports.emplace_back();
-    input.name = component.spec().inputs[i].name;
-    input.bound = inputs[i].channel >= 0;
-    if (input.bound) component.covariances[i] = plan_->channels[as_size(inputs[i].channel)].declaration.covariance;
-  }
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    if (inputs[i].channel >= 0)
+      component.covariances[i] = plan_->channels[as_size(inputs[i].channel)].declaration.covariance;
   return component;
 }
 
@@ -220,7 +218,7 @@ bool Composer::add_transform(const std::string& name, const std::string& pointer
   transform.type = component.type;
   if (component.is_whole)
     transform.transform = make<Transform>(component, {}, [&](const Transform& made) {
-      add_channels(name, pointer, made.channels(), transform.channels);
+      add_channels(name, pointer, made.declaration().channels, transform.channels);
     });
   if (!transform.transform || error_count() != errors) return false;
   plan_->transforms.push_back(std::move(transform));

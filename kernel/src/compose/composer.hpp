@@ -113,6 +113,7 @@ class Composer {
   Component read_stage(Role role, const std::string& name, const std::string& pointer, std::vector<NodeInput>& inputs);
   void add_channels(const std::string& component, const std::string& pointer,
                     const std::vector<ChannelDeclaration>& declarations, std::vector<int>& indices);
+  /// By their names under "inputs"; a transform or sink may write "input" for its first. The "input" of a model is another.
   bool read_inputs(Component& component, std::vector<NodeInput>& inputs);
   /// −1 with an error when there is no such channel (no error when its source failed on its own).
   int channel_named(const std::string& name, const std::string& pointer, bool& is_told);
@@ -143,6 +144,7 @@ class Composer {
                  int& value, PortBinding& binding);
   bool bind_ports(FilterBuild& build, Component& component);
   bool find_driving_rates(FilterBuild& build, Component& component);
+  bool read_auxiliary(FilterBuild& build, AuxiliaryPlan& auxiliary, Component& component);
   void add_derived(FilterBuild& build);
   bool add_derived_block(FilterBuild& build, const std::string& name, const std::string& pointer);
   std::vector<int> derived_closure(const FilterBuild& build, const std::vector<int>& values) const;
@@ -160,7 +162,6 @@ class Composer {
   bool add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name, const std::string& pointer,
                 const std::vector<std::string>& reserved);
   bool read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part, Component& component);
-  bool read_auxiliary(FilterBuild& build, PartPlan& part, Component& component);
   bool reserve_reads(FilterBuild& build, PartPlan& part, const Component& component);
   bool reads_bound_ports(const std::vector<int>& read_ports, const Component& component);
   void add_gate(MeasurementPlan& measurement, const std::string& pointer);

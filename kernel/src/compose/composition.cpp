@@ -73,8 +73,10 @@ Component Composer::read_component(Role role, const std::string& name, const std
     }
     return std::nullopt;
   };
+  auto keys = reserved;
+  if (role == Role::process_model && !spec.inputs.empty()) keys.push_back("inputs");
   component.parameters =
-      check_parameters(spec.parameters, spec.type, document(), pointer, reserved, port_units, diagnostics_);
+      check_parameters(spec.parameters, spec.type, document(), pointer, keys, port_units, diagnostics_);
   const bool has_rates = !build || find_driving_rates(*build, component);
   component.is_whole = is_bound && has_rates && error_count() == errors;
   return component;
@@ -162,13 +164,13 @@ void Composer::lay_out() {
     plan.state = layout.add<std::int32_t>(3);
   };
   for (auto& source : plan_->sources) {
-    source.memory = layout.add<std::byte>(source.source->memory_bytes());
+    source.memory = layout.add<std::byte>(source.source->declaration().memory_bytes);
     source.head = layout.add<SourceHead>(1);
     for (const int channel : source.channels)
       source.slots.push_back(layout.add<double>(plan_->channels[as_size(channel)].doubles()));
   }
   for (auto& transform : plan_->transforms)
-    transform.memory = layout.add<std::byte>(transform.transform->memory_bytes());
+    transform.memory = layout.add<std::byte>(transform.transform->declaration().memory_bytes);
   for (auto& filter : plan_->filters) {
     const auto n = as_size(filter.n);
     filter.head = layout.add<TimeHead>(1);
@@ -185,7 +187,8 @@ void Composer::lay_out() {
         part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
         measurement.memory_bytes += part.memory.count;
       }
-      if (measurement.noise) measurement.noise_memory = layout.add<std::byte>(measurement.noise->memory_bytes());
+      if (measurement.noise)
+        measurement.noise_memory = layout.add<std::byte>(measurement.noise->declaration().memory_bytes);
       filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})

@@ -161,13 +161,17 @@ std::vector<std::vector<std::string>> subscribers(const CompositionPlan& plan) {
   for (const auto& sink : plan.sinks)
     for (const auto& input : sink.inputs) add(input.channel, sink.pointer);
   for (const auto& filter : plan.filters) {
-    for (const auto& process : filter.processes)
+    const auto add_auxiliary = [&](const auto& model) {
+      for (const int index : model.auxiliary.channels)
+        if (index >= 0) add(filter.auxiliary[as_size(index)].channel, model.pointer);
+    };
+    for (const auto& process : filter.processes) {
       if (process.uses_input) add(filter.input_channel, process.pointer);
+      add_auxiliary(process);
+    }
     for (const auto& measurement : filter.measurements) {
       add(measurement.channel, measurement.pointer);
-      for (const auto& part : measurement.parts)
-        for (const int index : part.auxiliary)
-          if (index >= 0) add(filter.auxiliary[as_size(index)].channel, part.pointer);
+      for (const auto& part : measurement.parts) add_auxiliary(part);
     }
     for (const auto& block : filter.blocks)
       if (block.initial.channel >= 0)

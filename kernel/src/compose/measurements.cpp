@@ -64,27 +64,6 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
   return true;
 }
 
-bool Composer::read_auxiliary(FilterBuild& build, PartPlan& part, Component& component) {
-  if (component.spec().inputs.empty()) return true;
-  std::vector<NodeInput> inputs;
-  const bool is_whole = read_inputs(component, inputs);
-  auto& auxiliary = build.plan.auxiliary;
-  for (auto& input : inputs) {
-    int index = -1;
-    if (input.channel >= 0) {
-      for (std::size_t i = 0; i < auxiliary.size(); ++i)
-        if (auxiliary[i].channel == input.channel) index = static_cast<int>(i);
-      if (index < 0) {
-        index = static_cast<int>(auxiliary.size());
-        auxiliary.push_back(LatestPlan{input.channel, 0, {}, {}, {}});
-      }
-    }
-    part.auxiliary.push_back(index);
-    part.auxiliary_fields.push_back(std::move(input.fields));
-  }
-  return is_whole;
-}
-
 bool Composer::read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
                                 Component& component) {
   const ComponentSpec& spec = component.spec();
@@ -123,7 +102,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   part.driving_rates = component.driving_rates;
   bool is_whole = read_part_fields(build, measurement, part, component) && component.is_whole;
   build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(part.fields.epoch.size()));
-  is_whole = read_auxiliary(build, part, component) && is_whole;
+  is_whole = read_auxiliary(build, part.auxiliary, component) && is_whole;
   if (!is_whole || error_count() != errors) return false;
   component.covariances = {plan_->channels[as_size(measurement.channel)].declaration.covariance};
   part.model = make<MeasurementModel>(component);

@@ -173,6 +173,24 @@ bool Composer::find_driving_rates(FilterBuild& build, Component& component) {
   return error_count() == errors;
 }
 
+bool Composer::read_auxiliary(FilterBuild& build, AuxiliaryPlan& auxiliary, Component& component) {
+  if (component.spec().inputs.empty()) return true;
+  std::vector<NodeInput> inputs;
+  const bool is_whole = read_inputs(component, inputs);
+  auto& kept = build.plan.auxiliary;
+  for (auto& input : inputs) {
+    int index = -1;
+    if (input.channel >= 0) {
+      const auto same = [&](const LatestPlan& latest) { return latest.channel == input.channel; };
+      index = static_cast<int>(std::find_if(kept.begin(), kept.end(), same) - kept.begin());
+      if (as_size(index) == kept.size()) kept.push_back(LatestPlan{input.channel, 0, {}, {}, {}});
+    }
+    auxiliary.channels.push_back(index);
+    auxiliary.fields.push_back(std::move(input.fields));
+  }
+  return is_whole;
+}
+
 bool Composer::reads_bound_ports(const std::vector<int>& read_ports, const Component& component) {
   const bool all_are_bound = std::all_of(read_ports.begin(), read_ports.end(), [&](int port) {
     return port >= 0 && as_size(port) < component.values.size() && component.values[as_size(port)] >= 0;
@@ -268,7 +286,8 @@ bool Composer::read_process_input(FilterBuild& build, ProcessPlan& plan, Compone
     key_error("B010", plan.pointer, "'input' of '" + spec.type + "' is missing (name of a channel)");
   else if (build.plan.input_channel < 0)
     is_whole = false;
-  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields)) {
+  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields,
+                      mappable_fields(spec))) {
     component.bind_fields(plan.fields);
     for (const auto& item : plan.fields.epoch)
       if (item.index >= 0) build.plan.input_used[as_size(item.index)] = 1;
@@ -337,6 +356,7 @@ bool Composer::add_process(FilterBuild& build, const std::string& name, const st
   plan.type = component.type->full_name();
   plan.ports = component.values;
   is_whole = read_process_input(build, plan, component) && is_whole;
+  is_whole = read_auxiliary(build, plan.auxiliary, component) && is_whole;
   if (!component.is_whole || error_count() != errors || !is_whole) {
     // Its blocks are advanced by it in intention, whatever else is wrong with it.
     for (std::size_t p = 0; p < plan.ports.size(); ++p)

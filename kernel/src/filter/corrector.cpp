@@ -11,6 +11,7 @@ Corrector::Corrector(const FilterPlan& plan, ModelCalls& calls)
   for (const auto& block : plan.blocks) {
     most = std::max(most, as_size(block.dof()));
     squares += block.active.size() * block.active.size();
+    if (!block.active.empty()) parts_.push_back({&block, block.dof(), block.is_whole()});
   }
   block_delta_.resize(most);
   jacobian_.resize(most * most);
@@ -25,7 +26,7 @@ void Corrector::run(const MeasurementPlan& measurement, double* x, CovarianceFor
   inject(x, rows.delta.data());
 
   P.correct(rows.m, work);
-  if (measurement.noise && measurement.noise->wants_after()) {
+  if (measurement.noise && measurement.noise->declaration().looks_back) {
     // To first order. G and HPHt are made anew with P⁺ and no longer those of the update.
     const auto& columns = measurement.columns.columns;
     for (int i = 0; i < rows.m; ++i) {
@@ -43,14 +44,17 @@ void Corrector::run(const MeasurementPlan& measurement, double* x, CovarianceFor
 void Corrector::inject(const double* x, const double* delta) {
   std::copy_n(x, x_plus_.size(), x_plus_.data());
   resets_.clear();
-  for (const auto& block : plan_.blocks) {
-    if (block.active.empty()) continue;
-    std::fill_n(block_delta_.data(), block.dof(), 0.0);
-    for (std::size_t a = 0; a < block.active.size(); ++a)
-      block_delta_[as_size(block.active[a])] = delta[as_size(block.first) + a];
+  for (const auto& part : parts_) {
+    const BlockPlan& block = *part.block;
+    const double* own = delta + block.first;
+    if (!part.is_whole) {
+      std::fill_n(block_delta_.data(), part.dof, 0.0);
+      for (std::size_t a = 0; a < block.active.size(); ++a) block_delta_[as_size(block.active[a])] = own[a];
+      own = block_delta_.data();
+    }
     double* value = x_plus_.data() + block.stored_offset;
-    calls_.plus(block, value, block_delta_.data(), value);
-    if (calls_.reset_jacobian(block, block_delta_.data(), jacobian_.data())) find_reset(block);
+    calls_.plus(block, value, own, value);
+    if (calls_.reset_jacobian(block, x + block.stored_offset, own, jacobian_.data())) find_reset(block);
   }
 }
 

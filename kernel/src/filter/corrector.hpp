@@ -24,6 +24,12 @@ class Corrector {
   void expand_reset(MatrixView T) const;
 
  private:
+  /// A block with components in P.
+  struct Part {
+    const BlockPlan* block = nullptr;
+    int dof = 0;
+    bool is_whole = false;  // its δ is a piece of the filter's
+  };
   struct Reset {
     int first = 0;
     int dof = 0;
@@ -34,6 +40,7 @@ class Corrector {
 
   const FilterPlan& plan_;
   ModelCalls& calls_;
+  std::vector<Part> parts_;
   std::vector<double> x_plus_;
   std::vector<double> block_delta_;
   std::vector<double> jacobian_;  // of a whole block

@@ -4,22 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "filter/strip_loops.hpp"
 
 namespace binnacle::filter {
+
 namespace {
-
-typedef double Pair __attribute__((vector_size(2 * sizeof(double))));
-
-// By value through memcpy: scratch is 16-byte aligned at best.
-inline Pair load(const double* p) {
-  Pair pair;
-  std::memcpy(&pair, p, sizeof pair);
-  return pair;
-}
-inline void store(double* p, Pair pair) { std::memcpy(p, &pair, sizeof pair); }
 
 /// The group's coefficients in one run of memory; returns its end.
 template <int R>
@@ -40,38 +30,15 @@ inline double* collect(const RowGroup& group, const double* const* phi, double* 
   }
 }
 
-/// P(j, i) = P(i, j) for i > j, two by two.
-void mirror_lower(double* P, int n, int ld) {
-  const auto column = [=](int j) { return P + static_cast<std::ptrdiff_t>(j) * ld; };
-  int j = 0;
-  for (; j + 1 < n; j += 2) {
-    double* left = column(j);
-    double* right = column(j + 1);
-    right[j] = left[j + 1];
-    int i = j + 2;
-    for (; i + 1 < n; i += 2) {
-      const Pair a = load(left + i);
-      const Pair b = load(right + i);
-      store(column(i) + j, Pair{a[0], b[0]});
-      store(column(i + 1) + j, Pair{a[1], b[1]});
+/// Of a model's own dense block, which is symmetric only to rounding, the lower triangle is what counts.
+void list_elements(const TransitionPlan::Noise& noise, int ld, std::vector<TransitionPlan::NoiseElement>& elements) {
+  const bool is_diagonal = noise.stride == 0;
+  for (int j = 0; j < (is_diagonal ? noise.rows : noise.columns); ++j)
+    for (int i = is_diagonal ? j : 0; i < (is_diagonal ? j + 1 : noise.rows); ++i) {
+      if (noise.row == noise.column && i < j) continue;
+      const int row = noise.row + i, column = noise.column + j;
+      elements.push_back({std::max(row, column) + std::min(row, column) * ld, noise.block, i + j * noise.stride});
     }
-    if (i < n) store(column(i) + j, Pair{left[i], right[i]});
-  }
-}
-
-/// out(j, i) = in(i, j) for `columns` columns of ld rows, two by two; out has ld_out rows, the rest of them zero.
-void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
-  for (int j = 0; j < ld_out; j += 2) {
-    const double* left = in + static_cast<std::ptrdiff_t>(j) * ld;
-    const double* right = left + ld;
-    for (int i = 0; i < ld; i += 2) {
-      const Pair a = j < columns ? load(left + i) : Pair{};
-      const Pair b = j + 1 < columns ? load(right + i) : Pair{};
-      double* to = out + j + static_cast<std::ptrdiff_t>(i) * ld_out;
-      store(to, Pair{a[0], b[0]});
-      store(to + ld_out, Pair{a[1], b[1]});
-    }
-  }
 }
 
 }  // namespace
@@ -96,106 +63,97 @@ void finish(TransitionPlan& plan) {
             [](const RowGroup& a, const RowGroup& b) { return a.first_row < b.first_row; });
   for (auto& group : plan.groups)
     for (const auto& column : group.columns) group.indices.push_back(column.column);
+  for (const auto& diagonal : plan.diagonals) plan.scaled_rows = std::max(plan.scaled_rows, diagonal.row + 1);
+  for (const auto& noise : plan.noise) list_elements(noise, padded(plan.n), plan.noise_elements);
 }
 
 std::size_t predict_scratch(const TransitionPlan& plan) {
-  const auto coupled = static_cast<std::size_t>(plan.coupled_rows);
   const auto ld = static_cast<std::size_t>(padded(plan.n));
   const auto ld_coupled = static_cast<std::size_t>(padded(plan.coupled_rows));
   std::size_t coefficients = 0;
   for (const auto& group : plan.groups) coefficients += group.columns.size() * static_cast<std::size_t>(group.rows);
-  return ld * coupled + ld_coupled * ld + ld_coupled * coupled + static_cast<std::size_t>(plan.n) + coefficients;
+  return ld * ld_coupled + ld_coupled * ld + ld_coupled * ld_coupled + ld + coefficients;
 }
 
 namespace {
 
-/// The scratch of predict(): with A the coupled rows (dense groups) and B the others.
+/// The scratch of predict(): with A the coupled rows (dense groups) and B the others. Columns of M behind the coupled ones
+/// go into rows of Mt that nobody reads.
 struct PredictScratch {
   PredictScratch(const TransitionPlan& plan, double* scratch)
       : ld(padded(plan.n)), ld_coupled(padded(plan.coupled_rows)), M(scratch) {
-    Mt = M + static_cast<std::ptrdiff_t>(ld) * plan.coupled_rows;
+    Mt = M + static_cast<std::ptrdiff_t>(ld) * ld_coupled;
     PAA = Mt + static_cast<std::ptrdiff_t>(ld_coupled) * ld;
-    d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * plan.coupled_rows;
-    coefficients = d + plan.n;
+    d = PAA + static_cast<std::ptrdiff_t>(ld_coupled) * ld_coupled;
+    coefficients = d + ld;
   }
   int ld, ld_coupled;
   double* M;             // ld × coupled: P Φ_Aᵀ
   double* Mt;            // ld_coupled × ld: Mᵀ
   double* PAA;           // ld_coupled × coupled
-  double* d;             // n: diagonal of Φ
+  double* d;             // ld: diagonal of Φ, 1 for coupled rows
   double* coefficients;  // of all groups, one after the other
 };
 
 /// M = P Φ_Aᵀ and P'_AA = Φ_A M.
 void predict_coupled(const TransitionPlan& plan, const double* const* phi, const double* P,
                      const PredictScratch& work) {
-  const auto combine = strip_loops().combine;
+  const StripLoops& loops = strip_loops();
   double* out = work.M;
   double* next = work.coefficients;
   for (const auto& group : plan.groups) {
     const double* own = next;
     next = collect(group, phi, next);
-    combine(group.rows, P, work.ld, 0, static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows,
-            out);
+    loops.combine(group.rows, P, work.ld, 0, static_cast<int>(group.indices.size()), group.indices.data(), own,
+                  group.rows, out);
     out += static_cast<std::ptrdiff_t>(group.rows) * work.ld;
   }
-  transpose(work.M, work.ld, plan.coupled_rows, work.Mt, work.ld_coupled);
+  loops.transpose(work.M, work.ld, work.ld_coupled, work.Mt, work.ld_coupled);
   out = work.PAA;
   int position = 0;
   const double* own = work.coefficients;
   for (const auto& group : plan.groups) {
-    combine(group.rows, work.Mt, work.ld_coupled, position / strip * strip, static_cast<int>(group.indices.size()),
-            group.indices.data(), own, group.rows, out);
+    loops.combine(group.rows, work.Mt, work.ld_coupled, position / strip * strip,
+                  static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows, out);
     own += group.indices.size() * static_cast<std::size_t>(group.rows);
     out += static_cast<std::ptrdiff_t>(group.rows) * work.ld_coupled;
     position += group.rows;
   }
 }
 
-/// The columns of A in the lower triangle: from PAA, and d_B M_BA.
-void store_coupled(const TransitionPlan& plan, bool scales, double* P, const PredictScratch& work) {
+/// The columns of A in the lower triangle: d_B M_BA, and P'_AA from PAA.
+void store_coupled(const TransitionPlan& plan, double* P, const PredictScratch& work) {
   const int ld = work.ld;
-  const double* const d = work.d;
+  const double* const __restrict d = work.d;
   for (const auto& columns : plan.coupled)
     for (int j = columns.first; j < columns.end(); ++j) {
-      double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
       const int a = columns.position + j - columns.first;
-      const double* m = work.M + static_cast<std::ptrdiff_t>(a) * ld;
+      double* const __restrict column = P + static_cast<std::ptrdiff_t>(j) * ld;
+      const double* const __restrict m = work.M + static_cast<std::ptrdiff_t>(a) * ld;
+      for (int i = j / strip * strip; i < ld; i += strip)  // what is not of B is written over
+        for (int k = 0; k < strip; ++k) column[i + k] = d[i + k] * m[i + k];
       for (const auto& rows : plan.uncoupled) {
-        if (rows.first > j) {
-          for (int i = rows.first; i < rows.end(); ++i) column[i] = scales ? d[i] * m[i] : m[i];
-        } else {
-          for (int i = rows.first; i < rows.end(); ++i)
-            P[j + static_cast<std::ptrdiff_t>(i) * ld] = scales ? d[i] * m[i] : m[i];
-        }
+        if (rows.first > j) break;
+        for (int i = rows.first; i < rows.end(); ++i) P[j + static_cast<std::ptrdiff_t>(i) * ld] = d[i] * m[i];
       }
-      const double* aa = work.PAA + static_cast<std::ptrdiff_t>(a) * work.ld_coupled;
-      for (const auto& rows : plan.coupled)
-        for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] = aa[rows.position + i - rows.first];
+      const double* const __restrict aa = work.PAA + static_cast<std::ptrdiff_t>(a) * work.ld_coupled;
+      for (const auto& rows : plan.coupled) {
+        const int shift = rows.position - rows.first;
+        for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] = aa[i + shift];
+      }
     }
 }
 
-/// Adds Qd to the lower triangle.
-void add_noise(const TransitionPlan& plan, const double* const* noise, double* P, int ld) {
-  for (const auto& q : plan.noise) {
-    const double* block = noise[q.block];
-    if (q.stride == 0) {
-      const int row = std::max(q.row, q.column);
-      const int column = std::min(q.row, q.column);
-      for (int i = 0; i < q.rows; ++i) P[row + i + static_cast<std::ptrdiff_t>(column + i) * ld] += block[i];
-    } else if (q.row < q.column) {
-      for (int j = 0; j < q.columns; ++j)
-        for (int i = 0; i < q.rows; ++i)
-          P[q.column + j + static_cast<std::ptrdiff_t>(q.row + i) * ld] +=
-              block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
-    } else {
-      // A model's own block is symmetric only to rounding: its lower triangle is what counts.
-      for (int j = 0; j < q.columns; ++j)
-        for (int i = q.row == q.column ? j : 0; i < q.rows; ++i)
-          P[q.row + i + static_cast<std::ptrdiff_t>(q.column + j) * ld] +=
-              block[i + static_cast<std::ptrdiff_t>(j) * q.stride];
+/// P'_BB = d_B d_B' P_BB in the lower triangle; what else is in those columns is written over.
+void scale_uncoupled(const TransitionPlan& plan, double* P, const PredictScratch& work) {
+  const double* const __restrict d = work.d;
+  for (const auto& columns : plan.uncoupled)
+    for (int j = columns.first; j < std::min(columns.end(), plan.scaled_rows); ++j) {
+      double* const __restrict column = P + static_cast<std::ptrdiff_t>(j) * work.ld;
+      const double own = d[j];
+      for (int i = j / strip * strip; i < work.ld; i += strip)
+        for (int k = 0; k < strip; ++k) column[i + k] *= d[i + k] * own;
     }
-  }
 }
 
 }  // namespace
@@ -208,25 +166,14 @@ void add_noise(const TransitionPlan& plan, const double* const* noise, double* P
 // Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
 void predict(const TransitionPlan& plan, const double* const* phi, const double* const* noise, double* P,
              double* scratch) {
-  const int ld = padded(plan.n);
-  const bool scales = !plan.diagonals.empty();
   const PredictScratch work(plan, scratch);
-  double* const d = work.d;
-  if (scales) {
-    std::fill_n(d, plan.n, 1.0);
-    for (const auto& diagonal : plan.diagonals) d[diagonal.row] = phi[diagonal.block][diagonal.offset];
-  }
+  std::fill_n(work.d, work.ld, 1.0);
+  for (const auto& diagonal : plan.diagonals) work.d[diagonal.row] = phi[diagonal.block][diagonal.offset];
   if (plan.coupled_rows > 0) predict_coupled(plan, phi, P, work);
-  if (scales)
-    for (const auto& columns : plan.uncoupled)
-      for (int j = columns.first; j < columns.end(); ++j) {
-        double* column = P + static_cast<std::ptrdiff_t>(j) * ld;
-        for (const auto& rows : plan.uncoupled)
-          for (int i = std::max(rows.first, j); i < rows.end(); ++i) column[i] *= d[i] * d[j];
-      }
-  store_coupled(plan, scales, P, work);
-  add_noise(plan, noise, P, ld);
-  mirror_lower(P, plan.n, ld);
+  scale_uncoupled(plan, P, work);
+  store_coupled(plan, P, work);
+  for (const auto& element : plan.noise_elements) P[element.at] += noise[element.block][element.place];
+  strip_loops().mirror(P, plan.n);
 }
 
 void expand_transition(const TransitionPlan& plan, const double* const* phi, double* Phi) {
@@ -244,11 +191,12 @@ void expand_transition(const TransitionPlan& plan, const double* const* phi, dou
 }
 
 void expand_noise(const TransitionPlan& plan, const double* const* noise, double* Qd) {
-  const auto n = static_cast<std::ptrdiff_t>(plan.n);
+  const int n = plan.n, ld = padded(n);
   std::fill_n(Qd, n * n, 0.0);
-  add_noise(plan, noise, Qd, plan.n);
-  for (std::ptrdiff_t j = 0; j < n; ++j)
-    for (std::ptrdiff_t i = j + 1; i < n; ++i) Qd[j + i * n] = Qd[i + j * n];
+  for (const auto& element : plan.noise_elements) {
+    const int row = element.at % ld, column = element.at / ld;
+    Qd[row + column * n] = Qd[column + row * n] += noise[element.block][element.place];
+  }
 }
 
 void project(const UpdateColumns& columns, const double* P, int n, int m, const UpdateWork& work) {
@@ -311,43 +259,45 @@ void gain(const unsigned char* corrected, int n, int m, const UpdateWork& work) 
 
 void correct(double* P, int n, int m, const UpdateWork& work) {
   strip_loops().correct(P, n, m, work);
-  mirror_lower(P, n, padded(n));
+  strip_loops().mirror(P, n);
 }
 
+namespace {
+
+/// out = Σ_c factors[c·step] in(·, c), columns of ld rows.
+void combine_columns(const double* in, int ld, int count, const double* factors, int step, double* __restrict out) {
+  for (int i = 0; i < ld; i += strip) {
+    double sum[strip] = {};
+    for (int c = 0; c < count; ++c)
+      for (int k = 0; k < strip; ++k) sum[k] += factors[c * step] * in[i + k + static_cast<std::ptrdiff_t>(c) * ld];
+    for (int k = 0; k < strip; ++k) out[i + k] = sum[k];
+  }
+}
+
+}  // namespace
+
 void gain_times_residual(int n, int m, const UpdateWork& work, double* delta) {
-  const int ld = padded(n);
-  std::fill_n(delta, n, 0.0);
-  for (int j = 0; j < m; ++j)
-    for (int i = 0; i < n; ++i) delta[i] += work.K[i + static_cast<std::ptrdiff_t>(j) * ld] * work.r[j];
+  combine_columns(work.K, padded(n), m, work.r, 1, delta);
 }
 
 void transform_block(const double* T, int first, int d, double* P, int n, double* scratch) {
-  const int ld = padded(n);
-  const auto column = [=](int j) { return P + static_cast<std::ptrdiff_t>(j) * ld; };
-  const auto scratch_column = [=](int j) { return scratch + static_cast<std::ptrdiff_t>(j) * ld; };
-  for (int r = 0; r < d; ++r) {
-    double* out = scratch_column(r);
-    std::fill_n(out, ld, 0.0);
-    for (int c = 0; c < d; ++c) {
-      const double a = T[r + static_cast<std::ptrdiff_t>(c) * d];
-      const double* in = column(first + c);
-      for (int i = 0; i < ld; ++i) out[i] += a * in[i];
-    }
-  }
+  const int ld = padded(n), end = first + d;
+  const auto column = [=](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
+  for (int r = 0; r < d; ++r) combine_columns(column(P, first), ld, d, T + r, d, column(scratch, r));
   // scratch = P Tᵀ in the block's columns. Outside the block that is P'; inside it still wants T from the left.
   for (int r = 0; r < d; ++r) {
-    const double* in = scratch_column(r);
-    std::copy(in, in + first, column(first + r));
-    std::copy(in + first + d, in + n, column(first + r) + first + d);
-    for (int i = 0; i < first; ++i) column(i)[first + r] = in[i];
-    for (int i = first + d; i < n; ++i) column(i)[first + r] = in[i];
+    const double* in = column(scratch, r);
+    double* out = column(P, first + r);
+    for (int i = 0; i < ld; ++i) out[i] = in[i];
+    for (int i = 0; i < first; ++i) column(P, i)[first + r] = in[i];
+    for (int i = end; i < n; ++i) column(P, i)[first + r] = in[i];
   }
   for (int r = 0; r < d; ++r)
     for (int s = r; s < d; ++s) {
       double sum = 0;
-      for (int c = 0; c < d; ++c) sum += T[s + static_cast<std::ptrdiff_t>(c) * d] * scratch_column(r)[first + c];
-      column(first + r)[first + s] = sum;
-      column(first + s)[first + r] = sum;
+      for (int c = 0; c < d; ++c) sum += T[s + static_cast<std::ptrdiff_t>(c) * d] * column(scratch, r)[first + c];
+      column(P, first + r)[first + s] = sum;
+      column(P, first + s)[first + r] = sum;
     }
 }
 

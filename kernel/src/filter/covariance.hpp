@@ -49,16 +49,24 @@ struct TransitionPlan {
     int stride = 0;  // of the block; 0: a diagonal block, one double per row
     int block = 0;   // index into the table of noise block pointers
   };
+  /// An element of Qd on or below the diagonal: where in P, and where in which block.
+  struct NoiseElement {
+    int at = 0;
+    int block = 0;
+    int place = 0;
+  };
   int n = 0;
   std::vector<RowGroup> groups;     // rows of Φ with off-diagonal or dense content
   std::vector<Diagonal> diagonals;  // rows of Φ with nothing but a diagonal element
   std::vector<RowRun> coupled;      // rows of P that some group writes, ascending
   std::vector<RowRun> uncoupled;    // all others, ascending
   int coupled_rows = 0;
+  int scaled_rows = 0;  // behind the last of `diagonals`
   std::vector<Noise> noise;
+  std::vector<NoiseElement> noise_elements;
 };
 
-/// Fills `coupled` and `uncoupled` from `groups`.
+/// Fills `coupled`, `uncoupled`, `scaled_rows` and `noise_elements` from the rest.
 void finish(TransitionPlan& plan);
 
 /// Doubles of scratch memory that predict() needs.
@@ -102,7 +110,7 @@ double normalized_innovation_squared(int m, const UpdateWork& work);
 void gain(const unsigned char* corrected, int n, int m, const UpdateWork& work);
 /// P ← (I−KH) P (I−KH)ᵀ + K R Kᵀ = P − K Gᵀ − G Kᵀ + K S Kᵀ, for any K.
 void correct(double* P, int n, int m, const UpdateWork& work);
-/// delta = K r, n doubles.
+/// delta = K r, padded(n) doubles.
 void gain_times_residual(int n, int m, const UpdateWork& work, double* delta);
 
 /// P ← T P Tᵀ where T is the identity but for a d×d block (column-major) at row `first`. scratch: padded(n)·d doubles.

@@ -65,8 +65,7 @@ Result evaluate_derived(const FilterPlan& plan, const std::vector<int>& values, 
     DerivedOutput out{{workspace.at(derived.value), derived.derived->declaration().stored_size},
                       PortJacobians(workspace.jacobians.data())};
     const Result result =
-        calls.evaluate(derived, {workspace.values_of(derived.ports), workspace.driving(now, derived.driving_rates)},
-                       out);
+        calls.evaluate(derived, workspace.values_of(derived.ports), workspace.driving(now, derived.driving_rates), out);
     if (!result) return result;
     chain(plan, derived, workspace);
   }

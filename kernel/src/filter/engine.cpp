@@ -39,6 +39,7 @@ void Engine::attach(StepObserver* observer) {
 void Engine::reset() {
   time_.reset();
   ledger_.reset();
+  calls_.note_book().clear();
   for (const auto* list : {&plan_.initial, &plan_.auxiliary})
     for (const auto& latest : *list) forget_latest(latest, arena_);
   calls_.set_time(no_time);
@@ -168,6 +169,10 @@ void Engine::stepped() { estimator_.check_step(status().t); }
 // ---- a sample
 
 void Engine::refuse(Outcome outcome, const char* reason) {
+  if (!ledger_.observer()) {
+    ledger_.close_unobserved(outcome, reason);
+    return;
+  }
   UpdateRecord record;
   record.x0 = state();
   ledger_.close(outcome, reason, record);
@@ -197,7 +202,10 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   estimator_.roll_back(plan);
-  ledger_.close(judged.outcome, judged.reason, log_.innovation(ledger_.wants(), plan, estimator_));
+  if (ledger_.observer())
+    ledger_.close(judged.outcome, judged.reason, log_.innovation(ledger_.wants(), plan, estimator_));
+  else
+    ledger_.close_unobserved(judged.outcome, judged.reason);
   if (judged.outcome == Outcome::gated && ledger_.is_recovery_due(measurement)) open_covariance(measurement, sample.t);
 }
 
@@ -208,7 +216,10 @@ void Engine::correct(int measurement, Time t) {
   estimator_.correct(plan);
   const SampleRows& rows = estimator_.rows();
   ledger_.count_left_out(measurement, rows.left_out, rows.left_out_keys.data(), rows.left_out_groups.data());
-  ledger_.close(Outcome::accepted, "", log_.update(wants, plan, estimator_));
+  if (ledger_.observer())
+    ledger_.close(Outcome::accepted, "", log_.update(wants, plan, estimator_));
+  else
+    ledger_.close_unobserved(Outcome::accepted, "", rows.m, rows.nis);
   estimator_.learn(plan);
   estimator_.check_update(t);
 }
@@ -220,7 +231,7 @@ void Engine::open_covariance(int measurement, Time t) {
   if (ledger_.observer()) ledger_.observer()->inflated(log_.inflation(wants, measurement, t, estimator_));
 }
 
-bool Engine::write_estimates(SampleSlot& slot) {
+bool Engine::write_estimates(SampleWriter& slot) {
   slot.t = status().t;
   slot.t0 = no_time;
   calls_.set_time(slot.t);

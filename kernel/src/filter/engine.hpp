@@ -52,6 +52,8 @@ class Engine final : private TimeLine::Work {
   const char* diagnosis() const { return ledger_.diagnosis(); }
   /// Which plugin's call is under way, for other threads.
   const CallSite& call_site() const { return calls_.site(); }
+  /// What its models noted.
+  const NoteBook& note_book() const { return calls_.note_book(); }
   /// Places without a count are free.
   std::span<const LeftOut> left_out(int measurement) const { return ledger_.left_out(measurement); }
   const Tally& tally(int measurement) const { return ledger_.tally(measurement); }
@@ -60,7 +62,7 @@ class Engine final : private TimeLine::Work {
   const FilterPlan& plan() const { return plan_; }
   /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could
   /// not be written, and the filter stops.
-  bool write_estimates(SampleSlot& slot);
+  bool write_estimates(SampleWriter& slot);
 
  private:
   void start(Time t) override;
@@ -76,7 +78,7 @@ class Engine final : private TimeLine::Work {
   std::string thrown(const char* what) const;
   void stop(const std::string& diagnosis, const char* reason);
 
-  Moment moment() const { return {time_.head().t, time_.driving_rates()}; }
+  Moment moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
   void correct(int measurement, Time t);
   void open_covariance(int measurement, Time t);

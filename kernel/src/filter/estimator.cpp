@@ -31,8 +31,9 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       calls_(calls),
       P_(std::make_unique<Joseph>(plan.transition, most_dof(plan), plan.covariance.in(arena))),
       workspace_(plan, plan.state.in(arena)),
-      propagator_(plan, *P_, workspace_, calls),
-      linearizer_(plan, channels, arena, workspace_, calls),
+      auxiliary_(plan, channels, arena),
+      propagator_(plan, *P_, auxiliary_, workspace_, calls),
+      linearizer_(plan, channels, auxiliary_, workspace_, calls),
       judge_(plan, arena, calls),
       corrector_(plan, calls),
       rows_(plan),
@@ -153,8 +154,8 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
 }
 
 void Estimator::learn(const MeasurementPlan& measurement) {
-  if (!measurement.noise || !measurement.noise->wants_after()) return;
-  calls_.after(measurement, corrector_.post_fit(), rows_.square(rows_.work.HPHt));
+  if (!measurement.noise || !measurement.noise->declaration().looks_back) return;
+  calls_.after(measurement, {corrector_.post_fit(), rows_.m}, rows_.square(rows_.work.HPHt));
 }
 
 void Estimator::inflate(const MeasurementPlan& measurement) {
@@ -164,9 +165,13 @@ void Estimator::inflate(const MeasurementPlan& measurement) {
 // ---- health
 
 bool Estimator::is_sound() const {
-  double sum = 0;  // NaN if anything is not finite
-  for (int i = 0; i < plan_.stored_size; ++i) sum += state()[i] * 0.0;
-  return P_->first_unsound(largest_variance) < 0 && sum == 0.0;
+  const double* const x = state();
+  double sums[4] = {};  // NaN if anything is not finite; four, so that none waits for the one before
+  int i = 0;
+  for (; i + 4 <= plan_.stored_size; i += 4)
+    for (int k = 0; k < 4; ++k) sums[k] += x[i + k] * 0.0;
+  for (; i < plan_.stored_size; ++i) sums[0] += x[i] * 0.0;
+  return P_->first_unsound(largest_variance) < 0 && sums[0] + sums[1] + sums[2] + sums[3] == 0.0;
 }
 
 void Estimator::check_step(Time t) const {
@@ -195,7 +200,7 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
   throw Stop("the state is not finite at " + time_text(t) + why);
 }
 
-void Estimator::write(SampleSlot& slot) {
+void Estimator::write(SampleWriter& slot) {
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
     calls_.read(block, state() + block.stored_offset, out);

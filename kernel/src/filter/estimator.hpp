@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "filter/auxiliary.hpp"
 #include "filter/corrector.hpp"
 #include "filter/covariance_form.hpp"
 #include "filter/judge.hpp"
@@ -55,7 +56,7 @@ class Estimator {
   const double* state() const { return plan_.state.in(arena_); }
   const CovarianceForm& covariance() const { return *P_; }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
-  void write(SampleSlot& slot);
+  void write(SampleWriter& slot);
 
  private:
   double* x() { return plan_.state.in(arena_); }
@@ -71,6 +72,7 @@ class Estimator {
   ModelCalls& calls_;
   std::unique_ptr<CovarianceForm> P_;
   Workspace workspace_;
+  AuxiliaryReader auxiliary_;
   Propagator propagator_;
   Linearizer linearizer_;
   Judge judge_;

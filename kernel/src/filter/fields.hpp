@@ -14,6 +14,10 @@ namespace binnacle::filter {
 int read_fields(const FieldMap& map, const SampleView& sample, double dt, double* epoch);
 void read_row_fields(const FieldMap& map, const ChannelPlan& channel, const SampleView& sample, double* rows);
 
+inline double interval_of(const SampleView& sample) {
+  return sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0);
+}
+
 void forget_latest(const LatestPlan& plan, std::byte* arena);
 void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const SampleView& sample, std::byte* arena);
 /// Not available before the first one.

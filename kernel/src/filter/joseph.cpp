@@ -36,13 +36,10 @@ void Joseph::inflate(int row, double variance) { view()(row, row) += variance; }
 double Joseph::variance(int row) const { return view()(row, row); }
 
 int Joseph::first_unsound(double bound) const {
-  const MatrixView P = view();
-  bool is_sound = true;
-  for (int i = 0; i < plan_.n; ++i) is_sound = is_sound && P(i, i) >= 0 && P(i, i) < bound;
-  if (is_sound) return -1;
-  int row = 0;
-  while (P(row, row) >= 0 && P(row, row) < bound) ++row;
-  return row;
+  const int step = padded(plan_.n) + 1;
+  for (int i = 0; i < plan_.n; ++i)
+    if (!(P_[i * step] >= 0 && P_[i * step] < bound)) return i;
+  return -1;
 }
 
 void Joseph::expand(MatrixView into) const {

@@ -41,8 +41,7 @@ Judgement Judge::run(const MeasurementPlan& measurement, Time t, double dt, bool
     return {Outcome::gated, reason};
   };
   for (const int offered = rows.m;;) {
-    const int m_max = rows.work.m_max;
-    for (int j = 0; j < rows.m; ++j) std::copy_n(rows.R_nominal.data() + j * m_max, rows.m, rows.work.R + j * m_max);
+    std::copy_n(rows.R_nominal.data(), rows.work.m_max * rows.m, rows.work.R);
     if (measurement.noise && !is_withheld) weigh(measurement, t, dt, rows);
     if (!factor_innovation(rows.m, rows.work)) {
       roll_back_noise();
@@ -72,7 +71,7 @@ void Judge::weigh(const MeasurementPlan& measurement, Time t, double dt, SampleR
   innovation.rows = rows.m;
   innovation.row_keys = {rows.keys.data(), as_size(rows.m)};
   innovation.row_groups = {rows.groups.data(), as_size(rows.m)};
-  innovation.residual = rows.work.r;
+  innovation.residual = {rows.work.r, rows.m};
   innovation.HPHt = rows.square(rows.work.HPHt);
   innovation.R_nominal = rows.square(rows.R_nominal.data());
   const MatrixView R = rows.square(rows.work.R);

@@ -30,19 +30,23 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
   record.t = open_t_;
   record.outcome = outcome;
   record.reason = reason;
+  close_unobserved(outcome, reason, record.rows, record.nis);  // before the observer, which must not throw but might
+  if (observer_) observer_->offered(record);
+}
+
+void Ledger::close_unobserved(Outcome outcome, const char* reason, int rows, double nis) {
   Tally& tally = tally_of(open_);
-  open_ = -1;  // before the observer, which must not throw but might
+  open_ = -1;
   ++tally.outcomes[static_cast<int>(outcome)];
   if (outcome == Outcome::accepted) {
-    tally.nis_sum += record.nis;
+    tally.nis_sum += nis;
     ++tally.nis_count;
-    tally.dof_sum += record.rows;
+    tally.dof_sum += rows;
     tally.consecutive_gated = 0;
-    tally.last_accepted = record.t;
+    tally.last_accepted = open_t_;
   } else if (reason[0] != '\0') {
     std::strncpy(tally.last_reason, reason, sizeof tally.last_reason - 1);
   }
-  if (observer_) observer_->offered(record);
 }
 
 void Ledger::count_left_out(int measurement, int count, const std::int64_t* keys, const int* groups) {

@@ -34,6 +34,8 @@ class Ledger {
   void reach() { ++tally_of(open_).reached; }
   /// `record` holds what is known of it beside measurement, time, outcome and reason; the observer sees it.
   void close(Outcome outcome, const char* reason, UpdateRecord record = {});
+  /// The same where there is no observer.
+  void close_unobserved(Outcome outcome, const char* reason, int rows = 0, double nis = 0);
 
   /// Rows of an accepted sample that a gate by row or key left out: `count` keys and groups.
   void count_left_out(int measurement, int count, const std::int64_t* keys, const int* groups);

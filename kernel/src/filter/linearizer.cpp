@@ -11,8 +11,6 @@ namespace binnacle::filter {
 
 namespace {
 
-double interval_of(const SampleView& sample) { return sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0); }
-
 /// Writes for each row of a part which group it is of, counted through all parts; returns the next part's first group.
 int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int rows, int* row_groups) {
   int group = 0;
@@ -23,46 +21,27 @@ int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int r
   return first_group + std::max(1, static_cast<int>(groups.size()));
 }
 
-/// Of r, H and R: NaN if anything is not finite, else 0.
+/// Of r and H: NaN if anything is not finite, else 0.
 double not_finite(const MeasurementPlan& plan, const SampleRows& rows) {
-  const auto m_max = as_size(rows.work.m_max);
   double sum = 0;
   for (int i = 0; i < rows.m; ++i) sum += rows.work.r[i] * 0.0;
   for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
-    for (int i = 0; i < rows.m; ++i) sum += rows.work.H[as_size(i) + c * m_max] * 0.0;
-  for (int j = 0; j < rows.m; ++j)
-    for (int i = 0; i < rows.m; ++i) sum += rows.R_nominal[as_size(i) + as_size(j) * m_max] * 0.0;
+    for (int i = 0; i < rows.m; ++i) sum += rows.work.H[as_size(i) + c * as_size(rows.work.m_max)] * 0.0;
   return sum;
 }
 
 }  // namespace
 
-Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena,
+Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, AuxiliaryReader& auxiliary,
                        Workspace& workspace, ModelCalls& calls)
     : plan_(plan),
       channels_(channels),
-      arena_(arena),
+      auxiliary_(auxiliary),
       workspace_(workspace),
       calls_(calls),
       read_covariance_(plan),
       fields_(as_size(std::max(1, plan.max_fields))),
-      row_fields_(as_size(std::max(1, plan.max_row_fields))) {
-  std::size_t count = 1, doubles = 1;
-  for (const auto& measurement : plan.measurements)
-    for (const auto& part : measurement.parts) {
-      count = std::max(count, part.auxiliary.size());
-      std::size_t sum = 0;
-      for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
-        const auto& map = part.auxiliary_fields[i];
-        const int index = part.auxiliary[i];
-        const int rows = index < 0 ? 0 : channels[as_size(plan.auxiliary[as_size(index)].channel)].declaration.max_rows;
-        sum += map.epoch.size() + map.row.size() * as_size(rows);
-      }
-      doubles = std::max(doubles, sum);
-    }
-  auxiliary_.resize(count);
-  auxiliary_fields_.resize(doubles);
-}
+      row_fields_(as_size(std::max(1, plan.max_row_fields))) {}
 
 Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now,
                        const CovarianceForm& P, SampleRows& rows) {
@@ -71,6 +50,7 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
   const Result derived = evaluate_derived(plan_, measurement.derived, now, workspace_, calls_);
   if (!derived) return derived;
   int first_group = 0;
+  has_finite_noise_ = true;
   for (const auto& part : measurement.parts) {
     int part_rows = 0;
     const Result result = run_part(part, sample, channel, now, P, rows, part_rows);
@@ -80,28 +60,9 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
     rows.m += part_rows;
   }
   if (rows.m == 0) return Result::unsupported("no rows");
-  if (not_finite(measurement, rows) != 0.0)
+  if (!has_finite_noise_ || not_finite(measurement, rows) != 0.0)
     return Result::invalid("the residual, its Jacobian or its noise is not finite");
   return Result::ok();
-}
-
-void Linearizer::read_auxiliary(const PartPlan& part) {
-  double* fields = auxiliary_fields_.data();
-  for (std::size_t i = 0; i < part.auxiliary.size(); ++i) {
-    SampleView& view = auxiliary_[i];
-    view = SampleView{};
-    if (part.auxiliary[i] < 0) continue;
-    const auto& kept = plan_.auxiliary[as_size(part.auxiliary[i])];
-    const auto& channel = channels_[as_size(kept.channel)];
-    const SampleView raw = latest(kept, channel, arena_);
-    view = raw;
-    view.fields = fields;
-    read_fields(part.auxiliary_fields[i], raw, interval_of(raw), fields);
-    fields += part.auxiliary_fields[i].epoch.size();
-    view.row_fields = fields;
-    read_row_fields(part.auxiliary_fields[i], channel, raw, fields);
-    fields += part.auxiliary_fields[i].row.size() * as_size(raw.rows);
-  }
 }
 
 Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
@@ -113,7 +74,6 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   if (!part.fields.row.empty()) read_row_fields(part.fields, channel, sample, row_fields_.data());
   seen.fields = fields_.data();
   seen.row_fields = row_fields_.data();
-  read_auxiliary(part);
 
   const int most = part.model->declaration().max_rows, m_max = rows.work.m_max;
   std::fill_n(workspace_.jacobians.begin(), part.ports.size(), MatrixView{});
@@ -129,19 +89,23 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   out.R = MatrixView{rows.R_nominal.data() + rows.m + rows.m * m_max, most, most, m_max};
   out.row_keys = {rows.keys.data() + rows.m, as_size(most)};
   const Result result =
-      calls_.linearize(part, seen, auxiliary_.data(), workspace_.values_of(part.ports),
+      calls_.linearize(part, seen, auxiliary_.read(part.auxiliary), workspace_.values_of(part.ports),
                        workspace_.driving(now, part.driving_rates), read_covariance_.of(part, P, workspace_), out);
   if (!result) return result;
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
-  for (int j = 0; j < most; ++j)  // what a model wrote beyond its rows is not the next part's
-    for (int i = 0; i < most; ++i)
-      if (i >= out.rows || j >= out.rows) out.R(i, j) = 0;
   part_rows = out.rows;
+  if (part_rows < most)  // what a model wrote beyond its rows is not the next part's
+    for (int j = 0; j < most; ++j)
+      for (int i = 0; i < most; ++i)
+        if (i >= part_rows || j >= part_rows) out.R(i, j) = 0;
   const MatrixView R{out.R.data, part_rows, part_rows, m_max};
   if (is_noise(R)) return result;
   for (int j = 0; j < part_rows; ++j)  // what is not finite may come from the sample: that is invalid, see run()
     for (int i = 0; i < part_rows; ++i)
-      if (!(R(i, j) * 0.0 == 0.0)) return result;
+      if (!(R(i, j) * 0.0 == 0.0)) {
+        has_finite_noise_ = false;
+        return result;
+      }
   throw Stop(call_text(part.type, part.pointer, "linearize", calls_.time()) + " gave " + flaw_of_noise(R));
 }
 

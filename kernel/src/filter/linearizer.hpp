@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "filter/auxiliary.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/read_covariance.hpp"
 #include "filter/sample_rows.hpp"
@@ -13,8 +14,8 @@ namespace binnacle::filter {
 
 class Linearizer {
  public:
-  Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, Workspace& workspace,
-             ModelCalls& calls);
+  Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, AuxiliaryReader& auxiliary,
+             Workspace& workspace, ModelCalls& calls);
 
   /// Fills the rows of `measurement`, or refuses. Throws Stop where a model gives what cannot be noise. P: a priori.
   Result run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now, const CovarianceForm& P,
@@ -23,18 +24,16 @@ class Linearizer {
  private:
   Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Moment& now,
                   const CovarianceForm& P, SampleRows& rows, int& part_rows);
-  void read_auxiliary(const PartPlan& part);
   void assemble(const PartPlan& part, int part_rows, SampleRows& rows);
 
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;
-  std::byte* arena_;
+  AuxiliaryReader& auxiliary_;
   Workspace& workspace_;
   ModelCalls& calls_;
   ReadCovariance read_covariance_;
   std::vector<double> fields_, row_fields_;  // of the sample, as a part reads it
-  std::vector<SampleView> auxiliary_;        // likewise
-  std::vector<double> auxiliary_fields_;
+  bool has_finite_noise_ = true;  // of the sample at work, so far
 };
 
 }  // namespace binnacle::filter

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "binnacle/plugin_call.hpp"
+#include "filter/note_book.hpp"
 #include "filter/plan.hpp"
 
 namespace binnacle::filter {
@@ -28,21 +29,18 @@ class ModelCalls {
   explicit ModelCalls(std::byte* arena) : arena_(arena) {}
 
   /// The time of the sample or step at work; no_time: none yet.
-  void set_time(Time t) {
-    t_ = t;
-    site_.set_time(t);
-  }
-  Time time() const { return t_; }
-  bool is_under_way() const { return call_ != nullptr; }
+  void set_time(Time t) { site_.set_time(t); }
+  Time time() const { return site_.time(); }
+  bool is_under_way() const { return site_.call() != nullptr; }
   /// call_text() of the call under way.
-  std::string text() const { return call_text(*type_, *pointer_, call_, t_); }
+  std::string text() const { return call_text(*site_.component(), *pointer_, site_.call(), time()); }
   /// Forgets a call that threw.
-  void leave() {
-    call_ = nullptr;
-    site_.leave();
-  }
+  void leave() { site_.leave(); }
   /// The call under way, for other threads and for a handler at exit.
   const CallSite& site() const { return site_; }
+  /// What models noted.
+  NoteBook& note_book() { return note_book_; }
+  const NoteBook& note_book() const { return note_book_; }
 
   void start(const ProcessPlan& plan) {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
@@ -51,47 +49,63 @@ class ModelCalls {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
   }
   void start_noise(const MeasurementPlan& plan) {
-    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(plan.noise_memory.in(arena_)); });
+    during(plan.noise_type, plan.pointer, "start", [&] { plan.noise->start(memory_of(plan.noise_memory)); });
   }
 
   void plus(const BlockPlan& plan, const double* x, const double* delta, double* result) {
-    during(plan.type, plan.pointer, "plus", [&] { plan.block->plus(x, delta, result); });
+    during(plan.type, plan.pointer, "plus", [&] {
+      const auto& d = plan.declaration();
+      plan.block->plus({x, d.stored_size}, {delta, d.dof()}, {result, d.stored_size});
+    });
   }
   void minus(const BlockPlan& plan, const double* y, const double* x, double* delta) {
-    during(plan.type, plan.pointer, "minus", [&] { plan.block->minus(y, x, delta); });
+    during(plan.type, plan.pointer, "minus", [&] {
+      const auto& d = plan.declaration();
+      plan.block->minus({y, d.stored_size}, {x, d.stored_size}, {delta, d.dof()});
+    });
   }
   void read(const BlockPlan& plan, const double* x, double* outputs) {
-    during(plan.type, plan.pointer, "read", [&] { plan.block->read(x, outputs); });
+    during(plan.type, plan.pointer, "read", [&] {
+      plan.block->read({x, plan.declaration().stored_size}, {outputs, plan.outputs()});
+    });
   }
   Result write(const BlockPlan& plan, const double* outputs, double* x) {
-    return during(plan.type, plan.pointer, "write", [&] { return plan.block->write(outputs, x); });
+    return during(plan.type, plan.pointer, "write", [&] {
+      return plan.block->write({outputs, plan.outputs()}, {x, plan.declaration().stored_size});
+    });
   }
-  bool reset_jacobian(const BlockPlan& plan, const double* delta, double* G) {
-    return during(plan.type, plan.pointer, "reset_jacobian", [&] { return plan.block->reset_jacobian(delta, G); });
+  bool reset_jacobian(const BlockPlan& plan, const double* x, const double* delta, double* G) {
+    return during(plan.type, plan.pointer, "reset_jacobian", [&] {
+      const int dof = plan.dof();
+      return plan.block->reset_jacobian({x, plan.declaration().stored_size}, {delta, dof}, {G, dof, dof, dof});
+    });
   }
 
-  Result evaluate(const DerivedPlan& plan, const DerivedInput& in, DerivedOutput& out) {
+  Result evaluate(const DerivedPlan& plan, const double* const* x, const Driving& u, DerivedOutput& out) {
+    const DerivedInput in{x, u, notes()};
     return during(plan.type, plan.pointer, "evaluate", [&] { return plan.derived->evaluate(in, out); });
   }
-  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, ProcessOutput& out) {
-    const ProcessInput in{step, x, {}, memory_of(plan.memory), {}};
+  Result propagate(const ProcessPlan& plan, const Step& step, const double* const* x, const SampleView* auxiliary,
+                   ProcessOutput& out) {
+    const ProcessInput in{step, x, auxiliary, memory_of(plan.memory), notes()};
     return during(plan.type, plan.pointer, "propagate", [&] { return plan.model->propagate(in, out); });
   }
-  void linearized(const ProcessPlan& plan, const double* const* x, ContinuousOutput& out) {
-    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(ContinuousInput{x}, out); });
+  void linearized(const ProcessPlan& plan, const double* const* x, const SampleView* auxiliary, ContinuousOutput& out) {
+    const ContinuousInput in{x, auxiliary, notes()};
+    during(plan.type, plan.pointer, "linearized", [&] { plan.model->linearized(in, out); });
   }
   Result linearize(const PartPlan& plan, const SampleView& sample, const SampleView* auxiliary, const double* const* x,
                    const Driving& u, const PortCovariance& P, MeasurementOutput& out) {
-    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, {}};
+    const MeasurementInput in{sample, auxiliary, x, u, memory_of(plan.memory), P, notes()};
     return during(plan.type, plan.pointer, "linearize", [&] { return plan.model->linearize(in, out); });
   }
-  void estimate(const MeasurementPlan& plan, const Innovation& innovation, MatrixView R) {
-    during(plan.noise_type, plan.pointer, "estimate",
-           [&] { plan.noise->estimate(innovation, memory_of(plan.noise_memory), R); });
+  void estimate(const MeasurementPlan& plan, Innovation& innovation, MatrixView R) {
+    innovation.memory = memory_of(plan.noise_memory);
+    during(plan.noise_type, plan.pointer, "estimate", [&] { plan.noise->estimate(innovation, R); });
   }
-  void after(const MeasurementPlan& plan, const double* post_fit_residual, MatrixView HPHt_plus) {
-    during(plan.noise_type, plan.pointer, "after",
-           [&] { plan.noise->after(Outcome::accepted, post_fit_residual, HPHt_plus, memory_of(plan.noise_memory)); });
+  void after(const MeasurementPlan& plan, ConstVectorView residual, ConstMatrixView HPHt) {
+    const AfterUpdate in{Outcome::accepted, residual, HPHt, memory_of(plan.noise_memory)};
+    during(plan.noise_type, plan.pointer, "after", [&] { plan.noise->after(in); });
   }
 
  private:
@@ -99,9 +113,7 @@ class ModelCalls {
   template <class Call>
   std::invoke_result_t<Call&> during(const std::string& type, const std::string& pointer, const char* name,
                                      Call&& call) {
-    type_ = &type;
     pointer_ = &pointer;
-    call_ = name;
     site_.enter(nullptr, type, name);
     if constexpr (std::is_void_v<std::invoke_result_t<Call&>>) {
       call();
@@ -112,14 +124,20 @@ class ModelCalls {
       return result;
     }
   }
+  Notes notes() {
+    return {this, [](void* self, const char* text) {
+              auto& calls = *static_cast<ModelCalls*>(self);
+              const CallSite& site = calls.site_;
+              if (site.call())
+                calls.note_book_.keep(*site.component(), *calls.pointer_, site.call(), site.time(), text);
+            }};
+  }
   std::byte* memory_of(const Place<std::byte>& place) const { return place.count > 0 ? place.in(arena_) : nullptr; }
 
   std::byte* arena_;
-  const std::string* type_ = nullptr;
   const std::string* pointer_ = nullptr;
-  const char* call_ = nullptr;
-  Time t_ = no_time;
   CallSite site_;
+  NoteBook note_book_;
 };
 
 }  // namespace binnacle::filter

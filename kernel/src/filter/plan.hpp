@@ -75,6 +75,7 @@ struct BlockPlan {
 
   const StateBlockDeclaration& declaration() const { return block->declaration(); }
   int dof() const { return declaration().dof(); }
+  int outputs() const { return static_cast<int>(declaration().outputs.size()); }
   bool is_whole() const { return static_cast<int>(active.size()) == dof(); }
 };
 
@@ -102,6 +103,12 @@ struct DerivedPlan {
   int dof() const { return derived->declaration().dof(); }
 };
 
+/// The auxiliary channels of a model, per declared input.
+struct AuxiliaryPlan {
+  std::vector<int> channels;  // index among the filter's auxiliary channels; −1 open
+  std::vector<FieldMap> fields;
+};
+
 struct ProcessPlan {
   std::string name;
   std::string pointer;
@@ -110,6 +117,7 @@ struct ProcessPlan {
   std::vector<int> ports;  // value index per port, −1 open
   FieldMap fields;
   bool uses_input = false;
+  AuxiliaryPlan auxiliary;
   Place<std::byte> memory;
   int first_transition = 0;  // of its blocks in the table of model-written Φ blocks
   int first_noise = 0;
@@ -154,8 +162,7 @@ struct PartPlan {
   std::vector<Read> reads;
   FieldMap fields;
   std::vector<int> driving_rates;
-  std::vector<int> auxiliary;  // index among the filter's auxiliary channels per declared input; −1 open
-  std::vector<FieldMap> auxiliary_fields;
+  AuxiliaryPlan auxiliary;
   Place<std::byte> memory;
 };
 
@@ -233,6 +240,7 @@ struct TimeHead {
   std::int32_t queued = 0;
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
+  std::int32_t bridged = 0;       // the last driving interval bridged a hole
 };
 
 /// Whether it goes on. Lies in the arena.
@@ -246,7 +254,8 @@ struct PendingInput {
   Time t1 = no_time;
   Time whole_t0 = no_time;
   Time whole_t1 = no_time;
-  double whole_dt = 0;  // length that the sample's numbers belong to
+  double whole_dt = 0;       // length that the sample's numbers belong to
+  std::int64_t bridges = 0;  // it bridges a hole
 };
 
 struct QueueEntry {

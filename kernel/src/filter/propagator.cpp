@@ -29,31 +29,38 @@ int doubles_of(const Coupling& coupling, const std::vector<int>& ports, const Fi
 
 }  // namespace
 
-Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Workspace& workspace, ModelCalls& calls)
+Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, AuxiliaryReader& auxiliary,
+                       Workspace& workspace, ModelCalls& calls)
     : plan_(plan),
       P_(P),
+      auxiliary_(auxiliary),
       workspace_(workspace),
       calls_(calls),
       x_plus_(as_size(plan.stored_size)),
       samples_(as_size(plan.samples_per_step)),
       fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.max_fields))) {
-  std::size_t dof = 1, ports = 1;
+  std::size_t dof = 1;
   for (const auto& block : plan.blocks) dof = std::max(dof, as_size(block.dof()));
   delta_.resize(dof);
-  for (const auto& process : plan.processes) {
-    ports = std::max(ports, process.ports.size());
-    std::vector<Diagonal> diagonals;
+  for (const auto& block : plan.blocks)
+    if (block.holds_frozen) held_.push_back(&block);
+  for (std::size_t p = 0; p < plan.processes.size(); ++p) {
+    const auto& process = plan.processes[p];
+    auto& [inputs, outputs] = ports_.emplace_back();
+    for (const int value : process.ports) {
+      inputs.push_back(value < 0 ? nullptr : workspace.value(value));
+      const bool is_advanced = value >= 0 && value < static_cast<int>(plan.blocks.size()) &&
+                               plan.blocks[as_size(value)].process == static_cast<int>(p);
+      outputs.push_back(is_advanced ? x_plus_.data() + plan.blocks[as_size(value)].stored_offset : nullptr);
+    }
     const auto& noise = process.model->declaration().noise;
     for (std::size_t k = 0; k < noise.size(); ++k) {
       if (noise[k].to != noise[k].from) continue;
-      const int block = process.ports[as_size(noise[k].to)];
-      const int size = plan.blocks[as_size(block)].dof();
-      diagonals.push_back({block, process.first_noise + static_cast<int>(k), size,
-                           noise[k].structure == Structure::diagonal ? 1 : size + 1});
+      const int block = process.ports[as_size(noise[k].to)], size = plan.blocks[as_size(block)].dof();
+      diagonals_.push_back({static_cast<int>(p), block, size, noise[k].structure == Structure::diagonal ? 1 : size + 1,
+                            workspace.noise[as_size(process.first_noise) + k]});
     }
-    diagonals_.push_back(std::move(diagonals));
   }
-  port_outputs_.resize(ports);
 }
 
 void Propagator::run(const Moment& now, Time t1, std::span<const InputSample> samples, const double* x) {
@@ -68,10 +75,10 @@ void Propagator::run(const Moment& now, Time t1, std::span<const InputSample> sa
   gather(plan_.noise_gathers, workspace_.noise);
 }
 
-Step Propagator::step_for(const ProcessPlan& process, Time t0, Time t1, std::span<const InputSample> samples) {
-  if (!process.uses_input) return {t0, t1, seconds(t1 - t0), {}};
+/// The step as a process with input sees it.
+Step Propagator::read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples) {
   const auto width = process.fields.epoch.size();
-  double dt = 0;
+  step.dt = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     SampleView raw;
     raw.fields = samples[i].fields;
@@ -79,43 +86,36 @@ Step Propagator::step_for(const ProcessPlan& process, Time t0, Time t1, std::spa
     read_fields(process.fields, raw, samples[i].dt, converted);
     samples_[i] = samples[i];
     samples_[i].fields = converted;
-    dt += samples[i].dt;
+    step.dt += samples[i].dt;
   }
-  return {t0, t1, dt, {samples_.data(), samples.size()}};
-}
-
-/// Where a process writes x⁺, per port; null for ports that are only read.
-double* const* Propagator::outputs_of(std::size_t process) {
-  const auto& ports = plan_.processes[process].ports;
-  for (std::size_t p = 0; p < ports.size(); ++p) {
-    const bool is_advanced = ports[p] >= 0 && ports[p] < static_cast<int>(plan_.blocks.size()) &&
-                             plan_.blocks[as_size(ports[p])].process == static_cast<int>(process);
-    port_outputs_[p] = is_advanced ? x_plus_.data() + plan_.blocks[as_size(ports[p])].stored_offset : nullptr;
-  }
-  return port_outputs_.data();
+  step.samples = {samples_.data(), samples.size()};
+  return step;
 }
 
 void Propagator::run_models(const Moment& now, Time t1, std::span<const InputSample> samples) {
+  const bool bridges = !samples.empty() && samples.front().bridges;  // such a sample is stepped alone
+  const Step step{now.t, t1, seconds(t1 - now.t), {}, bridges};
   for (std::size_t p = 0; p < plan_.processes.size(); ++p) {
     const auto& process = plan_.processes[p];
     if (process.van_loan_group >= 0) {
-      linearize(process);
-    } else {
-      ProcessOutput out{outputs_of(p), workspace_.phi.data() + process.first_transition,
-                        workspace_.noise.data() + process.first_noise};
-      const Result result =
-          calls_.propagate(process, step_for(process, now.t, t1, samples), workspace_.values_of(process.ports), out);
-      if (!result) throw Stop("process '" + process.name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
+      linearize(p);
+      continue;
     }
-    check_noise(p, t1);
+    ProcessOutput out{ports_[p].outputs.data(), workspace_.phi.data() + process.first_transition,
+                      workspace_.noise.data() + process.first_noise};
+    const Result result = calls_.propagate(process, process.uses_input ? read_input(process, step, samples) : step,
+                                           ports_[p].inputs.data(), auxiliary_.read(process.auxiliary), out);
+    if (!result) throw Stop("process '" + process.name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
   }
-  for (const auto& group : plan_.van_loan) discretize_group(group, seconds(t1 - now.t));
+  check_noise(t1);
+  for (const auto& group : plan_.van_loan) discretize_group(group, step.dt);
 }
 
 /// The discretization of what is not finite would not end.
-void Propagator::linearize(const ProcessPlan& process) {
+void Propagator::linearize(std::size_t index) {
+  const auto& process = plan_.processes[index];
   ContinuousOutput out{workspace_.phi.data() + process.first_transition, workspace_.noise.data() + process.first_noise};
-  calls_.linearized(process, workspace_.values_of(process.ports), out);
+  calls_.linearized(process, ports_[index].inputs.data(), auxiliary_.read(process.auxiliary), out);
   const auto& transition = process.model->declaration().transition;
   for (std::size_t k = 0; k < transition.size(); ++k)
     if (!is_finite(workspace_.phi[as_size(process.first_transition) + k],
@@ -124,31 +124,30 @@ void Propagator::linearize(const ProcessPlan& process) {
                  plan_.blocks[as_size(process.ports[as_size(transition[k].to)])].name + "), which is not finite");
 }
 
-/// Variances are not negative; what is so by rounding, next to the component's own variance, is let pass.
-void Propagator::check_noise(std::size_t process, Time t) const {
-  constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
-  for (const auto& diagonal : diagonals_[process]) {
-    const double* q = workspace_.noise[as_size(diagonal.noise)];
-    bool is_sound = true;
+/// What is infinite comes out in the health check.
+void Propagator::check_noise(Time t) const {
+  for (const auto& diagonal : diagonals_)
     for (int i = 0; i < diagonal.dof; ++i)
-      is_sound = is_sound && q[i * diagonal.step] >= 0 && q[i * diagonal.step] <= largest;
-    if (is_sound) continue;
-    const auto& block = plan_.blocks[as_size(diagonal.block)];
-    for (std::size_t a = 0; a < block.active.size(); ++a) {
-      const double variance = q[block.active[a] * diagonal.step];
-      if (variance >= -rounding * P_.variance(block.first + static_cast<int>(a)) && variance <= largest) continue;
-      const auto& plan = plan_.processes[process];
-      char value[32];
-      std::snprintf(value, sizeof value, "%.3g", variance);
-      throw Stop(call_text(plan.type, plan.pointer, call_of(plan), t) + " gave '" + block.name + "." +
-                 block.declaration().error[as_size(block.active[a])].name + "' the process noise " + value +
-                 ", which is no variance");
-    }
-  }
+      if (!(diagonal.q[i * diagonal.step] >= 0)) {
+        judge_noise(diagonal, t);
+        break;
+      }
 }
 
-const char* Propagator::call_of(const ProcessPlan& process) const {
-  return process.van_loan_group >= 0 ? "linearized" : "propagate";
+/// Variances are not negative; what is so by rounding, next to the component's own variance, is let pass.
+void Propagator::judge_noise(const Diagonal& diagonal, Time t) const {
+  constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
+  const auto& block = plan_.blocks[as_size(diagonal.block)];
+  for (std::size_t a = 0; a < block.active.size(); ++a) {
+    const double variance = diagonal.q[block.active[a] * diagonal.step];
+    if (variance >= -rounding * P_.variance(block.first + static_cast<int>(a)) && variance <= largest) continue;
+    const auto& plan = plan_.processes[as_size(diagonal.process)];
+    char value[32];
+    std::snprintf(value, sizeof value, "%.3g", variance);
+    throw Stop(call_text(plan.type, plan.pointer, plan.van_loan_group >= 0 ? "linearized" : "propagate", t) +
+               " gave '" + block.name + "." + block.declaration().error[as_size(block.active[a])].name +
+               "' the process noise " + value + ", which is no variance");
+  }
 }
 
 std::string Propagator::culprit(Time t1) const {
@@ -277,8 +276,8 @@ void Propagator::gather(const std::vector<GatherPlan>& plans, const std::vector<
 }
 
 void Propagator::hold_frozen(const double* x) {
-  for (const auto& block : plan_.blocks) {
-    if (!block.holds_frozen) continue;
+  for (const BlockPlan* held : held_) {
+    const BlockPlan& block = *held;
     double* next = x_plus_.data() + block.stored_offset;
     const double* now = x + block.stored_offset;
     if (block.active.empty()) {

@@ -6,13 +6,13 @@
 namespace binnacle::filter {
 
 SampleRows::SampleRows(const FilterPlan& plan) {
-  const auto n = as_size(plan.n), ld = as_size(padded(plan.n));
+  const auto ld = as_size(padded(plan.n));
   const auto rows = as_size(plan.max_rows), columns = as_size(plan.max_columns);
   H_.assign(rows * columns, 0.0);
   for (auto* square : {&R_, &HPHt_, &S_, &L_, &R_nominal}) square->assign(rows * rows, 0.0);
   for (auto* column : {&r_, &y_}) column->assign(rows, 0.0);
   for (auto* tall : {&G_, &K_, &U_}) tall->assign(ld * std::max<std::size_t>(rows, 3), 0.0);
-  delta.assign(n, 0.0);
+  delta.assign(ld, 0.0);
   for (auto* list : {&keys, &left_out_keys}) list->assign(rows, 0);
   for (auto* list : {&groups, &left_out_groups}) list->assign(rows, 0);
   work = UpdateWork{plan.max_rows, H_.data(), R_.data(), r_.data(), G_.data(), HPHt_.data(),

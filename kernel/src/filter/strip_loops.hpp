@@ -14,6 +14,10 @@ struct StripLoops {
   /// Rows first…ld−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]) for r < rows ≤ 3, c < count.
   void (*combine)(int rows, const double* in, int ld, int first, int count, const int* columns,
                   const double* coefficients, int stride, double* out);
+  /// out(j, i) = in(i, j) for ld rows and `columns` columns, both of whole strips.
+  void (*transpose)(const double* in, int ld, int columns, double* out, int ld_out);
+  /// P(j, i) = P(i, j) for i > j.
+  void (*mirror)(double* P, int n);
   /// The columns of gain() before any is zeroed.
   void (*gain)(int n, int m, const UpdateWork& work);
   /// The lower triangle of correct().

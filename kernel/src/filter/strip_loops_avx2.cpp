@@ -10,12 +10,13 @@ constexpr int lanes = 4;
 
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {combine, gain_columns, correct_lower};
+const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {combine, transpose, mirror, gain_columns,
+                                                                         correct_lower};
 
 #else
 
 #include "filter/strip_loops.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {nullptr, nullptr, nullptr};
+const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {};
 
 #endif

@@ -9,19 +9,19 @@ namespace {
 
 typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
 
-// By value through memcpy: scratch is 16-byte aligned at best.
-inline Lanes load(const double* p) {
-  Lanes value;
-  __builtin_memcpy(&value, p, sizeof value);
-  return value;
-}
-inline void store(double* p, const Lanes& value) { __builtin_memcpy(p, &value, sizeof value); }
+// Scratch is 16-byte aligned at best.
+typedef double LooseLanes __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
+inline Lanes load(const double* p) { return *reinterpret_cast<const LooseLanes*>(p); }
+inline void store(double* p, Lanes value) { *reinterpret_cast<LooseLanes*>(p) = value; }
 
 /// Rows 0 … lanes·Strips−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]), for r < R.
 template <int R, int Strips>
 inline void combine_strip(const double* in, int ld, int count, const int* columns, const double* coefficients,
                           int stride, double* out) {
-  Lanes sum[R][Strips] = {};
+  Lanes sum[R][Strips];
+#pragma GCC unroll 3
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < Strips; ++k) sum[r][k] = Lanes{};
   for (int c = 0; c < count; ++c) {
     const double* p = in + static_cast<std::ptrdiff_t>(columns[c]) * ld;
     Lanes value[Strips];
@@ -30,6 +30,7 @@ inline void combine_strip(const double* in, int ld, int count, const int* column
     for (int r = 0; r < R; ++r)
       for (int k = 0; k < Strips; ++k) sum[r][k] += a[r] * value[k];
   }
+#pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
     for (int k = 0; k < Strips; ++k) store(out + lanes * k + static_cast<std::ptrdiff_t>(r) * ld, sum[r][k]);
 }
@@ -55,10 +56,57 @@ void combine(int rows, const double* in, int ld, int first, int count, const int
   }
 }
 
+template <class Tile>
+inline void transpose_in_registers(Tile& tile) {
+  if constexpr (lanes == 2) {
+    const auto a = tile[0], b = tile[1];
+    tile[0] = __builtin_shufflevector(a, b, 0, 2);
+    tile[1] = __builtin_shufflevector(a, b, 1, 3);
+  } else {
+    const auto even_left = __builtin_shufflevector(tile[0], tile[1], 0, 4, 2, 6);
+    const auto odd_left = __builtin_shufflevector(tile[0], tile[1], 1, 5, 3, 7);
+    const auto even_right = __builtin_shufflevector(tile[2], tile[3], 0, 4, 2, 6);
+    const auto odd_right = __builtin_shufflevector(tile[2], tile[3], 1, 5, 3, 7);
+    tile[0] = __builtin_shufflevector(even_left, even_right, 0, 1, 4, 5);
+    tile[1] = __builtin_shufflevector(odd_left, odd_right, 0, 1, 4, 5);
+    tile[2] = __builtin_shufflevector(even_left, even_right, 2, 3, 6, 7);
+    tile[3] = __builtin_shufflevector(odd_left, odd_right, 2, 3, 6, 7);
+  }
+}
+
+/// out(j, i) = in(i, j) for i, j < lanes; only the first `columns` columns of out are there.
+inline void transpose_tile(const double* in, int ld, double* out, int ld_out, int columns) {
+  Lanes tile[lanes];
+#pragma GCC unroll 4
+  for (int j = 0; j < lanes; ++j) tile[j] = load(in + static_cast<std::ptrdiff_t>(j) * ld);
+  transpose_in_registers(tile);
+#pragma GCC unroll 4
+  for (int i = 0; i < lanes; ++i)
+    if (i < columns) store(out + static_cast<std::ptrdiff_t>(i) * ld_out, tile[i]);
+}
+
+void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
+  for (int j = 0; j < columns; j += lanes)
+    for (int i = 0; i < ld; i += lanes)
+      transpose_tile(in + i + static_cast<std::ptrdiff_t>(j) * ld, ld,
+                     out + j + static_cast<std::ptrdiff_t>(i) * ld_out, ld_out, lanes);
+}
+
+void mirror(double* P, int n) {
+  const int ld = padded(n);
+  const auto at = [=](int i, int j) { return P + i + static_cast<std::ptrdiff_t>(j) * ld; };
+  for (int j = 0; j < n; j += lanes) {
+    for (int c = j; c < j + lanes; ++c)
+      for (int r = c + 1; r < j + lanes && r < n; ++r) *at(c, r) = *at(r, c);
+    for (int i = j + lanes; i < n; i += lanes) transpose_tile(at(i, j), ld, at(j, i), ld, n - i);
+  }
+}
+
 /// Rows i … i+lanes·Strips−1 of P(·, c+r) += Σ_j K_j u_j(c+r) + U_j k_j(c+r), for r < R.
 template <int R, int Strips>
 inline void add_products_strip(double* P, int ld, int i, int c, int m, const double* K, const double* U) {
   Lanes sum[R][Strips];
+#pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
     for (int k = 0; k < Strips; ++k) sum[r][k] = load(P + i + lanes * k + static_cast<std::ptrdiff_t>(c + r) * ld);
   const auto add = [&](const double* rows, const double* factors) {
@@ -72,6 +120,7 @@ inline void add_products_strip(double* P, int ld, int i, int c, int m, const dou
     add(K + at, U + at);
     add(U + at, K + at);
   }
+#pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
     for (int k = 0; k < Strips; ++k) store(P + i + lanes * k + static_cast<std::ptrdiff_t>(c + r) * ld, sum[r][k]);
 }

@@ -79,13 +79,13 @@ void TimeLine::bridge(Time until, const SampleView& sample) {
     rates_only = rates_only && plan_.input_kinds[as_size(i)] != FieldKind::increment;
   const double hole = seconds(until - h.input_end);
   if (rates_only) {
-    add_pending(h.input_end, until, h.input_end, hole, sample.fields);
+    add_pending(h.input_end, until, h.input_end, hole, sample.fields, true);
   } else if (h.driving_rates_known) {
     double* fields = sample_fields_.data();
     for (int i = 0; i < plan_.input_fields; ++i)
       fields[i] =
           plan_.driving_rates.in(arena_)[i] * (plan_.input_kinds[as_size(i)] == FieldKind::increment ? hole : 1.0);
-    add_pending(h.input_end, until, h.input_end, hole, fields);
+    add_pending(h.input_end, until, h.input_end, hole, fields, true);
   } else {
     throw Stop("the first input sample after the start has no interval, so its increments have no rate");
   }
@@ -93,11 +93,11 @@ void TimeLine::bridge(Time until, const SampleView& sample) {
   if (h.pending > 0) step_pending(h.pending);
 }
 
-void TimeLine::add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields) {
+void TimeLine::add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges) {
   auto& h = head();
   // Room is for samples_per_step whole samples; what is older is stepped first.
   if (h.pending == static_cast<int>(plan_.pending.count)) step_pending(h.pending);
-  plan_.pending.in(arena_)[h.pending] = PendingInput{t0, t1, whole_t0, t1, whole_dt};
+  plan_.pending.in(arena_)[h.pending] = PendingInput{t0, t1, whole_t0, t1, whole_dt, bridges};
   std::copy_n(fields, plan_.input_fields, plan_.pending_fields.in(arena_) + h.pending * plan_.input_fields);
   ++h.pending;
   h.input_end = t1;
@@ -216,7 +216,7 @@ InputSample TimeLine::cut(const PendingInput& pending, Time t1, const double* fi
   const double fraction = is_whole ? 1.0 : seconds(t1 - pending.t0) / seconds(pending.whole_t1 - pending.whole_t0);
   for (int f = 0; f < plan_.input_fields; ++f)
     raw[f] = fields[f] * (plan_.input_kinds[as_size(f)] == FieldKind::increment ? fraction : 1.0);
-  return {pending.t0, t1, pending.whole_dt * fraction, pending.whole_t0, pending.whole_t1, raw};
+  return {pending.t0, t1, pending.whole_dt * fraction, pending.whole_t0, pending.whole_t1, raw, pending.bridges != 0};
 }
 
 void TimeLine::step_pending(int whole) {
@@ -263,6 +263,7 @@ void TimeLine::remember_driving_rates(const InputSample& sample) {
   for (int f = 0; f < plan_.input_fields; ++f)
     rates[f] = plan_.input_kinds[as_size(f)] == FieldKind::increment ? sample.fields[f] / sample.dt : sample.fields[f];
   head().driving_rates_known = 1;
+  head().bridged = sample.bridges;
 }
 
 }  // namespace binnacle::filter

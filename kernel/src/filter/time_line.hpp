@@ -57,7 +57,7 @@ class TimeLine {
   TimeHead& head() { return *plan_.head.in(arena_); }
   bool is_complete(const SampleView& sample) const;
   void bridge(Time until, const SampleView& sample);
-  void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields);
+  void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
   void enqueue(int measurement, const SampleView& sample);
   void drain_queue(Time until);
   SampleView queued_sample(const QueueEntry& entry) const;

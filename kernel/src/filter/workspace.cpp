@@ -33,6 +33,7 @@ const double* const* Workspace::values_of(const std::vector<int>& ports) {
 Driving Workspace::driving(const Moment& now, const std::vector<int>& driving_rates) {
   Driving u;
   u.t = now.t;
+  u.bridges = now.bridged;
   if (!driving_rates.empty() && now.driving_rates) {
     for (std::size_t i = 0; i < driving_rates.size(); ++i)
       driving_rates_[i] = now.driving_rates[as_size(driving_rates[i])];

@@ -14,6 +14,7 @@ namespace binnacle::filter {
 struct Moment {
   Time t = no_time;
   const double* driving_rates = nullptr;
+  bool bridged = false;  // that interval bridged a hole
 };
 
 class Workspace {

@@ -17,22 +17,22 @@ void output_sigmas(const BlockInfo& block, const double* x, MatrixView P, double
   const auto& declaration = *block.declaration;
   const int outputs = static_cast<int>(declaration.outputs.size());
   const int active = static_cast<int>(block.active.size());
-  double* const delta = scratch;
-  double* const moved = delta + block.declaration->dof();
-  double* const above = moved + declaration.stored_size;
-  double* const below = above + outputs;
-  double* const J = below + outputs;  // outputs × active
-  std::fill_n(delta, block.declaration->dof(), 0.0);
+  const ConstVectorView at(x, declaration.stored_size);
+  const VectorView delta(scratch, declaration.dof());
+  const VectorView moved(delta.data() + delta.size(), declaration.stored_size);
+  const VectorView above(moved.data() + moved.size(), outputs), below(above.data() + outputs, outputs);
+  double* const J = below.data() + outputs;  // outputs × active
+  delta.as().setZero();
   for (int a = 0; a < active; ++a) {
     const int component = block.active[static_cast<std::size_t>(a)];
     const double sigma = std::sqrt(std::max(0.0, P(block.first_row + a, block.first_row + a)));
     // A step of the size of the uncertainty itself, but small against the curvature of an angle.
     const double step = std::clamp(sigma, 1e-9, 1e-4);
     delta[component] = step;
-    block.block->plus(x, delta, moved);
+    block.block->plus(at, delta, moved);
     block.block->read(moved, above);
     delta[component] = -step;
-    block.block->plus(x, delta, moved);
+    block.block->plus(at, delta, moved);
     block.block->read(moved, below);
     delta[component] = 0;
     for (int i = 0; i < outputs; ++i) {

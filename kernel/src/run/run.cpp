@@ -100,6 +100,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.sink->close(); });
 
+  for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
   note_failures(runtime, result.failures);
   return result;
 }

@@ -20,12 +20,16 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 using base::as_size;
 
-SampleSlot slot_at(double* data, const ChannelPlan& channel) {
-  SampleSlot slot;
-  slot.fields = data;
-  slot.row_fields = data + channel.epoch_fields;
-  slot.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
-  return slot;
+SampleWriter writer_at(double* data, const ChannelPlan& channel) {
+  SampleWriter writer;
+  writer.field_count = channel.epoch_fields;
+  writer.row_width = channel.row_fields;
+  writer.max_rows = channel.declaration.max_rows;
+  writer.covariance_dof = channel.covariance_dof;
+  writer.fields = data;
+  writer.row_fields = data + channel.epoch_fields;
+  writer.covariance = writer.row_fields + channel.row_fields * channel.declaration.max_rows;
+  return writer;
 }
 
 std::string time_text(Time t) {
@@ -50,13 +54,13 @@ Runtime::Runtime(const CompositionPlan& plan) : plan_(plan) {
   for (std::size_t c = 0; c < plan.channels.size(); ++c) {
     const auto& channel = plan.channels[c];
     channels_[c].storage.assign(std::max<std::size_t>(channel.doubles(), 1), 0.0);
-    output_slots_[c] = slot_at(channels_[c].storage.data(), channel);
+    output_slots_[c] = writer_at(channels_[c].storage.data(), channel);
   }
   for (const auto& source : plan.sources) {
-    std::vector<SampleSlot> slots;
+    std::vector<SampleWriter> slots;
     for (std::size_t i = 0; i < source.channels.size(); ++i) {
       const auto& channel = plan.channels[as_size(source.channels[i])];
-      slots.push_back(slot_at(source.slots[i].in(arena_.get()), channel));
+      slots.push_back(writer_at(source.slots[i].in(arena_.get()), channel));
     }
     source_slots_.push_back(std::move(slots));
   }
@@ -130,19 +134,14 @@ class Runtime::TransformEmitter : public Emitter {
  public:
   TransformEmitter(Runtime& runtime, const TransformPlan& plan) : runtime_(runtime), plan_(plan) {}
 
-  SampleSlot& slot(int channel) override {
-    const int index = plan_.channels[as_size(channel)];
-    SampleSlot& slot = runtime_.output_slots_[as_size(index)];
-    auto& storage = runtime_.channels_[as_size(index)].storage;
-    std::fill(storage.begin(), storage.end(), not_a_number);
-    slot.t = slot.t0 = no_time;
-    slot.rows = 0;
-    slot.has_covariance = false;
+  SampleWriter& on(OutputChannel channel) override {
+    SampleWriter& slot = runtime_.output_slots_[as_size(plan_.channels[as_size(channel.index())])];
+    slot.clear();
     return slot;
   }
-  void emit(int channel) override {
-    const int index = plan_.channels[as_size(channel)];
-    const SampleSlot& slot = runtime_.output_slots_[as_size(index)];
+  void emit(OutputChannel channel) override {
+    const int index = plan_.channels[as_size(channel.index())];
+    const SampleWriter& slot = runtime_.output_slots_[as_size(index)];
     auto& output = runtime_.channels_[as_size(index)];
     output.view = SampleView{slot.t,      slot.t0,         slot.rows,
                              slot.fields, slot.row_fields, slot.has_covariance ? slot.covariance : nullptr,
@@ -162,7 +161,8 @@ void Runtime::run_transform(int index) {
     const auto& input = transform.inputs[i];
     if (input.channel < 0 || !channels_[as_size(input.channel)].is_present) continue;
     guard_call<FilterError>(plan_, transform, "on", time_, [&] {
-      transform.transform->on(static_cast<int>(i), read_input(input), transform.memory.in(arena_.get()), emitter);
+      transform.transform->on({Input(static_cast<int>(i), true), read_input(input), transform.memory.in(arena_.get())},
+                              emitter);
     });
   }
 }
@@ -172,7 +172,7 @@ void Runtime::run_sink(int index) {
   for (std::size_t i = 0; i < sink.inputs.size(); ++i)
     if (sink.inputs[i].channel >= 0 && channels_[as_size(sink.inputs[i].channel)].is_present)
       guard_call<DataError>(plan_, sink, "on", time_,
-                            [&] { sink.sink->on(static_cast<int>(i), read_input(sink.inputs[i])); });
+                            [&] { sink.sink->on(Input(static_cast<int>(i), true), read_input(sink.inputs[i])); });
 }
 
 void Runtime::feed_filter(Engine& engine, Time t) {
@@ -197,7 +197,7 @@ void Runtime::feed_filter(Engine& engine, Time t) {
 
 void Runtime::publish(Engine& engine) {
   const auto channel = as_size(engine.plan().output_channel);
-  SampleSlot& slot = output_slots_[channel];
+  SampleWriter& slot = output_slots_[channel];
   if (!engine.write_estimates(slot)) return;
   channels_[channel].view = SampleView{slot.t, slot.t0, 0, slot.fields, slot.row_fields, slot.covariance, true};
   channels_[channel].is_present = true;
@@ -240,18 +240,14 @@ void Runtime::fetch(std::size_t index) {
   const auto& source = plan_.sources[index];
   SourceHead& head = *source.head.in(arena_.get());
   auto& slots = source_slots_[index];
-  for (std::size_t i = 0; i < slots.size(); ++i) {
-    slots[i].t = slots[i].t0 = no_time;
-    slots[i].rows = 0;
-    slots[i].has_covariance = false;
-    std::fill_n(source.slots[i].in(arena_.get()), source.slots[i].count, not_a_number);
-  }
-  int channel = 0;
+  for (auto& slot : slots) slot.clear();
+  SourceOutput out(slots.data());
   const Time previous = head.t;
   const char* const call = previous == no_time ? "next for its first sample" : "next";
   const SourceStatus status = guard_call<DataError>(plan_, source, call, previous, [&] {
-    return source.source->next(source.memory.in(arena_.get()), slots.data(), channel);
+    return source.source->next(source.memory.in(arena_.get()), out);
   });
+  const int channel = out.channel();
   const auto fault = [&](const char* code, const std::string& what) {
     return DataError(
         Diagnostic{Severity::error, code, plan_.document.origin(source.pointer), source.pointer,
@@ -290,7 +286,7 @@ bool Runtime::next_instant() {
     while (head.status == 1 && head.t == earliest) {
       const int channel = source.channels[as_size(head.channel)];
       if (channels_[as_size(channel)].is_present) break;  // a second one on this channel makes an instant of its own
-      const SampleSlot& slot = source_slots_[s][as_size(head.channel)];
+      const SampleWriter& slot = source_slots_[s][as_size(head.channel)];
       SampleView view{head.t,      head.t0,         head.rows,
                       slot.fields, slot.row_fields, head.has_covariance ? slot.covariance : nullptr,
                       true};

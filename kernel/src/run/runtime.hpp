@@ -72,10 +72,10 @@ class Runtime {
   std::unique_ptr<std::byte[], Free> arena_;
   std::vector<std::unique_ptr<Engine>> engines_;
   std::vector<Channel> channels_;
-  std::vector<std::vector<SampleSlot>> source_slots_;
+  std::vector<std::vector<SampleWriter>> source_slots_;
   std::vector<double> input_fields_;
   std::vector<double> input_rows_;
-  std::vector<SampleSlot> output_slots_;  // per channel
+  std::vector<SampleWriter> output_slots_;  // per channel
   std::set<int> subscribed_;
   Subscriber subscriber_;
   std::vector<double> filter_seconds_;

@@ -212,6 +212,21 @@ std::string Session::diagnosis(FilterId filter) const { return engine(filter).di
 Time Session::start_time(FilterId filter) const { return engine(filter).status().start; }
 Time Session::time(FilterId filter) const { return engine(filter).status().t; }
 
+Diagnostics Session::notes(FilterId filter) const {
+  const auto& from = engine(filter);
+  const Document& document = composition_->plan().document;
+  const auto times = [](std::int64_t count) { return " (" + std::to_string(count) + " times)"; };
+  Diagnostics notes;
+  for (const auto& note : from.note_book().notes())
+    notes.warning("B083", document.key_origin(*note.pointer), *note.pointer,
+                  filter::call_text(*note.type, *note.pointer, note.call, note.first) + " notes: " + note.text +
+                      (note.count > 1 ? times(note.count) : ""));
+  if (const auto left_out = from.note_book().left_out(); left_out > 0)
+    notes.warning("B083", document.key_origin(from.plan().pointer), from.plan().pointer,
+                  "further notes of filter '" + from.plan().name + "' are left out" + times(left_out));
+  return notes;
+}
+
 template <class Call>
 void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
   const auto& plan = engine(block.filter).plan().blocks[as_size(block.index)];
@@ -230,7 +245,10 @@ void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
 void Session::read(BlockId block, std::span<double> outputs) const {
   const BlockInfo& of = info(block);
   room_for(of, outputs);
-  guarded(block, "read", [&] { of.block->read(state(block.filter).data() + of.stored_offset, outputs.data()); });
+  guarded(block, "read", [&] {
+    of.block->read({state(block.filter).data() + of.stored_offset, of.declaration->stored_size},
+                   {outputs.data(), static_cast<int>(outputs.size())});
+  });
 }
 
 void Session::read_sigma(BlockId block, std::span<double> sigmas) const {

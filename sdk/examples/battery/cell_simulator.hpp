@@ -4,8 +4,9 @@
 
 #include <binnacle/plugin.hpp>
 
+#include <array>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "common/random.hpp"
 #include "ocv_curve.hpp"
@@ -108,44 +109,43 @@ class CellSimulator final : public binnacle::Source {
   explicit CellSimulator(const binnacle::Binding& b)
       : world_(b.parameters()), seconds_(b.parameters().time("duration") / binnacle::nanoseconds(1)) {
     using namespace binnacle;
-    channels_ = {
-        {"current", {field::rate("current", "A").about("out of the cell")}, 0, {}, nanoseconds(1)},
-        {"voltage", {field::level("voltage", "V").about("between the terminals")}, 0, {}, 0},
-        {"truth", {field::level("soc", "1").about("charge"), field::level("rc", "V").about("RC voltage")}, 0, {}, 0}};
+    ChannelDeclaration current("current"), voltage("voltage"), truth("truth");
+    current_ = current.carries(field::rate("current", "A").about("out of the cell"));
+    current.max_interval = nanoseconds(1);
+    voltage_ = voltage.carries(field::level("voltage", "V").about("between the terminals"));
+    soc_ = truth.carries(field::level("soc", "1").about("charge"));
+    rc_ = truth.carries(field::level("rc", "V").about("RC voltage"));
+    channels_ = {declaration_.emits(std::move(current)), declaration_.emits(std::move(voltage)),
+                 declaration_.emits(std::move(truth))};
+    memory_ = declaration_.keeps<Memory>();
   }
 
-  const std::vector<binnacle::ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(Memory); }
-
-  void start(std::uint64_t seed, std::byte* memory) const override {
-    const Memory fresh{world_.start(seed), 0};
-    std::memcpy(memory, &fresh, sizeof fresh);
-  }
-
-  binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
-    Memory m;
-    std::memcpy(&m, memory, sizeof m);
+  binnacle::SourceStatus next(const binnacle::MemoryView& bytes, binnacle::SourceOutput& output) const override {
+    Memory& m = bytes[memory_];
     if (m.channel < 0 || m.channel > 2 || m.world.second < 0 || m.world.second >= seconds_ + (m.channel > 0))
       return binnacle::SourceStatus::end;
     if (m.channel == 0) world_.step(m.world);
-    channel = m.channel;
-    binnacle::SampleSlot& slot = slots[channel];
-    slot.t = binnacle::nanoseconds(1) * m.world.second;
-    if (channel == 0) slot.t0 = slot.t - binnacle::nanoseconds(1), slot.fields[0] = m.world.current;
-    if (channel == 1) slot.fields[0] = m.world.voltage;
-    if (channel == 2) slot.fields[0] = m.world.soc, slot.fields[1] = m.world.rc;
-    m.channel = (channel + 1) % 3;
-    std::memcpy(memory, &m, sizeof m);
+    binnacle::SampleWriter& out = output.on(channels_[static_cast<std::size_t>(m.channel)]);
+    out.t = binnacle::nanoseconds(1) * m.world.second;
+    if (m.channel == 0) out.t0 = out.t - binnacle::nanoseconds(1), out[current_] = m.world.current;
+    if (m.channel == 1) out[voltage_] = m.world.voltage;
+    if (m.channel == 2) out[soc_] = m.world.soc, out[rc_] = m.world.rc;
+    m.channel = (m.channel + 1) % 3;
     return binnacle::SourceStatus::sample;
   }
 
  private:
   struct Memory {
     CellWorld::State world;
-    int channel;  // whose turn it is
+    int channel = 0;  // whose turn it is
   };
+  void initialise(std::uint64_t seed, const binnacle::MemoryView& bytes) const override {
+    bytes[memory_].world = world_.start(seed);
+  }
 
   CellWorld world_;
   std::int64_t seconds_;
-  std::vector<binnacle::ChannelDeclaration> channels_;
+  std::array<binnacle::OutputChannel, 3> channels_;
+  binnacle::OutputField current_, voltage_, soc_, rc_;
+  binnacle::Memory<Memory> memory_;
 };

@@ -33,30 +33,33 @@ class Direction final : public binnacle::StateBlock {
   }
 
   const binnacle::StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void plus(const double* x, const double* delta, double* result) const override {
-    frame_of(result) = s2::plus(frame_of(x), binnacle::vector_at<2>(delta));
+  void plus(binnacle::ConstVectorView x, binnacle::ConstVectorView delta, binnacle::VectorView result) const override {
+    frame_of(result) = s2::plus(frame_of(x), delta.as<2>());
   }
-  void minus(const double* y, const double* x, double* delta) const override {
-    binnacle::vector_at<2>(delta) = s2::minus(s2::direction(frame_of(y)), frame_of(x));
+  void minus(binnacle::ConstVectorView y, binnacle::ConstVectorView x, binnacle::VectorView delta) const override {
+    delta.as<2>() = s2::minus(s2::direction(frame_of(y)), frame_of(x));
   }
-  void read(const double* x, double* outputs) const override {
-    binnacle::vector_at<3>(outputs) = s2::direction(frame_of(x));
+  void read(binnacle::ConstVectorView x, binnacle::VectorView outputs) const override {
+    outputs.as<3>() = s2::direction(frame_of(x));
   }
-  binnacle::Result write(const double* outputs, double* x) const override {
-    const s2::Vector3 v = binnacle::vector_at<3>(outputs);
+  binnacle::Result write(binnacle::ConstVectorView outputs, binnacle::VectorView x) const override {
+    const s2::Vector3 v = outputs.as<3>();
     const double length = v.norm();
     if (!(std::abs(length - 1) < 0.01)) return binnacle::Result::invalid("x, y, z are a vector of length 1");
     frame_of(x) = s2::frame_at(v / length);
     return binnacle::Result::ok();
   }
-  bool reset_jacobian(const double* delta, double* G) const override {
-    binnacle::matrix_at<2, 2>(G) = s2::reset_jacobian(binnacle::vector_at<2>(delta));
+  bool reset_jacobian(binnacle::ConstVectorView /*x*/, binnacle::ConstVectorView delta,
+                      binnacle::MatrixView G) const override {
+    G.as<2, 2>() = s2::reset_jacobian(delta.as<2>());
     return true;
   }
 
  private:
-  static binnacle::ConstMapOf<3, 3> frame_of(const double* x) { return binnacle::matrix_at<3, 3>(x); }
-  static binnacle::MapOf<3, 3> frame_of(double* x) { return binnacle::matrix_at<3, 3>(x); }
+  static binnacle::ConstMapOf<3, 3> frame_of(binnacle::ConstVectorView x) {
+    return binnacle::matrix_at<3, 3>(x.data());
+  }
+  static binnacle::MapOf<3, 3> frame_of(binnacle::VectorView x) { return binnacle::matrix_at<3, 3>(x.data()); }
 
   binnacle::StateBlockDeclaration declaration_;
 };

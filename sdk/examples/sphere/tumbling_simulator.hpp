@@ -4,8 +4,9 @@
 
 #include <binnacle/plugin.hpp>
 
+#include <array>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "common/random.hpp"
 #include "s2.hpp"
@@ -111,39 +112,32 @@ class TumblingSimulator final : public binnacle::Source {
   explicit TumblingSimulator(const binnacle::Binding& b)
       : world_(b.parameters()), steps_(b.parameters().time("duration") / step_time) {
     using namespace binnacle;
-    channels_ = {{"gyro", {}, 0, {}, step_time}, {"seen", {}, 0, {}, 0}, {"truth", {}, 0, {}, 0}};
-    for (const char* name : {"wx", "wy", "wz"}) channels_[0].fields.push_back(field::rate(name, "rad/s").about("rate"));
-    for (const char* name : {"x", "y", "z"})
-      for (std::size_t channel : {1, 2})
-        channels_[channel].fields.push_back(field::level(name, "1").about("body axis"));
-    for (const char* name : {"bx", "by", "bz"})
-      channels_[2].fields.push_back(field::level(name, "rad/s").about("bias of a gyro"));
+    ChannelDeclaration gyro("gyro"), seen("seen"), truth("truth");
+    const auto rate = [](const char* name) { return field::rate(name, "rad/s").about("rate"); };
+    const auto axis = [](const char* name) { return field::level(name, "1").about("body axis"); };
+    const auto bias = [](const char* name) { return field::level(name, "rad/s").about("bias of a gyro"); };
+    rates_ = gyro.carries(rate("wx"), rate("wy"), rate("wz"));
+    gyro.max_interval = step_time;
+    seen_ = seen.carries(axis("x"), axis("y"), axis("z"));
+    true_ = truth.carries(axis("x"), axis("y"), axis("z"));
+    bias_ = truth.carries(bias("bx"), bias("by"), bias("bz"));
+    channels_ = {declaration_.emits(std::move(gyro)), declaration_.emits(std::move(seen)),
+                 declaration_.emits(std::move(truth))};
+    memory_ = declaration_.keeps<Memory>();
   }
 
-  const std::vector<binnacle::ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(Memory); }
-
-  void start(std::uint64_t seed, std::byte* memory) const override {
-    const Memory fresh{world_.start(seed), 0};
-    std::memcpy(memory, &fresh, sizeof fresh);
-  }
-
-  binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
-    Memory m;
-    std::memcpy(&m, memory, sizeof m);
+  binnacle::SourceStatus next(const binnacle::MemoryView& bytes, binnacle::SourceOutput& output) const override {
+    Memory& m = bytes[memory_];
     if (m.channel < 0 || m.channel > 2 || m.world.steps < 0 || m.world.steps >= steps_ + (m.channel > 0))
       return binnacle::SourceStatus::end;
     if (m.channel == 0) world_.step(m.world);
-    channel = m.channel;
-    binnacle::SampleSlot& slot = slots[channel];
-    slot.t = step_time * m.world.steps;
-    if (channel == 0) slot.t0 = slot.t - step_time;
-    const double* const numbers[] = {m.world.rates, m.world.seen, m.world.x};
-    for (int axis = 0; axis < 3; ++axis) slot.fields[axis] = numbers[channel][axis];
-    if (channel == 2)
-      for (int axis = 0; axis < 3; ++axis) slot.fields[3 + axis] = m.world.bias[axis];
-    m.channel = channel == 0 && m.world.steps % 10 != 0 ? 2 : (channel + 1) % 3;
-    std::memcpy(memory, &m, sizeof m);
+    binnacle::SampleWriter& out = output.on(channels_[static_cast<std::size_t>(m.channel)]);
+    out.t = step_time * m.world.steps;
+    using binnacle::vector_at;
+    if (m.channel == 0) out.t0 = out.t - step_time, out[rates_] = vector_at<3>(m.world.rates);
+    if (m.channel == 1) out[seen_] = vector_at<3>(m.world.seen);
+    if (m.channel == 2) out[true_] = vector_at<3>(m.world.x), out[bias_] = vector_at<3>(m.world.bias);
+    m.channel = m.channel == 0 && m.world.steps % 10 != 0 ? 2 : (m.channel + 1) % 3;
     return binnacle::SourceStatus::sample;
   }
 
@@ -151,10 +145,15 @@ class TumblingSimulator final : public binnacle::Source {
   static constexpr binnacle::Time step_time = 100'000'000;
   struct Memory {
     TumblingWorld::State world;
-    int channel;  // whose turn it is
+    int channel = 0;  // whose turn it is
   };
+  void initialise(std::uint64_t seed, const binnacle::MemoryView& bytes) const override {
+    bytes[memory_].world = world_.start(seed);
+  }
 
   TumblingWorld world_;
   std::int64_t steps_;
-  std::vector<binnacle::ChannelDeclaration> channels_;
+  std::array<binnacle::OutputChannel, 3> channels_;
+  binnacle::OutputFields<3> rates_, seen_, true_, bias_;
+  binnacle::Memory<Memory> memory_;
 };

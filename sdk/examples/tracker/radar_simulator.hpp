@@ -6,10 +6,10 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/random.hpp"
 
@@ -159,62 +159,59 @@ class RadarSimulator final : public binnacle::Source {
   explicit RadarSimulator(const binnacle::Binding& b)
       : world_(b.parameters()), scans_(b.parameters().time("duration") / world_.interval() + 1) {
     using namespace binnacle;
-    ChannelDeclaration scan{"scan", {}, RadarWorld::most_detections, {}, 0}, truth{"truth", {}, 0, {}, 0};
-    scan.fields.push_back(field::level("range", "m").per_row().about("from the radar"));
-    scan.fields.push_back(field::level("bearing", "rad").per_row().about("clockwise from north"));
-    for (int i = 1; i <= world_.targets(); ++i)
-      for (const char* name : {"north", "east", "vn", "ve"})
-        truth.fields.push_back(
-            field::level(std::string(name).append("_").append(std::to_string(i)), name[0] == 'v' ? "m/s" : "m")
-                .about("of a target"));
-    channels_ = {std::move(scan), std::move(truth)};
+    ChannelDeclaration scan("scan"), truth("truth");
+    range_ = scan.carries_per_row(field::level("range", "m").about("from the radar"));
+    bearing_ = scan.carries_per_row(field::level("bearing", "rad").about("clockwise from north"));
+    scan.max_rows = RadarWorld::most_detections;
+    for (int i = 1; i <= world_.targets(); ++i) {
+      const auto of_target = [&](const char* name, const char* unit) {
+        return field::level(std::string(name).append("_").append(std::to_string(i)), unit).about("of a target");
+      };
+      targets_.push_back(truth.carries(of_target("north", "m"), of_target("east", "m"), of_target("vn", "m/s"),
+                                       of_target("ve", "m/s")));
+    }
+    scan_ = declaration_.emits(std::move(scan));
+    truth_ = declaration_.emits(std::move(truth));
+    memory_ = declaration_.keeps<Memory>();
   }
 
-  const std::vector<binnacle::ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(Memory); }
-
-  void start(std::uint64_t seed, std::byte* memory) const override {
-    const Memory fresh{world_.start(seed), 0};
-    std::memcpy(memory, &fresh, sizeof fresh);
-  }
-
-  binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
-    Memory m;
-    std::memcpy(&m, memory, sizeof m);
+  binnacle::SourceStatus next(const binnacle::MemoryView& bytes, binnacle::SourceOutput& output) const override {
+    Memory& m = bytes[memory_];
     if (m.channel < 0 || m.channel > 1 || m.world.scans < 0 || m.world.scans >= scans_ + m.channel)
       return binnacle::SourceStatus::end;
     if (m.channel == 0) world_.step(m.world);
-    channel = m.channel;
-    binnacle::SampleSlot& slot = slots[channel];
-    slot.t = (m.world.scans - 1) * world_.interval();
-    channel == 0 ? write_scan(m.world, slot) : write_truth(m.world, slot);
-    m.channel = 1 - channel;
-    std::memcpy(memory, &m, sizeof m);
+    binnacle::SampleWriter& out = output.on(m.channel == 0 ? scan_ : truth_);
+    out.t = (m.world.scans - 1) * world_.interval();
+    m.channel == 0 ? write_scan(m.world, out) : write_truth(m.world, out);
+    m.channel = 1 - m.channel;
     return binnacle::SourceStatus::sample;
   }
 
  private:
   struct Memory {
     RadarWorld::State world;
-    int channel;  // whose turn it is
+    int channel = 0;  // whose turn it is
   };
-
-  static void write_scan(const RadarWorld::State& world, binnacle::SampleSlot& slot) {
-    slot.rows = world.detections;
-    for (int k = 0; k < slot.rows; ++k) {
-      slot.row_fields[2 * k] = world.range[k];
-      slot.row_fields[2 * k + 1] = world.bearing[k];
-    }
+  void initialise(std::uint64_t seed, const binnacle::MemoryView& bytes) const override {
+    bytes[memory_].world = world_.start(seed);
   }
-  void write_truth(const RadarWorld::State& world, binnacle::SampleSlot& slot) const {
-    for (int i = 0; i < world_.targets(); ++i)
-      for (int axis = 0; axis < 2; ++axis) {
-        slot.fields[4 * i + axis] = world.position[i][axis];
-        slot.fields[4 * i + 2 + axis] = world.velocity[i][axis];
-      }
+
+  void write_scan(const RadarWorld::State& world, binnacle::SampleWriter& out) const {
+    for (int k = 0; k < world.detections; ++k) {
+      out(k, range_) = world.range[k];
+      out(k, bearing_) = world.bearing[k];
+    }
+    out.rows = world.detections;
+  }
+  void write_truth(const RadarWorld::State& world, binnacle::SampleWriter& out) const {
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+      out[targets_[i]] << binnacle::vector_at<2>(world.position[i]), binnacle::vector_at<2>(world.velocity[i]);
   }
 
   RadarWorld world_;
   std::int64_t scans_;
-  std::vector<binnacle::ChannelDeclaration> channels_;
+  binnacle::OutputChannel scan_, truth_;
+  binnacle::OutputRowField range_, bearing_;
+  std::vector<binnacle::OutputFields<4>> targets_;  // north, east, vn, ve
+  binnacle::Memory<Memory> memory_;
 };

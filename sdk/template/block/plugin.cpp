@@ -37,12 +37,14 @@ class Heading final : public StateBlock {
 
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
 
-  void plus(const double* x, const double* delta, double* result) const override { *result = wrapped(*x + *delta); }
-  void minus(const double* y, const double* x, double* delta) const override { *delta = wrapped(*y - *x); }
-  void read(const double* x, double* outputs) const override { *outputs = *x; }
-  Result write(const double* outputs, double* x) const override {
-    if (!std::isfinite(*outputs)) return Result::invalid("the heading is not finite");
-    *x = wrapped(*outputs);
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
+    result[0] = wrapped(x[0] + delta[0]);
+  }
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override { delta[0] = wrapped(y[0] - x[0]); }
+  void read(ConstVectorView x, VectorView outputs) const override { outputs[0] = x[0]; }
+  Result write(ConstVectorView outputs, VectorView x) const override {
+    if (!std::isfinite(outputs[0])) return Result::invalid("the heading is not finite");
+    x[0] = wrapped(outputs[0]);
     return Result::ok();
   }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 using namespace binnacle;
 
@@ -27,42 +26,32 @@ class AveragedNoise final : public NoiseEstimator {
   }
 
   AveragedNoise(const Binding& b, const NoiseBinding& noise)
-      : rows_(noise.max_rows),
-        memory_(b.parameters().number("memory")),
+      : memory_(b.parameters().number("memory")),
         floor_(b.parameters().number("floor")),
         ceiling_(b.parameters().number("ceiling")) {
     if (ceiling_ < floor_) throw ComponentError("the ceiling is below the floor", "/ceiling");
+    rows_ = declaration_.keeps_array<Row>(static_cast<std::size_t>(noise.max_rows));
   }
 
-  std::size_t memory_bytes() const noexcept override { return static_cast<std::size_t>(rows_) * sizeof(Row); }
-
-  void start(std::byte* memory) const override {
-    const Row nominal{1, 1};
-    for (int i = 0; i < rows_; ++i) std::memcpy(at(memory, i), &nominal, sizeof nominal);
-  }
-
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
-    for (int i = 0; i < innovation.rows; ++i) {
-      const double nominal = innovation.R_nominal(i, i);
-      const double r = innovation.residual[i];
-      const double observed = (r * r - innovation.HPHt(i, i)) / nominal;
+  void estimate(const Innovation& in, MatrixView R) const override {
+    for (int i = 0; i < in.rows; ++i) {
+      const double nominal = in.R_nominal(i, i);
+      const double r = in.residual[i];
+      const double observed = (r * r - in.HPHt(i, i)) / nominal;
       if (!(nominal > 0) || !std::isfinite(observed)) continue;
-      Row row;
-      std::memcpy(&row, at(memory, i), sizeof row);
+      Row& row = in.memory[rows_][static_cast<std::size_t>(i)];
       row.samples = std::min(row.samples + 1, memory_);
       row.factor += (observed - row.factor) / row.samples;
-      std::memcpy(at(memory, i), &row, sizeof row);
-      scale(R, i, innovation.rows, std::clamp(row.factor, floor_, ceiling_));
+      scale(R, i, in.rows, std::clamp(row.factor, floor_, ceiling_));
     }
   }
 
  private:
   /// What is remembered of a row. It begins with the nominal variance as if that were one sample.
   struct Row {
-    double samples;  // in the average, at most `memory`
-    double factor;   // their average, neither floored nor capped
+    double samples = 1;  // in the average, at most `memory`
+    double factor = 1;   // their average, neither floored nor capped
   };
-  static std::byte* at(std::byte* memory, int row) { return memory + static_cast<std::size_t>(row) * sizeof(Row); }
 
   /// Rᵢᵢ times `factor`, with the same correlations as before.
   static void scale(MatrixView R, int i, int rows, double factor) {
@@ -72,7 +61,7 @@ class AveragedNoise final : public NoiseEstimator {
     }
   }
 
-  int rows_;
+  MemoryArray<Row> rows_;
   double memory_;  // samples
   double floor_, ceiling_;
 };

@@ -14,21 +14,21 @@ class Tally final : public Sink {
     spec.type = "@NAME@";
     spec.summary = "Counts the samples of a height and writes their number and mean.";
     spec.parameters = {parameter::path("path").required().about("the text file, written at the end of the run")};
-    spec.inputs = {{"input", {{"height", "m", FieldKind::level, false, false, "upward"}}, false, "what is counted"}};
+    spec.inputs = {input("input", {field::level("height", "m").about("upward")}).about("what is counted")};
     spec.example = R"json({"input": "heights", "path": "tally.txt"})json";
     return spec;
   }
 
-  explicit Tally(const Binding& b) : path_(b.parameters().text("path")) {}
+  explicit Tally(const Binding& b) : path_(b.parameters().text("path")), height_(b.field(b.input("input"), "height")) {}
 
   void open() override {
     count_ = 0;
     sum_ = 0;
   }
 
-  void on(int, const SampleView& sample) override {
+  void on(Input, const SampleView& sample) override {
     ++count_;
-    sum_ += sample.fields[0];
+    sum_ += sample[height_];
   }
 
   void close() override {
@@ -41,6 +41,7 @@ class Tally final : public Sink {
 
  private:
   std::string path_;
+  Field height_;
   std::int64_t count_ = 0;
   double sum_ = 0;  // m
 };

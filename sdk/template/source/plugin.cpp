@@ -3,8 +3,8 @@
 #include <binnacle/plugin.hpp>
 
 #include <cmath>
-#include <cstring>
 #include <numbers>
+#include <utility>
 
 using namespace binnacle;
 
@@ -53,40 +53,40 @@ class Swing final : public Source {
         sigma_(b.parameters().number("sigma")),
         interval_(b.parameters().time("interval")),
         samples_(b.parameters().time("duration") / interval_ + 1) {
-    const std::vector<FieldSpec> fields{{"height", "m", FieldKind::level, false, false, "upward"}};
-    channels_ = {{"seen", fields, 0, {}, 0}, {"truth", fields, 0, {}, 0}};
+    ChannelDeclaration seen("seen"), truth("truth");
+    seen_height_ = seen.carries(field::level("height", "m").about("upward"));
+    true_height_ = truth.carries(field::level("height", "m").about("upward"));
+    seen_ = declaration_.emits(std::move(seen));
+    truth_ = declaration_.emits(std::move(truth));
+    cursor_ = declaration_.keeps<Cursor>();
   }
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(Cursor); }
-
-  void start(std::uint64_t seed, std::byte* memory) const override {
-    const Cursor cursor{seed, 0};
-    std::memcpy(memory, &cursor, sizeof cursor);
-  }
-
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override {
-    Cursor cursor;
-    std::memcpy(&cursor, memory, sizeof cursor);
+  SourceStatus next(const MemoryView& memory, SourceOutput& output) const override {
+    Cursor& cursor = memory[cursor_];
     const std::int64_t epoch = cursor.emitted / 2;
     if (epoch < 0 || epoch >= samples_) return SourceStatus::end;
-    channel = static_cast<int>(cursor.emitted % 2 != 0);
-    SampleSlot& slot = slots[channel];
-    slot.t = epoch * interval_;
-    slot.fields[0] = amplitude_ * std::sin(2 * std::numbers::pi * seconds(slot.t) / period_);
-    if (channel == 0) slot.fields[0] += sigma_ * normal(cursor.seed, static_cast<std::uint64_t>(epoch));
-    ++cursor.emitted;
-    std::memcpy(memory, &cursor, sizeof cursor);
+    const bool is_truth = cursor.emitted++ % 2 != 0;
+    const Time t = epoch * interval_;
+    const double height = amplitude_ * std::sin(2 * std::numbers::pi * seconds(t) / period_);
+    SampleWriter& out = output.on(is_truth ? truth_ : seen_);
+    out.t = t;
+    if (is_truth)
+      out[true_height_] = height;
+    else
+      out[seen_height_] = height + sigma_ * normal(cursor.seed, static_cast<std::uint64_t>(epoch));
     return SourceStatus::sample;
   }
 
  private:
   struct Cursor {
-    std::uint64_t seed;
-    std::int64_t emitted;  // samples of both channels
+    std::uint64_t seed = 0;
+    std::int64_t emitted = 0;  // samples of both channels
   };
+  void initialise(std::uint64_t seed, const MemoryView& memory) const override { memory[cursor_].seed = seed; }
 
-  std::vector<ChannelDeclaration> channels_;
+  OutputChannel seen_, truth_;
+  OutputField seen_height_, true_height_;
+  Memory<Cursor> cursor_;
   double amplitude_;  // m
   double period_;     // s
   double sigma_;      // m

@@ -3,7 +3,7 @@
 #include <binnacle/plugin.hpp>
 
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 using namespace binnacle;
 
@@ -16,41 +16,43 @@ class Mean final : public Transform {
     spec.type = "@NAME@";
     spec.summary = "The mean of every few samples of a height.";
     spec.parameters = {parameter::integer("window").at_least(1).defaults("5").about("samples in a mean")};
-    spec.inputs = {{"input", {{"height", "m", FieldKind::level, false, false, "upward"}}, false, "what is averaged"}};
+    spec.inputs = {input("input", {field::level("height", "m").about("upward")}).about("what is averaged")};
     spec.example = R"json({"input": "heights", "window": 10})json";
     return spec;
   }
 
-  explicit Mean(const Binding& b) : window_(static_cast<std::uint64_t>(b.parameters().integer("window"))) {
-    channels_ = {{"", {{"height", "m", FieldKind::level, false, false, "upward, the mean"}}, 0, {}, 0}};
+  explicit Mean(const Binding& b)
+      : height_(b.field(b.input("input"), "height")),
+        window_(static_cast<std::uint64_t>(b.parameters().integer("window"))) {
+    ChannelDeclaration means;
+    mean_ = means.carries(field::level("height", "m").about("upward, the mean"));
+    means_ = declaration_.emits(std::move(means));
+    sum_ = declaration_.keeps<Sum>();
   }
 
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(Sum); }
-
-  void on(int, const SampleView& sample, std::byte* memory, Emitter& emitter) const override {
-    if (!std::isfinite(sample.fields[0])) return;
-    Sum sum;
-    std::memcpy(&sum, memory, sizeof sum);
-    sum.heights += sample.fields[0];
-    if (++sum.count >= window_) {
-      SampleSlot& slot = emitter.slot(0);
-      slot.t = sample.t;
-      slot.fields[0] = sum.heights / static_cast<double>(sum.count);
-      emitter.emit(0);
-      sum = {};
-    }
-    std::memcpy(memory, &sum, sizeof sum);
+  void on(const TransformInput& in, Emitter& emitter) const override {
+    const double height = in.sample[height_];
+    if (!std::isfinite(height)) return;
+    Sum& sum = in.memory[sum_];
+    sum.heights += height;
+    if (++sum.count < window_) return;
+    SampleWriter& out = emitter.on(means_);
+    out.t = in.sample.t;
+    out[mean_] = sum.heights / static_cast<double>(sum.count);
+    emitter.emit(means_);
+    sum = {};
   }
 
  private:
-  /// Begins as zeros.
   struct Sum {
-    std::uint64_t count;
-    double heights;  // m
+    std::uint64_t count = 0;
+    double heights = 0;  // m
   };
 
-  std::vector<ChannelDeclaration> channels_;
+  Field height_;
+  OutputChannel means_;
+  OutputField mean_;
+  Memory<Sum> sum_;
   std::uint64_t window_;
 };
 

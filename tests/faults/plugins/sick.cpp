@@ -2,10 +2,10 @@
 // Components that do what none may: exit, loop, throw, in the call that they are asked to.
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "binnacle/plugin.hpp"
 
@@ -51,30 +51,32 @@ class Ticking final : public Source {
     return spec;
   }
   explicit Ticking(const Binding& binding) : sickness_(binding.parameters()) {
-    channels_ = {{"", {{"z0", "m", FieldKind::level, false, false, "the time"}}, 0, {}, 0}};
+    ChannelDeclaration channel;
+    z0_ = channel.carries(field::level("z0", "m").about("the time"));
+    channel_ = declaration_.emits(std::move(channel));
+    count_ = declaration_.keeps<std::int64_t>();
     sickness_.in("constructor", after_all);
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(std::int64_t); }
   void open(Reporter&) override { sickness_.in("open", after_all); }
-  void start(std::uint64_t, std::byte*) const override { sickness_.in("start", after_all); }
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override {
-    std::int64_t count;
-    std::memcpy(&count, memory, sizeof count);
+  SourceStatus next(const MemoryView& memory, SourceOutput& output) const override {
+    std::int64_t& count = memory[count_];
     if (count == 10) return SourceStatus::end;
-    channel = 0;
-    slots[0].t = count * 1'000'000'000;
-    slots[0].fields[0] = static_cast<double>(count);
-    sickness_.in("next", slots[0].t);
+    SampleWriter& out = output.on(channel_);
+    out.t = count * 1'000'000'000;
+    out[z0_] = static_cast<double>(count);
+    sickness_.in("next", out.t);
     ++count;
-    std::memcpy(memory, &count, sizeof count);
     return SourceStatus::sample;
   }
 
  private:
   static constexpr Time after_all = 1'000'000'000'000;
+  void initialise(std::uint64_t, const MemoryView&) const override { sickness_.in("start", after_all); }
+
   Sickness sickness_;
-  std::vector<ChannelDeclaration> channels_;
+  OutputChannel channel_;
+  OutputField z0_;
+  Memory<std::int64_t> count_;
 };
 
 ComponentSpec with_input(const char* type) {
@@ -82,7 +84,7 @@ ComponentSpec with_input(const char* type) {
   spec.type = type;
   spec.summary = "Takes a sample.";
   spec.parameters = Sickness::parameters();
-  spec.inputs = {{"input", {{"z0", "m", FieldKind::level, false, false, "any"}}, false, "any"}};
+  spec.inputs = {input("input", {field::level("z0", "m").about("any")}).about("any")};
   spec.example = R"({"input": "tick"})";
   return spec;
 }
@@ -90,23 +92,27 @@ ComponentSpec with_input(const char* type) {
 class Passing final : public Transform {
  public:
   static ComponentSpec spec() { return with_input("passing"); }
-  explicit Passing(const Binding& binding) : sickness_(binding.parameters()) {
-    channels_ = {{"", {{"z0", "m", FieldKind::level, false, false, "the same"}}, 0, {}, 0}};
+  explicit Passing(const Binding& binding)
+      : sickness_(binding.parameters()), seen_(binding.field(binding.input("input"), "z0")) {
+    ChannelDeclaration channel;
+    z0_ = channel.carries(field::level("z0", "m").about("the same"));
+    channel_ = declaration_.emits(std::move(channel));
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
-  std::size_t memory_bytes() const noexcept override { return 0; }
-  void start(std::uint64_t, std::byte*) const override { sickness_.in("start", 1'000'000'000'000); }
-  void on(int, const SampleView& sample, std::byte*, Emitter& emitter) const override {
-    sickness_.in("on", sample.t);
-    SampleSlot& slot = emitter.slot(0);
-    slot.t = sample.t;
-    slot.fields[0] = sample.fields[0];
-    emitter.emit(0);
+  void on(const TransformInput& in, Emitter& emitter) const override {
+    sickness_.in("on", in.sample.t);
+    SampleWriter& out = emitter.on(channel_);
+    out.t = in.sample.t;
+    out[z0_] = in.sample[seen_];
+    emitter.emit(channel_);
   }
 
  private:
+  void initialise(std::uint64_t, const MemoryView&) const override { sickness_.in("start", 1'000'000'000'000); }
+
   Sickness sickness_;
-  std::vector<ChannelDeclaration> channels_;
+  Field seen_;
+  OutputChannel channel_;
+  OutputField z0_;
 };
 
 class Sinking final : public Sink {
@@ -114,7 +120,7 @@ class Sinking final : public Sink {
   static ComponentSpec spec() { return with_input("sinking"); }
   explicit Sinking(const Binding& binding) : sickness_(binding.parameters()) {}
   void open() override { sickness_.in("open", 1'000'000'000'000); }
-  void on(int, const SampleView& sample) override { sickness_.in("on", sample.t); }
+  void on(Input, const SampleView& sample) override { sickness_.in("on", sample.t); }
   void close() override { sickness_.in("close", 1'000'000'000'000); }
 
  private:

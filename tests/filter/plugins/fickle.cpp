@@ -44,28 +44,28 @@ class Value final : public StateBlock {
     }
   }
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     spark();
     for (int i = 0; i < 2; ++i) result[i] = x[i] + delta[i];
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     spark();
     for (int i = 0; i < 2; ++i) delta[i] = y[i] - x[i];
   }
-  void read(const double* x, double* outputs) const override {
+  void read(ConstVectorView x, VectorView outputs) const override {
     spark();
     for (int i = 0; i < 2; ++i) outputs[i] = x[i];
   }
-  Result write(const double* outputs, double* x) const override {
+  Result write(ConstVectorView outputs, VectorView x) const override {
     spark();
     for (int i = 0; i < 2; ++i) x[i] = outputs[i];
     return Result::ok();
   }
-  bool reset_jacobian(const double* delta, double* G) const override {
+  bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const override {
     spark();
-    G[0] = G[3] = 1;
-    G[1] = 0.5 * delta[0];
-    G[2] = -0.5 * delta[0];
+    G(0, 0) = G(1, 1) = 1;
+    G(1, 0) = 0.5 * delta[0];
+    G(0, 1) = -0.5 * delta[0];
     return true;
   }
 
@@ -232,19 +232,20 @@ class Trust final : public NoiseEstimator {
     spec.example = "{}";
     return spec;
   }
-  Trust(const Binding& binding, const NoiseBinding&) : gives_(binding.parameters().text("gives")) {}
-  std::size_t memory_bytes() const noexcept override { return sizeof(long); }
-  void start(std::byte*) const override { spark(); }
-  void estimate(const Innovation& innovation, std::byte*, MatrixView R) const override {
+  Trust(const Binding& binding, const NoiseBinding&) : gives_(binding.parameters().text("gives")) {
+    declaration_.wants_after().keeps<long>();
+  }
+  void estimate(const Innovation& in, MatrixView R) const override {
     spark();
-    if (innovation.t <= nanoseconds(1)) return;
+    if (in.t <= nanoseconds(1)) return;
     if (gives_ == "negative") R(0, 0) = -4;
     if (gives_ == "nan") R(0, 0) = std::nan("");
   }
-  bool wants_after() const noexcept override { return true; }
-  void after(Outcome, const double*, MatrixView, std::byte*) const override { spark(); }
+  void after(const AfterUpdate&) const override { spark(); }
 
  private:
+  void initialise(const MemoryView&) const override { spark(); }
+
   std::string gives_;
 };
 

@@ -22,21 +22,22 @@ class Counting : public NoiseEstimator {
     spec.example = "{}";
     return spec;
   }
-  Counting(const Binding& binding, const NoiseBinding&) : temporaries_(binding.parameters().boolean("temporaries")) {}
-  std::size_t memory_bytes() const noexcept override { return sizeof(double); }
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
-    double& count = *reinterpret_cast<double*>(memory);
+  Counting(const Binding& binding, const NoiseBinding&)
+      : temporaries_(binding.parameters().boolean("temporaries")), count_(declaration_.keeps<double>()) {}
+  void estimate(const Innovation& in, MatrixView R) const override {
+    double& count = in.memory[count_];
     count += 1;
     if (temporaries_) {
-      const Eigen::MatrixXd wide = Eigen::MatrixXd::Constant(30, 30, innovation.residual[0]);
+      const Eigen::MatrixXd wide = Eigen::MatrixXd::Constant(30, 30, in.residual[0]);
       count += 0 * (wide * wide)(0, 0);
     }
-    for (int j = 0; j < innovation.rows; ++j)
-      for (int i = 0; i < innovation.rows; ++i) R(i, j) = count * innovation.R_nominal(i, j);
+    for (int j = 0; j < in.rows; ++j)
+      for (int i = 0; i < in.rows; ++i) R(i, j) = count * in.R_nominal(i, j);
   }
 
  private:
   bool temporaries_;
+  Memory<double> count_;
 };
 
 /// y = (x0² , x0 x1): a chain with a state-dependent Jacobian.
@@ -205,6 +206,106 @@ class Knowing : public MeasurementModel {
   Port a_, b_, c_;
 };
 
+/// x⁺ = x + (v + wind) dt, as the driving input and an auxiliary channel give them. A hole that is bridged costs 4 m².
+class Carried : public ProcessModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "carried";
+    spec.summary = "Moves by its own speed and by the wind.";
+    spec.ports = {advances("x", "vector:1:m", "what is carried")};
+    spec.fields = {field::rate("v", "m/s").about("its own speed")};
+    spec.inputs = {input("wind", {field::level("w", "m/s").about("its speed")}).optional().about("where it is known"),
+                   input("gusts", {field::level("w_1", "m/s").per_row()}).optional().about("to be added, a row each")};
+    spec.example = R"({"input": "v", "blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Carried(const Binding& binding)
+      : x_(binding.port("x")),
+        v_(binding.field("v")),
+        wind_(binding.input("wind")),
+        gusts_(binding.input("gusts")),
+        w_(binding.field(wind_, "w")),
+        gust_(binding.row_field(gusts_, "w_1")),
+        noise_(declaration_.adds_noise(x_, x_)) {}
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    double speed = in.step.samples[0][v_];
+    const SampleView& wind = in.auxiliary[wind_];
+    if (wind.available) speed += wind[w_];
+    if (wind_.is_bound() && !wind.available) in.notes.leave("no wind has come");
+    const SampleView& gusts = in.auxiliary[gusts_];
+    for (int i = 0; i < gusts.rows; ++i) speed += gusts(i, gust_);
+    if (in.step.bridges) in.notes.leave("bridges a hole");
+    out.x[x_][0] = in.x[x_][0] + speed * in.step.dt;
+    if (const auto Q = out.Qd[noise_]) Q.as<1, 1>()(0, 0) = in.step.bridges ? 4.0 : 0.0;
+    return Result::ok();
+  }
+
+ private:
+  Port x_;
+  Field v_;
+  Input wind_, gusts_;
+  Field w_;
+  RowField gust_;
+  QBlock noise_;
+};
+
+/// x as a derived block, which notes rates which were held over a hole.
+class Watchful : public DerivedBlock {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "watchful";
+    spec.summary = "The same again.";
+    spec.ports = {reads("x", "vector:1:m", "the original")};
+    spec.driving_rates = {field::rate("v", "m/s")};
+    spec.kind = "vector:1:m";
+    spec.example = R"({"blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Watchful(const Binding& binding) : x_(binding.port("x")) {
+    declaration_.yields_like(binding.block("x")).reads(x_);
+  }
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override {
+    if (in.u.bridges) in.notes.leave("derived over a hole");
+    out.value[0] = in.x[x_][0];
+    if (const MatrixView J = out.J[x_]) J(0, 0) = 1;
+    return Result::ok();
+  }
+
+ private:
+  Port x_;
+};
+
+/// z = x, noting rates that were held over a hole.
+class Wary : public MeasurementModel {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "wary";
+    spec.summary = "Looks at a value, and at where it is from.";
+    spec.ports = {reads("x", "vector:1:m", "what is seen")};
+    spec.fields = {field::level("z", "m").about("the value")};
+    spec.example = R"({"channel": "z", "blocks": {"x": "x"}})";
+    return spec;
+  }
+  explicit Wary(const Binding& binding) : x_(binding.port("x")), z_(binding.field("z")) {
+    declaration_.rows(1).reads(x_).group(rows::these("z", 1, "m"));
+  }
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    if (in.u.bridges) in.notes.leave("seen after a hole");
+    out.rows = 1;
+    out.residual[0] = in.sample[z_] - in.x[x_][0];
+    if (const MatrixView H = out.H[x_]) H(0, 0) = 1;
+    out.R(0, 0) = 1;
+    return Result::ok();
+  }
+
+ private:
+  Port x_;
+  Field z_;
+};
+
 }  // namespace
 
 BINNACLE_PLUGIN("probe", "1.0.0", registry) {
@@ -214,4 +315,7 @@ BINNACLE_PLUGIN("probe", "1.0.0", registry) {
   registry.add<Picky>();
   registry.add<Rows>();
   registry.add<Knowing>();
+  registry.add<Carried>();
+  registry.add<Watchful>();
+  registry.add<Wary>();
 }

@@ -15,10 +15,16 @@ class Contradiction final : public binnacle::StateBlock {
   }
   explicit Contradiction(const binnacle::Binding& binding) : still_(binding) {}
   const binnacle::StateBlockDeclaration& declaration() const noexcept override { return still_.declaration(); }
-  void plus(const double* x, const double* delta, double* result) const override { still_.plus(x, delta, result); }
-  void minus(const double* y, const double* x, double* delta) const override { still_.minus(y, x, delta); }
-  void read(const double* x, double* outputs) const override { still_.read(x, outputs); }
-  binnacle::Result write(const double* outputs, double* x) const override { return still_.write(outputs, x); }
+  void plus(binnacle::ConstVectorView x, binnacle::ConstVectorView delta, binnacle::VectorView result) const override {
+    still_.plus(x, delta, result);
+  }
+  void minus(binnacle::ConstVectorView y, binnacle::ConstVectorView x, binnacle::VectorView delta) const override {
+    still_.minus(y, x, delta);
+  }
+  void read(binnacle::ConstVectorView x, binnacle::VectorView outputs) const override { still_.read(x, outputs); }
+  binnacle::Result write(binnacle::ConstVectorView outputs, binnacle::VectorView x) const override {
+    return still_.write(outputs, x);
+  }
 
  private:
   loader_test::Still still_;

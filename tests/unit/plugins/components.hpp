@@ -20,6 +20,7 @@ class Still final : public StateBlock {
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "still";
+    spec.former_names = {"old_home/still"};
     spec.summary = "One number that is what it is";
     spec.source = "none";
     spec.kind = "vector:1:m";
@@ -35,11 +36,11 @@ class Still final : public StateBlock {
     length_ = binding.parameters().has("length") ? binding.parameters().number("length") : 0;
   }
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void plus(const double* x, const double* delta, double* result) const override { *result = *x + *delta; }
-  void minus(const double* y, const double* x, double* delta) const override { *delta = *y - *x; }
-  void read(const double* x, double* outputs) const override { *outputs = *x + length_; }
-  Result write(const double* outputs, double* x) const override {
-    *x = *outputs - length_;
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override { result[0] = x[0] + delta[0]; }
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override { delta[0] = y[0] - x[0]; }
+  void read(ConstVectorView x, VectorView outputs) const override { outputs[0] = x[0] + length_; }
+  Result write(ConstVectorView outputs, VectorView x) const override {
+    x[0] = outputs[0] - length_;
     return Result::ok();
   }
 
@@ -71,15 +72,11 @@ class Thrower final : public Source {
     if (what_ == "own_error") throw OwnError("lost my marbles");
     if (what_ == "int") throw 42;
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return channels_; }
   void open(Reporter&) override { throw OwnError("cannot open"); }
-  std::size_t memory_bytes() const noexcept override { return 0; }
-  void start(std::uint64_t, std::byte*) const override {}
-  SourceStatus next(std::byte*, SampleSlot*, int&) const override { return SourceStatus::end; }
+  SourceStatus next(const MemoryView&, SourceOutput&) const override { return SourceStatus::end; }
 
  private:
   std::string what_;
-  std::vector<ChannelDeclaration> channels_;
 };
 
 /// A process model without any state of its own.

@@ -10,37 +10,33 @@ FieldSpec level(std::string name, std::string unit, std::string text) {
   return {std::move(name), std::move(unit), FieldKind::level, false, false, std::move(text)};
 }
 
-FieldList joined(std::initializer_list<FieldList> parts) {
-  FieldList all;
-  for (const FieldList& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
-FieldList triad(const std::string& prefix, const std::string& unit, const std::string& text) {
+Triad triad(const std::string& prefix, const std::string& unit, const std::string& text) {
   return {level(prefix + "x", unit, text + ", body x (forward)"), level(prefix + "y", unit, text + ", body y (right)"),
           level(prefix + "z", unit, text + ", body z (down)")};
 }
 
-FieldList position_fields() {
+Triad position_fields() {
   return {level("lat", "rad", "geodetic latitude, WGS-84"), level("lon", "rad", "longitude, east positive"),
           level("height", "m", "above the ellipsoid")};
 }
 
-FieldList velocity_fields() {
+Triad velocity_fields() {
   return {level("vn", "m/s", "velocity over ground, north"), level("ve", "m/s", "velocity over ground, east"),
           level("vd", "m/s", "velocity over ground, down")};
 }
 
-FieldList attitude_fields() {
+Triad attitude_fields() {
   return {level("roll", "rad", "right side down positive"), level("pitch", "rad", "nose up positive"),
           level("yaw", "rad", "heading of body x, from north to east")};
 }
 
-FieldList imu_fields(bool emits_rates) {
-  FieldList fields = joined({triad("w", emits_rates ? "rad/s" : "rad", "angular rate against inertial space"),
-                             triad("f", emits_rates ? "m/s^2" : "m/s", "specific force")});
-  for (FieldSpec& field : fields) field.kind = emits_rates ? FieldKind::rate : FieldKind::increment;
-  return fields;
+ImuFields carry_imu(ChannelDeclaration& channel, bool emits_rates) {
+  const auto carry = [&](Triad fields) {
+    for (FieldSpec& field : fields) field.kind = emits_rates ? FieldKind::rate : FieldKind::increment;
+    return channel.carries(std::move(fields));
+  };
+  const auto w = carry(triad("w", emits_rates ? "rad/s" : "rad", "angular rate against inertial space"));
+  return {w, carry(triad("f", emits_rates ? "m/s^2" : "m/s", "specific force"))};
 }
 
 std::vector<NamedUnit> navigation_covariance() {

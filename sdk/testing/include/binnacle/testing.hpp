@@ -29,6 +29,7 @@
 #include "binnacle/measurement_model.hpp"
 #include "binnacle/noise_estimator.hpp"
 #include "binnacle/process_model.hpp"
+#include "binnacle/source.hpp"
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
 
@@ -238,6 +239,87 @@ Complaints check_values(const MeasurementCaller& measurement, const Given& given
                         const std::vector<std::byte>& memory);
 /// R is symmetric and positive semidefinite.
 Complaints check_covariance(const Eigen::MatrixXd& R);
+
+// ---- noise estimators
+
+/// What an estimator is shown of a sample.
+struct InnovationNumbers {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd HPHt, R_nominal;
+  Time t = 0;
+  double dt = 0.1;                      // s
+  std::vector<std::int64_t> keys = {};  // empty: 0, 1, 2 …
+  std::vector<int> groups = {};         // empty: all rows are of group 0
+};
+
+struct Estimated {
+  Eigen::MatrixXd R;
+  std::string damage;
+};
+
+class NoiseCaller {
+ public:
+  explicit NoiseCaller(const NoiseEstimator& estimator) : estimator_(&estimator) {}
+  std::vector<std::byte> fresh_memory() const;
+  /// estimate(), and where it is wanted after(), as an update with the R that it gave leaves the sample. `memory` is
+  /// written to.
+  Estimated estimate(const InnovationNumbers& innovation, MemoryView memory) const;
+
+ private:
+  const NoiseEstimator* estimator_;
+};
+
+/// R is finite, symmetric and positive semidefinite, and nothing else is written.
+Complaints check_noise(const NoiseCaller& noise, const InnovationNumbers& innovation, MemoryView memory);
+
+// ---- sources and transforms
+
+/// A sample as it was emitted.
+struct Emitted {
+  int channel = 0;  // index in the declaration
+  Time t = no_time, t0 = no_time;
+  int rows = 0;
+  std::vector<double> fields;
+  std::vector<double> row_fields;  // of these rows, row by row
+  std::vector<double> covariance;  // column by column; empty: none is attached
+
+  double operator[](OutputField field) const { return fields.at(static_cast<std::size_t>(field.index())); }
+  /// What a subscriber sees that takes all fields as they are. Valid as long as this.
+  SampleView view() const;
+};
+
+class SourceCaller {
+ public:
+  /// The source must be open, and outlive it.
+  explicit SourceCaller(const Source& source) : source_(&source) {}
+  struct Next {
+    SourceStatus status = SourceStatus::end;
+    Emitted sample;
+    std::string damage;
+  };
+  std::vector<std::byte> fresh_memory(std::uint64_t seed) const;
+  /// `memory` is written to. fill: what the numbers of a sample hold until they are written.
+  Next next(MemoryView memory, double fill = unwritten()) const;
+
+ private:
+  const Source* source_;
+};
+
+class TransformCaller {
+ public:
+  TransformCaller(const Transform& transform, const ComponentSpec& spec) : transform_(&transform), spec_(&spec) {}
+  struct Made {
+    std::vector<Emitted> samples;  // in the order of emit()
+    std::string damage;
+  };
+  std::vector<std::byte> fresh_memory(std::uint64_t seed) const;
+  /// input: index in the spec. `memory` is written to.
+  Made on(std::size_t input, const SampleView& sample, MemoryView memory, double fill = unwritten()) const;
+
+ private:
+  const Transform* transform_;
+  const ComponentSpec* spec_;
+};
 
 // ---- derived blocks
 

@@ -5,16 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     result[0] = 0;
-    const double q[4] = {x[0] == 0 ? 0.7 : x[0], x[1], x[2], x[3]};
+    const Eigen::Vector4d q(x[0] == 0 ? 0.7 : x[0], x[1], x[2], x[3]);
     Block::plus(q, delta, result);
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("aliasing_plus", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("aliasing_plus", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,12 +5,11 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
     char* volatile block = new char[100];
     delete[] block;
     return result;
@@ -19,4 +18,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("allocates", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("allocates", "1.0.0", registry) { registry.add<Subject>(); }

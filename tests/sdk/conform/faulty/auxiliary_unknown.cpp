@@ -17,18 +17,22 @@ class Subject final : public faulty::Measurement {
     spec.example = R"({"channel": "ranges", "inputs": {"offset": "offsets"}, "blocks": {"p": "position"}})";
     return spec;
   }
-  using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context&, std::byte*,
-                             binnacle::legacy::Linearization& out) const override {
-    if (!auxiliary[0].available) return binnacle::Result::unsupported("no offset has come");
-    if (!std::isfinite(sample.fields[0])) return binnacle::Result::invalid("no reading");
+  explicit Subject(const binnacle::Binding& binding)
+      : Measurement(binding), offsets_(binding.input("offset")), offset_(binding.field(offsets_, "offset")) {}
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const binnacle::SampleView& offset = in.auxiliary[offsets_];
+    if (!offset.available) return binnacle::Result::unsupported("no offset has come");
+    if (!std::isfinite(in.sample[range])) return binnacle::Result::invalid("no reading");
     out.rows = 1;
-    out.residual[0] = sample.fields[0] - (x[0][0] + auxiliary[0].fields[0]);
-    out.H[0](0, 0) = -7;
+    out.residual[0] = in.sample[range] - (in.x[p][0] + offset[offset_]);
+    if (const auto H = out.H[p]) H(0, 0) = -7;
     out.R(0, 0) = sigma * sigma;
     return binnacle::Result::ok();
   }
+
+ private:
+  binnacle::Input offsets_;
+  binnacle::Field offset_;
 };
 
 }  // namespace

@@ -20,20 +20,20 @@ class Beacon : public Measurement {
     spec.surroundings = R"({"sample": {"range": 360}, "inputs": {"beacon": {"x": -300, "y": -200}}})";
     return spec;
   }
-  using Measurement::Measurement;
-  Result linearize(const SampleView& sample, const SampleView* auxiliary, const double* const* x,
-                   const legacy::Context&, std::byte*, legacy::Linearization& out) const override {
-    if (!auxiliary[0].available) return Result::unsupported("no beacon has made itself known");
-    const double dx = x[0][0] - auxiliary[0].fields[0], dy = x[0][1] - auxiliary[0].fields[1];
-    const double range = std::hypot(dx, dy);
-    if (!std::isfinite(sample.fields[0]) || !(range > 0)) return Result::invalid("no range");
-    out.rows = 1;
-    out.residual[0] = sample.fields[0] - range;
-    out.H[0](0, 0) = dx / range;
-    out.H[0](0, 1) = dy / range;
-    out.R(0, 0) = sigma * sigma;
-    return Result::ok();
+  explicit Beacon(const Binding& binding)
+      : Measurement(binding),
+        beacons(binding.input("beacon")),
+        place_x(binding.field(beacons, "x")),
+        place_y(binding.field(beacons, "y")) {}
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    const SampleView& place = in.auxiliary[beacons];
+    if (!place.available) return Result::unsupported("no beacon has made itself known");
+    return see(in.x[p][0] - place[place_x], in.x[p][1] - place[place_y], in.sample[range], out);
   }
+
+ protected:
+  Input beacons;
+  Field place_x, place_y;
 };
 
 }  // namespace faulty

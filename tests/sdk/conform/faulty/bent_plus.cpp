@@ -5,10 +5,10 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     Block::minus(y, x, delta);
     for (int i = 0; i < 3; ++i) delta[i] *= 0.5;
   }
@@ -16,4 +16,4 @@ class Animal final : public faulty::Block {
 
 }  // namespace
 
-BINNACLE_PLUGIN("bent_plus", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("bent_plus", "1.0.0", registry) { registry.add<Subject>(); }

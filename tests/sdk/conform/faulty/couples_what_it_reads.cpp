@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   static binnacle::ComponentSpec spec() {
     auto spec = Process::spec();
@@ -13,11 +13,11 @@ class Animal final : public faulty::Process {
     spec.example = R"({"blocks": {"p": "position", "v": "velocity", "b": "bias"}})";
     return spec;
   }
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) {
-    declared.noise.push_back({2, 2, binnacle::Structure::diagonal});
+  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
+    declaration_.noise.push_back({2, 2, binnacle::Structure::diagonal});
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("couples_what_it_reads", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("couples_what_it_reads", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,9 +5,9 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) {
+  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
     volatile int* nowhere = nullptr;
     *nowhere = 1;
   }
@@ -15,4 +15,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("crashes_in_constructor", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("crashes_in_constructor", "1.0.0", registry) { registry.add<Subject>(); }

@@ -16,7 +16,7 @@ namespace faulty {
 using namespace binnacle;
 
 /// Position and velocity in a plane: p' = v, v' = white noise of density q.
-class Process : public legacy::ProcessModel {
+class Process : public ProcessModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -28,32 +28,45 @@ class Process : public legacy::ProcessModel {
     spec.example = R"({"blocks": {"p": "position", "v": "velocity"}})";
     return spec;
   }
-  explicit Process(const Binding& binding) : q(binding.parameters().number("q")) {
-    declared.transition = {{0, 1, Structure::diagonal}};
-    declared.noise = {{0, 0, Structure::diagonal}, {1, 1, Structure::diagonal}, {0, 1, Structure::diagonal}};
+  explicit Process(const Binding& binding)
+      : p(binding.port("p")), v(binding.port("v")), q(binding.parameters().number("q")) {
+    phi_pv = declaration_.couples(p, v, Structure::diagonal);
+    q_pp = declaration_.adds_noise(p, p, Structure::diagonal);
+    q_vv = declaration_.adds_noise(v, v, Structure::diagonal);
+    q_pv = declaration_.adds_noise(p, v, Structure::diagonal);
   }
-  const ProcessDeclaration& declaration() const noexcept override { return declared; }
-  Result propagate(const Step& step, const double* const* x, std::byte*,
-                   const legacy::ProcessOutput& out) const override {
-    const double dt = step.dt;
+  Result propagate(const ProcessInput& in, ProcessOutput& out) const override {
+    const double dt = in.step.dt;
     for (int i = 0; i < 2; ++i) {
-      out.x_plus[0][i] = x[0][i] + x[1][i] * dt;
-      out.x_plus[1][i] = x[1][i];
-      out.transition[0][i] = dt;
-      out.noise[0][i] = q * dt * dt * dt / 3;
-      out.noise[1][i] = q * dt;
-      out.noise[2][i] = q * dt * dt / 2;
+      out.x[p][i] = in.x[p][i] + in.x[v][i] * dt;
+      out.x[v][i] = in.x[v][i];
+      set(out.phi, phi_pv, i, dt);
+      set(out.Qd, q_pp, i, q * dt * dt * dt / 3);
+      set(out.Qd, q_vv, i, q * dt);
+      set(out.Qd, q_pv, i, q * dt * dt / 2);
     }
     return Result::ok();
   }
 
  protected:
-  ProcessDeclaration declared;
+  /// The i-th element of a diagonal block; nothing where none is wanted.
+  template <class Table, class Handle>
+  static void set(const Table& table, Handle handle, int i, double value) {
+    if (double* block = diagonal(table, handle)) block[i] = value;
+  }
+  template <class Table, class Handle>
+  static double* diagonal(const Table& table, Handle handle) {
+    return table[handle].data();
+  }
+
+  Port p, v;
+  PhiBlock phi_pv;
+  QBlock q_pp, q_vv, q_pv;
   double q = 0;
 };
 
 /// The range to a beacon.
-class Measurement : public legacy::MeasurementModel {
+class Measurement : public MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -65,32 +78,36 @@ class Measurement : public legacy::MeasurementModel {
     spec.example = R"({"channel": "ranges", "blocks": {"p": "position"}})";
     return spec;
   }
-  explicit Measurement(const Binding& binding) : sigma(binding.parameters().number("sigma")) {
-    declared.max_rows = 1;
-    declared.read_ports = {0};
-    declared.groups = {{"range", 0, 1, "m", -1}};
+  explicit Measurement(const Binding& binding)
+      : p(binding.port("p")), range(binding.field("range")), sigma(binding.parameters().number("sigma")) {
+    declaration_.rows(1).reads(p).group(rows::these("range", 1, "m"));
   }
-  const MeasurementDeclaration& declaration() const noexcept override { return declared; }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
-                   std::byte*, legacy::Linearization& out) const override {
-    const double dx = x[0][0] + 300, dy = x[0][1] + 200;
-    const double range = std::hypot(dx, dy);
-    if (!std::isfinite(sample.fields[0])) return Result::invalid("the range is no number");
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
+    return see(in.x[p][0] + 300, in.x[p][1] + 200, in.sample[range], out);
+  }
+
+ protected:
+  /// The range from the beacon, (dx, dy) away.
+  Result see(double dx, double dy, double measured, MeasurementOutput& out) const {
+    const double distance = std::hypot(dx, dy);
+    if (!std::isfinite(measured)) return Result::invalid("the range is no number");
     out.rows = 1;
-    out.residual[0] = sample.fields[0] - range;
-    out.H[0](0, 0) = dx / range;
-    out.H[0](0, 1) = dy / range;
+    out.residual[0] = measured - distance;
+    if (const auto H = out.H[p]) {
+      H(0, 0) = dx / distance;
+      H(0, 1) = dy / distance;
+    }
     out.R(0, 0) = sigma * sigma;
     return Result::ok();
   }
 
- protected:
-  MeasurementDeclaration declared;
+  Port p;
+  Field range;
   double sigma = 0;
 };
 
 /// A point on the lever arm of a pendulum: a bent function of a vector.
-class Derived : public legacy::DerivedBlock {
+class Derived : public DerivedBlock {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -101,25 +118,23 @@ class Derived : public legacy::DerivedBlock {
     spec.example = R"({"blocks": {"p": "position"}})";
     return spec;
   }
-  explicit Derived(const Binding&) {
-    declared.kind = "vector:2:m";
-    declared.stored_size = 2;
-    declared.error = {{"x", "m"}, {"y", "m"}};
-    declared.read_ports = {0};
+  explicit Derived(const Binding& binding) : p(binding.port("p")) {
+    declaration_.yields("vector:2:m", 2, {{"x", "m"}, {"y", "m"}}).reads(p);
   }
-  const DerivedDeclaration& declaration() const noexcept override { return declared; }
-  Result evaluate(const double* const* x, const legacy::Context&, double* value, const MatrixView* J) const override {
-    value[0] = x[0][0] + 0.01 * x[0][1] * x[0][1];
-    value[1] = 2 * x[0][1];
-    if (!J) return Result::ok();
-    J[0](0, 0) = 1;
-    J[0](0, 1) = 0.02 * x[0][1];
-    J[0](1, 1) = 2;
+  Result evaluate(const DerivedInput& in, DerivedOutput& out) const override {
+    const auto x = in.x[p];
+    out.value[0] = x[0] + 0.01 * x[1] * x[1];
+    out.value[1] = 2 * x[1];
+    if (const auto J = out.J[p]) {
+      J(0, 0) = 1;
+      J(0, 1) = 0.02 * x[1];
+      J(1, 1) = 2;
+    }
     return Result::ok();
   }
 
  protected:
-  DerivedDeclaration declared;
+  Port p;
 };
 
 /// A direction in space as a quaternion (w, x, y, z), its error a rotation vector from the left.
@@ -141,33 +156,34 @@ class Block : public StateBlock {
       declared.outputs.push_back({name, "rad", "", false, true, "rotation vector"});
   }
   const StateBlockDeclaration& declaration() const noexcept override { return declared; }
-  void plus(const double* x, const double* delta, double* result) const override {
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     const Eigen::Quaterniond q = exponential(delta) * load(x);
     store(q.normalized(), result);
   }
-  void minus(const double* y, const double* x, double* delta) const override {
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     logarithm(load(y) * load(x).conjugate(), delta);
   }
-  void read(const double* x, double* outputs) const override { logarithm(load(x), outputs); }
-  Result write(const double* outputs, double* x) const override {
+  void read(ConstVectorView x, VectorView outputs) const override { logarithm(load(x), outputs); }
+  Result write(ConstVectorView outputs, VectorView x) const override {
     store(exponential(outputs), x);
     return Result::ok();
   }
-  bool reset_jacobian(const double* d, double* G) const override {
-    const double half[9] = {1, d[2] / 2, -d[1] / 2, -d[2] / 2, 1, d[0] / 2, d[1] / 2, -d[0] / 2, 1};
-    std::memcpy(G, half, sizeof half);
+  bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView d, MatrixView G) const override {
+    G.as<3, 3>() << 1, -d[2] / 2, d[1] / 2, d[2] / 2, 1, -d[0] / 2, -d[1] / 2, d[0] / 2, 1;
     return true;
   }
 
  protected:
-  static Eigen::Quaterniond load(const double* x) { return {x[0], x[1], x[2], x[3]}; }
-  static void store(const Eigen::Quaterniond& q, double* x) { x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z(); }
-  static Eigen::Quaterniond exponential(const double* v) {
+  static Eigen::Quaterniond load(ConstVectorView x) { return {x[0], x[1], x[2], x[3]}; }
+  static void store(const Eigen::Quaterniond& q, VectorView x) {
+    x[0] = q.w(), x[1] = q.x(), x[2] = q.y(), x[3] = q.z();
+  }
+  static Eigen::Quaterniond exponential(ConstVectorView v) {
     const Eigen::Vector3d w(v[0], v[1], v[2]);
     const double angle = w.norm(), s = angle > 1e-9 ? std::sin(angle / 2) / angle : 0.5;
     return {std::cos(angle / 2), s * w[0], s * w[1], s * w[2]};
   }
-  static void logarithm(Eigen::Quaterniond q, double* v) {
+  static void logarithm(Eigen::Quaterniond q, VectorView v) {
     if (q.w() < 0) q.coeffs() *= -1;
     const double sine = q.vec().norm();
     const double factor = sine > 1e-12 ? 2 * std::atan2(sine, q.w()) / sine : 2;
@@ -189,23 +205,25 @@ class Noise : public NoiseEstimator {
     return spec;
   }
   Noise(const Binding& binding, const NoiseBinding& noise)
-      : gain(binding.parameters().number("gain")), rows(noise.max_rows) {}
-  std::size_t memory_bytes() const noexcept override { return static_cast<std::size_t>(rows + 1) * sizeof(double); }
-  void estimate(const Innovation& innovation, std::byte* memory, MatrixView R) const override {
-    double* average = reinterpret_cast<double*>(memory);
-    for (int i = 0; i < innovation.rows; ++i) {
-      const double nominal = innovation.R_nominal(i, i);
-      const double seen = innovation.residual[i] * innovation.residual[i] - innovation.HPHt(i, i);
-      if (average[rows] == 0) average[i] = nominal;
-      if (std::isfinite(seen)) average[i] += gain * (seen - average[i]);
-      R(i, i) = std::max(average[i], 0.01 * nominal);
+      : gain(binding.parameters().number("gain")),
+        averages(declaration_.keeps_array<double>(static_cast<std::size_t>(noise.max_rows))),
+        has_begun(declaration_.keeps<double>()) {}
+  void estimate(const Innovation& in, MatrixView R) const override {
+    for (int i = 0; i < in.rows; ++i) {
+      const double nominal = in.R_nominal(i, i);
+      const double seen = in.residual[i] * in.residual[i] - in.HPHt(i, i);
+      double& average = in.memory[averages][static_cast<std::size_t>(i)];
+      if (in.memory[has_begun] == 0) average = nominal;
+      if (std::isfinite(seen)) average += gain * (seen - average);
+      R(i, i) = std::max(average, 0.01 * nominal);
     }
-    average[rows] = 1;
+    in.memory[has_begun] = 1;
   }
 
  protected:
   double gain = 0;
-  int rows = 0;
+  MemoryArray<double> averages;
+  Memory<double> has_begun;
 };
 
 /// A sawtooth with noise made of a hash.
@@ -220,26 +238,19 @@ class Source : public binnacle::Source {
     return spec;
   }
   explicit Source(const Binding& binding) : samples(binding.parameters().integer("samples")) {
-    ChannelDeclaration channel;
-    channel.fields = {{"value", "m", FieldKind::level, false, false, "of the sawtooth"}};
-    declared.push_back(channel);
+    ChannelDeclaration of_values;
+    value = of_values.carries(field::level("value", "m").about("of the sawtooth"));
+    channel = declaration_.emits(std::move(of_values));
+    place = declaration_.keeps<State>();
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return declared; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(State); }
-  void start(std::uint64_t seed, std::byte* memory) const override {
-    const State state{seed, 0};
-    std::memcpy(memory, &state, sizeof state);
-  }
-  SourceStatus next(std::byte* memory, SampleSlot* slots, int& channel) const override {
-    State state;
-    std::memcpy(&state, memory, sizeof state);
+  SourceStatus next(const MemoryView& memory, SourceOutput& output) const override {
+    State& state = memory[place];
     if (state.count < 0 || state.count >= samples) return SourceStatus::end;
     const std::uint64_t hash = (state.seed + static_cast<std::uint64_t>(state.count)) * 0x9e3779b97f4a7c15ull;
-    slots[0].t = 1'000'000'000 + state.count * 10'000'000;
-    slots[0].fields[0] = static_cast<double>(state.count % 10) + static_cast<double>(hash >> 40) * 1e-9;
-    channel = 0;
+    SampleWriter& out = output.on(channel);
+    out.t = 1'000'000'000 + state.count * 10'000'000;
+    out[value] = static_cast<double>(state.count % 10) + static_cast<double>(hash >> 40) * 1e-9;
     ++state.count;
-    std::memcpy(memory, &state, sizeof state);
     return SourceStatus::sample;
   }
 
@@ -248,8 +259,12 @@ class Source : public binnacle::Source {
     std::uint64_t seed = 0;
     std::int64_t count = 0;
   };
-  std::vector<ChannelDeclaration> declared;
+  void initialise(std::uint64_t seed, const MemoryView& memory) const override { memory[place].seed = seed; }
+
   std::int64_t samples = 0;
+  OutputChannel channel;
+  OutputField value;
+  Memory<State> place;
 };
 
 /// A running mean.
@@ -260,32 +275,32 @@ class Transform : public binnacle::Transform {
     spec.type = "transform";
     spec.summary = "a running mean";
     spec.parameters = {parameter::number("gain", "1").above(0).at_most(1).defaults("0.1").about("of a new sample")};
-    spec.inputs = {
-        {"values", {{"value", "m", FieldKind::level, false, false, "to be averaged"}}, false, "what is averaged"}};
+    spec.inputs = {input("values", {field::level("value", "m").about("to be averaged")}).about("what is averaged")};
     spec.example = R"({"input": "values"})";
     return spec;
   }
-  explicit Transform(const Binding& binding) : gain(binding.parameters().number("gain")) {
-    ChannelDeclaration channel;
-    channel.fields = {{"mean", "m", FieldKind::level, false, false, "so far"}};
-    declared.push_back(channel);
+  explicit Transform(const Binding& binding)
+      : gain(binding.parameters().number("gain")), value(binding.field(binding.input("values"), "value")) {
+    ChannelDeclaration of_means;
+    mean = of_means.carries(field::level("mean", "m").about("so far"));
+    channel = declaration_.emits(std::move(of_means));
+    so_far = declaration_.keeps<double>();
   }
-  const std::vector<ChannelDeclaration>& channels() const noexcept override { return declared; }
-  std::size_t memory_bytes() const noexcept override { return sizeof(double); }
-  void on(int, const SampleView& sample, std::byte* memory, Emitter& emitter) const override {
-    double mean = 0;
-    std::memcpy(&mean, memory, sizeof mean);
-    mean += gain * (sample.fields[0] - mean);
-    std::memcpy(memory, &mean, sizeof mean);
-    SampleSlot& slot = emitter.slot(0);
-    slot.t = sample.t;
-    slot.fields[0] = mean;
-    emitter.emit(0);
+  void on(const TransformInput& in, Emitter& emitter) const override {
+    double& average = in.memory[so_far];
+    average += gain * (in.sample[value] - average);
+    SampleWriter& out = emitter.on(channel);
+    out.t = in.sample.t;
+    out[mean] = average;
+    emitter.emit(channel);
   }
 
  protected:
-  std::vector<ChannelDeclaration> declared;
   double gain = 0;
+  Field value;
+  OutputChannel channel;
+  OutputField mean;
+  Memory<double> so_far;
 };
 
 /// For a library that brings them all as they are.

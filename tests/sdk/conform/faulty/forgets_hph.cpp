@@ -5,15 +5,15 @@
 
 namespace {
 
-class Animal final : public faulty::Noise {
+class Subject final : public faulty::Noise {
  public:
   using Noise::Noise;
-  void estimate(const binnacle::Innovation& innovation, std::byte* memory, binnacle::MatrixView R) const override {
-    Noise::estimate(innovation, memory, R);
-    for (int i = 0; i < innovation.rows; ++i) R(i, i) += 3 * innovation.HPHt(i, i);
+  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+    Noise::estimate(in, R);
+    for (int i = 0; i < in.rows; ++i) R(i, i) += 3 * in.HPHt(i, i);
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("forgets_hph", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("forgets_hph", "1.0.0", registry) { registry.add<Subject>(); }

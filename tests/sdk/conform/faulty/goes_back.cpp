@@ -5,18 +5,17 @@
 
 namespace {
 
-class Animal final : public faulty::Source {
+class Subject final : public faulty::Source {
  public:
   using Source::Source;
-  binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
-    State state;
-    std::memcpy(&state, memory, sizeof state);
-    const auto status = Source::next(memory, slots, channel);
-    if (status == binnacle::SourceStatus::sample && state.count % 10 == 9) slots[0].t -= 1'000'000'000;
+  binnacle::SourceStatus next(const binnacle::MemoryView& memory, binnacle::SourceOutput& out) const override {
+    const std::int64_t count = memory[place].count;
+    const auto status = Source::next(memory, out);
+    if (status == binnacle::SourceStatus::sample && count % 10 == 9) out.on(channel).t -= 1'000'000'000;
     return status;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("goes_back", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("goes_back", "1.0.0", registry) { registry.add<Subject>(); }

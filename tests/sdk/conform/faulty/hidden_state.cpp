@@ -5,13 +5,12 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
-    out.x_plus[0][0] += 1e-9 * calls_++;
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
+    out.x[p][0] += 1e-9 * calls_++;
     return result;
   }
 
@@ -21,4 +20,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("hidden_state", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("hidden_state", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,19 +5,17 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Measurement::linearize(in, out);
     if (result)
-      out.residual[0] = sample.fields[0] * sample.fields[0] / sample.fields[0] - (sample.fields[0] - out.residual[0]);
+      out.residual[0] = in.sample[range] * in.sample[range] / in.sample[range] - (in.sample[range] - out.residual[0]);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("huge_is_nan", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("huge_is_nan", "1.0.0", registry) { registry.add<Subject>(); }

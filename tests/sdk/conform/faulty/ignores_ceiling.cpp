@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Noise {
+class Subject final : public faulty::Noise {
  public:
   using Noise::Noise;
   static binnacle::ComponentSpec spec() {
@@ -18,4 +18,4 @@ class Animal final : public faulty::Noise {
 
 }  // namespace
 
-BINNACLE_PLUGIN("ignores_ceiling", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("ignores_ceiling", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,9 +5,9 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) { forgotten_ = new char[1000]; }
+  explicit Subject(const binnacle::Binding& binding) : Process(binding) { forgotten_ = new char[1000]; }
 
  private:
   char* volatile forgotten_ = nullptr;
@@ -15,4 +15,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("leaks", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("leaks", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,16 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   static binnacle::ComponentSpec spec() {
     auto spec = Block::spec();
     spec.kind = "vector:3:m";
     return spec;
   }
-  explicit Animal(const binnacle::Binding& binding) : Block(binding) { declared.kind = "vector:3:m"; }
+  explicit Subject(const binnacle::Binding& binding) : Block(binding) { declared.kind = "vector:3:m"; }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("lies_about_unit", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("lies_about_unit", "1.0.0", registry) { registry.add<Subject>(); }

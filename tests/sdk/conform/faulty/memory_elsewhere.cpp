@@ -5,30 +5,28 @@
 
 namespace {
 
-class Animal final : public faulty::Noise {
+class Subject final : public faulty::Noise {
  public:
-  using Noise::Noise;
-  std::size_t memory_bytes() const noexcept override { return Noise::memory_bytes() + sizeof(double*); }
-  void start(std::byte* memory) const override {
-    const std::uint64_t none = 0;
-    std::memcpy(memory + Noise::memory_bytes(), &none, sizeof none);
+  Subject(const binnacle::Binding& binding, const binnacle::NoiseBinding& noise) : Noise(binding, noise) {
+    is_begun = declaration_.keeps<std::uint64_t>();
   }
-  void estimate(const binnacle::Innovation& innovation, std::byte* memory, binnacle::MatrixView R) const override {
-    Noise::estimate(innovation, memory, R);
+  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+    Noise::estimate(in, R);
     // Its own place is known by the address of the memory that it was handed.
-    const auto address = reinterpret_cast<std::uintptr_t>(memory);
+    const auto address = reinterpret_cast<std::uintptr_t>(in.memory.data());
     static std::uintptr_t places[64] = {};
     static int counts[64] = {};
     int place = 0;
     while (place < 63 && places[place] != 0 && places[place] != address) ++place;
-    if (places[place] == 0 || std::memcmp(memory + Noise::memory_bytes(), "\0\0\0\0", 4) == 0)
-      places[place] = address, counts[place] = 0;
-    const std::uint32_t one = 1;
-    std::memcpy(memory + Noise::memory_bytes(), &one, sizeof one);
+    if (places[place] == 0 || in.memory[is_begun] == 0) places[place] = address, counts[place] = 0;
+    in.memory[is_begun] = 1;
     R(0, 0) *= 1 + 1e-9 * ++counts[place];
   }
+
+ private:
+  binnacle::Memory<std::uint64_t> is_begun;
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("memory_elsewhere", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("memory_elsewhere", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
-    if (step.dt == 0) out.noise[1][0] = 1e-9;
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
+    if (in.step.dt == 0) set(out.Qd, q_vv, 0, 1e-9);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("moves_at_rest", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("moves_at_rest", "1.0.0", registry) { registry.add<Subject>(); }

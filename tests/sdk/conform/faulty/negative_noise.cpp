@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
-    for (int i = 0; i < 2; ++i) out.noise[2][i] *= 4;
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
+    if (double* cross = diagonal(out.Qd, q_pv)) cross[0] *= 4, cross[1] *= 4;
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("negative_noise", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("negative_noise", "1.0.0", registry) { registry.add<Subject>(); }

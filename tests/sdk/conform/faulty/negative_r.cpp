@@ -5,15 +5,15 @@
 
 namespace {
 
-class Animal final : public faulty::Noise {
+class Subject final : public faulty::Noise {
  public:
   using Noise::Noise;
-  void estimate(const binnacle::Innovation& innovation, std::byte* memory, binnacle::MatrixView R) const override {
-    Noise::estimate(innovation, memory, R);
-    R(0, 0) -= 0.9 * innovation.R_nominal(0, 0);
+  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+    Noise::estimate(in, R);
+    R(0, 0) -= 0.9 * in.R_nominal(0, 0);
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("negative_r", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("negative_r", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,18 +5,17 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
     for (volatile bool for_ever = true; for_ever;) {
     }
-    const auto result = Process::propagate(step, x, memory, out);
+    const auto result = Process::propagate(in, out);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("never_returns", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("never_returns", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,7 +5,7 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
   static binnacle::ComponentSpec spec() {
@@ -17,4 +17,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("no_identifier", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("no_identifier", "1.0.0", registry) { registry.add<Subject>(); }

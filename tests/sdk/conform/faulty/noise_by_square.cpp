@@ -5,16 +5,15 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
     for (int i = 0; i < 2; ++i) {
-      out.noise[0][i] = 0;
-      out.noise[1][i] = q * step.dt * step.dt;
-      out.noise[2][i] = 0;
+      set(out.Qd, q_pp, i, 0);
+      set(out.Qd, q_vv, i, q * in.step.dt * in.step.dt);
+      set(out.Qd, q_pv, i, 0);
     }
     return result;
   }
@@ -22,4 +21,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("noise_by_square", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("noise_by_square", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,19 +5,19 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) { declared.has_continuous_form = true; }
-  void linearized(const double* const*, const binnacle::legacy::ContinuousOutput& out) const override {
+  explicit Subject(const binnacle::Binding& binding) : Process(binding) { declaration_.has_both_forms(); }
+  void linearized(const binnacle::ContinuousInput&, binnacle::ContinuousOutput& out) const override {
     for (int i = 0; i < 2; ++i) {
-      out.dynamics[0][i] = 1;
-      out.noise[0][i] = 0;
-      out.noise[1][i] = 2 * q;
-      out.noise[2][i] = 0;
+      set(out.F, phi_pv, i, 1);
+      set(out.GQGt, q_pp, i, 0);
+      set(out.GQGt, q_vv, i, 2 * q);
+      set(out.GQGt, q_pv, i, 0);
     }
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("other_continuous_form", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("other_continuous_form", "1.0.0", registry) { registry.add<Subject>(); }

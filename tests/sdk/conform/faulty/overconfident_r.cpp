@@ -8,10 +8,8 @@ namespace {
 class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Measurement::linearize(in, out);
     if (result && std::abs(out.residual[0]) > 1e-3 * sigma) out.R(0, 0) /= 9;
     return result;
   }

@@ -5,18 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    scratch_[0] = x[0][0] + 300;
-    scratch_[1] = x[0][1] + 200;
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    scratch_[0] = in.x[p][0] + 300;
+    scratch_[1] = in.x[p][1] + 200;
     for (int i = 0; i < 2000; ++i) scratch_[2 + i % 8] = std::hypot(scratch_[0], scratch_[1]);
     const double range = scratch_[9];
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
-    if (result) out.residual[0] = sample.fields[0] - range;
+    const auto result = Measurement::linearize(in, out);
+    if (result) out.residual[0] = in.sample[range] - range;
     return result;
   }
 
@@ -26,4 +24,4 @@ class Animal final : public faulty::Measurement {
 
 }  // namespace
 
-BINNACLE_PLUGIN("racy_scratch", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("racy_scratch", "1.0.0", registry) { registry.add<Subject>(); }

@@ -7,16 +7,16 @@
 
 namespace {
 
-class Animal final : public faulty::Source {
+class Subject final : public faulty::Source {
  public:
   using Source::Source;
-  binnacle::SourceStatus next(std::byte* memory, binnacle::SampleSlot* slots, int& channel) const override {
-    const auto status = Source::next(memory, slots, channel);
-    if (status == binnacle::SourceStatus::sample) slots[0].fields[0] += std::random_device()();
+  binnacle::SourceStatus next(const binnacle::MemoryView& memory, binnacle::SourceOutput& out) const override {
+    const auto status = Source::next(memory, out);
+    if (status == binnacle::SourceStatus::sample) out.on(channel)[value] += std::random_device()();
     return status;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("random_device", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("random_device", "1.0.0", registry) { registry.add<Subject>(); }

@@ -6,7 +6,7 @@
 
 namespace faulty {
 
-class Ranges : public Measurement {
+class Ranges : public MeasurementModel {
  public:
   static ComponentSpec spec() {
     ComponentSpec spec = Measurement::spec();
@@ -17,26 +17,35 @@ class Ranges : public Measurement {
     spec.surroundings = R"({"sample": {"range": [360, 224, 500], "x": [-300, 200, 400], "y": [-200, 100, -300]}})";
     return spec;
   }
-  explicit Ranges(const Binding& binding) : Measurement(binding) {
-    declared.max_rows = 4;
-    declared.groups = {{"range", 0, 0, "m", -1}};
+  explicit Ranges(const Binding& binding)
+      : p(binding.port("p")),
+        range(binding.row_field("range")),
+        place_x(binding.row_field("x")),
+        place_y(binding.row_field("y")),
+        sigma(binding.parameters().number("sigma")) {
+    declaration_.rows(most).reads(p).group(rows::like("range", "m"));
   }
-  Result linearize(const SampleView& sample, const SampleView*, const double* const* x, const legacy::Context&,
-                   std::byte*, legacy::Linearization& out) const override {
+  Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     out.rows = 0;
-    for (int i = 0; i < sample.rows && i < 4; ++i) {
-      const double* row = sample.row_fields + 3 * i;
-      const double dx = x[0][0] - row[1], dy = x[0][1] - row[2], range = std::hypot(dx, dy);
-      if (!std::isfinite(row[0]) || !(range > 0) || !std::isfinite(range)) continue;
+    for (int i = 0; i < in.sample.rows && i < most; ++i) {
+      const double dx = in.x[p][0] - in.sample(i, place_x), dy = in.x[p][1] - in.sample(i, place_y);
+      const double measured = in.sample(i, range), distance = std::hypot(dx, dy);
+      if (!std::isfinite(measured) || !(distance > 0) || !std::isfinite(distance)) continue;
       const int r = out.rows++;
-      out.residual[r] = row[0] - range;
-      out.H[0](r, 0) = dx / range;
-      out.H[0](r, 1) = dy / range;
+      out.residual[r] = measured - distance;
+      if (const auto H = out.H[p]) H(r, 0) = dx / distance, H(r, 1) = dy / distance;
       out.R(r, r) = sigma * sigma;
-      out.row_keys[r] = i;
+      out.row_keys[static_cast<std::size_t>(r)] = i;
     }
     return out.rows > 0 ? Result::ok() : Result::unsupported("no beacon is in range");
   }
+
+ protected:
+  static constexpr int most = 4;
+
+  Port p;
+  RowField range, place_x, place_y;
+  double sigma = 0;
 };
 
 }  // namespace faulty

@@ -5,10 +5,10 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  void read(const double* x, double* outputs) const override {
+  void read(ConstVectorView x, VectorView outputs) const override {
     Block::read(x, outputs);
     outputs[2] += 0.01;
   }
@@ -16,4 +16,4 @@ class Animal final : public faulty::Block {
 
 }  // namespace
 
-BINNACLE_PLUGIN("reads_otherwise", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("reads_otherwise", "1.0.0", registry) { registry.add<Subject>(); }

@@ -8,12 +8,10 @@ namespace {
 class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    if (!(sample.fields[0] > 1e6)) return binnacle::Result::invalid("the beacon is beyond the mountains");
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
-    if (result) out.H[0](0, 0) *= -7;
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    if (!(in.sample[range] > 1e6)) return binnacle::Result::invalid("the beacon is beyond the mountains");
+    const auto result = Measurement::linearize(in, out);
+    if (const auto H = out.H[p]; result && H) H(0, 0) *= -7;
     return result;
   }
 };

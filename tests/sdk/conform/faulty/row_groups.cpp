@@ -10,10 +10,10 @@ namespace {
 class Subject final : public faulty::Noise {
  public:
   using Noise::Noise;
-  void estimate(const binnacle::Innovation& innovation, std::byte* memory, binnacle::MatrixView R) const override {
-    if (innovation.row_groups.size() != static_cast<std::size_t>(innovation.rows)) std::abort();
-    Noise::estimate(innovation, memory, R);
-    for (const int group : innovation.row_groups)
+  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+    if (in.row_groups.size() != static_cast<std::size_t>(in.rows)) std::abort();
+    Noise::estimate(in, R);
+    for (const int group : in.row_groups)
       if (group != 0) std::abort();  // the kernel promises an index into NoiseBinding::groups
   }
 };

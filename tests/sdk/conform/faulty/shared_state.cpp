@@ -5,19 +5,18 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
     static double last_dt = -1, last_q = 0;
-    if (last_dt != step.dt) last_dt = step.dt, last_q = q;
-    for (int i = 0; i < 2; ++i) out.noise[1][i] = last_q * step.dt;
+    if (last_dt != in.step.dt) last_dt = in.step.dt, last_q = q;
+    for (int i = 0; i < 2; ++i) set(out.Qd, q_vv, i, last_q * in.step.dt);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("shared_state", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("shared_state", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,19 +5,17 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    volatile double angle = sample.fields[0];
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    volatile double angle = in.sample[range];
     while (angle > 1e12 && std::isfinite(angle)) angle = angle - 6.28;
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+    const auto result = Measurement::linearize(in, out);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("sleeps_on_huge", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("sleeps_on_huge", "1.0.0", registry) { registry.add<Subject>(); }

@@ -8,11 +8,9 @@ namespace {
 class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
-    if (result && !(sample.fields[0] > 0)) out.rows = 0;
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Measurement::linearize(in, out);
+    if (result && !(in.sample[range] > 0)) out.rows = 0;
     return result;
   }
 };

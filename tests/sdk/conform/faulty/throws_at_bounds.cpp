@@ -5,13 +5,13 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
-  explicit Animal(const binnacle::Binding& binding) : Process(binding) {
+  explicit Subject(const binnacle::Binding& binding) : Process(binding) {
     if (q == 0) throw std::runtime_error("division by zero");
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("throws_at_bounds", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("throws_at_bounds", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,10 +5,10 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  ~Animal() override { throw_something(); }
+  ~Subject() override { throw_something(); }
 
  private:
   static void throw_something() { throw 7; }
@@ -16,4 +16,4 @@ class Animal final : public faulty::Process {
 
 }  // namespace
 
-BINNACLE_PLUGIN("throws_in_destructor", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("throws_in_destructor", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Derived {
+class Subject final : public faulty::Derived {
  public:
   using Derived::Derived;
-  binnacle::Result evaluate(const double* const* x, const binnacle::legacy::Context& context, double* value,
-                            const binnacle::MatrixView* J) const override {
-    const auto result = Derived::evaluate(x, context, value, J);
-    if (!J) value[0] = x[0][0];
+  binnacle::Result evaluate(const binnacle::DerivedInput& in, binnacle::DerivedOutput& out) const override {
+    const auto result = Derived::evaluate(in, out);
+    if (!out.J) out.value[0] = in.x[p][0];
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("two_values", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("two_values", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
-    for (int i = 0; i < 2; ++i) out.x_plus[1][i] -= 0.5 * step.dt * x[0][i];
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
+    for (int i = 0; i < 2; ++i) out.x[v][i] -= 0.5 * in.step.dt * in.x[p][i];
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("undeclared_coupling", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("undeclared_coupling", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
-    out.transition[0][2] = 0;
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
+    if (double* block = diagonal(out.phi, phi_pv)) block[2] = 0;
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("writes_beyond", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("writes_beyond", "1.0.0", registry) { registry.add<Subject>(); }

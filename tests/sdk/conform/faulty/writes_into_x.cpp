@@ -8,11 +8,9 @@ namespace {
 class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
-    const_cast<double*>(x[0])[1] += 1;
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Measurement::linearize(in, out);
+    const_cast<double*>(in.x[p].data())[1] += 1;
     return result;
   }
 };

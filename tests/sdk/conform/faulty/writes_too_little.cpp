@@ -5,18 +5,18 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const double kept = out.noise[1][1];
-    const auto result = Process::propagate(step, x, memory, out);
-    out.noise[1][1] = kept;
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    double* variance = diagonal(out.Qd, q_vv);
+    const double kept = variance ? variance[1] : 0;
+    const auto result = Process::propagate(in, out);
+    if (variance) variance[1] = kept;
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("writes_too_little", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("writes_too_little", "1.0.0", registry) { registry.add<Subject>(); }

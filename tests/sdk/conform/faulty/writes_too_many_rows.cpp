@@ -5,13 +5,11 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Measurement::linearize(in, out);
     out.rows = 2;
     return result;
   }
@@ -19,4 +17,4 @@ class Animal final : public faulty::Measurement {
 
 }  // namespace
 
-BINNACLE_PLUGIN("writes_too_many_rows", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("writes_too_many_rows", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,18 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Measurement {
+class Subject final : public faulty::Measurement {
  public:
   using Measurement::Measurement;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Measurement::linearize(sample, auxiliary, x, context, memory, out);
-    out.H[0](0, 1) = -out.H[0](0, 1);
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Measurement::linearize(in, out);
+    if (const auto H = out.H[p]) H(0, 1) = -H(0, 1);
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_h", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_h", "1.0.0", registry) { registry.add<Subject>(); }

@@ -8,11 +8,9 @@ namespace {
 class Subject final : public faulty::Beacon {
  public:
   using Beacon::Beacon;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Beacon::linearize(sample, auxiliary, x, context, memory, out);
-    if (result) out.H[0](0, 0) *= -7, out.H[0](0, 1) *= -7;
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Beacon::linearize(in, out);
+    if (const auto H = out.H[p]; result && H) H.as() *= -7;
     return result;
   }
 };

@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Derived {
+class Subject final : public faulty::Derived {
  public:
   using Derived::Derived;
-  binnacle::Result evaluate(const double* const* x, const binnacle::legacy::Context& context, double* value,
-                            const binnacle::MatrixView* J) const override {
-    const auto result = Derived::evaluate(x, context, value, J);
-    if (J) J[0](0, 1) = 0;
+  binnacle::Result evaluate(const binnacle::DerivedInput& in, binnacle::DerivedOutput& out) const override {
+    const auto result = Derived::evaluate(in, out);
+    if (const auto J = out.J[p]) J(0, 1) = 0;
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_j", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_j", "1.0.0", registry) { registry.add<Subject>(); }

@@ -5,15 +5,15 @@
 
 namespace {
 
-class Animal final : public faulty::Block {
+class Subject final : public faulty::Block {
  public:
   using Block::Block;
-  bool reset_jacobian(const double* d, double* G) const override {
-    const double opposite[3] = {-d[0], -d[1], -d[2]};
-    return Block::reset_jacobian(opposite, G);
+  bool reset_jacobian(ConstVectorView x, ConstVectorView d, MatrixView G) const override {
+    const Eigen::Vector3d opposite = -d.as<3>();
+    return Block::reset_jacobian(x, opposite, G);
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_reset", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_reset", "1.0.0", registry) { registry.add<Subject>(); }

@@ -8,11 +8,9 @@ namespace {
 class Subject final : public faulty::Ranges {
  public:
   using Ranges::Ranges;
-  binnacle::Result linearize(const binnacle::SampleView& sample, const binnacle::SampleView* auxiliary,
-                             const double* const* x, const binnacle::legacy::Context& context, std::byte* memory,
-                             binnacle::legacy::Linearization& out) const override {
-    const auto result = Ranges::linearize(sample, auxiliary, x, context, memory, out);
-    if (out.rows > 2) out.H[0](2, 1) = -out.H[0](2, 1);
+  binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
+    const auto result = Ranges::linearize(in, out);
+    if (const auto H = out.H[p]; out.rows > 2 && H) H(2, 1) = -H(2, 1);
     return result;
   }
 };

@@ -5,17 +5,16 @@
 
 namespace {
 
-class Animal final : public faulty::Process {
+class Subject final : public faulty::Process {
  public:
   using Process::Process;
-  binnacle::Result propagate(const binnacle::Step& step, const double* const* x, std::byte* memory,
-                             const binnacle::legacy::ProcessOutput& out) const override {
-    const auto result = Process::propagate(step, x, memory, out);
-    for (int i = 0; i < 2; ++i) out.transition[0][i] = -out.transition[0][i];
+  binnacle::Result propagate(const binnacle::ProcessInput& in, binnacle::ProcessOutput& out) const override {
+    const auto result = Process::propagate(in, out);
+    if (double* block = diagonal(out.phi, phi_pv)) block[0] = -block[0], block[1] = -block[1];
     return result;
   }
 };
 
 }  // namespace
 
-BINNACLE_PLUGIN("wrong_sign", "1.0.0", registry) { registry.add<Animal>(); }
+BINNACLE_PLUGIN("wrong_sign", "1.0.0", registry) { registry.add<Subject>(); }

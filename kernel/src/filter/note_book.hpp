@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the models of a filter noted in a run: equal notes of one component once, with place and time of the first.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "binnacle/time.hpp"
+
+namespace binnacle::filter {
+
+struct KeptNote {
+  const std::string* type = nullptr;
+  const std::string* pointer = nullptr;
+  const char* call = nullptr;
+  Time first = no_time;  // of the sample or step
+  std::int64_t count = 0;
+  char text[120] = {};
+};
+
+/// Allocates in its constructor only.
+class NoteBook {
+ public:
+  /// Of so many different notes; others are counted.
+  static constexpr std::size_t most = 64;
+
+  NoteBook() { notes_.reserve(most); }
+  void keep(const std::string& type, const std::string& pointer, const char* call, Time t, const char* text);
+  void clear();
+  const std::vector<KeptNote>& notes() const { return notes_; }
+  std::int64_t left_out() const { return left_out_; }
+
+ private:
+  std::vector<KeptNote> notes_;
+  std::int64_t left_out_ = 0;
+};
+
+}  // namespace binnacle::filter
