@@ -41,8 +41,8 @@ ComponentSpec Nhc::spec() {
   spec.example = R"json({"channel": "motion.moving", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment"}, "sigma": "0.2 m/s"})json";
   spec.surroundings = R"json({"blocks": {
-      "velocity": {"type": "phi_error/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
-      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
+      "velocity": {"type": "navigation/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
+      "attitude": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
       "misalignment": {"type": "core/vector", "size": 3, "unit": "rad", "init": {"x": 0, "y": -0.01, "z": 0.02}, "sigma": 0.03}}})json";
   return spec;
 }

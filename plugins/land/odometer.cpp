@@ -29,8 +29,8 @@ ComponentSpec Odometer::spec() {
   spec.example = R"json({"channel": "wheel", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment", "scale": "scale"}, "sigma": "0.05 m/s", "gate": 0.999})json";
   spec.surroundings = R"json({"blocks": {
-      "velocity": {"type": "phi_error/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
-      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
+      "velocity": {"type": "navigation/velocity", "init": {"vn": 12, "ve": -9, "vd": 0.3}, "sigma": 0.3},
+      "attitude": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
       "misalignment": {"type": "core/vector", "size": 2, "unit": "rad", "init": {"x0": -0.01, "x1": 0.02}, "sigma": 0.03},
       "scale": {"type": "core/vector", "size": 1, "unit": "1", "init": {"x": 0.01}, "sigma": 0.02}}})json";
   return spec;

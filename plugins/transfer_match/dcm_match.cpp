@@ -38,7 +38,7 @@ ComponentSpec DcmMatch::spec() {
     "sigma": "0.2 arcmin"})json";
   // Attitudes that agree to some degrees: an arbitrary pair of them is refused.
   spec.surroundings = R"json({"blocks": {
-      "attitude": {"type": "phi_error/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": 0.5}, "sigma": 0.02},
+      "attitude": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": 0.5}, "sigma": 0.02},
       "mounting": {"type": "transfer_match/mounting", "init": {"mx": 0.01, "my": -0.02, "mz": 0.03}, "sigma": 0.02}},
     "sample": {"roll": 0.01, "pitch": -0.02, "yaw": 0.48}})json";
   return spec;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plugin phi_error: the blocks' laws, every block of Φ and Q, samples, fragments and gaps.
-#include "../../plugins/phi_error/attitude_block.hpp"
+// Plugin phi_error: every block of Φ and Q, samples, fragments and gaps.
 #include "../../plugins/phi_error/phi_error_process.hpp"
-#include "../../plugins/phi_error/position_block.hpp"
-#include "../../plugins/phi_error/velocity_block.hpp"
 
 #include <random>
 
@@ -21,99 +18,6 @@ namespace {
 using Bench = InertialBench<PhiErrorProcess>;
 
 }  // namespace
-
-TEST_CASE("blocks: kinds, and the laws from nothing to near the edge", "[phi_error]") {
-  const auto position = bind<PositionBlock>();
-  const auto velocity = bind<VelocityBlock>();
-  const auto attitude = bind<AttitudeBlock>();
-  REQUIRE(position->declaration().kind == "position");
-  REQUIRE(velocity->declaration().kind == "velocity.ned");
-  REQUIRE(attitude->declaration().kind == "attitude");
-  REQUIRE(attitude->declaration().norms[0].name == "tilt");
-  REQUIRE(attitude->declaration().error_display_unit == "deg");
-  const PositionKind plain_position;
-  const AttitudeKind plain_attitude;
-  for (const Flight& flight : flights) {
-    INFO(flight.name);
-    const auto lla = numbers(flight.lla);
-    const auto q = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
-    REQUIRE_NO_COMPLAINTS(check_block(*position, lla, 5e3, 1e-8));
-    REQUIRE_NO_COMPLAINTS(check_block(*velocity, numbers(flight.v_n), 100.0, 1e-13));
-    REQUIRE_NO_COMPLAINTS(check_block(*attitude, q, EIGEN_PI - 1e-3, 1e-14, 1e-13));
-    // The same maps as those written from the definition of the kinds.
-    const double metres[3] = {1200, -800, 30}, phi[3] = {0.4, -1.1, 0.8};
-    double one[4], other[4];
-    position->plus(lla.data(), metres, one), plain_position.plus(lla.data(), metres, other);
-    Vector3d apart;
-    plain_position.minus(one, other, apart.data());
-    REQUIRE(apart.norm() < 2e-8);
-    attitude->plus(q.data(), phi, one), plain_attitude.plus(q.data(), phi, other);
-    plain_attitude.minus(one, other, apart.data());
-    REQUIRE(apart.norm() < 1e-15);
-  }
-  REQUIRE_NO_COMPLAINTS(check_block(*attitude, {1, 0, 0, 0}, EIGEN_PI - 1e-6, 1e-14, 1e-13));
-}
-
-TEST_CASE("blocks: what write refuses, and what it wraps", "[phi_error]") {
-  const auto position = bind<PositionBlock>();
-  const auto velocity = bind<VelocityBlock>();
-  const auto attitude = bind<AttitudeBlock>();
-  double x[4];
-  const auto refuses = [&](const StateBlock& block, std::array<double, 3> outputs) {
-    return block.write(outputs.data(), x).refusal == Refusal::invalid;
-  };
-  const double nan = std::nan("");
-  REQUIRE(refuses(*position, {1.58, 0, 0}));
-  REQUIRE(refuses(*position, {-1.58, 0, 0}));
-  REQUIRE(refuses(*position, {0, 7, 0}));
-  REQUIRE(refuses(*position, {0, 0, nan}));
-  REQUIRE(refuses(*velocity, {0, nan, 0}));
-  REQUIRE(refuses(*attitude, {0, 1.6, 0}));
-  REQUIRE(refuses(*attitude, {nan, 0, 0}));
-  REQUIRE(refuses(*attitude, {0, 0, 7}));
-  REQUIRE_FALSE(refuses(*position, {0.5, 350 * degree, 0}));
-  REQUIRE(std::abs(x[1] + 10 * degree) < 1e-15);
-  REQUIRE_FALSE(refuses(*attitude, {0, 0, 350 * degree}));
-  double angles[3];
-  attitude->read(x, angles);
-  REQUIRE(std::abs(angles[2] + 10 * degree) < 1e-15);
-}
-
-TEST_CASE("attitude: a mounted body is read in the axes in which it is mounted", "[phi_error]") {
-  const auto upright = bind<AttitudeBlock>({{{"mounting", {0, 90 * degree, 0}}}, {}, {}});
-  const auto plain = bind<AttitudeBlock>();
-  // Nose up, belly forward to the east: the ship's bow points east.
-  const double level[3] = {0, 0, 90 * degree};
-  double q[4];
-  REQUIRE(upright->write(level, q));
-  const Eigen::Matrix3d C = strapdown::dcm_from_quaternion(vector_at<4>(q));
-  REQUIRE((C * Vector3d(1, 0, 0) - Vector3d(0, 0, -1)).norm() < 1e-15);
-  REQUIRE((C * Vector3d(0, 0, 1) - Vector3d(0, 1, 0)).norm() < 1e-15);
-  for (const Flight& flight : flights) {
-    const auto x = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
-    REQUIRE_NO_COMPLAINTS(check_block(*upright, x, 1.0, 1e-14, 1e-13));
-    double angles[3], back[4];
-    plain->read(x.data(), angles);
-    REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
-    REQUIRE(upright->write(angles, back));
-    upright->read(back, angles);
-    REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
-  }
-}
-
-TEST_CASE("attitude: an injected correction turns what remains by +half of it", "[phi_error]") {
-  const auto attitude = bind<AttitudeBlock>();
-  const Vector3d delta{0.02, -0.03, 0.05};
-  for (const Flight& flight : flights) {
-    const auto q = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
-    REQUIRE_NO_COMPLAINTS(check_reset(*attitude, q, delta, {1e-8}));
-    REQUIRE_NO_COMPLAINTS(check_reset(*attitude, q, 20 * delta, {1e-8}));
-  }
-  Eigen::Matrix3d G;
-  REQUIRE(attitude->reset_jacobian(delta.data(), G.data()));
-  REQUIRE((G - Eigen::Matrix3d::Identity() - 0.5 * strapdown::skew(delta)).norm() < 1e-3);
-  REQUIRE((G - Eigen::Matrix3d::Identity() + 0.5 * strapdown::skew(delta)).norm() > 3e-2);
-}
 
 TEST_CASE("transition: every block against differences of the mechanization", "[phi_error]") {
   // The shortest step, with a wide difference, shows the small terms: gravity by latitude, the ellipsoid's radii.

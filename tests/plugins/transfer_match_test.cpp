@@ -344,9 +344,9 @@ constexpr const char* alignment_config = R"json({
     "binnacle": 1,
     "filters": {"align": {
       "blocks": {
-        "position": {"type": "phi_error/position", "estimate": []},
-        "velocity": {"type": "phi_error/velocity", "sigma": "0.257 m/s", "estimate": ["north", "east"]},
-        "attitude": {"type": "phi_error/attitude", "mounting": [0, "90 deg", 0], "sigma": "1 deg"},
+        "position": {"type": "navigation/position", "estimate": []},
+        "velocity": {"type": "navigation/velocity", "sigma": "0.257 m/s", "estimate": ["north", "east"]},
+        "attitude": {"type": "navigation/attitude", "mounting": [0, "90 deg", 0], "sigma": "1 deg"},
         "mounting": {"type": "transfer_match/mounting", "nominal": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
                      "init": {"mx": 0, "my": 0, "mz": 0}, "sigma": "1 deg"}},
       "process": {

@@ -226,7 +226,7 @@ TEST_CASE("covariance: readable outputs and norms of a block") {
     "binnacle": 1,
     "sources": { "seen": { "type": "pushed", "fields": { "z": { "unit": "m" } } } },
     "filters": { "f": {
-      "blocks": { "attitude": { "type": "phi_error/attitude", "init": { "roll": 0.3, "pitch": 0.2, "yaw": 1.1 },
+      "blocks": { "attitude": { "type": "navigation/attitude", "init": { "roll": 0.3, "pitch": 0.2, "yaw": 1.1 },
                                 "sigma": [0.01, 0.02, 0.03] },
                   "place": { "type": "vector", "size": 1, "unit": "m", "init": { "x": 0 }, "sigma": 1 } },
       "process": { "turns_not": { "type": "random_constant", "blocks": { "x": "attitude" } },

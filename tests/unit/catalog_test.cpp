@@ -109,6 +109,12 @@ TEST_CASE("names that lead nowhere are reported", "[catalog]") {
         "c.json:3:5: error[B011] /x/type: 'still' is a state block, not a measurement model");
   CHECK(message(Role::sink, "recorder") ==
         "c.json:3:5: error[B011] /x/type: unknown sink 'recorder'; none of the loaded plugins has it: good");
+  CHECK(message(Role::state_block, "old_home/still") ==
+        "c.json:3:5: error[B011] /x/type: 'old_home/still' is now called 'good/still'");
+  CHECK(message(Role::measurement_model, "old_home/still") ==
+        "c.json:3:5: error[B011] /x/type: unknown measurement model 'old_home/still'; none of the loaded plugins has "
+        "it: good");
+  CHECK(catalog.nearest("old_home/still") == "good/still");
   CHECK(Catalog().find(Role::sink, "x", {}, "", none) == nullptr);
   CHECK(none.text() == "error[B011]: unknown sink 'x'; no plugin is loaded");
 

@@ -276,6 +276,8 @@ struct ComponentSpec {
   // JSON: what the example refers to and the conformance suite cannot guess: {"blocks": {…}, "sources": {…},
   // "sample": {field: SI value}, "files": {name: text}}; "" = nothing
   std::string surroundings;
+  // Full names that it had, "phi_error/position": under them a config gets an error that states the new one.
+  std::vector<std::string> former_names;
 };
 
 }  // namespace binnacle

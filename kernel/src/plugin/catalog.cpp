@@ -189,6 +189,15 @@ bool is_called(const ComponentType& type, std::string_view name) {
   return type.spec.type == name || (name.find('/') != std::string_view::npos && type.full_name() == name);
 }
 
+/// The one that had this full name in an earlier version.
+template <class Types>
+const ComponentType* named_before(const Types& types, std::string_view name) {
+  for (const ComponentType& type : types)
+    for (const std::string& former : type.spec.former_names)
+      if (former == name) return &type;
+  return nullptr;
+}
+
 using base::in_quotes;
 
 std::string article(const std::string& noun) {
@@ -245,6 +254,10 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
     return nullptr;
   }
   const std::string wanted = role_name(role);
+  if (const ComponentType* renamed = named_before(contents_->components, name); renamed && renamed->role == role) {
+    diagnostics.error("B011", origin, pointer, in_quotes(name) + " is now called " + in_quotes(renamed->full_name()));
+    return nullptr;
+  }
   if (elsewhere) {
     diagnostics.error("B011", origin, pointer,
                       in_quotes(name) + " is " + article(role_name(elsewhere->role)) + ", not " + article(wanted));
@@ -278,6 +291,7 @@ std::vector<const ComponentType*> Catalog::find_all(std::string_view name) const
 }
 
 std::string Catalog::nearest(std::string_view name) const {
+  if (const ComponentType* renamed = named_before(contents_->components, name)) return renamed->full_name();
   return closest(name, names_of(contents_->components, name, [](const ComponentType&) { return true; }));
 }
 

@@ -20,6 +20,7 @@ class Still final : public StateBlock {
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "still";
+    spec.former_names = {"old_home/still"};
     spec.summary = "One number that is what it is";
     spec.source = "none";
     spec.kind = "vector:1:m";

@@ -8,11 +8,12 @@
 #include "binnacle/view.hpp"
 #include "strapdown/rotation.hpp"
 
-namespace binnacle::phi_error {
+namespace binnacle::navigation {
 
 ComponentSpec AttitudeBlock::spec() {
   ComponentSpec spec;
   spec.type = "attitude";
+  spec.former_names = {"phi_error/attitude"};
   spec.summary = "Attitude of the body in north-east-down axes; its error as a rotation vector in those axes.";
   spec.source = "papers 001 (3) and 003 (3)";
   spec.kind = "attitude";
@@ -66,4 +67,4 @@ bool AttitudeBlock::reset_jacobian(const double* delta, double* G) const {
   return true;
 }
 
-}  // namespace binnacle::phi_error
+}  // namespace binnacle::navigation

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// A velocity over ground in north-east-down axes.
+// A geodetic position on the WGS-84 ellipsoid.
 #pragma once
 
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
 
-namespace binnacle::phi_error {
+namespace binnacle::navigation {
 
-/// Stored, error and outputs: north, east, down [m/s]; ⊞ and ⊟ are + and −.
-class VelocityBlock final : public StateBlock {
+/// Stored: latitude [rad], longitude [rad], height [m]. Error: north, east, down [m], by the radii of curvature at the
+/// estimate (strapdown::position_plus). Paper 003 (1) has δL, δl, δh and computed − true instead.
+class PositionBlock final : public StateBlock {
  public:
   static ComponentSpec spec();
-  explicit VelocityBlock(const Binding& binding);
+  explicit PositionBlock(const Binding& binding);
 
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
   void plus(const double* x, const double* delta, double* result) const override;
@@ -23,4 +24,4 @@ class VelocityBlock final : public StateBlock {
   StateBlockDeclaration declaration_;
 };
 
-}  // namespace binnacle::phi_error
+}  // namespace binnacle::navigation

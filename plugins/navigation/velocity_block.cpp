@@ -6,11 +6,12 @@
 
 #include "binnacle/view.hpp"
 
-namespace binnacle::phi_error {
+namespace binnacle::navigation {
 
 ComponentSpec VelocityBlock::spec() {
   ComponentSpec spec;
   spec.type = "velocity";
+  spec.former_names = {"phi_error/velocity"};
   spec.summary = "Velocity over ground, north, east, down.";
   spec.source = "paper 003, equation (2)";
   spec.kind = "velocity.ned";
@@ -44,4 +45,4 @@ Result VelocityBlock::write(const double* outputs, double* x) const {
   return Result::ok();
 }
 
-}  // namespace binnacle::phi_error
+}  // namespace binnacle::navigation

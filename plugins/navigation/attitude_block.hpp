@@ -7,7 +7,7 @@
 #include "binnacle/spec.hpp"
 #include "binnacle/state_block.hpp"
 
-namespace binnacle::phi_error {
+namespace binnacle::navigation {
 
 /// Stored: quaternion (w, x, y, z), body to navigation. Error: phi north, east, down [rad], q_true = exp(phi) ⊗ q̂,
 /// that is Ĉ = (I − [φ×]) C as in papers 001 (3) and 003 (3).
@@ -31,4 +31,4 @@ class AttitudeBlock final : public StateBlock {
   Eigen::Vector4d q_rb_;  // body to the axes that are read
 };
 
-}  // namespace binnacle::phi_error
+}  // namespace binnacle::navigation

@@ -10,11 +10,12 @@
 #include "binnacle/view.hpp"
 #include "strapdown/earth.hpp"
 
-namespace binnacle::phi_error {
+namespace binnacle::navigation {
 
 ComponentSpec PositionBlock::spec() {
   ComponentSpec spec;
   spec.type = "position";
+  spec.former_names = {"phi_error/position"};
   spec.summary = "Latitude, longitude and height on WGS-84; its error in metres north, east, down.";
   spec.source = "NIMA TR8350.2, 3rd edition (ellipsoid); paper 003, equation (1)";
   spec.kind = "position";
@@ -56,4 +57,4 @@ Result PositionBlock::write(const double* outputs, double* x) const {
   return Result::ok();
 }
 
-}  // namespace binnacle::phi_error
+}  // namespace binnacle::navigation
