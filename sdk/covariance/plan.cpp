@@ -280,7 +280,7 @@ Parsed<score::Metric> read_metric(const Composition& composition, std::string_vi
   metric.name = text;
   metric.filter = static_cast<int>(filter - filters.begin());
   metric.quantity = score::MetricQuantity::sigma;
-  const auto known = implied_states_of(composition.config(), words.filter);
+  const auto known = implied_states_of(Json::parse(composition.config()), words.filter);
   const SubjectName subject = subject_named(words.name, known);
   std::vector<std::string> names;
   for (const auto& block : filter->blocks) names.push_back(block.name);
@@ -324,7 +324,7 @@ std::shared_ptr<const Composition> compose_error_free(const Section& section, co
                                                       const std::filesystem::path& path, const std::string& name,
                                                       const std::string& truth) {
   try {
-    return score::parse(error_free_root(section, config.root(), name, truth).dump(), path);
+    return score::parse(error_free_root(section, Json::parse(config.text()), name, truth).dump(), path);
   } catch (const Error& error) {
     const bool has_truth = section.at(under("truth")) != nullptr;
     for (const auto& item : error.diagnostics().items()) {
@@ -374,7 +374,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
                         in_quotes(key) +
                             " is said of sources, and with 'channels' none is run: leave out the one or "
                             "the other");
-  plan.implied_states = implied_states_of(config.root(), name);
+  plan.implied_states = implied_states_of(Json::parse(config.text()), name);
   check_outputs(section, plan.implied_states);
   refuse_adaptive_noise(section, join_pointer("/filters", name));
   refuse_adaptive_noise(section, under("truth"));

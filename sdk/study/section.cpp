@@ -46,7 +46,7 @@ void Section::wrong_type(const std::string& pointer, const char* wanted) const {
 
 const Json* Section::at(const std::string& pointer) const {
   const Json::json_pointer where(pointer);
-  return config_.root().contains(where) ? &config_.root().at(where) : nullptr;
+  return root_.contains(where) ? &root_.at(where) : nullptr;
 }
 
 void Section::check_keys(const std::string& pointer, const std::vector<std::string>& allowed,

@@ -183,12 +183,6 @@ inline PortSpec advances(std::string name, std::string kind, std::string text = 
 inline PortSpec reads(std::string name, std::string kind, std::string text = {}) {
   return {std::move(name), std::move(kind), PortAccess::reads, false, std::move(text)};
 }
-inline PortSpec may_advance(std::string name, std::string kind, std::string text) {
-  return {std::move(name), std::move(kind), PortAccess::advances, true, std::move(text)};
-}
-inline PortSpec may_read(std::string name, std::string kind, std::string text) {
-  return {std::move(name), std::move(kind), PortAccess::reads, true, std::move(text)};
-}
 
 /// `level`: the value at the sample's time. `rate`: the mean over its interval. `increment`: the integral over it.
 enum class FieldKind { level, rate, increment };

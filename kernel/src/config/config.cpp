@@ -13,7 +13,7 @@ Config Config::load(const std::filesystem::path& path, const LoadOptions& option
   return config;
 }
 
-const nlohmann::ordered_json& Config::root() const { return document_->root(); }
+std::string Config::text() const { return document_->root().dump(); }
 Origin Config::origin(std::string_view pointer) const { return document_->origin(pointer); }
 Origin Config::key_origin(std::string_view pointer) const { return document_->key_origin(pointer); }
 
