@@ -15,9 +15,9 @@ namespace {
 
 /// The one that is bound.
 Port one_of(const Binding& binding, const char* ned, const char* ecef) {
-  if (binding.is_bound(ned) == binding.is_bound(ecef))
+  if (binding.port(ned).is_bound() == binding.port(ecef).is_bound())
     throw ComponentError(std::string("plug a block into one of the ports '") + ned + "' and '" + ecef + "'", "/blocks");
-  return binding.port(binding.is_bound(ecef) ? ecef : ned);
+  return binding.port(binding.port(ecef).is_bound() ? ecef : ned);
 }
 
 constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
