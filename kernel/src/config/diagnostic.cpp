@@ -106,8 +106,7 @@ DataError::DataError(Diagnostic diagnostic) : DataError(only(std::move(diagnosti
 
 namespace {
 
-// Costs are in quarters of an edit, so that a transposition can be dearer than nothing and cheaper than an
-// edit.
+// Costs are in quarters of an edit, so that a transposition can be dearer than nothing and cheaper than an edit.
 constexpr std::size_t edit = 4;
 constexpr std::size_t transposition = 3;
 constexpr std::size_t cut_short = 5;

@@ -19,9 +19,8 @@ namespace binnacle::config {
 
 /// A file as it stands, before any `extends`.
 struct ConfigFile {
-  std::string name;              ///< as shown in messages: relative if the config was named so
-  std::filesystem::path folder;  ///< absolute
-  std::optional<Node> content;   ///< nothing if it cannot be read
+  std::string name;             ///< as shown in messages: relative if the config was named so
+  std::optional<Node> content;  ///< nothing if it cannot be read
 };
 
 /// An object that extends "other.json#/a/b" is what resolving other.json gives at /a/b, merged over by the
