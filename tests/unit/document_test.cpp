@@ -128,7 +128,7 @@ TEST_CASE("syntax errors give line, column, what was found and expected", "[docu
   CHECK(errors_of("{\"a\": " + std::string(300, '[')).find("nested more than 200 deep") != std::string::npos);
 }
 
-TEST_CASE("what a text and a number cannot hold is told with its place", "[document]") {
+TEST_CASE("what a text and a number cannot hold is reported with its place", "[document]") {
   const std::string head = "a.json:1:10: error[B001]: bad text: ";
   CHECK(errors_of(R"({"a": "x\q"})") ==
         head + R"(forbidden character after backslash; a backslash itself is written '\\')");

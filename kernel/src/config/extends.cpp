@@ -151,8 +151,8 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
   const std::string fragment = hash == std::string::npos ? "" : text.substr(hash + 1);
   const auto tokens = split_pointer(fragment);
   if (text.empty() || !tokens) {
-    const std::string mend = tokens ? "" : "; what follows '#' is a JSON pointer, '#/filters/ins' say";
-    diagnostics_.error("B004", statement.origin, here, in_quotes(text) + " names no file" + mend);
+    const std::string remedy = tokens ? "" : "; what follows '#' is a JSON pointer, '#/filters/ins' say";
+    diagnostics_.error("B004", statement.origin, here, in_quotes(text) + " names no file" + remedy);
     return {};
   }
   const fs::path target = file_text.empty() ? fs::path(config.name) : fs::path(config.name).parent_path() / file_text;
@@ -170,7 +170,7 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
     if (copied_ >= most_values) diagnostics_.error("B004", statement.origin, here, "extends multiplies without end");
     const bool is_whole_target = path.empty();
     if (is_whole_target && (!found.node || found.node->json.is_null())) {
-      tell_missing(other, *tokens, current);
+      report_missing(other, *tokens, current);
       found = {};
     } else if (is_whole_target && !found.node->json.is_object()) {
       diagnostics_.error("B004", statement.origin, here,
@@ -182,8 +182,8 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
   return found;
 }
 
-void Extends::tell_missing(const ConfigFile& other, const std::vector<std::string>& tokens,
-                           const Statement& statement) {
+void Extends::report_missing(const ConfigFile& other, const std::vector<std::string>& tokens,
+                             const Statement& statement) {
   std::string message = "there is no " + in_quotes(statement.to);
   const Tokens parent = Tokens(tokens).first(tokens.size() - 1);
   const Found around = at(other, *other.content, "", parent);

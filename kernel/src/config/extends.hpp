@@ -56,7 +56,7 @@ class Extends {
   Found base(const ConfigFile& file, const Node& statement, const std::string& pointer, Tokens path);
   std::vector<const Node*> statements(const Node& node, const std::string& pointer);
   bool is_cycle(const Statement& statement);
-  void tell_missing(const ConfigFile& file, const std::vector<std::string>& tokens, const Statement& statement);
+  void report_missing(const ConfigFile& file, const std::vector<std::string>& tokens, const Statement& statement);
 
   Diagnostics& diagnostics_;
   std::map<std::filesystem::path, std::unique_ptr<ConfigFile>> files_;

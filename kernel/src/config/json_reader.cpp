@@ -58,11 +58,11 @@ class JsonReader {
 
   [[noreturn]] void stop(const std::string& message) { stop(message, here()); }
   [[noreturn]] void stop(const std::string& message, const Origin& origin) {
-    tell(message, origin);
+    report(message, origin);
     throw SyntaxStop{};
   }
 
-  void tell(const std::string& message, const Origin& origin) { diagnostics_.error("B001", origin, "", message); }
+  void report(const std::string& message, const Origin& origin) { diagnostics_.error("B001", origin, "", message); }
 
   Origin here() const { return has_places_ ? Origin{file_name_, line_, column_} : Origin{file_name_, 0, 0}; }
 
@@ -209,13 +209,13 @@ class JsonReader {
       const bool forgotten = peek() == '"' || (close == ']' && (peek() == '{' || peek() == '['));
       const std::string wanted = std::string("expected ',' or '") + close + "' after the value, found ";
       if (!forgotten) stop(wanted + found() + opened(node));
-      tell(wanted + found(), after_value);
+      report(wanted + found(), after_value);
       return;
     }
     const Origin comma = here();
     advance();
     skip_blank();
-    if (peek() == close) tell(std::string("trailing comma before '") + close + "'; delete it", comma);
+    if (peek() == close) report(std::string("trailing comma before '") + close + "'; delete it", comma);
   }
 
   std::string opened(const Node& node) const {

@@ -23,7 +23,7 @@ class Setter {
  public:
   Setter(std::string pointer, Diagnostics& diagnostics) : pointer_(std::move(pointer)), diagnostics_(diagnostics) {}
 
-  void tell(const std::string& message) const { diagnostics_.error("B029", command_line, pointer_, message); }
+  void report(const std::string& message) const { diagnostics_.error("B029", command_line, pointer_, message); }
 
   void assign(Node& root, const std::vector<std::string>& tokens, Node value) const {
     const bool erase = value.json.is_null();
@@ -47,7 +47,7 @@ class Setter {
 
  private:
   Node* nothing(const std::string& message) const {
-    tell(message);
+    report(message);
     return nullptr;
   }
 
@@ -79,18 +79,18 @@ void apply_setting(Node& root, const std::string& setting, const Folder& current
   const std::size_t equals = setting.find('=');
   const std::string pointer = setting.substr(0, equals);
   const Setter setter(pointer.starts_with('/') ? pointer : "", diagnostics);
-  if (!is_utf8(setting)) return setter.tell("--set is not UTF-8");
-  if (equals == std::string::npos) return setter.tell(in_quotes(setting) + " does not read /pointer=value");
+  if (!is_utf8(setting)) return setter.report("--set is not UTF-8");
+  if (equals == std::string::npos) return setter.report(in_quotes(setting) + " does not read /pointer=value");
   if (!pointer.starts_with('/')) {
-    return setter.tell(in_quotes(pointer) + " is no JSON pointer; did you mean " + in_quotes("/" + pointer) + "?");
+    return setter.report(in_quotes(pointer) + " is no JSON pointer; did you mean " + in_quotes("/" + pointer) + "?");
   }
   const auto tokens = split_pointer(pointer);
-  if (!tokens) return setter.tell("a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
-  if (tokens->back() == "extends") return setter.tell("extends cannot be set; it is resolved before --set");
+  if (!tokens) return setter.report("a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
+  if (tokens->back() == "extends") return setter.report("extends cannot be set; it is resolved before --set");
   const std::string text = setting.substr(equals + 1);
   std::optional<Node> value = read_json_value(text, "--set", current_folder);
   const bool looks_like_json = text.starts_with('{') || text.starts_with('[') || text.starts_with('"');
-  if (!value && looks_like_json) return setter.tell(in_quotes(text) + " begins like JSON but is not");
+  if (!value && looks_like_json) return setter.report(in_quotes(text) + " begins like JSON but is not");
   if (!value) value = Node{text, command_line, current_folder};
   setter.assign(root, *tokens, *std::move(value));
 }

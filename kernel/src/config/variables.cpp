@@ -76,14 +76,14 @@ class Variables {
  private:
   void declare(const Node& vars) {
     if (!vars.json.is_object()) {
-      tell("B006", vars, "/vars", "expected an object, found " + kind_name(vars));
+      report("B006", vars, "/vars", "expected an object, found " + kind_name(vars));
       return;
     }
     declared_ = vars;
     for (const Member& member : vars.members) {
       if (member.value.json.is_string() || member.value.json.is_number()) continue;
-      tell("B006", member.value, join_pointer("/vars", member.key),
-           "expected a text or a number, found " + kind_name(member.value));
+      report("B006", member.value, join_pointer("/vars", member.key),
+             "expected a text or a number, found " + kind_name(member.value));
     }
   }
 
@@ -105,7 +105,7 @@ class Variables {
 
   std::string suggestion(const std::string& name) const { return base::suggestion(name, declared_.keys()); }
 
-  void tell(const char* code, const Node& node, const std::string& pointer, std::string message) {
+  void report(const char* code, const Node& node, const std::string& pointer, std::string message) {
     diagnostics_.error(code, node.origin, pointer, std::move(message));
   }
 
@@ -126,7 +126,7 @@ class Variables {
       const std::size_t close = text.find('}', at);
       const std::string name = text.substr(at + 2, close == std::string::npos ? close : close - at - 2);
       if (close == std::string::npos || !is_name(name)) {
-        tell("B005", node, pointer, in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
+        report("B005", node, pointer, in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
         return node;
       }
       std::optional<Node> value = value_of(name, node, pointer);
@@ -144,21 +144,21 @@ class Variables {
   std::optional<Node> value_of(const std::string& name, const Node& user, const std::string& pointer) {
     const Node* declared = variable(name);
     if (!declared) {
-      const std::string mend = suggestion(name);
-      tell("B005", user, pointer,
-           "unknown variable " + in_quotes(name) +
-               (mend.empty() ? "; define it under /vars or give --var " + name + "=VALUE" : mend));
+      const std::string remedy = suggestion(name);
+      report("B005", user, pointer,
+             "unknown variable " + in_quotes(name) +
+                 (remedy.empty() ? "; define it under /vars or give --var " + name + "=VALUE" : remedy));
       return std::nullopt;
     }
     used_.insert(name);
     if (const auto first = std::find(open_.begin(), open_.end(), name); first != open_.end()) {
       std::string chain;
       for (auto open = first; open != open_.end(); ++open) chain += *open + " -> ";
-      tell("B005", user, pointer, "variables form a cycle: " + chain + name);
+      report("B005", user, pointer, "variables form a cycle: " + chain + name);
       return std::nullopt;
     }
     if (declared->json.is_number()) return *declared;
-    if (!declared->json.is_string()) return std::nullopt;  // told by declare
+    if (!declared->json.is_string()) return std::nullopt;  // reported by declare
     open_.push_back(name);
     Node value = given_.contains(name) ? *declared : filled(*declared, join_pointer("/vars", name));
     open_.pop_back();

@@ -66,12 +66,12 @@ struct Node {
   }
 };
 
-/// Tells each key of the object that is not allowed, with a hint at what was meant: the name that a renamed one has now,
+/// Reports each key of the object that is not allowed, with a hint at what was meant: the name that a renamed one has now,
 /// the nearest one and its detail, or all there are. Returns the names that were meant.
 std::set<std::string> find_unknown(const Json& object, const std::vector<std::string>& allowed,
                                    const RenamedKeys& renamed,
                                    const std::function<std::string(const std::string&)>& detail,
-                                   const std::function<void(const std::string& key, const std::string& hint)>& tell) {
+                                   const std::function<void(const std::string& key, const std::string& hint)>& report) {
   constexpr std::size_t most = 16;
   std::set<std::string> meant;
   for (const auto& [key, json] : object.items()) {
@@ -80,13 +80,13 @@ std::set<std::string> find_unknown(const Json& object, const std::vector<std::st
         std::find_if(renamed.begin(), renamed.end(), [&, &k = key](const auto& r) { return r.first == k; });
     const std::string near = former != renamed.end() ? former->second : closest(key, allowed);
     if (former != renamed.end()) {
-      tell(key, "; " + in_quotes(key) + " is now called " + in_quotes(near));
+      report(key, "; " + in_quotes(key) + " is now called " + in_quotes(near));
     } else if (!near.empty()) {
-      tell(key, "; did you mean " + in_quotes(near) + detail(near) + "?");
+      report(key, "; did you mean " + in_quotes(near) + detail(near) + "?");
     } else {
-      tell(key, allowed.empty()         ? "; it takes none"
-                : allowed.size() > most ? ""
-                                        : "; it takes " + quoted_list(allowed));
+      report(key, allowed.empty()         ? "; it takes none"
+                  : allowed.size() > most ? ""
+                                          : "; it takes " + quoted_list(allowed));
     }
     if (!near.empty()) meant.insert(near);
   }
