@@ -8,9 +8,11 @@
 #include "filter_score.hpp"
 #include "plan.hpp"
 #include "recorder.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

@@ -10,8 +10,11 @@
 #include "score/sections.hpp"
 #include "study/section.hpp"
 #include "tables.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::study {
+
+using namespace wording;
 
 namespace {
 

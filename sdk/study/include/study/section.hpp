@@ -45,9 +45,4 @@ class Section {
   Diagnostics& diagnostics_;
 };
 
-std::string in_quotes(std::string_view text);
-/// "; did you mean 'rms'?", or nothing.
-std::string meant(std::string_view text, const std::vector<std::string>& candidates);
-std::string listed(const std::vector<std::string>& names);
-
 }  // namespace binnacle::study
