@@ -9,8 +9,11 @@
 
 #include "binnacle/session.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 
 using namespace binnacle;
+
+using filter_tests::session_of;
 
 namespace {
 
@@ -31,13 +34,6 @@ std::string seen(const std::string& extra, double sigma0 = 10, bool stacked = fa
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"channel": "z", )" +
          (stacked ? R"("stack": {"first": {)" + part + R"(}, "second": {)" + part + "}}" : part) + extra + "}}}}}";
-}
-
-Session session_of(const std::string& text) {
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Session(Composition::parse(text, "test.json", options));
 }
 
 void push(Session& filter, double t, const std::vector<Row>& rows) {

@@ -340,22 +340,7 @@ struct Aligned {
 };
 
 /// The filter of configs/transfer_alignment/base.json on samples that a program pushes; `change` is merged over it.
-Aligned align(const nlohmann::json& change) {
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  const auto level = [](const std::vector<std::string>& names, const char* unit) {
-    nlohmann::ordered_json fields;
-    for (const auto& name : names) fields[name] = {{"unit", unit}};
-    return fields;
-  };
-  nlohmann::ordered_json imu, mins = level({"vn", "ve", "vd"}, "m/s");
-  for (const char* axis : {"wx", "wy", "wz"}) imu[axis] = {{"unit", "rad"}, {"kind", "increment"}};
-  for (const char* axis : {"fx", "fy", "fz"}) imu[axis] = {{"unit", "m/s"}, {"kind", "increment"}};
-  mins.update(level({"roll", "pitch", "yaw"}, "rad"));
-  const Voyage voyage;
-  const strapdown::Navigation start = voyage.at(0);
-  // As the MINS says it: the nominal mounting, so the attitude is off by the whole misalignment.
-  const Vector3d angles = voyage.master_angles(0);
-  nlohmann::json config = nlohmann::json::parse(R"json({
+constexpr const char* alignment_config = R"json({
     "binnacle": 1,
     "filters": {"align": {
       "blocks": {
@@ -371,7 +356,34 @@ Aligned align(const nlohmann::json& change) {
       "measurements": {"match": {"channel": "mins", "stack": {
         "velocity": {"type": "velocity_match", "blocks": {"velocity": "velocity"}, "sigma": 1e-4},
         "attitude": {"type": "dcm_match", "blocks": {"attitude": "attitude", "mounting": "mounting"},
-                     "sigma": 1e-7}}}}}}})json");
+                     "sigma": 1e-7}}}}}}})json";
+
+struct PushedFields {
+  nlohmann::ordered_json imu, mins;  // in the order in which their values are pushed
+};
+
+PushedFields pushed_fields() {
+  const auto level = [](const std::vector<std::string>& names, const char* unit) {
+    nlohmann::ordered_json fields;
+    for (const auto& name : names) fields[name] = {{"unit", unit}};
+    return fields;
+  };
+  PushedFields of;
+  of.mins = level({"vn", "ve", "vd"}, "m/s");
+  for (const char* axis : {"wx", "wy", "wz"}) of.imu[axis] = {{"unit", "rad"}, {"kind", "increment"}};
+  for (const char* axis : {"fx", "fy", "fz"}) of.imu[axis] = {{"unit", "m/s"}, {"kind", "increment"}};
+  of.mins.update(level({"roll", "pitch", "yaw"}, "rad"));
+  return of;
+}
+
+Aligned align(const nlohmann::json& change) {
+  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
+  const auto [imu, mins] = pushed_fields();
+  const Voyage voyage;
+  const strapdown::Navigation start = voyage.at(0);
+  // As the MINS says it: the nominal mounting, so the attitude is off by the whole misalignment.
+  const Vector3d angles = voyage.master_angles(0);
+  nlohmann::json config = nlohmann::json::parse(alignment_config);
   auto& blocks = config["filters"]["align"]["blocks"];
   blocks["position"]["init"] = {{"lat", start.lla[0]}, {"lon", start.lla[1]}, {"height", start.lla[2]}};
   blocks["velocity"]["init"] = {{"vn", start.v_n[0]}, {"ve", start.v_n[1]}, {"vd", start.v_n[2]}};

@@ -55,17 +55,10 @@ struct Stored {
   std::vector<double> data;
 };
 
-}  // namespace
-
-TEST_CASE("predict equals the dense product for random structures") {
-  std::mt19937 engine(7);
-  for (int trial = 0; trial < 200; ++trial) {
-    const int n = 1 + static_cast<int>(engine() % 30);
-    MatrixXd Phi = MatrixXd::Identity(n, n);
-    MatrixXd Q = MatrixXd::Zero(n, n);
-    TransitionPlan plan;
+/// A transition of random structure, sparse and dense.
+struct RandomTransition {
+  RandomTransition(int n, std::mt19937& engine) : Phi(MatrixXd::Identity(n, n)), Q(MatrixXd::Zero(n, n)) {
     plan.n = n;
-    std::vector<std::vector<double>> blocks, noise;
     for (int row = 0; row < n;) {
       const int rows = std::min<int>(1 + static_cast<int>(engine() % 3), n - row);
       const int kind = static_cast<int>(engine() % 3);
@@ -108,6 +101,20 @@ TEST_CASE("predict equals the dense product for random structures") {
       row += rows;
     }
     finish(plan);
+  }
+  MatrixXd Phi, Q;
+  TransitionPlan plan;
+  std::vector<std::vector<double>> blocks, noise;  // column-major
+};
+
+}  // namespace
+
+TEST_CASE("predict equals the dense product for random structures") {
+  std::mt19937 engine(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + static_cast<int>(engine() % 30);
+    const RandomTransition transition(n, engine);
+    const auto& [Phi, Q, plan, blocks, noise] = transition;
     std::vector<const double*> phi_table, noise_table;
     for (const auto& block : blocks) phi_table.push_back(block.data());
     for (const auto& block : noise) noise_table.push_back(block.data());

@@ -90,6 +90,20 @@ struct Place {
   return place(sin_lat, cos_lat, from.inverse_w * (1.0 + x * (0.5 + 0.375 * x)), height);
 }
 
+/// What the error models need of the place in the middle of a step.
+[[gnu::always_inline]] inline void take_place(const Place& middle, Midpoint& mid) {
+  mid.sin_lat = middle.sin_lat;
+  mid.cos_lat = middle.cos_lat;
+  mid.tan_lat = middle.tan_lat;
+  mid.r_m = middle.r_m;
+  mid.r_t = middle.r_t;
+  mid.d_r_m = middle.radii.d_meridian;
+  mid.d_r_t = middle.radii.d_transverse;
+  mid.g = middle.gravity.down;
+  mid.g_lat = middle.gravity.d_lat;
+  mid.g_height = middle.gravity.d_height;
+}
+
 /// The middle of the shortest turn between two unit quaternions of one hemisphere.
 Vector4d halfway(const Vector4d& q, const Vector4d& p) {
   return quaternion_normalised({q[0] + p[0], q[1] + p[1], q[2] + p[2], q[3] + p[3]});
@@ -194,16 +208,7 @@ Step step(const Navigation& nav, const BodyMotion& body, const attitude::Update&
   }
 
   r.mid.dt = h;
-  r.mid.sin_lat = middle.sin_lat;
-  r.mid.cos_lat = middle.cos_lat;
-  r.mid.tan_lat = middle.tan_lat;
-  r.mid.r_m = middle.r_m;
-  r.mid.r_t = middle.r_t;
-  r.mid.d_r_m = middle.radii.d_meridian;
-  r.mid.d_r_t = middle.radii.d_transverse;
-  r.mid.g = middle.gravity.down;
-  r.mid.g_lat = middle.gravity.d_lat;
-  r.mid.g_height = middle.gravity.d_height;
+  take_place(middle, r.mid);
   r.mid.v_n = v_mean;
   r.mid.f_n = dv_n * per_h;
   r.mid.C_nb = dcm_from_quaternion(halfway(nav.q_nb, r.nav.q_nb));

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sessions of configs given as text, and the smallest filter worth testing.
+#pragma once
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "binnacle/session.hpp"
+
+namespace filter_tests {
+
+using namespace binnacle;
+
+inline Session session_of(const std::string& text) {
+  LoadOptions options;
+  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
+  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
+  return Session(Composition::parse(text, "test.json", options));
+}
+
+inline void push(Session& filter, const char* channel, double t, std::vector<double> fields) {
+  filter.push(filter.channel(channel), no_time, nanoseconds(t), fields);
+}
+
+/// Position and velocity on a line: position integrates velocity, velocity wanders; position is measured.
+inline std::string line(const std::string& blocks_extra = "", const std::string& measurement_extra = "",
+                        const std::string& velocity_extra = "") {
+  return R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {
+        "position": {"type": "vector", "size": 1, "unit": "m", "init": 1, "sigma": 2},
+        "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0.5, "sigma": 0.3)" +
+         velocity_extra + R"(})" + blocks_extra + R"(},
+      "process": {
+        "move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+        "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.2}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"},
+                               "sigma": [0.7])" +
+         measurement_extra + R"(}}}}})";
+}
+
+}  // namespace filter_tests
