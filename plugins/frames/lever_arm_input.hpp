@@ -25,7 +25,7 @@ inline PortSpec lever_arm_port() {
 /// The fixed part. A lever arm that is neither given nor plugged in is a mistake, not zero.
 inline Eigen::Vector3d fixed_lever_arm(const Binding& binding) {
   if (binding.parameters().has("lever_arm")) return binding.parameters().vector("lever_arm");
-  if (!binding.is_bound("lever_arm"))
+  if (!binding.port("lever_arm").is_bound())
     throw ComponentError("there is no lever arm: give 'lever_arm', or plug a vector:3:m block into port 'lever_arm'",
                          "/lever_arm");
   return Eigen::Vector3d::Zero();

@@ -15,9 +15,9 @@ namespace {
 
 /// The one that is bound.
 Port one_of(const Binding& binding, const char* ned, const char* ecef) {
-  if (binding.is_bound(ned) == binding.is_bound(ecef))
+  if (binding.port(ned).is_bound() == binding.port(ecef).is_bound())
     throw ComponentError(std::string("plug a block into one of the ports '") + ned + "' and '" + ecef + "'", "/blocks");
-  return binding.port(binding.is_bound(ecef) ? ecef : ned);
+  return binding.port(binding.port(ecef).is_bound() ? ecef : ned);
 }
 
 constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
@@ -49,7 +49,7 @@ std::vector<PortSpec> velocity_ports() {
 }
 
 AntennaPosition::AntennaPosition(const Binding& binding)
-    : port_(one_of(binding, "position", "ecef_position")), is_ecef_(binding.is_bound("ecef_position")) {}
+    : port_(one_of(binding, "position", "ecef_position")), is_ecef_(binding.port("ecef_position").is_bound()) {}
 
 Result AntennaPosition::read(const PortValues& x, gnss::AntennaPlace& place) const {
   const auto value = x[port_].as<3>();
@@ -71,8 +71,8 @@ Eigen::RowVector3d AntennaPosition::by_error(const gnss::AntennaPlace& place, co
 }
 
 AntennaVelocity::AntennaVelocity(const Binding& binding)
-    : port_(one_of(binding, "velocity", "ecef_velocity")), is_ecef_(binding.is_bound("ecef_velocity")) {
-  if (is_ecef_ != binding.is_bound("ecef_position"))
+    : port_(one_of(binding, "velocity", "ecef_velocity")), is_ecef_(binding.port("ecef_velocity").is_bound()) {
+  if (is_ecef_ != binding.port("ecef_position").is_bound())
     throw ComponentError("position and velocity are in different axes: plug both into 'ecef_…' ports, or neither",
                          "/blocks");
 }

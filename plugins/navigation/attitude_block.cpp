@@ -39,31 +39,31 @@ AttitudeBlock::AttitudeBlock(const Binding& binding)
   declaration_.error_display_unit = "deg";
 }
 
-void AttitudeBlock::plus(const double* x, const double* delta, double* result) const {
-  vector_at<4>(result) = strapdown::attitude_plus(vector_at<4>(x), vector_at<3>(delta));
+void AttitudeBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
+  result.as<4>() = strapdown::attitude_plus(x.as<4>(), delta.as<3>());
 }
 
-void AttitudeBlock::minus(const double* y, const double* x, double* delta) const {
-  vector_at<3>(delta) = strapdown::attitude_minus(vector_at<4>(y), vector_at<4>(x));
+void AttitudeBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
+  delta.as<3>() = strapdown::attitude_minus(y.as<4>(), x.as<4>());
 }
 
-void AttitudeBlock::read(const double* x, double* outputs) const {
-  vector_at<3>(outputs) = strapdown::euler_from_quaternion(
-      strapdown::quaternion_product(vector_at<4>(x), strapdown::quaternion_conjugate(q_rb_)));
+void AttitudeBlock::read(ConstVectorView x, VectorView outputs) const {
+  outputs.as<3>() = strapdown::euler_from_quaternion(
+      strapdown::quaternion_product(x.as<4>(), strapdown::quaternion_conjugate(q_rb_)));
 }
 
-Result AttitudeBlock::write(const double* outputs, double* x) const {
-  const auto angles = vector_at<3>(outputs);
+Result AttitudeBlock::write(ConstVectorView outputs, VectorView x) const {
+  const auto angles = outputs.as<3>();
   if (!angles.allFinite()) return Result::invalid("roll, pitch or yaw is not finite");
   if (std::abs(angles[1]) > std::numbers::pi / 2) return Result::invalid("the pitch lies beyond the vertical");
   if (angles.cwiseAbs().maxCoeff() > 2.0 * std::numbers::pi)
     return Result::invalid("roll or yaw is more than one turn");
-  vector_at<4>(x) = strapdown::quaternion_product(strapdown::quaternion_from_euler(angles), q_rb_);
+  x.as<4>() = strapdown::quaternion_product(strapdown::quaternion_from_euler(angles), q_rb_);
   return Result::ok();
 }
 
-bool AttitudeBlock::reset_jacobian(const double* delta, double* G) const {
-  matrix_at<3, 3>(G) = strapdown::left_jacobian(vector_at<3>(delta));
+bool AttitudeBlock::reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const {
+  G.as<3, 3>() = strapdown::left_jacobian(delta.as<3>());
   return true;
 }
 

@@ -19,12 +19,12 @@ class AttitudeBlock final : public StateBlock {
   explicit AttitudeBlock(const Binding& binding);
 
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void plus(const double* x, const double* delta, double* result) const override;
-  void minus(const double* y, const double* x, double* delta) const override;
-  void read(const double* x, double* outputs) const override;
-  Result write(const double* outputs, double* x) const override;
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override;
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override;
+  void read(ConstVectorView x, VectorView outputs) const override;
+  Result write(ConstVectorView outputs, VectorView x) const override;
   /// exp(φ_new) = exp(φ_old) exp(−δ), so φ_new = J_l(δ) (φ_old − δ) = (I + ½[δ×] + …)(φ_old − δ).
-  bool reset_jacobian(const double* delta, double* G) const override;
+  bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const override;
 
  private:
   StateBlockDeclaration declaration_;

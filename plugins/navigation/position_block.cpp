@@ -2,7 +2,6 @@
 // A geodetic position on the WGS-84 ellipsoid.
 #include "position_block.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -35,17 +34,17 @@ PositionBlock::PositionBlock(const Binding& /*binding*/) {
   declaration_.norms = {{"horizontal", {0, 1}}, {"height", {2}}};
 }
 
-void PositionBlock::plus(const double* x, const double* delta, double* result) const {
-  vector_at<3>(result) = strapdown::position_plus(vector_at<3>(x), vector_at<3>(delta));
+void PositionBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
+  result.as<3>() = strapdown::position_plus(x.as<3>(), delta.as<3>());
 }
 
-void PositionBlock::minus(const double* y, const double* x, double* delta) const {
-  vector_at<3>(delta) = strapdown::position_minus(vector_at<3>(y), vector_at<3>(x));
+void PositionBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
+  delta.as<3>() = strapdown::position_minus(y.as<3>(), x.as<3>());
 }
 
-void PositionBlock::read(const double* x, double* outputs) const { std::copy_n(x, 3, outputs); }
+void PositionBlock::read(ConstVectorView x, VectorView outputs) const { outputs.as<3>() = x.as<3>(); }
 
-Result PositionBlock::write(const double* outputs, double* x) const {
+Result PositionBlock::write(ConstVectorView outputs, VectorView x) const {
   const auto [lat, lon, height] = std::array{outputs[0], outputs[1], outputs[2]};
   if (!std::isfinite(lat) || !std::isfinite(lon) || !std::isfinite(height))
     return Result::invalid("latitude, longitude or height is not finite");

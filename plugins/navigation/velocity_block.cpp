@@ -2,8 +2,6 @@
 // A velocity over ground in north-east-down axes.
 #include "velocity_block.hpp"
 
-#include <algorithm>
-
 #include "binnacle/view.hpp"
 
 namespace binnacle::navigation {
@@ -29,19 +27,19 @@ VelocityBlock::VelocityBlock(const Binding& /*binding*/) {
   declaration_.norms = {{"horizontal", {0, 1}}};
 }
 
-void VelocityBlock::plus(const double* x, const double* delta, double* result) const {
-  vector_at<3>(result) = vector_at<3>(x) + vector_at<3>(delta);
+void VelocityBlock::plus(ConstVectorView x, ConstVectorView delta, VectorView result) const {
+  result.as<3>() = x.as<3>() + delta.as<3>();
 }
 
-void VelocityBlock::minus(const double* y, const double* x, double* delta) const {
-  vector_at<3>(delta) = vector_at<3>(y) - vector_at<3>(x);
+void VelocityBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta) const {
+  delta.as<3>() = y.as<3>() - x.as<3>();
 }
 
-void VelocityBlock::read(const double* x, double* outputs) const { std::copy_n(x, 3, outputs); }
+void VelocityBlock::read(ConstVectorView x, VectorView outputs) const { outputs.as<3>() = x.as<3>(); }
 
-Result VelocityBlock::write(const double* outputs, double* x) const {
-  if (!vector_at<3>(outputs).allFinite()) return Result::invalid("a velocity is not finite");
-  std::copy_n(outputs, 3, x);
+Result VelocityBlock::write(ConstVectorView outputs, VectorView x) const {
+  if (!outputs.as<3>().allFinite()) return Result::invalid("a velocity is not finite");
+  x.as<3>() = outputs.as<3>();
   return Result::ok();
 }
 

@@ -14,10 +14,10 @@ class VelocityBlock final : public StateBlock {
   explicit VelocityBlock(const Binding& binding);
 
   const StateBlockDeclaration& declaration() const noexcept override { return declaration_; }
-  void plus(const double* x, const double* delta, double* result) const override;
-  void minus(const double* y, const double* x, double* delta) const override;
-  void read(const double* x, double* outputs) const override;
-  Result write(const double* outputs, double* x) const override;
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override;
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override;
+  void read(ConstVectorView x, VectorView outputs) const override;
+  Result write(ConstVectorView outputs, VectorView x) const override;
 
  private:
   StateBlockDeclaration declaration_;

@@ -33,7 +33,7 @@ Motion::Motion(const Binding& binding) {
   const ShapingFilter filter = read_motion(binding, binding.block("angle").components.front().unit);
   const bool is_fourth = filter.order() == 4;
   for (const char* name : {"forcing", "forcing_rate"})
-    if (binding.is_bound(name) != is_fourth)
+    if (binding.port(name).is_bound() != is_fourth)
       throw ComponentError(std::string("the port '") + name +
                                (is_fourth ? "' is needed for order 4" : "' is for order 4, two frequencies"),
                            "/blocks");

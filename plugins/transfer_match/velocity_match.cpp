@@ -46,9 +46,12 @@ ComponentSpec VelocityMatch::spec() {
       parameter::choice("axes", {"horizontal", "all"}).defaults("\"horizontal\"").about("north and east, or down too")};
   spec.ports = {
       reads("velocity", "velocity.ned", "of the slave (SINS)"),
-      may_read("lever_arm", "vector:3:m", "from the master to the slave, in the master's body axes").formerly("arm"),
-      may_read("attitude", "attitude", "of the slave; needed with a lever arm"),
-      may_read("gyro_bias", "vector:3:rad/s", "of the slave, taken off its rate; for a lever arm")};
+      reads("lever_arm", "vector:3:m")
+          .optional()
+          .about("from the master to the slave, in the master's body axes")
+          .formerly("arm"),
+      reads("attitude", "attitude").optional().about("of the slave; needed with a lever arm"),
+      reads("gyro_bias", "vector:3:rad/s").optional().about("of the slave, taken off its rate; for a lever arm")};
   spec.fields = {speed("vn", "of the master (MINS) over ground, north"),
                  speed("ve", "of the master over ground, east"),
                  speed("vd", "of the master over ground, down; needed for all axes").optional(),

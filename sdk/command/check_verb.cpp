@@ -31,7 +31,7 @@ Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
   study_options.load = options;
   if (covariance::is_in(config)) {
     const auto warnings = covariance::load(path, options).warnings();
-    const bool is_study = config.root().contains(Json::json_pointer("/study/metrics"));
+    const bool is_study = Json::parse(config.text()).contains(Json::json_pointer("/study/metrics"));
     return is_study ? study::Study::load(path, study_options).warnings() : warnings;
   }
   if (study::Study::is_in(config)) return study::Study::load(path, study_options).warnings();

@@ -242,7 +242,7 @@ int explain(const Options& options) {
   if (options.json)
     print_json(explained);
   else
-    print(explanation_text(explained, composition->config()));
+    print(explanation_text(explained, Json::parse(composition->config())));
   return ok;
 }
 

@@ -140,7 +140,7 @@ int run_config(const Options& options) {
     print_error("interrupted; nothing was written");
     die_of_signal();
   }
-  outputs->commit(result.summary, composition->config());
+  outputs->commit(result.summary, Json::parse(composition->config()));
   if (!options.out.empty()) write_report(options.out, report_in(options.out));
   if (!options.quiet) tell_warnings(*composition, result);
   if (options.json)

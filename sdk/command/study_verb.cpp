@@ -115,7 +115,7 @@ struct Outputs {
     folder = options.out;
     make_folders(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
-    config = score::load_config(options.config_path, options.config.load_options()).root();
+    config = Json::parse(score::load_config(options.config_path, options.config.load_options()).text());
     command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
                           study.seed(), options.config.as_typed());
   }

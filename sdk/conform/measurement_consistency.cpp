@@ -141,7 +141,7 @@ class Run {
  public:
   Run(const Subject& subject, std::mt19937_64 random)
       : subject_(subject), random_(random), filter_(subject.composition) {
-    const Json& config = subject.composition->config();
+    const Json config = Json::parse(subject.composition->config());
     channel_ = filter_.channel(
         config.at("filters").at(filter_name).at("measurements").at(component_name).at("channel").get<std::string>());
     truth_ = subject.measurement.ports(random_, 0.0);

@@ -19,8 +19,8 @@ std::vector<double> driving_rates_of(const ComponentSpec& spec, std::mt19937_64&
 }
 
 /// section: "process" or "measurements".
-const Json& settings_in(const Composition& composition, const char* section) {
-  return composition.config().at("filters").at(filter_name).at(section).at(component_name);
+Json settings_in(const Composition& composition, const char* section) {
+  return Json::parse(composition.config()).at("filters").at(filter_name).at(section).at(component_name);
 }
 
 /// A plausible covariance of the channel's samples, diagonal; empty where it attaches none.

@@ -185,7 +185,7 @@ class VariantAnalysis {
 
 }  // namespace
 
-bool is_in(const Config& config) { return config.root().contains("covariance"); }
+bool is_in(const Config& config) { return Json::parse(config.text()).contains("covariance"); }
 
 study::Study load(const std::filesystem::path& path, const LoadOptions& options) {
   study::StudyOptions study_options;

@@ -8,16 +8,17 @@
 #include "binnacle/unit.hpp"
 #include "score/sections.hpp"
 #include "study/section.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::covariance {
 
 namespace {
 
-using study::in_quotes;
 using study::Json;
-using study::listed;
-using study::meant;
 using study::Section;
+using wording::in_quotes;
+using wording::listed;
+using wording::suggestion;
 
 constexpr const char* place = "/covariance";
 
@@ -65,8 +66,8 @@ std::vector<Feed> read_feeds(const Section& section, const Composition& composit
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) {
       section.key_error("B020", at,
-                        "there is no channel " + in_quotes(name) + meant(name, names) + " (channels: " + listed(names) +
-                            ")");
+                        "there is no channel " + in_quotes(name) + suggestion(name, names) +
+                            " (channels: " + listed(names) + ")");
       continue;
     }
     if (!section.object(at)) continue;
@@ -122,7 +123,7 @@ void check_outputs(const Section& section, const std::vector<NamedImpliedState>&
     const auto wanted = section.text(at);
     if (wanted && std::find(names.begin(), names.end(), *wanted) == names.end())
       section.error("B015", at,
-                    "the filter has no implied state " + in_quotes(*wanted) + meant(*wanted, names) +
+                    "the filter has no implied state " + in_quotes(*wanted) + suggestion(*wanted, names) +
                         " (implied states: " + listed(names) + ")");
   }
 }
@@ -137,7 +138,8 @@ std::vector<InitialTie> read_initial(const Section& section, const FilterInfo& t
     for (const auto& block : truth.blocks)
       if (block.name == name) return block.declaration->dof();
     section.error("B015", at,
-                  "there is no block " + in_quotes(name) + meant(name, names) + " (blocks: " + listed(names) + ")");
+                  "there is no block " + in_quotes(name) + suggestion(name, names) + " (blocks: " + listed(names) +
+                      ")");
     return 0;
   };
   for (const auto& [name, settings] : list->items()) {
@@ -280,7 +282,7 @@ Parsed<score::Metric> read_metric(const Composition& composition, std::string_vi
   metric.name = text;
   metric.filter = static_cast<int>(filter - filters.begin());
   metric.quantity = score::MetricQuantity::sigma;
-  const auto known = implied_states_of(composition.config(), words.filter);
+  const auto known = implied_states_of(Json::parse(composition.config()), words.filter);
   const SubjectName subject = subject_named(words.name, known);
   std::vector<std::string> names;
   for (const auto& block : filter->blocks) names.push_back(block.name);
@@ -288,7 +290,7 @@ Parsed<score::Metric> read_metric(const Composition& composition, std::string_vi
   if (found == names.end()) {
     for (const auto& implied_state : known) names.push_back(implied_state.name);
     return Parsed<score::Metric>::failure("filter " + in_quotes(words.filter) + " has no block or implied state " +
-                                          in_quotes(subject.block) + meant(subject.block, names) +
+                                          in_quotes(subject.block) + suggestion(subject.block, names) +
                                           " (there are: " + listed(names) + ")");
   }
   const auto& block = *filter->blocks[static_cast<std::size_t>(found - names.begin())].declaration;
@@ -299,7 +301,7 @@ Parsed<score::Metric> read_metric(const Composition& composition, std::string_vi
   if (!component || (subject.implied_state && component->output >= 0)) {
     const auto components = component_names(block);
     return Parsed<score::Metric>::failure(in_quotes(words.name) + " is no component of block " +
-                                          in_quotes(subject.block) + meant(subject.component, components) +
+                                          in_quotes(subject.block) + suggestion(subject.component, components) +
                                           " (it has: " + listed(components) + ")");
   }
   std::string display = block.error_display_unit;
@@ -324,7 +326,7 @@ std::shared_ptr<const Composition> compose_error_free(const Section& section, co
                                                       const std::filesystem::path& path, const std::string& name,
                                                       const std::string& truth) {
   try {
-    return score::parse(error_free_root(section, config.root(), name, truth).dump(), path);
+    return score::parse(error_free_root(section, Json::parse(config.text()), name, truth).dump(), path);
   } catch (const Error& error) {
     const bool has_truth = section.at(under("truth")) != nullptr;
     for (const auto& item : error.diagnostics().items()) {
@@ -358,7 +360,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   const std::string name = section.text(under("filter")).value_or(names.front());
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) {
-    section.error("B027", under("filter"), "there is no filter " + in_quotes(name) + meant(name, names));
+    section.error("B027", under("filter"), "there is no filter " + in_quotes(name) + suggestion(name, names));
     return plan;
   }
   plan.filter = plan.truth = static_cast<int>(found - names.begin());
@@ -374,7 +376,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
                         in_quotes(key) +
                             " is said of sources, and with 'channels' none is run: leave out the one or "
                             "the other");
-  plan.implied_states = implied_states_of(config.root(), name);
+  plan.implied_states = implied_states_of(Json::parse(config.text()), name);
   check_outputs(section, plan.implied_states);
   refuse_adaptive_noise(section, join_pointer("/filters", name));
   refuse_adaptive_noise(section, under("truth"));

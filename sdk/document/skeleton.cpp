@@ -66,6 +66,26 @@ class Printer {
   std::string text_;
 };
 
+/// A value that the parameter would take.
+Json example(const ParameterSpec& spec) {
+  if (!spec.default_json.empty()) return Json::parse(spec.default_json, nullptr, false);
+  switch (spec.type) {
+    case ParameterType::boolean: return true;
+    case ParameterType::text: return "";
+    case ParameterType::choice: return spec.choices.empty() ? "" : spec.choices.front();
+    case ParameterType::path: return "FILE";
+    case ParameterType::list: return Json::array({example(spec.members.front())});
+    case ParameterType::map: return {{"NAME", example(spec.members.front())}};
+    case ParameterType::object: {
+      Json members = Json::object();
+      for (const ParameterSpec& member : spec.members)
+        if (member.is_required) members[member.name] = example(member);
+      return members;
+    }
+    default: return Json::parse(example_text(spec));
+  }
+}
+
 class Skeleton {
  public:
   void add(const ComponentType& type) {
@@ -173,7 +193,7 @@ class Skeleton {
       const std::string short_text = requirement_text(spec);
       comments_[join_pointer(place, spec.name)] = short_text + (spec.text.empty() ? "" : ": " + spec.text);
       if (!spec.is_required && spec.default_json.empty()) continue;
-      json[spec.name] = Json::parse(example_text(spec), nullptr, false);
+      json[spec.name] = example(spec);
     }
   }
 

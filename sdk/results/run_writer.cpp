@@ -180,7 +180,7 @@ class RunWriter::Filter : public StepObserver {
 struct RunWriter::Contents {
   Contents(const std::filesystem::path& path, const Composition& composition, const Json& provenance)
       : file(nc::File::create(path)) {
-    write_provenance(file.root(), "run", composition.config(), provenance);
+    write_provenance(file.root(), "run", Json::parse(composition.config()), provenance);
     Names names;
     for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path"}) names.take(taken);
     for (const auto& filter : composition.filters())

@@ -6,9 +6,11 @@
 #include <numbers>
 
 #include "filter_score.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 using Json = nlohmann::ordered_json;
 

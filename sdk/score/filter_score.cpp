@@ -6,9 +6,11 @@
 #include <numbers>
 
 #include "binnacle/outputs.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

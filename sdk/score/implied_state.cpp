@@ -5,9 +5,11 @@
 
 #include <Eigen/LU>
 
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

@@ -8,9 +8,11 @@
 #include "binnacle/diagnostic.hpp"
 #include "filter_score.hpp"
 #include "plan.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

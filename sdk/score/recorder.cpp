@@ -4,9 +4,11 @@
 #include <algorithm>
 
 #include "binnacle/state_block.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

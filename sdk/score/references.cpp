@@ -7,9 +7,11 @@
 #include "binnacle/config.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/unit.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

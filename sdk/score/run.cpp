@@ -10,9 +10,11 @@
 #include "plan.hpp"
 #include "recorder.hpp"
 #include "run_figures.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

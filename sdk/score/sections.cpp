@@ -10,9 +10,11 @@
 #include "binnacle/unit.hpp"
 #include "plan.hpp"
 #include "references.hpp"
-#include "text.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::score {
+
+using namespace wording;
 
 namespace {
 

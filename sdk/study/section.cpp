@@ -3,20 +3,11 @@
 
 #include <algorithm>
 
+#include "wording/wording.hpp"
+
 namespace binnacle::study {
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
-
-std::string meant(std::string_view text, const std::vector<std::string>& candidates) {
-  const std::string near = closest(text, candidates);
-  return near.empty() ? "" : "; did you mean " + in_quotes(near) + "?";
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string list;
-  for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list.empty() ? "none" : list;
-}
+using namespace wording;
 
 namespace {
 
@@ -46,7 +37,7 @@ void Section::wrong_type(const std::string& pointer, const char* wanted) const {
 
 const Json* Section::at(const std::string& pointer) const {
   const Json::json_pointer where(pointer);
-  return config_.root().contains(where) ? &config_.root().at(where) : nullptr;
+  return root_.contains(where) ? &root_.at(where) : nullptr;
 }
 
 void Section::check_keys(const std::string& pointer, const std::vector<std::string>& allowed,
@@ -54,7 +45,7 @@ void Section::check_keys(const std::string& pointer, const std::vector<std::stri
   for (const auto& [key, value] : at(pointer)->items())
     if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
       key_error("B012", join_pointer(pointer, key),
-                "unknown key of " + std::string(what) + meant(key, allowed) + " (keys: " + listed(allowed) + ")");
+                "unknown key of " + std::string(what) + suggestion(key, allowed) + " (keys: " + listed(allowed) + ")");
 }
 
 const Json* Section::object(const std::string& pointer) const {
@@ -105,7 +96,7 @@ std::optional<std::string> Section::choice(const std::string& pointer, const std
   const auto word = text(pointer);
   if (!word || std::find(choices.begin(), choices.end(), *word) != choices.end()) return word;
   error("B014", pointer,
-        in_quotes(last_token(pointer)) + " is not " + in_quotes(*word) + meant(*word, choices) + " (one of " +
+        in_quotes(last_token(pointer)) + " is not " + in_quotes(*word) + suggestion(*word, choices) + " (one of " +
             listed(choices) + ")");
   return std::nullopt;
 }

@@ -10,8 +10,11 @@
 #include "score/sections.hpp"
 #include "study/section.hpp"
 #include "tables.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::study {
+
+using namespace wording;
 
 namespace {
 
@@ -207,7 +210,7 @@ std::vector<double> Results::values(std::size_t variant, std::size_t metric) con
   return values;
 }
 
-bool Study::is_in(const Config& config) { return config.root().contains("study"); }
+bool Study::is_in(const Config& config) { return Json::parse(config.text()).contains("study"); }
 
 Study Study::load(const std::filesystem::path& path, const StudyOptions& options) {
   const Config config = score::load_config(path, options.load);
@@ -260,7 +263,7 @@ void Study::note_makings() {
     for (const auto& variant : variants_) {
       hash.add(variant.name);
       hash.add(variant.composition->hash());
-      hash.add(what_is_measured(variant.composition->config()));
+      hash.add(what_is_measured(Json::parse(variant.composition->config())));
     }
     for (const auto& metric : metrics_) hash.add(metric.name);
   });

@@ -6,7 +6,11 @@
 #include <map>
 #include <set>
 
+#include "wording/wording.hpp"
+
 namespace binnacle::study {
+
+using namespace wording;
 
 namespace {
 
@@ -150,7 +154,7 @@ class CellReader {
     const auto from = settings.from.find(key);
     report("B090", from == settings.from.end() ? table_ : from->second,
            "there is no variant " + in_quotes(name) + ", the " + key + " of row " + in_quotes(row.name) + ", column " +
-               in_quotes(column.name) + meant(name, variants_) + " (variants: " + listed(variants_) + ")");
+               in_quotes(column.name) + suggestion(name, variants_) + " (variants: " + listed(variants_) + ")");
     return -1;
   }
 

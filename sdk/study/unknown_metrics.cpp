@@ -20,8 +20,9 @@ bool is_entry(const Json& entry, const std::string& name) {
 /// Whether the variant's "evaluate" has the metric, misspelt or not.
 bool lists(const Composition& composition, const std::string& name) {
   const Json::json_pointer place("/evaluate/metrics");
-  if (!composition.config().contains(place)) return false;
-  const Json& metrics = composition.config().at(place);
+  const Json config = Json::parse(composition.config());
+  if (!config.contains(place)) return false;
+  const Json& metrics = config.at(place);
   if (!metrics.is_array()) return is_entry(metrics, name);
   return std::any_of(metrics.begin(), metrics.end(), [&](const Json& entry) { return is_entry(entry, name); });
 }

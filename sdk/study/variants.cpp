@@ -5,8 +5,11 @@
 #include "score/sections.hpp"
 #include "study/section.hpp"
 #include "study/study.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::study {
+
+using namespace wording;
 
 namespace {
 
@@ -75,7 +78,8 @@ std::vector<std::string> patches_of(const std::filesystem::path& path, const Loa
   }
   Section(config, diagnostics)
       .key_error("B090", "/study",
-                 "there is no variant " + in_quotes(name) + meant(name, names) + " (variants: " + listed(names) + ")");
+                 "there is no variant " + in_quotes(name) + suggestion(name, names) + " (variants: " + listed(names) +
+                     ")");
   throw ConfigError(diagnostics);
 }
 

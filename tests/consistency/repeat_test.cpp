@@ -102,7 +102,7 @@ TEST_CASE("another block, process or source changes no sample of the others") {
                R"(/filters/ins/process/more={"type": "random_walk", "blocks": {"x": "more"}, "q": 1})"});
   REQUIRE(blocks.differences(base).empty());
 
-  auto copy = load()->config()["sources"]["drive"];
+  auto copy = nlohmann::ordered_json::parse(load()->config())["sources"]["drive"];
   const Samples sources = samples({"/sources/another=" + copy.dump()});
   REQUIRE(sources.differences(base).empty());
   REQUIRE(sources.of("another.imu wx") != sources.of("drive.imu wx"));

@@ -32,13 +32,13 @@ TEST_CASE("blocks: kinds, and the laws from nothing to near the edge", "[navigat
     REQUIRE_NO_COMPLAINTS(check_block(*attitude, q, EIGEN_PI - 1e-3, 1e-14, 1e-13));
     // The same maps as those written from the definition of the kinds.
     const double metres[3] = {1200, -800, 30}, phi[3] = {0.4, -1.1, 0.8};
-    double one[4], other[4];
-    position->plus(lla.data(), metres, one), plain_position.plus(lla.data(), metres, other);
+    double there[3], plainly_there[3], turned[4], plainly_turned[4];
+    position->plus(lla, metres, there), plain_position.plus(lla, metres, plainly_there);
     Vector3d apart;
-    plain_position.minus(one, other, apart.data());
+    plain_position.minus(there, plainly_there, apart);
     REQUIRE(apart.norm() < 2e-8);
-    attitude->plus(q.data(), phi, one), plain_attitude.plus(q.data(), phi, other);
-    plain_attitude.minus(one, other, apart.data());
+    attitude->plus(q, phi, turned), plain_attitude.plus(q, phi, plainly_turned);
+    plain_attitude.minus(turned, plainly_turned, apart);
     REQUIRE(apart.norm() < 1e-15);
   }
   REQUIRE_NO_COMPLAINTS(check_block(*attitude, {1, 0, 0, 0}, EIGEN_PI - 1e-6, 1e-14, 1e-13));
@@ -50,7 +50,7 @@ TEST_CASE("blocks: what write refuses, and what it wraps", "[navigation]") {
   const auto attitude = bind<AttitudeBlock>();
   double x[4];
   const auto refuses = [&](const StateBlock& block, std::array<double, 3> outputs) {
-    return block.write(outputs.data(), x).refusal == Refusal::invalid;
+    return block.write(outputs, {x, block.declaration().stored_size}).refusal == Refusal::invalid;
   };
   const double nan = std::nan("");
   REQUIRE(refuses(*position, {1.58, 0, 0}));
@@ -83,7 +83,7 @@ TEST_CASE("attitude: a mounted body is read in the axes in which it is mounted",
     const auto x = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
     REQUIRE_NO_COMPLAINTS(check_block(*upright, x, 1.0, 1e-14, 1e-13));
     double angles[3], back[4];
-    plain->read(x.data(), angles);
+    plain->read(x, angles);
     REQUIRE((vector_at<3>(angles) - flight.roll_pitch_yaw).norm() < 1e-14);
     REQUIRE(upright->write(angles, back));
     upright->read(back, angles);
@@ -100,7 +100,8 @@ TEST_CASE("attitude: an injected correction turns what remains by +half of it", 
     REQUIRE_NO_COMPLAINTS(check_reset(*attitude, q, 20 * delta, {1e-8}));
   }
   Eigen::Matrix3d G;
-  REQUIRE(attitude->reset_jacobian(delta.data(), G.data()));
+  const auto q = numbers(strapdown::quaternion_from_euler(flights[0].roll_pitch_yaw));
+  REQUIRE(attitude->reset_jacobian(q, delta, {G.data(), 3, 3, 3}));
   REQUIRE((G - Eigen::Matrix3d::Identity() - 0.5 * strapdown::skew(delta)).norm() < 1e-3);
   REQUIRE((G - Eigen::Matrix3d::Identity() + 0.5 * strapdown::skew(delta)).norm() > 3e-2);
 }

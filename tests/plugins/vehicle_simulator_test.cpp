@@ -148,10 +148,10 @@ Json standing(double seconds_long) {
 
 double metres(const Vector3d& lla, const Vector3d& from) { return strapdown::position_minus(lla, from).norm(); }
 
-struct Refusal {
+struct RefusedAt {
   std::string pointer, message;
 };
-Refusal refusal_of(const Json& segments, const Json& more = {}) {
+RefusedAt refusal_of(const Json& segments, const Json& more = {}) {
   Json config = {{"start", munich}, {"segments", segments}};
   config.update(more.is_null() ? Json::object() : more);
   try {
@@ -723,7 +723,7 @@ TEST_CASE("the initial estimate has the errors that its covariance states") {
 
 TEST_CASE("segments that make no drive are refused at the member that is wrong") {
   const auto check = [](const char* segments, const char* pointer, const char* message) {
-    const Refusal refusal = refusal_of(Json::parse(segments));
+    const RefusedAt refusal = refusal_of(Json::parse(segments));
     INFO(segments);
     REQUIRE(refusal.pointer == pointer);
     REQUIRE(refusal.message == message);

@@ -249,6 +249,10 @@ TEST_CASE("every instruction set gives the same bits") {
     base_strip_loops.transpose(square.data(), ld, ld, T1.data(), ld);
     avx2_strip_loops.transpose(square.data(), ld, ld, T2.data(), ld);
     REQUIRE(T1 == T2);
+    std::vector<double> sum1(static_cast<std::size_t>(ld)), sum2(sum1);
+    base_strip_loops.combine_neighbours(in.data(), ld, n, coefficients.data(), 3, sum1.data());
+    avx2_strip_loops.combine_neighbours(in.data(), ld, n, coefficients.data(), 3, sum2.data());
+    REQUIRE(sum1 == sum2);
     for (int j = 0; j < ld; ++j)
       for (int i = 0; i < ld; ++i)
         REQUIRE(T1[static_cast<std::size_t>(j + i * ld)] == square[static_cast<std::size_t>(i + j * ld)]);

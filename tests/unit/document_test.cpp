@@ -128,6 +128,18 @@ TEST_CASE("syntax errors give line, column, what was found and expected", "[docu
   CHECK(errors_of("{\"a\": " + std::string(300, '[')).find("nested more than 200 deep") != std::string::npos);
 }
 
+TEST_CASE("what a text and a number cannot hold is reported with its place", "[document]") {
+  const std::string head = "a.json:1:10: error[B001]: bad text: ";
+  CHECK(errors_of(R"({"a": "x\q"})") ==
+        head + R"(forbidden character after backslash; a backslash itself is written '\\')");
+  CHECK(errors_of("{\"a\": \"xy\t\"}") == head + R"(control character U+0009 (HT) must be escaped to \u0009 or \t)");
+  CHECK(errors_of(R"({"a": "\u1x"})").find(R"('\u' must be followed by 4 hex digits)") != std::string::npos);
+  CHECK(errors_of(R"({"a": "\ud83d"})").find("surrogate U+D800..U+DBFF must be followed by") != std::string::npos);
+  CHECK(errors_of(R"({"a": "x\)") == "a.json:1:7: error[B001]: the text is never closed; expected '\"'");
+  CHECK(errors_of(R"({"a": 1e999})") == "a.json:1:7: error[B001]: number '1e999' is out of range");
+  CHECK(parsed(R"({"a": 2.2250738585072011e-308})").root()["a"] == 2.2250738585072011e-308);
+}
+
 TEST_CASE("commas too many, commas too few and duplicate keys are reported together", "[document]") {
   CHECK(errors_of("{\n  \"a\": [1, 2,],\n  \"b\": 1\n  \"c\": 2,\n  \"a\": 3,\n}") ==
         "a.json:2:13: error[B001]: trailing comma before ']'; delete it\n"

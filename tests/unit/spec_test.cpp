@@ -277,9 +277,9 @@ TEST_CASE("keys that the kernel owns", "[spec]") {
   Diagnostics diagnostics;
   check_keys(config, "/evaluate", {"after", "windows"}, "'evaluate'", diagnostics);
   CHECK_FALSE(require_key(config, "/evaluate", "after", "evaluate", "a time", diagnostics));
-  CHECK_FALSE(read_quantity(config, "/sigma/0", "m", diagnostics));
-  CHECK(*read_quantity(config, "/sigma/1", "m", diagnostics) == 2);
-  CHECK_FALSE(read_quantity(config, "/nothing", "m", diagnostics));
+  CHECK_FALSE(read_quantity(config, "/sigma/0", number("", "m"), diagnostics));
+  CHECK(*read_quantity(config, "/sigma/1", number("", "m"), diagnostics) == 2);
+  CHECK_FALSE(read_quantity(config, "/nothing", number("", "m"), diagnostics));
   CHECK_FALSE(read_names(config, "/names", diagnostics));
   CHECK_FALSE(object_at(config, "/n", "'n'", diagnostics));
   Lines messages;

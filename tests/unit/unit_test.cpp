@@ -189,6 +189,9 @@ TEST_CASE("times are exact to the nanosecond", "[unit]") {
   CHECK(*parse_time("0.5 ns") == 1);
   CHECK(*parse_time("-0.5 ns") == -1);
   CHECK(*parse_time("0.0000000000000000001 s") == 0);
+  CHECK(*parse_time("4000000000.123456789 s") == 4'000'000'000'123'456'789);
+  CHECK(*parse_time("0.000277777777778 h") == 1'000'000'000);
+  CHECK(parse_time("1 1/Hz").error() == "unit '1/Hz' is no time; use ns, us, ms, s, min, h or day");
   CHECK(parse_time("228").error() == "'228' has no unit; write '228 s'");
   CHECK(parse_time("5 m").error() == "unit 'm' is no time; use ns, us, ms, s, min, h or day");
   CHECK(parse_time("soon").error() == "'soon' does not begin with a number; expected something like '120 s'");

@@ -71,11 +71,6 @@ class Binding {
   const std::string& name() const noexcept { return name_; }
   const Parameters& parameters() const noexcept { return parameters_; }
   const std::vector<PortBinding>& ports() const noexcept { return ports_; }
-  int port_index(std::string_view name) const {
-    for (std::size_t i = 0; i < ports_.size(); ++i)
-      if (ports_[i].name == name) return static_cast<int>(i);
-    throw std::logic_error("port '" + std::string(name) + "' is not declared in the spec");
-  }
   /// Handle of a port; throws std::logic_error for a name that the spec does not declare, as do all that follow.
   Port port(std::string_view name) const {
     const int index = port_index(name);
@@ -84,7 +79,6 @@ class Binding {
   }
   /// What is plugged in: kind and names of its components.
   const PortBinding& block(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
-  bool is_bound(std::string_view port_name) const { return block(port_name).bound; }
 
   /// Handle of a field with one value per sample (ComponentSpec::fields).
   Field field(std::string_view name) const { return epoch_field(spec().fields, 0, name); }
@@ -124,8 +118,6 @@ class Binding {
   DrivingRateVector<static_cast<int>(sizeof...(Names))> driving_rates(const Names&... names) const {
     return {{driving_rate(std::string_view(names))...}};
   }
-  /// Whether the i-th declared field (ComponentSpec::fields) is carried by the channel; required ones always are.
-  bool has_field(int i) const { return fields_bound_.at(static_cast<std::size_t>(i)); }
   /// The error components of SampleView::covariance, of a measurement's channel or of a transform's input. Empty where
   /// the channel attaches none. A filter's channel calls them BLOCK.COMPONENT.
   const std::vector<NamedUnit>& covariance() const { return covariances_.at(0); }
@@ -146,6 +138,11 @@ class Binding {
   }
 
  private:
+  int port_index(std::string_view name) const {
+    for (std::size_t i = 0; i < ports_.size(); ++i)
+      if (ports_[i].name == name) return static_cast<int>(i);
+    throw std::logic_error("port '" + std::string(name) + "' is not declared in the spec");
+  }
   const ComponentSpec& spec() const {
     if (!spec_) throw std::logic_error("this binding knows no spec");
     return *spec_;

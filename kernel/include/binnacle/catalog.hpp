@@ -143,7 +143,7 @@ class Catalog {
 
 /// "s, > 0": unit and range of the parameter, or what else its value has to be.
 std::string requirement_text(const ParameterSpec& spec);
-/// A value as one would write it, inside its range, as JSON text: "\"1 h\"".
+/// The default, or a number, time, vector or matrix as one would write it, inside its range, as JSON text: "\"1 h\"".
 std::string example_text(const ParameterSpec& spec);
 
 /// This program's ABI guard against a plugin's, for `binnacle version`: one line per field, "name: value".

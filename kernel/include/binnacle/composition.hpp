@@ -141,8 +141,8 @@ class Composition {
   const Diagnostics& warnings() const;
   /// Identifies the composition: config as resolved, plugins and their versions, this kernel's version.
   std::uint64_t hash() const;
-  /// The config as resolved: extends merged, variables and --set applied.
-  const nlohmann::ordered_json& config() const;
+  /// The config as resolved, JSON text: extends merged, variables and --set applied.
+  std::string config() const;
   /// What LoadOptions::sections made of theirs, in their order; null where one made nothing.
   const std::vector<std::shared_ptr<const SectionData>>& sections() const;
   /// What all that a run keeps takes; a snapshot is a little more.

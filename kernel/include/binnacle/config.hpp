@@ -4,9 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
-
-#include <nlohmann/json_fwd.hpp>
 
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/load_options.hpp"
@@ -22,7 +21,8 @@ class Config {
   /// extends merged, patches, --set and variables applied; nothing else is checked. Throws ConfigError.
   static Config load(const std::filesystem::path& path, const LoadOptions& options = {});
 
-  const nlohmann::ordered_json& root() const;
+  /// JSON text.
+  std::string text() const;
   /// Where the value stands, or that of its nearest ancestor if there is none.
   Origin origin(std::string_view pointer) const;
   /// Where its key stands.

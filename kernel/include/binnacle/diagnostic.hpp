@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace binnacle {
@@ -36,6 +37,8 @@ std::string to_string(const Diagnostic& diagnostic);
 /// A collection without duplicates: everything that is wrong is told in one go.
 class Diagnostics {
  public:
+  Diagnostics() = default;
+  explicit Diagnostics(Diagnostic only) { add(std::move(only)); }
   void add(Diagnostic diagnostic);
   void error(std::string code, Origin origin, std::string pointer, std::string message);
   void warning(std::string code, Origin origin, std::string pointer, std::string message);
@@ -67,33 +70,17 @@ class Error : public std::runtime_error {
   Diagnostics diagnostics_;
 };
 
-/// A filter broke or a check failed: exit status 1.
-class FilterError : public Error {
+template <int status>
+class ErrorOf : public Error {
  public:
-  explicit FilterError(Diagnostics diagnostics);
-  explicit FilterError(Diagnostic diagnostic);
+  explicit ErrorOf(Diagnostics diagnostics) : Error(status, std::move(diagnostics)) {}
+  explicit ErrorOf(Diagnostic diagnostic) : Error(status, Diagnostics(std::move(diagnostic))) {}
 };
 
-/// The config is wrong: exit status 3.
-class ConfigError : public Error {
- public:
-  explicit ConfigError(Diagnostics diagnostics);
-  explicit ConfigError(Diagnostic diagnostic);
-};
-
-/// A plugin cannot be loaded: exit status 4.
-class LoadError : public Error {
- public:
-  explicit LoadError(Diagnostics diagnostics);
-  explicit LoadError(Diagnostic diagnostic);
-};
-
-/// Data are missing or unusable: exit status 5.
-class DataError : public Error {
- public:
-  explicit DataError(Diagnostics diagnostics);
-  explicit DataError(Diagnostic diagnostic);
-};
+using FilterError = ErrorOf<1>;  ///< a filter broke or a check failed: exit status 1
+using ConfigError = ErrorOf<3>;  ///< the config is wrong: exit status 3
+using LoadError = ErrorOf<4>;    ///< a plugin cannot be loaded: exit status 4
+using DataError = ErrorOf<5>;    ///< data are missing or unusable: exit status 5
 
 /// The candidate that was most likely meant by `name`, or "" if none is near. Case and `-`/`_` hardly count;
 /// a transposition counts less than another edit, and a name cut short or run on is near its whole.

@@ -7,10 +7,22 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace binnacle {
+
+namespace detail {
+
+/// Sets a member of a spec that is being written.
+template <class Spec, class T>
+Spec&& with(Spec& spec, T Spec::*member, std::type_identity_t<T> value) {
+  spec.*member = std::move(value);
+  return std::move(spec);
+}
+
+}  // namespace detail
 
 enum class ParameterType { number, integer, boolean, text, choice, path, vector, matrix, time, list, map, object };
 
@@ -45,45 +57,30 @@ struct ParameterSpec {
 
   /// The key that this parameter had in an earlier version: under it a config gets an error that states the new one.
   ParameterSpec&& formerly(std::string key) && {
-    former_name = std::move(key);
-    return std::move(*this);
+    return detail::with(*this, &ParameterSpec::former_name, std::move(key));
   }
-  ParameterSpec&& required() && {
-    is_required = true;
-    return std::move(*this);
-  }
+  ParameterSpec&& required() && { return detail::with(*this, &ParameterSpec::is_required, true); }
   ParameterSpec&& defaults(std::string json) && {
-    default_json = std::move(json);
-    return std::move(*this);
+    return detail::with(*this, &ParameterSpec::default_json, std::move(json));
   }
-  ParameterSpec&& about(std::string line) && {
-    text = std::move(line);
-    return std::move(*this);
-  }
-  ParameterSpec&& above(double bound) && {
-    minimum = bound;
-    minimum_excluded = true;
-    return std::move(*this);
-  }
-  ParameterSpec&& at_least(double bound) && {
-    minimum = bound;
-    minimum_excluded = false;
-    return std::move(*this);
-  }
-  ParameterSpec&& below(double bound) && {
-    maximum = bound;
-    maximum_excluded = true;
-    return std::move(*this);
-  }
-  ParameterSpec&& at_most(double bound) && {
-    maximum = bound;
-    maximum_excluded = false;
-    return std::move(*this);
-  }
+  ParameterSpec&& about(std::string line) && { return detail::with(*this, &ParameterSpec::text, std::move(line)); }
+  ParameterSpec&& above(double bound) && { return from(bound, true); }
+  ParameterSpec&& at_least(double bound) && { return from(bound, false); }
+  ParameterSpec&& below(double bound) && { return to(bound, true); }
+  ParameterSpec&& at_most(double bound) && { return to(bound, false); }
   /// As many elements (rows and columns for a matrix) as the block on `port` has error dof; one number stands for all.
   ParameterSpec&& sized_by(std::string port) && {
-    size_of_port = std::move(port);
-    return std::move(*this);
+    return detail::with(*this, &ParameterSpec::size_of_port, std::move(port));
+  }
+
+ private:
+  ParameterSpec&& from(double bound, bool is_excluded) {
+    minimum_excluded = is_excluded;
+    return detail::with(*this, &ParameterSpec::minimum, bound);
+  }
+  ParameterSpec&& to(double bound, bool is_excluded) {
+    maximum_excluded = is_excluded;
+    return detail::with(*this, &ParameterSpec::maximum, bound);
   }
 };
 
@@ -162,19 +159,10 @@ struct PortSpec {
   std::string text;
   std::string former_name = {};  // "" = it was never renamed
 
-  PortSpec&& optional() && {
-    is_optional = true;
-    return std::move(*this);
-  }
-  PortSpec&& about(std::string line) && {
-    text = std::move(line);
-    return std::move(*this);
-  }
+  PortSpec&& optional() && { return detail::with(*this, &PortSpec::is_optional, true); }
+  PortSpec&& about(std::string line) && { return detail::with(*this, &PortSpec::text, std::move(line)); }
   /// The name that this port had in an earlier version: under it a config gets an error that states the new one.
-  PortSpec&& formerly(std::string port) && {
-    former_name = std::move(port);
-    return std::move(*this);
-  }
+  PortSpec&& formerly(std::string port) && { return detail::with(*this, &PortSpec::former_name, std::move(port)); }
 };
 
 inline PortSpec advances(std::string name, std::string kind, std::string text = {}) {
@@ -182,12 +170,6 @@ inline PortSpec advances(std::string name, std::string kind, std::string text = 
 }
 inline PortSpec reads(std::string name, std::string kind, std::string text = {}) {
   return {std::move(name), std::move(kind), PortAccess::reads, false, std::move(text)};
-}
-inline PortSpec may_advance(std::string name, std::string kind, std::string text) {
-  return {std::move(name), std::move(kind), PortAccess::advances, true, std::move(text)};
-}
-inline PortSpec may_read(std::string name, std::string kind, std::string text) {
-  return {std::move(name), std::move(kind), PortAccess::reads, true, std::move(text)};
 }
 
 /// `level`: the value at the sample's time. `rate`: the mean over its interval. `increment`: the integral over it.
@@ -209,18 +191,9 @@ struct FieldSpec {
   bool is_per_row = false;  // one value per row of the sample instead of one per sample
   std::string text;
 
-  FieldSpec&& optional() && {
-    is_optional = true;
-    return std::move(*this);
-  }
-  FieldSpec&& per_row() && {
-    is_per_row = true;
-    return std::move(*this);
-  }
-  FieldSpec&& about(std::string line) && {
-    text = std::move(line);
-    return std::move(*this);
-  }
+  FieldSpec&& optional() && { return detail::with(*this, &FieldSpec::is_optional, true); }
+  FieldSpec&& per_row() && { return detail::with(*this, &FieldSpec::is_per_row, true); }
+  FieldSpec&& about(std::string line) && { return detail::with(*this, &FieldSpec::text, std::move(line)); }
 };
 
 namespace field {
@@ -247,14 +220,8 @@ struct ChannelPort {
   bool is_optional = false;
   std::string text;
 
-  ChannelPort&& optional() && {
-    is_optional = true;
-    return std::move(*this);
-  }
-  ChannelPort&& about(std::string line) && {
-    text = std::move(line);
-    return std::move(*this);
-  }
+  ChannelPort&& optional() && { return detail::with(*this, &ChannelPort::is_optional, true); }
+  ChannelPort&& about(std::string line) && { return detail::with(*this, &ChannelPort::text, std::move(line)); }
 };
 
 inline ChannelPort input(std::string name, std::vector<FieldSpec> fields) {

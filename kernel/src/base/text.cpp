@@ -15,6 +15,12 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string quoted_list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + in_quotes(name);
+  return text;
+}
+
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string nearest = closest(name, candidates);
   return nearest.empty() ? "" : "; did you mean " + in_quotes(nearest) + "?";

@@ -10,8 +10,17 @@ namespace binnacle::base {
 
 inline std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// A letter of ASCII, a digit or one of the others.
+constexpr bool is_word(char c, std::string_view others) {
+  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || others.find(c) != others.npos;
+}
+
 /// "a, b, c", cut after a dozen.
 std::string listed(const std::vector<std::string>& names);
+
+/// "'a', 'b', 'c'", all of them.
+std::string quoted_list(const std::vector<std::string>& names);
 
 /// "; did you mean 'x'?" or "".
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);

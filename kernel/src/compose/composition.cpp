@@ -303,7 +303,7 @@ std::size_t Composition::arena_bytes() const { return plan_->layout.size(); }
 const Catalog& Composition::catalog() const { return plan_->catalog; }
 const Diagnostics& Composition::warnings() const { return warnings_; }
 std::uint64_t Composition::hash() const { return plan_->hash; }
-const nlohmann::ordered_json& Composition::config() const { return plan_->document.root(); }
+std::string Composition::config() const { return plan_->document.root().dump(); }
 const std::vector<std::shared_ptr<const SectionData>>& Composition::sections() const { return plan_->sections; }
 
 std::vector<StageInfo> Composition::sources() const {

@@ -35,12 +35,6 @@ std::string on_one_line(const std::string& text) {
   return result;
 }
 
-Diagnostics only(Diagnostic diagnostic) {
-  Diagnostics diagnostics;
-  diagnostics.add(std::move(diagnostic));
-  return diagnostics;
-}
-
 }  // namespace
 
 std::string to_string(const Diagnostic& diagnostic) {
@@ -95,19 +89,9 @@ std::string Diagnostics::text() const {
 Error::Error(int exit_status, Diagnostics diagnostics)
     : std::runtime_error(diagnostics.text()), exit_status_(exit_status), diagnostics_(std::move(diagnostics)) {}
 
-FilterError::FilterError(Diagnostics diagnostics) : Error(1, std::move(diagnostics)) {}
-FilterError::FilterError(Diagnostic diagnostic) : FilterError(only(std::move(diagnostic))) {}
-ConfigError::ConfigError(Diagnostics diagnostics) : Error(3, std::move(diagnostics)) {}
-ConfigError::ConfigError(Diagnostic diagnostic) : ConfigError(only(std::move(diagnostic))) {}
-LoadError::LoadError(Diagnostics diagnostics) : Error(4, std::move(diagnostics)) {}
-LoadError::LoadError(Diagnostic diagnostic) : LoadError(only(std::move(diagnostic))) {}
-DataError::DataError(Diagnostics diagnostics) : Error(5, std::move(diagnostics)) {}
-DataError::DataError(Diagnostic diagnostic) : DataError(only(std::move(diagnostic))) {}
-
 namespace {
 
-// Costs are in quarters of an edit, so that a transposition can be dearer than nothing and cheaper than an
-// edit.
+// Costs are in quarters of an edit, so that a transposition can be dearer than nothing and cheaper than an edit.
 constexpr std::size_t edit = 4;
 constexpr std::size_t transposition = 3;
 constexpr std::size_t cut_short = 5;

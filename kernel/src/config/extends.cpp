@@ -3,7 +3,6 @@
 #include "config/extends.hpp"
 
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -37,15 +36,14 @@ std::pair<std::string, std::string> slurp(const fs::path& path) {
   return {std::move(text), ""};
 }
 
-std::string with_pointer(const std::string& file, const std::string& pointer) {
-  return pointer.empty() ? file : file + "#" + pointer;
+std::optional<Node> merged(std::optional<Node> base, std::optional<Node> over) {
+  if (!base) return over;
+  if (over) merge_patch(*base, *std::move(over));
+  return base;
 }
 
-const Node* element_at(const Node& array, const std::string& token) {
-  std::size_t index = 0;
-  const auto [last, status] = std::from_chars(token.data(), token.data() + token.size(), index);
-  if (status != std::errc() || last != token.data() + token.size() || index >= array.elements.size()) return nullptr;
-  return &array.elements[index];
+std::string with_pointer(const std::string& file, const std::string& pointer) {
+  return pointer.empty() ? file : file + "#" + pointer;
 }
 
 }  // namespace
@@ -60,9 +58,7 @@ const ConfigFile& Extends::file(const fs::path& path, const std::string_view* te
   const fs::path name = path.lexically_normal();
   std::unique_ptr<ConfigFile>& entry = files_[fs::absolute(name).lexically_normal()];
   if (entry) return *entry;
-  entry = std::make_unique<ConfigFile>();
-  entry->name = name.string();
-  entry->folder = fs::absolute(name).lexically_normal().parent_path();
+  entry = std::make_unique<ConfigFile>(ConfigFile{name.string(), std::nullopt});
   std::pair<std::string, std::string> read;
   if (!text) read = slurp(name);
   if (!read.second.empty()) {
@@ -70,34 +66,26 @@ const ConfigFile& Extends::file(const fs::path& path, const std::string_view* te
                        "cannot read " + in_quotes(entry->name) + ": " + read.second);
     return *entry;
   }
-  const auto folder = std::make_shared<const fs::path>(entry->folder);
+  const auto folder = std::make_shared<const fs::path>(fs::absolute(name).lexically_normal().parent_path());
   entry->content = read_json(text ? *text : read.first, entry->name, folder, diagnostics_);
-  if (entry->content && entry->content->kind != Node::Kind::object) {
+  if (entry->content && !entry->content->json.is_object()) {
     diagnostics_.error("B006", entry->content->origin, "",
-                       std::string("a config is an object, found ") + kind_name(entry->content->kind));
+                       "a config is an object, found " + kind_name(*entry->content));
     entry->content.reset();
   }
   return *entry;
 }
 
 Node Extends::whole(const ConfigFile& config, const Node& node, const std::string& pointer) {
-  Node own;
-  own.kind = node.kind;
-  own.scalar = node.scalar;
-  own.origin = node.origin;
-  own.folder = node.folder;
-  for (std::size_t i = 0; i < node.elements.size(); ++i) {
+  Node own{node.json, node.origin, node.folder};
+  for (std::size_t i = 0; i < node.elements.size(); ++i)
     own.elements.push_back(whole(config, node.elements[i], join_pointer(pointer, i)));
-  }
   for (const Member& member : node.members) {
     if (member.key == "extends") continue;
-    Node value = whole(config, member.value, join_pointer(pointer, member.key));
-    own.members.push_back({member.key, member.key_origin, std::move(value)});
+    own.members.push_back(
+        {member.key, member.key_origin, whole(config, member.value, join_pointer(pointer, member.key))});
   }
-  std::optional<Node> result = inherited(config, node, pointer, {});
-  if (!result) return own;
-  merge_patch(*result, std::move(own));
-  return *std::move(result);
+  return *merged(inherited(config, node, pointer, {}), std::move(own));
 }
 
 std::optional<Node> Extends::inherited(const ConfigFile& config, const Node& node, const std::string& pointer,
@@ -106,47 +94,40 @@ std::optional<Node> Extends::inherited(const ConfigFile& config, const Node& nod
   for (const Node* statement : statements(node, pointer)) {
     Found layer = base(config, *statement, pointer, path);
     if (layer.hides) result.reset();
-    if (!layer.node) continue;
-    if (result) {
-      merge_patch(*result, *std::move(layer.node));
-    } else {
-      result = std::move(layer.node);
-    }
+    result = merged(std::move(result), std::move(layer.node));
   }
   return result;
 }
 
 Extends::Found Extends::at(const ConfigFile& config, const Node& node, const std::string& pointer, Tokens path) {
-  if (path.empty()) return {whole(config, node, pointer), node.kind != Node::Kind::object};
+  if (path.empty()) return {whole(config, node, pointer), !node.json.is_object()};
   const std::string child_pointer = join_pointer(pointer, path.front());
-  if (node.kind == Node::Kind::array) {
-    const Node* element = element_at(node, path.front());
-    if (!element) return {std::nullopt, true};
-    return {at(config, *element, child_pointer, path.subspan(1)).node, true};
+  if (!node.json.is_object()) {
+    const auto index = index_in(node.elements.size(), path.front());
+    if (!index) return {std::nullopt, true};
+    return {at(config, node.elements[*index], child_pointer, path.subspan(1)).node, true};
   }
-  if (node.kind != Node::Kind::object) return {std::nullopt, true};
   std::optional<Node> result = inherited(config, node, pointer, path);
   const Member* member = path.front() == "extends" ? nullptr : node.find(path.front());
   if (!member) return {std::move(result), false};
   Found own = at(config, member->value, child_pointer, path.subspan(1));
-  if (own.hides || !result) return own;
-  if (own.node) merge_patch(*result, *std::move(own.node));
-  return {std::move(result), false};
+  if (own.hides) return own;
+  return {merged(std::move(result), std::move(own.node)), false};
 }
 
 std::vector<const Node*> Extends::statements(const Node& node, const std::string& pointer) {
   const Member* member = node.find("extends");
-  if (!member || member->value.kind == Node::Kind::null) return {};
+  if (!member || member->value.json.is_null()) return {};
   std::vector<const Node*> result;
   const auto take = [&](const Node& value) {
-    if (value.kind == Node::Kind::string) {
+    if (value.json.is_string()) {
       result.push_back(&value);
     } else {
       diagnostics_.error("B004", value.origin, join_pointer(pointer, "extends"),
-                         std::string("expected a file name or a list of file names, found ") + kind_name(value.kind));
+                         "expected a file name or a list of file names, found " + kind_name(value));
     }
   };
-  if (member->value.kind != Node::Kind::array) take(member->value);
+  if (!member->value.json.is_array()) take(member->value);
   for (const Node& element : member->value.elements) take(element);
   return result;
 }
@@ -164,14 +145,14 @@ bool Extends::is_cycle(const Statement& statement) {
 
 Extends::Found Extends::base(const ConfigFile& config, const Node& statement, const std::string& pointer, Tokens path) {
   const std::string here = join_pointer(pointer, "extends");
-  const std::string text = statement.scalar.get<std::string>();
+  const std::string text = statement.json.get<std::string>();
   const std::size_t hash = text.find('#');
   const std::string file_text = text.substr(0, hash);
   const std::string fragment = hash == std::string::npos ? "" : text.substr(hash + 1);
   const auto tokens = split_pointer(fragment);
   if (text.empty() || !tokens) {
-    const std::string mend = tokens ? "" : "; what follows '#' is a JSON pointer, '#/filters/ins' say";
-    diagnostics_.error("B004", statement.origin, here, in_quotes(text) + " names no file" + mend);
+    const std::string remedy = tokens ? "" : "; what follows '#' is a JSON pointer, '#/filters/ins' say";
+    diagnostics_.error("B004", statement.origin, here, in_quotes(text) + " names no file" + remedy);
     return {};
   }
   const fs::path target = file_text.empty() ? fs::path(config.name) : fs::path(config.name).parent_path() / file_text;
@@ -188,12 +169,12 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
     if (found.node) copied_ += node_count(*found.node);
     if (copied_ >= most_values) diagnostics_.error("B004", statement.origin, here, "extends multiplies without end");
     const bool is_whole_target = path.empty();
-    if (is_whole_target && (!found.node || found.node->kind == Node::Kind::null)) {
-      tell_missing(other, *tokens, current);
+    if (is_whole_target && (!found.node || found.node->json.is_null())) {
+      report_missing(other, *tokens, current);
       found = {};
-    } else if (is_whole_target && found.node->kind != Node::Kind::object) {
+    } else if (is_whole_target && !found.node->json.is_object()) {
       diagnostics_.error("B004", statement.origin, here,
-                         in_quotes(current.to) + " is " + kind_name(found.node->kind) + ", not an object");
+                         in_quotes(current.to) + " is " + kind_name(*found.node) + ", not an object");
       found = {};
     }
   }
@@ -201,8 +182,8 @@ Extends::Found Extends::base(const ConfigFile& config, const Node& statement, co
   return found;
 }
 
-void Extends::tell_missing(const ConfigFile& other, const std::vector<std::string>& tokens,
-                           const Statement& statement) {
+void Extends::report_missing(const ConfigFile& other, const std::vector<std::string>& tokens,
+                             const Statement& statement) {
   std::string message = "there is no " + in_quotes(statement.to);
   const Tokens parent = Tokens(tokens).first(tokens.size() - 1);
   const Found around = at(other, *other.content, "", parent);

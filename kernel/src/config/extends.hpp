@@ -19,9 +19,8 @@ namespace binnacle::config {
 
 /// A file as it stands, before any `extends`.
 struct ConfigFile {
-  std::string name;              ///< as shown in messages: relative if the config was named so
-  std::filesystem::path folder;  ///< absolute
-  std::optional<Node> content;   ///< nothing if it cannot be read
+  std::string name;             ///< as shown in messages: relative if the config was named so
+  std::optional<Node> content;  ///< nothing if it cannot be read
 };
 
 /// An object that extends "other.json#/a/b" is what resolving other.json gives at /a/b, merged over by the
@@ -57,7 +56,7 @@ class Extends {
   Found base(const ConfigFile& file, const Node& statement, const std::string& pointer, Tokens path);
   std::vector<const Node*> statements(const Node& node, const std::string& pointer);
   bool is_cycle(const Statement& statement);
-  void tell_missing(const ConfigFile& file, const std::vector<std::string>& tokens, const Statement& statement);
+  void report_missing(const ConfigFile& file, const std::vector<std::string>& tokens, const Statement& statement);
 
   Diagnostics& diagnostics_;
   std::map<std::filesystem::path, std::unique_ptr<ConfigFile>> files_;

@@ -14,20 +14,20 @@
 
 namespace binnacle::config {
 
+using Json = nlohmann::ordered_json;
+using Folder = std::shared_ptr<const std::filesystem::path>;
+
 struct Member;
 
 struct Node {
-  enum class Kind { null, boolean, number, string, array, object };
-
-  Kind kind = Kind::null;
-  nlohmann::ordered_json scalar;  ///< of the first four kinds
-  std::vector<Node> elements;
-  std::vector<Member> members;
-  Origin origin;
-  std::shared_ptr<const std::filesystem::path> folder;  ///< where a relative path in the value starts
+  Json json;  ///< the value; an empty list or object where elements or members follow
+  Origin origin = {};
+  Folder folder = {};  ///< where a relative path in the value starts
+  std::vector<Node> elements = {};
+  std::vector<Member> members = {};
 
   Member* find(std::string_view key);
-  const Member* find(std::string_view key) const;
+  const Member* find(std::string_view key) const { return const_cast<Node*>(this)->find(key); }
   std::vector<std::string> keys() const;
   void erase(std::string_view key);
 };
@@ -39,9 +39,7 @@ struct Member {
 };
 
 /// For messages: "an object", "a text", "null" …
-const char* kind_name(Node::Kind kind);
-
-Node scalar_node(nlohmann::ordered_json value, Origin origin, std::shared_ptr<const std::filesystem::path> folder);
+std::string kind_name(const Node& node);
 
 /// RFC 7386, but a deleted member leaves a null behind, so that a patch may itself be made of patches. Keys
 /// of the target keep their order, new ones follow.
@@ -51,7 +49,7 @@ void merge_patch(Node& target, Node patch);
 /// they stand, `*` for any key.
 void drop_nulls(Node& root, const std::vector<std::string>& patches);
 
-nlohmann::ordered_json to_json(const Node& node);
+Json to_json(const Node& node);
 
 std::size_t node_count(const Node& node);
 

@@ -2,28 +2,17 @@
 // JSON pointers (RFC 6901) as text.
 #include "config/pointer.hpp"
 
+#include <algorithm>
+#include <charconv>
+
+#include <nlohmann/json.hpp>
+
 namespace binnacle {
 
-namespace config {
-
-std::string escape_token(std::string_view token) {
-  std::string text;
-  for (const char c : token) {
-    if (c == '~') {
-      text += "~0";
-    } else if (c == '/') {
-      text += "~1";
-    } else {
-      text += c;
-    }
-  }
-  return text;
-}
-
-}  // namespace config
+using Pointer = nlohmann::ordered_json::json_pointer;
 
 std::string join_pointer(std::string_view pointer, std::string_view token) {
-  return std::string(pointer) + "/" + config::escape_token(token);
+  return std::string(pointer) + (Pointer() / std::string(token)).to_string();
 }
 
 std::string join_pointer(std::string_view pointer, std::size_t index) {
@@ -33,26 +22,21 @@ std::string join_pointer(std::string_view pointer, std::size_t index) {
 namespace config {
 
 std::optional<std::vector<std::string>> split_pointer(std::string_view pointer) {
-  std::vector<std::string> tokens;
-  for (std::size_t at = 0; at < pointer.size(); ++at) {
-    if (pointer[at] == '/') {
-      tokens.emplace_back();
-    } else if (tokens.empty()) {
-      return std::nullopt;
-    } else if (pointer[at] != '~') {
-      tokens.back() += pointer[at];
-    } else {
-      const char escaped = at + 1 < pointer.size() ? pointer[++at] : '\0';
-      if (escaped != '0' && escaped != '1') return std::nullopt;
-      tokens.back() += escaped == '0' ? '~' : '/';
-    }
+  try {
+    std::vector<std::string> tokens;
+    for (Pointer rest{std::string(pointer)}; !rest.empty(); rest.pop_back()) tokens.push_back(rest.back());
+    std::reverse(tokens.begin(), tokens.end());
+    return tokens;
+  } catch (const nlohmann::ordered_json::parse_error&) {
+    return std::nullopt;
   }
-  return tokens;
 }
 
-std::string parent_pointer(std::string_view pointer) {
-  const std::size_t slash = pointer.rfind('/');
-  return std::string(pointer.substr(0, slash == std::string_view::npos ? 0 : slash));
+std::optional<std::size_t> index_in(std::size_t size, std::string_view token) {
+  std::size_t index = 0;
+  const auto [last, status] = std::from_chars(token.data(), token.data() + token.size(), index);
+  const bool is_number = status == std::errc() && last == token.data() + token.size();
+  return is_number && index < size ? std::optional(index) : std::nullopt;
 }
 
 }  // namespace config

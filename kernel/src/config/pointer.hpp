@@ -2,6 +2,7 @@
 // JSON pointers (RFC 6901) as text.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,13 +12,10 @@
 
 namespace binnacle::config {
 
-/// `~` becomes ~0 and `/` becomes ~1.
-std::string escape_token(std::string_view token);
-
 /// The unescaped tokens; nothing if the text is no pointer. "" has none.
 std::optional<std::vector<std::string>> split_pointer(std::string_view pointer);
 
-/// "/a/b" of "/a/b/c"; "" stays "".
-std::string parent_pointer(std::string_view pointer);
+/// The token as an index of a list of `size`; nothing if it is none of its indices.
+std::optional<std::size_t> index_in(std::size_t size, std::string_view token);
 
 }  // namespace binnacle::config

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -14,22 +13,21 @@
 
 namespace binnacle {
 
-Dimension operator*(const Dimension& a, const Dimension& b) {
-  Dimension result;
-  for (std::size_t i = 0; i < Dimension::base_count; ++i) result.doubled[i] = a.doubled[i] + b.doubled[i];
-  return result;
+namespace {
+
+Dimension sum(Dimension a, const Dimension& b, int sign) {
+  for (std::size_t i = 0; i < Dimension::base_count; ++i) a.doubled[i] += sign * b.doubled[i];
+  return a;
 }
 
-Dimension operator/(const Dimension& a, const Dimension& b) {
-  Dimension result;
-  for (std::size_t i = 0; i < Dimension::base_count; ++i) result.doubled[i] = a.doubled[i] - b.doubled[i];
-  return result;
-}
+}  // namespace
+
+Dimension operator*(const Dimension& a, const Dimension& b) { return sum(a, b, 1); }
+Dimension operator/(const Dimension& a, const Dimension& b) { return sum(a, b, -1); }
 
 namespace {
 
-// Scales are carried in long double, so that the double which leaves here is the nearest one: "300 ms" is
-// 0.3.
+// Scales are carried in long double, so that the double which leaves here is the nearest one: "300 ms" is 0.3.
 struct Measure {
   long double scale = 1.0L;
   Dimension dimension;
@@ -92,18 +90,8 @@ constexpr std::pair<std::string_view, std::string_view> other_spellings[] = {
     {"rtHz", "sqrt(Hz)"}, {"rthr", "sqrt(h)"}, {"rth", "sqrt(h)"},
 };
 
-long double prefix_scale(char prefix) {
-  switch (prefix) {
-    case 'n': return 1e-9L;
-    case 'u': return 1e-6L;
-    case 'm': return 1e-3L;
-    case 'c': return 1e-2L;
-    case 'h': return 1e2L;
-    case 'k': return 1e3L;
-    case 'M': return 1e6L;
-    default: return 1e9L;  // G
-  }
-}
+constexpr std::pair<char, long double> prefixes[] = {{'n', 1e-9L}, {'u', 1e-6L}, {'m', 1e-3L}, {'c', 1e-2L},
+                                                     {'h', 1e2L},  {'k', 1e3L},  {'M', 1e6L},  {'G', 1e9L}};
 
 const NamedUnit* find_named(std::string_view name) {
   const auto* end = std::end(named_units);
@@ -116,30 +104,31 @@ std::optional<Measure> find_measure(std::string_view name) {
   if (name.size() < 2) return std::nullopt;
   const NamedUnit* unit = find_named(name.substr(1));
   if (!unit || unit->prefixes.find(name[0]) == std::string_view::npos) return std::nullopt;
-  return Measure{unit->measure.scale * prefix_scale(name[0]), unit->measure.dimension};
+  const auto* prefix = std::find_if(prefixes, std::end(prefixes), [&](const auto& p) { return p.first == name[0]; });
+  return Measure{unit->measure.scale * prefix->second, unit->measure.dimension};
 }
 
 std::vector<std::string> every_name() {
   std::vector<std::string> names;
   for (const NamedUnit& unit : named_units) names.emplace_back(unit.name);
-  for (const NamedUnit& unit : named_units) {
+  for (const NamedUnit& unit : named_units)
     for (const char prefix : unit.prefixes) names.push_back(prefix + std::string(unit.name));
-  }
   return names;
 }
 
 using base::in_quotes;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+using base::is_digit;
 
 bool is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || c == '_' ||
-         static_cast<unsigned char>(c) >= 0x80;
+  return (base::is_word(c, "%_") && !is_digit(c)) || static_cast<unsigned char>(c) >= 0x80;
 }
 
-struct UnknownName {
-  std::size_t at;
-  std::string_view name;
+/// What is wrong with a unit: an unknown name and where it stands, or `why`, to be read after the unit's own text.
+struct Refusal {
+  std::string why;
+  std::string_view name = {};
+  std::size_t at = 0;
 };
 
 /// unit    = factor { ("*" | "." | "/") factor }
@@ -149,108 +138,92 @@ class UnitParser {
  public:
   explicit UnitParser(std::string_view text) : text_(text) {}
 
-  std::optional<Measure> parse() {
-    if (text_.size() > longest) return fail("is too long");
-    std::optional<Measure> result = unit();
-    if (result && at_ < text_.size()) return fail(unexpected());
-    if (result && !std::isnormal(static_cast<double>(result->scale))) return fail("is out of range");
+  /// Throws a Refusal.
+  Measure parse() {
+    if (text_.size() > longest) throw Refusal{"is too long"};
+    const Measure result = unit();
+    if (at_ < text_.size()) throw unexpected();
+    if (!std::isnormal(static_cast<double>(result.scale))) throw Refusal{"is out of range"};
     return result;
   }
-
-  /// Without the unit's own text: "has an unexpected '2' ...".
-  const std::string& error() const { return error_; }
-  const std::optional<UnknownName>& unknown() const { return unknown_; }
 
  private:
   static constexpr std::size_t longest = 80;
   static constexpr int largest_exponent = 12;
 
-  std::optional<Measure> fail(std::string message) {
-    if (error_.empty()) error_ = std::move(message);
-    return std::nullopt;
-  }
+  char peek(std::size_t ahead = 0) const { return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0'; }
 
-  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
-
-  std::string unexpected() const {
-    if (at_ >= text_.size()) return "ends where a unit is expected";
+  Refusal unexpected() const {
+    if (at_ >= text_.size()) return {"ends where a unit is expected"};
     const std::string found = "has an unexpected " + in_quotes(text_.substr(at_, 1));
-    if (is_digit(peek()) && at_ > 0) return found + "; a power is written '^" + peek() + "'";
-    if (peek() == ' ') return found + "; write '*' for a product";
-    return found;
+    if (is_digit(peek()) && at_ > 0) return {found + "; a power is written '^" + peek() + "'"};
+    return {found + (peek() == ' ' ? "; write '*' for a product" : "")};
   }
 
-  std::optional<Measure> unit() {
-    std::optional<Measure> result = factor();
-    while (result && (peek() == '*' || peek() == '.' || peek() == '/')) {
+  Measure unit() {
+    Measure result = factor();
+    while (peek() == '*' || peek() == '.' || peek() == '/') {
       const bool divide = text_[at_++] == '/';
-      const std::optional<Measure> next = factor();
-      if (!next) return std::nullopt;
-      result = divide ? Measure{result->scale / next->scale, result->dimension / next->dimension}
-                      : Measure{result->scale * next->scale, result->dimension * next->dimension};
-      if (!in_range(*result)) return fail("has an exponent out of range");
+      const Measure next = factor();
+      result = divide ? Measure{result.scale / next.scale, result.dimension / next.dimension}
+                      : Measure{result.scale * next.scale, result.dimension * next.dimension};
+      check_range(result);
     }
     return result;
   }
 
-  std::optional<Measure> factor() {
-    const std::optional<Measure> base = primary();
-    if (!base || peek() != '^') return base;
+  Measure factor() {
+    const Measure base = primary();
+    if (peek() != '^') return base;
     ++at_;
     int exponent = 0;
     const char* first = text_.data() + at_;
     const auto [last, status] = std::from_chars(first, text_.data() + text_.size(), exponent);
-    if (status != std::errc()) return fail("has a power that is no whole number; a root is written sqrt(...)");
     at_ += static_cast<std::size_t>(last - first);
-    if (peek() == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1])) {
-      return fail("has a power that is no whole number; a root is written sqrt(...)");
-    }
-    return power(*base, exponent);
+    if (status != std::errc() || (peek() == '.' && is_digit(peek(1))))
+      throw Refusal{"has a power that is no whole number; a root is written sqrt(...)"};
+    return power(base, exponent);
   }
 
-  std::optional<Measure> power(const Measure& base, int exponent) {
-    if (std::abs(exponent) > largest_exponent) return fail("has an exponent out of range");
-    Measure result;
+  static Measure power(const Measure& base, int exponent) {
+    if (std::abs(exponent) > largest_exponent) throw Refusal{"has an exponent out of range"};
+    Measure result{1.0L, base.dimension};
     for (int i = 0; i < std::abs(exponent); ++i) result.scale *= base.scale;
     if (exponent < 0) result.scale = 1.0L / result.scale;
-    result.dimension = base.dimension;
     for (int& doubled : result.dimension.doubled) doubled *= exponent;
-    if (!in_range(result)) return fail("has an exponent out of range");
+    check_range(result);
     return result;
   }
 
-  static bool in_range(const Measure& measure) {
-    return std::all_of(measure.dimension.doubled.begin(), measure.dimension.doubled.end(),
-                       [](int doubled) { return std::abs(doubled) <= 2 * largest_exponent; });
+  static void check_range(const Measure& measure) {
+    for (const int doubled : measure.dimension.doubled)
+      if (std::abs(doubled) > 2 * largest_exponent) throw Refusal{"has an exponent out of range"};
   }
 
-  std::optional<Measure> primary() {
+  Measure primary() {
     if (peek() == '(') return parenthesis();
     const std::size_t start = at_;
     while (is_name_character(peek())) ++at_;
     if (at_ == start && peek() == '1') ++at_;
     const std::string_view name = text_.substr(start, at_ - start);
-    if (name.empty()) return fail(unexpected());
+    if (name.empty()) throw unexpected();
     if (name == "sqrt" && peek() == '(') return root(parenthesis());
-    if (const std::optional<Measure> found = find_measure(name)) return found;
-    if (!unknown_) unknown_ = UnknownName{start, name};
-    return fail("is unknown");
+    if (const std::optional<Measure> found = find_measure(name)) return *found;
+    throw Refusal{"", name, start};
   }
 
-  std::optional<Measure> parenthesis() {
+  Measure parenthesis() {
     ++at_;
-    const std::optional<Measure> inner = unit();
-    if (!inner) return std::nullopt;
-    if (peek() != ')') return fail(at_ < text_.size() ? unexpected() : "lacks a ')'");
+    const Measure inner = unit();
+    if (peek() != ')') throw at_ < text_.size() ? unexpected() : Refusal{"lacks a ')'"};
     ++at_;
     return inner;
   }
 
-  std::optional<Measure> root(const std::optional<Measure>& square) {
-    if (!square) return std::nullopt;
-    Measure result{std::sqrt(square->scale), square->dimension};
+  static Measure root(const Measure& square) {
+    Measure result{std::sqrt(square.scale), square.dimension};
     for (int& doubled : result.dimension.doubled) {
-      if (doubled % 2 != 0) return fail("has a root of a root");
+      if (doubled % 2 != 0) throw Refusal{"has a root of a root"};
       doubled /= 2;
     }
     return result;
@@ -258,49 +231,47 @@ class UnitParser {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  std::string error_;
-  std::optional<UnknownName> unknown_;
 };
 
 std::string meant_name(std::string_view name) {
-  for (const auto& [other, ours] : other_spellings) {
+  for (const auto& [other, ours] : other_spellings)
     if (other == name) return std::string(ours);
-  }
   return closest(name, every_name());
 }
 
 /// The text with every unknown name replaced by the one that was probably meant; "" if that makes no unit.
 std::string meant_unit(std::string text) {
   for (int replaced = 0; replaced < 4; ++replaced) {
-    UnitParser parser(text);
-    if (parser.parse()) return text;
-    if (!parser.unknown()) return {};
-    const std::string meant = meant_name(parser.unknown()->name);
-    if (meant.empty()) return {};
-    text.replace(parser.unknown()->at, parser.unknown()->name.size(), meant);
+    try {
+      UnitParser(text).parse();
+      return text;
+    } catch (const Refusal& refusal) {
+      const std::string meant = refusal.name.empty() ? "" : meant_name(refusal.name);
+      if (meant.empty()) return {};
+      text.replace(refusal.at, refusal.name.size(), meant);
+    }
   }
   return {};
 }
 
 std::string unknown_message(std::string_view text, std::string_view name) {
-  if (name == "degC" || name ==
-                            "\xC2\xB0"
-                            "C") {
-    return "unknown unit " + in_quotes(text) + "; a temperature is given in kelvin, 'K'";
-  }
+  const std::string unknown = "unknown unit " + in_quotes(text);
+  if (name.ends_with("C") && (name == "degC" || name.starts_with("\xC2\xB0")))
+    return unknown + "; a temperature is given in kelvin, 'K'";
   const std::string meant = meant_unit(std::string(text));
-  const std::string where = name == text ? "" : " (" + in_quotes(name) + ")";
-  if (meant.empty()) return "unknown unit " + in_quotes(text) + where;
-  return "unknown unit " + in_quotes(text) + "; did you mean " + in_quotes(meant) + "?";
+  if (!meant.empty()) return unknown + "; did you mean " + in_quotes(meant) + "?";
+  return unknown + (name == text ? "" : " (" + in_quotes(name) + ")");
 }
 
 Parsed<Measure> read_measure(std::string_view text) {
   using Result = Parsed<Measure>;
   if (text.empty()) return Result::failure("empty unit; a number without a unit is '1'");
-  UnitParser parser(text);
-  if (const std::optional<Measure> measure = parser.parse()) return *measure;
-  if (parser.unknown()) return Result::failure(unknown_message(text, parser.unknown()->name));
-  return Result::failure("unit " + in_quotes(text) + " " + parser.error());
+  try {
+    return UnitParser(text).parse();
+  } catch (const Refusal& refusal) {
+    return Result::failure(refusal.name.empty() ? "unit " + in_quotes(text) + " " + refusal.why
+                                                : unknown_message(text, refusal.name));
+  }
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -309,18 +280,27 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Where the number begins, without a plus sign; nothing if there is none.
-std::optional<std::string_view> at_number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const std::size_t digits = text.starts_with('-') ? 1 : 0;
-  const auto digit_at = [&](std::size_t i) { return i < text.size() && is_digit(text[i]); };
-  if (digit_at(digits) || (digits < text.size() && text[digits] == '.' && digit_at(digits + 1))) return text;
-  return std::nullopt;
-}
+/// A number and the unit behind it, "" where there is none.
+template <class Number>
+struct Written {
+  Number value = 0;
+  bool fits = true;  // into a Number
+  std::string_view unit;
+};
 
-std::string no_number(std::string_view text) {
-  return text.empty() ? "empty text; expected a number with a unit, such as '0.2 deg/h'"
-                      : in_quotes(text) + " does not begin with a number; expected something like '0.2 deg/h'";
+/// Nothing if the text does not begin with a number.
+template <class Number>
+std::optional<Written<Number>> split(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
+  const std::size_t point = digits.starts_with('.') ? 1 : 0;
+  if (digits.size() <= point || !is_digit(digits[point])) return std::nullopt;
+  Written<Number> written;
+  const char* end = text.data() + text.size();
+  const auto [last, status] = std::from_chars(text.data(), end, written.value);
+  written.fits = status == std::errc();
+  written.unit = trimmed(std::string_view(last, static_cast<std::size_t>(end - last)));
+  return written;
 }
 
 }  // namespace
@@ -339,24 +319,39 @@ std::optional<Unit> parse_unit(std::string_view text) {
 Parsed<Quantity> parse_quantity(std::string_view text) {
   using Result = Parsed<Quantity>;
   text = trimmed(text);
-  const std::optional<std::string_view> number = at_number(text);
-  if (!number) return Result::failure(no_number(text));
-  double value = 0.0;
-  const char* end = number->data() + number->size();
-  const auto [last, status] = std::from_chars(number->data(), end, value);
-  if (status != std::errc()) return Result::failure("the number of " + in_quotes(text) + " is out of range");
-  const std::string_view unit_text = trimmed(std::string_view(last, static_cast<std::size_t>(end - last)));
-  if (unit_text.empty()) return Quantity{value, {}};
-  if (unit_text.starts_with(',')) return Result::failure("the decimal point of " + in_quotes(text) + " is a comma");
-  const Parsed<Measure> measure = read_measure(unit_text);
+  if (text.empty()) return Result::failure("empty text; expected a number with a unit, such as '0.2 deg/h'");
+  const auto written = split<double>(text);
+  const std::string quoted = in_quotes(text);
+  if (!written) return Result::failure(quoted + " does not begin with a number; expected something like '0.2 deg/h'");
+  if (!written->fits) return Result::failure("the number of " + quoted + " is out of range");
+  if (written->unit.empty()) return Quantity{written->value, {}};
+  if (written->unit.starts_with(',')) return Result::failure("the decimal point of " + quoted + " is a comma");
+  const Parsed<Measure> measure = read_measure(written->unit);
   if (!measure) return Result::failure(measure.error());
-  const auto si = static_cast<double>(static_cast<long double>(value) * measure->scale);
-  if (!std::isfinite(si)) return Result::failure(in_quotes(text) + " is out of range");
+  const auto si = static_cast<double>(static_cast<long double>(written->value) * measure->scale);
+  if (!std::isfinite(si)) return Result::failure(quoted + " is out of range");
   return Quantity{si, measure->dimension};
 }
 
-// Texts of dimensions
-// ------------------------------------------------------------------------------------------
+constexpr std::string_view time_units[] = {"ns", "us", "ms", "s", "min", "h", "day"};
+
+Parsed<std::int64_t> parse_time(std::string_view text) {
+  using Result = Parsed<std::int64_t>;
+  text = trimmed(text);
+  const auto written = split<long double>(text);
+  const std::string quoted = in_quotes(text);
+  if (!written) return Result::failure(quoted + " does not begin with a number; expected something like '120 s'");
+  if (written->unit.empty())
+    return Result::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
+  if (std::find(time_units, std::end(time_units), written->unit) == std::end(time_units))
+    return Result::failure("unit " + in_quotes(written->unit) + " is no time; use ns, us, ms, s, min, h or day");
+  const long double nanoseconds = written->value * std::round(find_measure(written->unit)->scale * 1e9L);
+  if (!written->fits || !(std::abs(nanoseconds) < 9223372036854775807.0L))
+    return Result::failure("the time " + quoted + " is out of range");
+  return static_cast<std::int64_t>(std::llround(nanoseconds));
+}
+
+// ---- texts of dimensions
 
 namespace {
 
@@ -374,12 +369,7 @@ std::string power_text(std::string_view base, int doubled, char separator) {
   return text + "sqrt(" + std::string(base) + ")";
 }
 
-struct NamedDimension {
-  std::string_view unit;
-  std::string_view name;
-};
-
-constexpr NamedDimension named_dimensions[] = {
+constexpr std::pair<std::string_view, std::string_view> named_dimensions[] = {
     {"m", "a length"},
     {"s", "a time"},
     {"rad", "an angle"},
@@ -411,11 +401,9 @@ constexpr std::string_view derived_units[] = {"N", "Pa", "T", "V"};
 }  // namespace
 
 std::string si_unit(const Dimension& dimension) {
-  for (const std::string_view name : derived_units) {
+  for (const std::string_view name : derived_units)
     if (find_named(name)->measure.dimension == dimension) return std::string(name);
-  }
-  std::string above;
-  std::string below;
+  std::string above, below;
   for (const std::size_t base : print_order) {
     const int doubled = dimension.doubled[base];
     if (doubled > 0) above += (above.empty() ? "" : "*") + power_text(base_names[base], doubled, '*');
@@ -427,112 +415,9 @@ std::string si_unit(const Dimension& dimension) {
 std::string dimension_name(const Dimension& dimension) {
   if (dimension.is_dimensionless()) return "a plain number";
   const std::string unit = si_unit(dimension);
-  for (const NamedDimension& named : named_dimensions) {
-    if (named.unit == unit) return std::string(named.name) + " (" + unit + ")";
-  }
+  for (const auto& [of, name] : named_dimensions)
+    if (of == unit) return std::string(name) + " (" + unit + ")";
   return "a quantity in " + unit;
-}
-
-// Time
-// ---------------------------------------------------------------------------------------------------------
-
-namespace {
-
-__extension__ typedef __int128 Wide;
-
-constexpr int most_digits = 22;  // 10^22 days in nanoseconds fit into 128 bits
-
-struct TimeUnit {
-  std::string_view name;
-  std::int64_t nanoseconds;
-};
-
-constexpr TimeUnit time_units[] = {
-    {"ns", 1},
-    {"us", 1'000},
-    {"ms", 1'000'000},
-    {"s", 1'000'000'000},
-    {"min", 60'000'000'000},
-    {"h", 3'600'000'000'000},
-    {"day", 86'400'000'000'000},
-};
-
-/// digits * 10^exponent, exactly.
-struct Decimal {
-  Wide digits = 0;
-  int exponent = 0;
-  std::string_view rest;
-};
-
-std::optional<Decimal> read_decimal(std::string_view text) {
-  Decimal decimal;
-  const bool negative = text.starts_with('-');
-  std::size_t at = negative ? 1 : 0;
-  bool after_point = false;
-  int significant = 0;
-  for (; at < text.size() && (is_digit(text[at]) || (text[at] == '.' && !after_point)); ++at) {
-    if (text[at] == '.') {
-      after_point = true;
-      continue;
-    }
-    decimal.digits = decimal.digits * 10 + (text[at] - '0');
-    if (decimal.digits > 0 && ++significant > most_digits) return std::nullopt;
-    if (after_point) --decimal.exponent;
-  }
-  if (negative) decimal.digits = -decimal.digits;
-  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
-    const char* first = text.data() + at + 1;
-    const char* end = text.data() + text.size();
-    if (first != end && *first == '+') ++first;
-    int exponent = 0;
-    const auto [last, status] = std::from_chars(first, end, exponent);
-    if (status != std::errc() || std::abs(exponent) > 100) return std::nullopt;
-    decimal.exponent += exponent;
-    at = static_cast<std::size_t>(last - text.data());
-  }
-  decimal.rest = text.substr(at);
-  return decimal;
-}
-
-/// value * 10^exponent to the nearest, halves away from zero; nothing beyond int64.
-std::optional<std::int64_t> scaled(Wide value, int exponent) {
-  constexpr Wide largest = std::numeric_limits<std::int64_t>::max();
-  for (; exponent > 0 && value != 0; --exponent) {
-    value *= 10;
-    if (value > largest || value < -largest) return std::nullopt;
-  }
-  Wide divisor = 1;
-  for (; exponent < 0; ++exponent) {
-    divisor *= 10;
-    if (divisor > (value < 0 ? -value : value) * 2) return 0;
-  }
-  const Wide half = divisor / 2;
-  const Wide rounded = (value < 0 ? value - half : value + half) / divisor;
-  if (rounded > largest || rounded < -largest) return std::nullopt;
-  return static_cast<std::int64_t>(rounded);
-}
-
-}  // namespace
-
-Parsed<std::int64_t> parse_time(std::string_view text) {
-  using Result = Parsed<std::int64_t>;
-  text = trimmed(text);
-  const std::optional<std::string_view> number = at_number(text);
-  if (!number)
-    return Result::failure(in_quotes(text) + " does not begin with a number; expected something like '120 s'");
-  const std::optional<Decimal> decimal = read_decimal(*number);
-  if (!decimal) return Result::failure("the number of " + in_quotes(text) + " has too many digits");
-  const std::string_view unit = trimmed(decimal->rest);
-  if (unit.empty())
-    return Result::failure(in_quotes(text) + " has no unit; write " + in_quotes(std::string(text) + " s"));
-  const auto* known =
-      std::find_if(std::begin(time_units), std::end(time_units), [&](const TimeUnit& u) { return u.name == unit; });
-  if (known == std::end(time_units)) {
-    return Result::failure("unit " + in_quotes(unit) + " is no time; use ns, us, ms, s, min, h or day");
-  }
-  const std::optional<std::int64_t> nanoseconds = scaled(decimal->digits * known->nanoseconds, decimal->exponent);
-  if (!nanoseconds) return Result::failure("the time " + in_quotes(text) + " is out of range");
-  return *nanoseconds;
 }
 
 }  // namespace binnacle

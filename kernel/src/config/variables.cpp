@@ -23,10 +23,7 @@ const Origin command_line{"--var", 0, 0};
 using base::in_quotes;
 
 bool is_name(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '.';
-  });
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return base::is_word(c, "_-."); });
 }
 
 class Variables {
@@ -35,8 +32,7 @@ class Variables {
     if (const Member* vars = root.find("vars")) declare(vars->value);
   }
 
-  void take(const std::map<std::string, std::string>& given,
-            const std::shared_ptr<const std::filesystem::path>& folder) {
+  void take(const std::map<std::string, std::string>& given, const Folder& folder) {
     for (const auto& [name, text] : given) {
       if (!is_name(name) || !is_utf8(text)) {
         diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " does not read name=value");
@@ -44,22 +40,30 @@ class Variables {
       }
       const Member* declared = declared_.find(name);
       std::optional<Node> number;
-      if (declared && declared->value.kind == Node::Kind::number) number = read_json_value(text, "--var", folder);
-      const bool is_number = number && number->kind == Node::Kind::number;
-      given_.emplace(name, is_number ? *std::move(number) : scalar_node(text, command_line, folder));
+      if (declared && declared->value.json.is_number()) number = read_json_value(text, "--var", folder);
+      const bool is_number = number && number->json.is_number();
+      given_.emplace(name, is_number ? *std::move(number) : Node{text, command_line, folder});
       if (declared) used_.insert(name);
     }
   }
 
+  /// What --var gives is taken as it is, and stands under "vars" with the rest, so that the resolved config says
+  /// everything that it was made of.
   void fill_in_all(Node& root) {
-    for (Member& member : root.members) {
-      if (member.key == "vars") {
-        fill_in_vars(member.value);
-      } else {
-        fill_in(member.value, join_pointer("", member.key));
-      }
+    Member* vars = root.find("vars");
+    for (const auto& [name, value] : given_)
+      if (Member* member = vars ? vars->value.find(name) : nullptr) member->value = Node{};
+    fill_in(root, "");
+    for (const auto& [name, value] : given_) {
+      if (!used_.contains(name)) continue;
+      if (!root.find("vars"))
+        root.members.push_back({"vars", command_line, {Json::object(), command_line, value.folder}});
+      Node& all = root.find("vars")->value;
+      if (Member* member = all.find(name))
+        member->value = value;
+      else if (all.json.is_object())
+        all.members.push_back({name, command_line, value});
     }
-    add_undeclared(root);
   }
 
   void check_given() {
@@ -71,21 +75,20 @@ class Variables {
 
  private:
   void declare(const Node& vars) {
-    if (vars.kind != Node::Kind::object) {
-      tell("B006", vars, "/vars", std::string("expected an object, found ") + kind_name(vars.kind));
+    if (!vars.json.is_object()) {
+      report("B006", vars, "/vars", "expected an object, found " + kind_name(vars));
       return;
     }
     declared_ = vars;
     for (const Member& member : vars.members) {
-      const Node::Kind kind = member.value.kind;
-      if (kind == Node::Kind::string || kind == Node::Kind::number) continue;
-      tell("B006", member.value, join_pointer("/vars", member.key),
-           std::string("expected a text or a number, found ") + kind_name(kind));
+      if (member.value.json.is_string() || member.value.json.is_number()) continue;
+      report("B006", member.value, join_pointer("/vars", member.key),
+             "expected a text or a number, found " + kind_name(member.value));
     }
   }
 
   void fill_in(Node& node, const std::string& pointer) {
-    if (node.kind == Node::Kind::string) {
+    if (node.json.is_string()) {
       const Origin origin = node.origin;
       node = filled(node, pointer);
       node.origin = origin;
@@ -94,50 +97,20 @@ class Variables {
     for (Member& member : node.members) fill_in(member.value, join_pointer(pointer, member.key));
   }
 
-  /// What --var gives is taken as it is.
-  void fill_in_vars(Node& vars) {
-    for (Member& member : vars.members) {
-      if (const auto found = given_.find(member.key); found != given_.end()) {
-        member.value = found->second;
-      } else {
-        fill_in(member.value, join_pointer("/vars", member.key));
-      }
-    }
-  }
-
-  /// So that the resolved config says everything that it was made of.
-  void add_undeclared(Node& root) {
-    for (const auto& [name, value] : given_) {
-      if (declared_.find(name) || !used_.contains(name)) continue;
-      if (!root.find("vars")) {
-        Node vars;
-        vars.kind = Node::Kind::object;
-        vars.origin = command_line;
-        vars.folder = value.folder;
-        root.members.push_back({"vars", command_line, std::move(vars)});
-      }
-      Node& vars = root.find("vars")->value;
-      if (vars.kind == Node::Kind::object) vars.members.push_back({name, command_line, value});
-    }
-  }
-
   const Node* variable(const std::string& name) const {
     if (const auto found = given_.find(name); found != given_.end()) return &found->second;
     const Member* member = declared_.find(name);
     return member ? &member->value : nullptr;
   }
 
-  std::string suggestion(const std::string& name) const {
-    const std::string meant = closest(name, declared_.keys());
-    return meant.empty() ? "" : "; did you mean " + in_quotes(meant) + "?";
-  }
+  std::string suggestion(const std::string& name) const { return base::suggestion(name, declared_.keys()); }
 
-  void tell(const char* code, const Node& node, const std::string& pointer, std::string message) {
+  void report(const char* code, const Node& node, const std::string& pointer, std::string message) {
     diagnostics_.error(code, node.origin, pointer, std::move(message));
   }
 
   Node filled(const Node& node, const std::string& pointer) {
-    const std::string text = node.scalar.get<std::string>();
+    const std::string text = node.json.get<std::string>();
     Node result = node;
     std::string output;
     for (std::size_t at = 0; at < text.size();) {
@@ -153,17 +126,17 @@ class Variables {
       const std::size_t close = text.find('}', at);
       const std::string name = text.substr(at + 2, close == std::string::npos ? close : close - at - 2);
       if (close == std::string::npos || !is_name(name)) {
-        tell("B005", node, pointer, in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
+        report("B005", node, pointer, in_quotes(text) + ": expected '${name}'; a literal '${' is written '$${'");
         return node;
       }
       std::optional<Node> value = value_of(name, node, pointer);
       if (!value) return node;
       if (at == 0) result.folder = value->folder;
       if (at == 0 && close + 1 == text.size()) return *std::move(value);
-      output += value->kind == Node::Kind::string ? value->scalar.get<std::string>() : value->scalar.dump();
+      output += value->json.is_string() ? value->json.get<std::string>() : value->json.dump();
       at = close + 1;
     }
-    result.scalar = output;
+    result.json = output;
     return result;
   }
 
@@ -171,21 +144,21 @@ class Variables {
   std::optional<Node> value_of(const std::string& name, const Node& user, const std::string& pointer) {
     const Node* declared = variable(name);
     if (!declared) {
-      const std::string mend = suggestion(name);
-      tell("B005", user, pointer,
-           "unknown variable " + in_quotes(name) +
-               (mend.empty() ? "; define it under /vars or give --var " + name + "=VALUE" : mend));
+      const std::string remedy = suggestion(name);
+      report("B005", user, pointer,
+             "unknown variable " + in_quotes(name) +
+                 (remedy.empty() ? "; define it under /vars or give --var " + name + "=VALUE" : remedy));
       return std::nullopt;
     }
     used_.insert(name);
     if (const auto first = std::find(open_.begin(), open_.end(), name); first != open_.end()) {
       std::string chain;
       for (auto open = first; open != open_.end(); ++open) chain += *open + " -> ";
-      tell("B005", user, pointer, "variables form a cycle: " + chain + name);
+      report("B005", user, pointer, "variables form a cycle: " + chain + name);
       return std::nullopt;
     }
-    if (declared->kind == Node::Kind::number) return *declared;
-    if (declared->kind != Node::Kind::string) return std::nullopt;  // told by declare
+    if (declared->json.is_number()) return *declared;
+    if (!declared->json.is_string()) return std::nullopt;  // reported by declare
     open_.push_back(name);
     Node value = given_.contains(name) ? *declared : filled(*declared, join_pointer("/vars", name));
     open_.pop_back();
@@ -201,8 +174,8 @@ class Variables {
 
 }  // namespace
 
-void fill_in_variables(Node& root, const std::map<std::string, std::string>& given,
-                       const std::shared_ptr<const std::filesystem::path>& current_folder, Diagnostics& diagnostics) {
+void fill_in_variables(Node& root, const std::map<std::string, std::string>& given, const Folder& current_folder,
+                       Diagnostics& diagnostics) {
   Variables variables(root, diagnostics);
   variables.take(given, current_folder);
   variables.fill_in_all(root);

@@ -2,9 +2,7 @@
 // "${name}" in the texts of a config, from its "vars" and from --var.
 #pragma once
 
-#include <filesystem>
 #include <map>
-#include <memory>
 #include <string>
 
 #include "binnacle/diagnostic.hpp"
@@ -14,7 +12,7 @@ namespace binnacle::config {
 
 /// Fills in every text below root, "vars" itself included. A text that is one "${name}" and nothing else
 /// takes the variable's value with its type. A text that begins with a variable takes that variable's folder.
-void fill_in_variables(Node& root, const std::map<std::string, std::string>& given,
-                       const std::shared_ptr<const std::filesystem::path>& current_folder, Diagnostics& diagnostics);
+void fill_in_variables(Node& root, const std::map<std::string, std::string>& given, const Folder& current_folder,
+                       Diagnostics& diagnostics);
 
 }  // namespace binnacle::config

@@ -262,28 +262,15 @@ void correct(double* P, int n, int m, const UpdateWork& work) {
   strip_loops().mirror(P, n);
 }
 
-namespace {
-
-/// out = Σ_c factors[c·step] in(·, c), columns of ld rows.
-void combine_columns(const double* in, int ld, int count, const double* factors, int step, double* __restrict out) {
-  for (int i = 0; i < ld; i += strip) {
-    double sum[strip] = {};
-    for (int c = 0; c < count; ++c)
-      for (int k = 0; k < strip; ++k) sum[k] += factors[c * step] * in[i + k + static_cast<std::ptrdiff_t>(c) * ld];
-    for (int k = 0; k < strip; ++k) out[i + k] = sum[k];
-  }
-}
-
-}  // namespace
-
 void gain_times_residual(int n, int m, const UpdateWork& work, double* delta) {
-  combine_columns(work.K, padded(n), m, work.r, 1, delta);
+  strip_loops().combine_neighbours(work.K, padded(n), m, work.r, 1, delta);
 }
 
 void transform_block(const double* T, int first, int d, double* P, int n, double* scratch) {
   const int ld = padded(n), end = first + d;
   const auto column = [=](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
-  for (int r = 0; r < d; ++r) combine_columns(column(P, first), ld, d, T + r, d, column(scratch, r));
+  const auto combine = strip_loops().combine_neighbours;
+  for (int r = 0; r < d; ++r) combine(column(P, first), ld, d, T + r, d, column(scratch, r));
   // scratch = P Tᵀ in the block's columns. Outside the block that is P'; inside it still wants T from the left.
   for (int r = 0; r < d; ++r) {
     const double* in = column(scratch, r);

@@ -127,9 +127,7 @@ class ModelCalls {
   Notes notes() {
     return {this, [](void* self, const char* text) {
               auto& calls = *static_cast<ModelCalls*>(self);
-              const CallSite& site = calls.site_;
-              if (site.call())
-                calls.note_book_.keep(*site.component(), *calls.pointer_, site.call(), site.time(), text);
+              calls.note_book_.keep(*calls.site_.component(), *calls.pointer_, calls.site_.call(), calls.time(), text);
             }};
   }
   std::byte* memory_of(const Place<std::byte>& place) const { return place.count > 0 ? place.in(arena_) : nullptr; }

@@ -14,6 +14,8 @@ struct StripLoops {
   /// Rows first…ld−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]) for r < rows ≤ 3, c < count.
   void (*combine)(int rows, const double* in, int ld, int first, int count, const int* columns,
                   const double* coefficients, int stride, double* out);
+  /// out = Σ_c coefficients[c·stride] · in(·, c) for c < count.
+  void (*combine_neighbours)(const double* in, int ld, int count, const double* coefficients, int stride, double* out);
   /// out(j, i) = in(i, j) for ld rows and `columns` columns, both of whole strips.
   void (*transpose)(const double* in, int ld, int columns, double* out, int ld_out);
   /// P(j, i) = P(i, j) for i > j.

@@ -10,8 +10,8 @@ constexpr int lanes = 4;
 
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {combine, transpose, mirror, gain_columns,
-                                                                         correct_lower};
+const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {combine, combine_neighbours, transpose,
+                                                                         mirror,  gain_columns,       correct_lower};
 
 #else
 

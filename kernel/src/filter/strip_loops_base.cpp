@@ -8,5 +8,5 @@ constexpr int lanes = 2;
 
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::base_strip_loops = {combine, transpose, mirror, gain_columns,
-                                                                         correct_lower};
+const binnacle::filter::StripLoops binnacle::filter::base_strip_loops = {combine, combine_neighbours, transpose,
+                                                                         mirror,  gain_columns,       correct_lower};

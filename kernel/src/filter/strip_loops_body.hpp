@@ -56,6 +56,16 @@ void combine(int rows, const double* in, int ld, int first, int count, const int
   }
 }
 
+void combine_neighbours(const double* in, int ld, int count, const double* coefficients, int stride, double* out) {
+  for (int i = 0; i < ld; i += strip) {
+    Lanes sum[strip / lanes] = {};
+    const double* from = in + i;
+    for (int c = 0; c < count; ++c, from += ld)
+      for (int k = 0; k < strip / lanes; ++k) sum[k] += coefficients[c * stride] * load(from + lanes * k);
+    for (int k = 0; k < strip / lanes; ++k) store(out + i + lanes * k, sum[k]);
+  }
+}
+
 template <class Tile>
 inline void transpose_in_registers(Tile& tile) {
   if constexpr (lanes == 2) {
@@ -96,9 +106,18 @@ void mirror(double* P, int n) {
   const int ld = padded(n);
   const auto at = [=](int i, int j) { return P + i + static_cast<std::ptrdiff_t>(j) * ld; };
   for (int j = 0; j < n; j += lanes) {
-    for (int c = j; c < j + lanes; ++c)
-      for (int r = c + 1; r < j + lanes && r < n; ++r) *at(c, r) = *at(r, c);
-    for (int i = j + lanes; i < n; i += lanes) transpose_tile(at(i, j), ld, at(j, i), ld, n - i);
+    if (j + lanes > n) {
+      for (int c = j; c < n; ++c)
+        for (int r = c + 1; r < n; ++r) *at(c, r) = *at(r, c);
+      return;
+    }
+#pragma GCC unroll 4
+    for (int c = 0; c < lanes; ++c)
+#pragma GCC unroll 4
+      for (int r = c + 1; r < lanes; ++r) *at(j + c, j + r) = *at(j + r, j + c);
+    int i = j + lanes;
+    for (; i + lanes <= n; i += lanes) transpose_tile(at(i, j), ld, at(j, i), ld, lanes);
+    if (i < n) transpose_tile(at(i, j), ld, at(j, i), ld, n - i);
   }
 }
 

@@ -46,26 +46,17 @@ ParameterValue check_value(const ParameterSpec& spec, const Document& document, 
                            const PortUnits& ports, Diagnostics& diagnostics);
 
 /// Thin forms of check_value for keys that the kernel owns. Nothing when wrong or not there; whoever requires the key
-/// calls require_key(). The spec's type is seen to, only name, unit and bounds matter:
+/// calls require_key(). A spec's type is seen to, only name, unit and bounds matter; without a name it is called after
+/// the last token of the pointer:
 ///
 ///     read_quantity(document, pointer, parameter::number("sigma", "m").at_least(0), diagnostics)
 std::optional<double> read_quantity(const Document& document, const std::string& pointer, const ParameterSpec& spec,
                                     Diagnostics& diagnostics);
-/// The same, named by the last token of the pointer.
-std::optional<double> read_quantity(const Document& document, const std::string& pointer, std::string_view si_unit_text,
-                                    Diagnostics& diagnostics);
-/// A list of n, or one number or quantity that stands for all.
-std::optional<std::vector<double>> read_quantities(const Document& document, const std::string& pointer,
-                                                   const ParameterSpec& spec, int n, Diagnostics& diagnostics);
 std::optional<std::int64_t> read_integer(const Document& document, const std::string& pointer,
                                          const ParameterSpec& spec, Diagnostics& diagnostics);
 /// A duration or a channel's instant: "20 ms" or seconds.
-std::optional<Time> read_time(const Document& document, const std::string& pointer, const ParameterSpec& spec,
-                              Diagnostics& diagnostics);
 std::optional<Time> read_time(const Document& document, const std::string& pointer, Diagnostics& diagnostics);
 std::optional<std::string> read_string(const Document& document, const std::string& pointer, Diagnostics& diagnostics);
-std::optional<std::string> read_choice(const Document& document, const std::string& pointer,
-                                       std::vector<std::string> choices, Diagnostics& diagnostics);
 std::optional<std::string> read_path(const Document& document, const std::string& pointer, Diagnostics& diagnostics);
 std::optional<bool> read_bool(const Document& document, const std::string& pointer, Diagnostics& diagnostics);
 /// One name or a list of names.
@@ -81,7 +72,9 @@ std::optional<When> read_when(const Document& document, const std::string& point
 std::optional<Window> read_window(const Document& document, const std::string& pointer, Diagnostics& diagnostics);
 
 /// The value at the pointer, or null.
-const nlohmann::ordered_json* value_at(const Document& document, std::string_view pointer);
+inline const nlohmann::ordered_json* value_at(const Document& document, std::string_view pointer) {
+  return document.value(pointer);
+}
 
 /// Null and B006 unless the value is an object (an array); null without a word where there is none. `what` is how the
 /// message calls it, quoted or not: "'evaluate'", "the config".
@@ -101,12 +94,6 @@ void check_keys(const Document& document, const std::string& pointer, const std:
 /// name alone, "fix".
 bool require_key(const Document& document, const std::string& pointer, std::string_view key, std::string_view what,
                  std::string_view expected, Diagnostics& diagnostics);
-
-/// "s, > 0" — unit and range, or what else a value has to be. `ports` fill in units that begin with '@'.
-std::string describe_short(const ParameterSpec& spec, const PortUnits& ports = {});
-
-/// A quantity as one would write it, inside the spec's range: "1 h". As JSON text, with its quotes.
-std::string example_of(const ParameterSpec& spec, const PortUnits& ports = {});
 
 /// Whether a component takes the field whatever unit the channel has for it.
 inline bool takes_any_unit(const FieldSpec& field) { return field.unit.empty() || field.unit == "*"; }

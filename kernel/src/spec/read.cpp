@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading the values that the kernel itself takes from a config.
 #include <algorithm>
+#include <cmath>
 
 #include "config/pointer.hpp"
 #include "spec/check.hpp"
-#include "spec/spec_text.hpp"
 
 namespace binnacle::spec {
 
@@ -17,101 +17,46 @@ std::string last_token(const std::string& pointer) {
   return tokens && !tokens->empty() ? tokens->back() : pointer;
 }
 
-ParameterValue checked(ParameterSpec spec, ParameterType type, const Document& document, const std::string& pointer,
-                       Diagnostics& diagnostics) {
+template <class T>
+std::optional<T> read(ParameterSpec spec, ParameterType type, T ParameterValue::*member, const Document& document,
+                      const std::string& pointer, Diagnostics& diagnostics) {
   spec.type = type;
   if (spec.name.empty()) spec.name = last_token(pointer);
-  return check_value(spec, document, pointer, {}, diagnostics);
+  const ParameterValue value = check_value(spec, document, pointer, {}, diagnostics);
+  return value.type == ParameterValue::Type::absent ? std::nullopt : std::optional<T>(value.*member);
 }
-
-bool is_there(const ParameterValue& value) { return value.type != ParameterValue::Type::absent; }
 
 }  // namespace
 
-const Json* value_at(const Document& document, std::string_view pointer) {
-  const auto tokens = config::split_pointer(pointer);
-  if (!tokens) return nullptr;
-  const Json* json = &document.root();
-  for (const std::string& token : *tokens) {
-    if (json->is_object()) {
-      const auto found = json->find(token);
-      if (found == json->end()) return nullptr;
-      json = &*found;
-    } else if (json->is_array()) {
-      const bool is_index = !token.empty() && token.size() < 10 &&
-                            std::all_of(token.begin(), token.end(), [](char c) { return c >= '0' && c <= '9'; });
-      if (!is_index || std::stoul(token) >= json->size()) return nullptr;
-      json = &(*json)[std::stoul(token)];
-    } else {
-      return nullptr;
-    }
-  }
-  return json;
-}
-
 std::optional<double> read_quantity(const Document& document, const std::string& pointer, const ParameterSpec& spec,
                                     Diagnostics& diagnostics) {
-  const ParameterValue value = checked(spec, ParameterType::number, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(value.number) : std::nullopt;
-}
-
-std::optional<double> read_quantity(const Document& document, const std::string& pointer, std::string_view si_unit_text,
-                                    Diagnostics& diagnostics) {
-  return read_quantity(document, pointer, parameter::number("", std::string(si_unit_text)), diagnostics);
-}
-
-std::optional<std::vector<double>> read_quantities(const Document& document, const std::string& pointer,
-                                                   const ParameterSpec& spec, int n, Diagnostics& diagnostics) {
-  ParameterSpec sized = spec;
-  sized.size = n;
-  sized.size_of_port.clear();
-  ParameterValue value = checked(std::move(sized), ParameterType::vector, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(std::move(value.numbers)) : std::nullopt;
+  return read(spec, ParameterType::number, &ParameterValue::number, document, pointer, diagnostics);
 }
 
 std::optional<std::int64_t> read_integer(const Document& document, const std::string& pointer,
                                          const ParameterSpec& spec, Diagnostics& diagnostics) {
-  const ParameterValue value = checked(spec, ParameterType::integer, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(value.integer) : std::nullopt;
-}
-
-std::optional<Time> read_time(const Document& document, const std::string& pointer, const ParameterSpec& spec,
-                              Diagnostics& diagnostics) {
-  ParameterSpec time = spec;
-  time.unit = "s";
-  const ParameterValue value = checked(std::move(time), ParameterType::time, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(value.integer) : std::nullopt;
+  return read(spec, ParameterType::integer, &ParameterValue::integer, document, pointer, diagnostics);
 }
 
 std::optional<Time> read_time(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
-  return read_time(document, pointer, parameter::time(""), diagnostics);
+  return read(parameter::time(""), ParameterType::time, &ParameterValue::integer, document, pointer, diagnostics);
 }
 
 std::optional<std::string> read_string(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
-  ParameterValue value = checked(parameter::text(""), ParameterType::text, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(std::move(value.text)) : std::nullopt;
-}
-
-std::optional<std::string> read_choice(const Document& document, const std::string& pointer,
-                                       std::vector<std::string> choices, Diagnostics& diagnostics) {
-  ParameterValue value =
-      checked(parameter::choice("", std::move(choices)), ParameterType::choice, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(std::move(value.text)) : std::nullopt;
+  return read({}, ParameterType::text, &ParameterValue::text, document, pointer, diagnostics);
 }
 
 std::optional<std::string> read_path(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
-  ParameterValue value = checked(parameter::path(""), ParameterType::path, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(std::move(value.text)) : std::nullopt;
+  return read({}, ParameterType::path, &ParameterValue::text, document, pointer, diagnostics);
 }
 
 std::optional<bool> read_bool(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
-  const ParameterValue value = checked(parameter::boolean(""), ParameterType::boolean, document, pointer, diagnostics);
-  return is_there(value) ? std::optional(value.boolean) : std::nullopt;
+  return read({}, ParameterType::boolean, &ParameterValue::boolean, document, pointer, diagnostics);
 }
 
 std::optional<std::vector<std::string>> read_names(const Document& document, const std::string& pointer,
                                                    Diagnostics& diagnostics) {
-  const Json* json = value_at(document, pointer);
+  const Json* json = document.value(pointer);
   if (!json) return std::nullopt;
   if (json->is_string()) return std::vector<std::string>{json->get<std::string>()};
   const bool are_texts =
@@ -132,34 +77,32 @@ std::optional<When> refuse_when(const Document& document, const std::string& poi
   return std::nullopt;
 }
 
-std::string_view without_spaces_before(std::string_view text) {
+/// Without the prefix, if it is there, and spaces around.
+bool take(std::string_view& text, std::string_view prefix) {
+  const bool is_there = text.starts_with(prefix);
+  if (is_there) text.remove_prefix(prefix.size());
   text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
-  return text;
+  return is_there;
 }
 
 }  // namespace
 
 std::optional<When> read_when(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
-  constexpr std::string_view start = "start";
-  const Json* json = value_at(document, pointer);
+  const Json* json = document.value(pointer);
   if (!json) return std::nullopt;
   if (json->is_number()) {
     if (std::abs(json->get<double>()) < 9.2e9) return When{from_seconds(json->get<double>()), false};
     return refuse_when(document, pointer, json->dump() + " s is beyond 292 years", diagnostics);
   }
   if (!json->is_string()) return refuse_when(document, pointer, abbreviated(*json) + " is no time", diagnostics);
-  const auto& written = json->get_ref<const std::string&>();
-  std::string_view text = without_spaces_before(written);
+  std::string_view text = json->get_ref<const std::string&>();
+  take(text, "");
   When when;
-  when.from_start = text.starts_with(start);
-  if (when.from_start) {
-    text = without_spaces_before(text.substr(start.size()));
-    if (text.empty()) return when;
-    if (text.front() != '+' && text.front() != '-')
-      return refuse_when(document, pointer, "'" + written + "' is no time", diagnostics);
-  }
-  const bool is_negative = text.starts_with('-');
-  if (is_negative || text.starts_with('+')) text = without_spaces_before(text.substr(1));
+  when.from_start = take(text, "start");
+  if (when.from_start && text.empty()) return when;
+  const bool is_negative = take(text, "-");
+  if (!is_negative && !take(text, "+") && when.from_start)
+    return refuse_when(document, pointer, "'" + json->get<std::string>() + "' is no time", diagnostics);
   const Parsed<std::int64_t> time = parse_time(text);
   if (!time) return refuse_when(document, pointer, time.error(), diagnostics);
   when.time = is_negative ? -*time : *time;
@@ -167,7 +110,7 @@ std::optional<When> read_when(const Document& document, const std::string& point
 }
 
 std::optional<Window> read_window(const Document& document, const std::string& pointer, Diagnostics& diagnostics) {
-  const Json* json = value_at(document, pointer);
+  const Json* json = document.value(pointer);
   if (!json) return std::nullopt;
   if (!json->is_array() || json->size() != 2) {
     diagnostics.error("B024", document.origin(pointer), pointer,
@@ -186,27 +129,32 @@ std::optional<Window> read_window(const Document& document, const std::string& p
 
 // ---- structure
 
+namespace {
+
+const Json* of_type(bool (*is_right)(const Json&), const char* name, const Document& document,
+                    const std::string& pointer, std::string_view what, Diagnostics& diagnostics) {
+  const Json* json = document.value(pointer);
+  if (!json || is_right(*json)) return json;
+  diagnostics.error("B006", document.origin(pointer), pointer,
+                    std::string(what) + " must be " + name + "; found " + abbreviated(*json));
+  return nullptr;
+}
+
+}  // namespace
+
 const Json* object_at(const Document& document, const std::string& pointer, std::string_view what,
                       Diagnostics& diagnostics) {
-  const Json* json = value_at(document, pointer);
-  if (!json || json->is_object()) return json;
-  diagnostics.error("B006", document.origin(pointer), pointer,
-                    std::string(what) + " must be an object; found " + abbreviated(*json));
-  return nullptr;
+  return of_type([](const Json& j) { return j.is_object(); }, "an object", document, pointer, what, diagnostics);
 }
 
 const Json* array_at(const Document& document, const std::string& pointer, std::string_view what,
                      Diagnostics& diagnostics) {
-  const Json* json = value_at(document, pointer);
-  if (!json || json->is_array()) return json;
-  diagnostics.error("B006", document.origin(pointer), pointer,
-                    std::string(what) + " must be a list; found " + abbreviated(*json));
-  return nullptr;
+  return of_type([](const Json& j) { return j.is_array(); }, "a list", document, pointer, what, diagnostics);
 }
 
 bool require_key(const Document& document, const std::string& pointer, std::string_view key, std::string_view what,
                  std::string_view expected, Diagnostics& diagnostics) {
-  if (value_at(document, join_pointer(pointer, key))) return true;
+  if (document.value(join_pointer(pointer, key))) return true;
   diagnostics.error("B010", document.origin(pointer), pointer,
                     "missing key '" + std::string(key) + "' of '" + std::string(what) + "'" +
                         (expected.empty() ? "" : ": " + std::string(expected)));

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
+
+#include "base/text.hpp"
+#include "binnacle/catalog.hpp"
 
 namespace binnacle::spec {
 
@@ -16,15 +20,13 @@ std::optional<std::string> port_of_unit(std::string_view unit) {
 
 WantedUnit wanted_unit(const ParameterSpec& spec, const PortUnits& ports) {
   if (spec.unit == "*") return {std::nullopt, "any unit"};
-  const std::optional<std::string> port = port_of_unit(spec.unit);
-  if (!port) {
-    const std::optional<Unit> unit = parse_unit(spec.unit.empty() ? "1" : spec.unit);
-    return unit ? WantedUnit{unit->dimension, si_unit(unit->dimension)} : WantedUnit{std::nullopt, spec.unit};
+  std::string text = spec.unit.empty() ? "1" : spec.unit;
+  if (const std::optional<std::string> port = port_of_unit(spec.unit)) {
+    const std::optional<PortMeasure> measure = ports ? ports(*port) : std::nullopt;
+    if (!measure) return {std::nullopt, "unit of " + spec.unit.substr(1)};
+    text = "(" + si_unit(measure->dimension) + ")" + spec.unit.substr(1 + port->size());
   }
-  const std::optional<PortMeasure> measure = ports ? ports(*port) : std::nullopt;
-  if (!measure) return {std::nullopt, "unit of " + spec.unit.substr(1)};
-  const std::string_view factor = std::string_view(spec.unit).substr(1 + port->size());
-  const std::optional<Unit> unit = parse_unit("(" + si_unit(measure->dimension) + ")" + std::string(factor));
+  const std::optional<Unit> unit = parse_unit(text);
   return unit ? WantedUnit{unit->dimension, si_unit(unit->dimension)} : WantedUnit{std::nullopt, spec.unit};
 }
 
@@ -42,11 +44,8 @@ std::string number_text(double value, int digits) {
 std::string range_text(const ParameterSpec& spec) {
   std::string text;
   if (std::isfinite(spec.minimum)) text = (spec.minimum_excluded ? "> " : ">= ") + number_text(spec.minimum, 6);
-  if (std::isfinite(spec.maximum)) {
-    text +=
-        (text.empty() ? "" : ", ") + std::string(spec.maximum_excluded ? "< " : "<= ") + number_text(spec.maximum, 6);
-  }
-  return text;
+  if (!std::isfinite(spec.maximum)) return text;
+  return joined(text, (spec.maximum_excluded ? "< " : "<= ") + number_text(spec.maximum, 6));
 }
 
 bool in_range(const ParameterSpec& spec, double value) {
@@ -55,18 +54,10 @@ bool in_range(const ParameterSpec& spec, double value) {
   return above && below;
 }
 
-std::string quoted_list(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "'" : ", '") + word + "'";
-  return text;
-}
-
 std::string bare_dimension_name(const Dimension& dimension) {
   const std::string name = dimension_name(dimension);
   return name.substr(0, name.find(" ("));
 }
-
-namespace {
 
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + ", " + b; }
 
@@ -74,6 +65,8 @@ std::string unit_and_range(const ParameterSpec& spec, const PortUnits& ports) {
   const std::string unit = wanted_unit(spec, ports).text;
   return joined(unit == "1" ? "" : unit, range_text(spec));
 }
+
+namespace {
 
 std::string values_text(int count) { return std::to_string(count) + (count == 1 ? " value" : " values"); }
 
@@ -91,6 +84,29 @@ std::string shape_text(const ParameterSpec& spec, const PortUnits& ports) {
   return is_free ? "matrix" : side(spec.size) + " by " + side(spec.cols);
 }
 
+/// What a type is called: short, and in "must be …".
+struct Words {
+  std::string as_noun, expected;
+};
+
+Words words_of(ParameterType type) {
+  switch (type) {
+    case ParameterType::number: return {"", "a number or text with a unit"};
+    case ParameterType::integer: return {"integer", "an integer"};
+    case ParameterType::boolean: return {"true or false", "true or false"};
+    case ParameterType::text: return {"text", "a text"};
+    case ParameterType::choice: return {"one of ", "one of "};
+    case ParameterType::path: return {"file or folder", "the name of a file or folder"};
+    case ParameterType::vector: return {"", "a list of numbers or texts with a unit"};
+    case ParameterType::matrix: return {"", "a list of rows, each a list"};
+    case ParameterType::time: return {"s", "a time"};
+    case ParameterType::list: return {"list", "a list"};
+    case ParameterType::map: return {"object with free keys", "an object"};
+    case ParameterType::object: return {"object", "an object"};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string describe_short(const ParameterSpec& spec, const PortUnits& ports) {
@@ -99,29 +115,17 @@ std::string describe_short(const ParameterSpec& spec, const PortUnits& ports) {
       const std::string text = unit_and_range(spec, ports);
       return text.empty() ? "plain number" : text;
     }
-    case ParameterType::integer: return joined("integer", range_text(spec));
-    case ParameterType::boolean: return "true or false";
-    case ParameterType::text: return "text";
-    case ParameterType::choice: return "one of " + quoted_list(spec.choices);
-    case ParameterType::path: return "file or folder";
+    case ParameterType::choice: return words_of(spec.type).as_noun + base::quoted_list(spec.choices);
     case ParameterType::vector:
     case ParameterType::matrix: return joined(shape_text(spec, ports), unit_and_range(spec, ports));
-    case ParameterType::time: return joined("s", range_text(spec));
-    case ParameterType::list: return "list";
-    case ParameterType::map: return "object with free keys";
-    case ParameterType::object: return "object";
+    default: return joined(words_of(spec.type).as_noun, range_text(spec));
   }
-  return {};
 }
 
 namespace {
 
-struct Example {
-  std::string_view unit;  // SI
-  std::string_view text;
-};
-
-constexpr Example examples[] = {
+/// By SI unit.
+constexpr std::pair<std::string_view, std::string_view> examples[] = {
     {"s", "1 h"},
     {"m", "0.5 m"},
     {"rad", "2 deg"},
@@ -148,11 +152,8 @@ std::string example_quantity(const ParameterSpec& spec, const PortUnits& ports) 
   if (spec.type == ParameterType::time && in_range(spec, 1)) return "1 s";
   const WantedUnit unit = wanted_unit(spec, ports);
   if (!unit.dimension) return number_text(number_in_range(spec));
-  for (const Example& example : examples) {
-    if (example.unit != unit.text) continue;
-    const Parsed<Quantity> quantity = parse_quantity(example.text);
-    if (quantity && in_range(spec, quantity->value)) return std::string(example.text);
-  }
+  for (const auto& [of, text] : examples)
+    if (of == unit.text && in_range(spec, parse_quantity(text)->value)) return std::string(text);
   return number_text(number_in_range(spec)) + (unit.text == "1" ? "" : " " + unit.text);
 }
 
@@ -170,60 +171,26 @@ std::string repeated(const std::string& text, int count) {
 
 std::string example_of(const ParameterSpec& spec, const PortUnits& ports) {
   if (!spec.default_json.empty()) return spec.default_json;
-  const std::string element = takes_quantities(spec.type) ? as_json(example_quantity(spec, ports)) : "";
-  switch (spec.type) {
-    case ParameterType::number:
-    case ParameterType::time: return element;
-    case ParameterType::integer: return number_text(std::ceil(number_in_range(spec)));
-    case ParameterType::boolean: return "true";
-    case ParameterType::text: return "\"\"";
-    case ParameterType::choice: return spec.choices.empty() ? "\"\"" : "\"" + spec.choices.front() + "\"";
-    case ParameterType::path: return "\"FILE\"";
-    case ParameterType::vector:
-      if (!spec.size_of_port.empty()) return element;
-      return repeated(element, spec.size == ParameterSpec::any_size ? 1 : spec.size);
-    case ParameterType::matrix: return repeated(repeated(element, std::max(1, spec.cols)), std::max(1, spec.size));
-    case ParameterType::list: return spec.members.empty() ? "[]" : "[" + example_of(spec.members.front(), ports) + "]";
-    case ParameterType::map:
-      return spec.members.empty() ? "{}" : "{\"NAME\": " + example_of(spec.members.front(), ports) + "}";
-    case ParameterType::object: {
-      std::string text;
-      for (const ParameterSpec& member : spec.members) {
-        if (member.is_required)
-          text += (text.empty() ? "" : ", ") + ("\"" + member.name + "\": ") + example_of(member, ports);
-      }
-      return "{" + text + "}";
-    }
-  }
-  return "null";
+  if (spec.type == ParameterType::integer) return number_text(std::ceil(number_in_range(spec)));
+  const std::string element = as_json(example_quantity(spec, ports));
+  if (spec.type == ParameterType::matrix)
+    return repeated(repeated(element, std::max(1, spec.cols)), std::max(1, spec.size));
+  const bool is_list = spec.type == ParameterType::vector && spec.size_of_port.empty();
+  return is_list ? repeated(element, std::max(1, spec.size)) : element;
 }
 
 std::string expected_text(const ParameterSpec& spec, const PortUnits& ports) {
-  const auto in_parentheses = [](const std::string& text) { return text.empty() ? text : " (" + text + ")"; };
-  switch (spec.type) {
-    case ParameterType::number: {
-      const std::string unit = wanted_unit(spec, ports).text;
-      const std::string noun = unit == "1" ? "a number" : "a number or text with a unit";
-      return noun + in_parentheses(unit_and_range(spec, ports)) + ", for example " + example_of(spec, ports);
-    }
-    case ParameterType::integer: return "an integer" + in_parentheses(range_text(spec));
-    case ParameterType::boolean: return "true or false";
-    case ParameterType::text: return "a text";
-    case ParameterType::choice: return "one of " + quoted_list(spec.choices);
-    case ParameterType::path: return "the name of a file or folder";
-    case ParameterType::vector: {
-      const bool is_sized = !spec.size_of_port.empty() || spec.size != ParameterSpec::any_size;
-      return std::string("a list of numbers or texts with a unit") + (is_sized ? ", or one for all" : "") +
-             in_parentheses(describe_short(spec, ports));
-    }
-    case ParameterType::matrix: return "a list of rows, each a list" + in_parentheses(describe_short(spec, ports));
-    case ParameterType::time:
-      return "a time" + in_parentheses(describe_short(spec, ports)) + ", for example " + example_of(spec, ports);
-    case ParameterType::list: return "a list";
-    case ParameterType::map:
-    case ParameterType::object: return "an object";
-  }
-  return {};
+  const bool is_number = spec.type == ParameterType::number, is_time = spec.type == ParameterType::time;
+  if (spec.type == ParameterType::choice) return describe_short(spec, ports);
+  std::string text = is_number && wanted_unit(spec, ports).text == "1" ? "a number" : words_of(spec.type).expected;
+  const bool is_sized = !spec.size_of_port.empty() || spec.size != ParameterSpec::any_size;
+  if (spec.type == ParameterType::vector && is_sized) text += ", or one for all";
+  const std::string detail = is_number                             ? unit_and_range(spec, ports)
+                             : spec.type == ParameterType::integer ? range_text(spec)
+                             : takes_quantities(spec.type)         ? describe_short(spec, ports)
+                                                                   : "";
+  if (!detail.empty()) text += " (" + detail + ")";
+  return is_number || is_time ? text + ", for example " + example_of(spec, ports) : text;
 }
 
 }  // namespace binnacle::spec

@@ -33,11 +33,20 @@ std::string number_text(double value, int digits = 15);
 std::string range_text(const ParameterSpec& spec);
 bool in_range(const ParameterSpec& spec, double value);
 
-/// "'a', 'b', 'c'"
-std::string quoted_list(const std::vector<std::string>& words);
+/// "s, > 0" — unit and range, or what else a value has to be. `ports` fill in units that begin with '@'.
+std::string describe_short(const ParameterSpec& spec, const PortUnits& ports = {});
+
+/// The default, or a quantity as one would write it, inside the spec's range: "1 h". As JSON text, with its quotes.
+std::string example_of(const ParameterSpec& spec, const PortUnits& ports = {});
 
 /// "a number or quantity (s, > 0), for example \"1 h\"", "one of 'a', 'b'", "a list of rows".
 std::string expected_text(const ParameterSpec& spec, const PortUnits& ports);
+
+/// "s, > 0": the unit, unless it is a plain number's, and the range.
+std::string unit_and_range(const ParameterSpec& spec, const PortUnits& ports);
+
+/// "a, b"; one alone where the other is empty.
+std::string joined(const std::string& a, const std::string& b);
 
 /// dimension_name() without the unit in parentheses: "an angular rate".
 std::string bare_dimension_name(const Dimension& dimension);

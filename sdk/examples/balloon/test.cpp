@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plugin's own tests: each model as balloon.json composes it, called in process, and a whole drive.
+// The plugin's own tests: each model as balloon.json composes it, called in process, and a whole flight.
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
 #else
@@ -52,7 +52,7 @@ double bearing_to(int landmark, double north, double east) {
 
 TEST_CASE("a bearing goes to the landmark of its number, and H is its derivative") {
   const auto composed = composition();
-  const auto part = parts::measurement(*composed, "crew", "bearings");
+  const auto part = parts::measurement(*composed, "flight", "bearings");
   const testing::MeasurementCaller bearings(*part.model, part.type->spec);
   const testing::PortStates ports{{part.ports[0].block.get(), {100, -50}, 10.0}};
   const std::vector<double> sighted{7, bearing_to(2, 100, -50) + 0.01, 1, bearing_to(0, 100, -50), 5, 0.3};
@@ -75,7 +75,7 @@ TEST_CASE("a bearing goes to the landmark of its number, and H is its derivative
 
 TEST_CASE("without landmarks there is nothing to see") {
   const auto composed = composition();
-  const auto part = parts::measurement(*composed, "crew", "bearings");
+  const auto part = parts::measurement(*composed, "flight", "bearings");
   const testing::MeasurementCaller bearings(*part.model, part.type->spec);
   const testing::PortStates ports{{part.ports[0].block.get(), {100, -50}, 10.0}};
   const std::vector<double> sighted{7, 0.3};
@@ -86,7 +86,7 @@ TEST_CASE("without landmarks there is nothing to see") {
 
 TEST_CASE("the balloon goes with the reported wind") {
   const auto composed = composition();
-  const auto part = parts::process(*composed, "crew", "drift");
+  const auto part = parts::process(*composed, "flight", "drift");
   const double wind[] = {3, -5};
   SampleView report;
   report.fields = wind;
@@ -107,7 +107,7 @@ TEST_CASE("the balloon goes with the reported wind") {
   CHECK(complaints.empty());
 }
 
-TEST_CASE("a drive in the wind: the position is found, a wrong landmark is refused alone, notes are told") {
+TEST_CASE("a flight in the wind: the position is found, a wrong landmark is refused alone, the missing wind is noted") {
   Session session(composition());
   const auto wind = session.channel("wind"), sightings = session.channel("sightings");
   session.push(session.channel("landmarks"), rows_of(landmarks, 3, 0));
@@ -124,7 +124,7 @@ TEST_CASE("a drive in the wind: the position is found, a wrong landmark is refus
       rows.push_back(landmarks[static_cast<std::size_t>(3 * i)]);
       rows.push_back(bearing_to(i, north, east) + 0.2 * std::numbers::pi / 180 * normal(random));
     }
-    if (second > 30) rows[1] += 0.3;  // the crew mistakes another hill for landmark 1
+    if (second > 30) rows[1] += 0.3;  // the pilot mistakes another hill for landmark 1
     session.push(sightings, rows_of(rows, 2, t));
   }
   double found[2], sigma[2];
@@ -135,7 +135,7 @@ TEST_CASE("a drive in the wind: the position is found, a wrong landmark is refus
   const auto counts = session.counts(session.measurement("bearings"));
   CHECK(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 60);
   CHECK(counts.rows_left_out == 29);
-  const auto notes = session.notes(session.filter("crew"));
+  const auto notes = session.notes(session.filter("flight"));
   REQUIRE(notes.items().size() == 1);
   CHECK(notes.items()[0].message.find("no wind has been reported yet, it is taken as calm (9 times)") !=
         std::string::npos);

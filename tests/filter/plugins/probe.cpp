@@ -186,7 +186,7 @@ class Knowing : public MeasurementModel {
     spec.type = "knowing";
     spec.summary = "Shows the covariance of what it reads.";
     spec.ports = {reads("a", "vector:2:*", "the rows"), reads("b", "vector:2:*", "the columns"),
-                  may_read("c", "*", "left open")};
+                  reads("c", "*", "left open").optional()};
     spec.fields = {field::level("z", "1").about("a sample there must be")};
     spec.example = R"({"channel": "z", "blocks": {"a": "a", "b": "b"}})";
     return spec;

@@ -86,7 +86,7 @@ class Rest final : public ProcessModel {
     ComponentSpec spec;
     spec.type = "rest";
     spec.summary = "Nothing moves";
-    spec.ports = {advances("x", "vector:*:*", "what rests"), may_read("other", "vector:1:m", "looked at")};
+    spec.ports = {advances("x", "vector:*:*", "what rests"), reads("other", "vector:1:m", "looked at").optional()};
     spec.fields = {{"wx", "rad/s", FieldKind::rate, false, false, "angular rate"}};
     spec.parameters = {parameter::vector("q", "@x/sqrt(s)").sized_by("x").at_least(0).required().about("noise")};
     return spec;

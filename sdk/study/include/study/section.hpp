@@ -19,7 +19,8 @@ using Json = nlohmann::ordered_json;
 
 class Section {
  public:
-  Section(const Config& config, Diagnostics& diagnostics) : config_(config), diagnostics_(diagnostics) {}
+  Section(const Config& config, Diagnostics& diagnostics)
+      : config_(config), root_(Json::parse(config.text())), diagnostics_(diagnostics) {}
 
   /// Null where there is nothing.
   const Json* at(const std::string& pointer) const;
@@ -40,12 +41,8 @@ class Section {
   void wrong_type(const std::string& pointer, const char* wanted) const;
 
   const Config& config_;
+  const Json root_;
   Diagnostics& diagnostics_;
 };
-
-std::string in_quotes(std::string_view text);
-/// "; did you mean 'rms'?", or nothing.
-std::string meant(std::string_view text, const std::vector<std::string>& candidates);
-std::string listed(const std::vector<std::string>& names);
 
 }  // namespace binnacle::study
