@@ -61,7 +61,7 @@ struct Average {
 };
 
 /// NEES of each block and of all together at the picked instants.
-class Nees : public runtime::SampleSubscriber {
+class Nees {
  public:
   Nees(runtime::Runtime& runtime, const Composition& composition)
       : runtime_(runtime),
@@ -73,13 +73,12 @@ class Nees : public runtime::SampleSubscriber {
         row[b].dof = static_cast<int>(plan_.blocks[b].active.size());
       row.back().dof = plan_.n;
     }
-    runtime.subscribe(this, {scored_->references.front().channel});
+    runtime.subscribe([this](int channel, const SampleView& sample) {
+      if (channel == scored_->references.front().channel) take(channel, sample);
+    });
   }
-
-  void sampled(int channel, const SampleView& truth) override {
-    for (std::size_t i = 0; i < instants.size(); ++i)
-      if (truth.t == nanoseconds(instants[i])) add(figures_[i], channel, truth);
-  }
+  Nees(const Nees&) = delete;
+  Nees& operator=(const Nees&) = delete;
 
   std::string name(std::size_t group) const {
     return group < plan_.blocks.size() ? plan_.blocks[group].name : "all together";
@@ -87,6 +86,10 @@ class Nees : public runtime::SampleSubscriber {
   const std::vector<std::vector<Average>>& figures() const { return figures_; }
 
  private:
+  void take(int channel, const SampleView& truth) {
+    for (std::size_t i = 0; i < instants.size(); ++i)
+      if (truth.t == nanoseconds(instants[i])) add(figures_[i], channel, truth);
+  }
   void add(std::vector<Average>& row, int channel, const SampleView& truth) {
     filter::Engine& engine = runtime_.engine(0);
     REQUIRE(engine.status().t == truth.t);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/section.hpp"
 #include "catch.hpp"
 #include "run/runtime.hpp"
 #include "score/run.hpp"
@@ -17,10 +18,21 @@ namespace {
 
 using Sets = std::vector<std::string>;
 
+/// Has every channel shown to whoever runs the composition.
+class AllChannels final : public Section {
+ public:
+  std::vector<std::string> keys() const override { return {}; }
+  std::shared_ptr<const SectionData> read(CompositionDraft& draft) const override {
+    for (std::size_t c = 0; c < draft.channels().size(); ++c) draft.subscribe(static_cast<int>(c), "");
+    return nullptr;
+  }
+};
+
 std::shared_ptr<const Composition> load(Sets sets = {}) {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   LoadOptions options;
   options.sets = std::move(sets);
+  options.sections.push_back(std::make_shared<AllChannels>());
   return score::load(BINNACLE_TEST_PROJECT "/tests/consistency/matched.json", options);
 }
 
@@ -33,24 +45,16 @@ std::string summary(const std::shared_ptr<const Composition>& composition, score
 }
 
 /// All numbers of a field, "drive.imu wx", over a run; its times under "drive.imu t".
-class Samples : public runtime::SampleSubscriber {
+class Samples {
  public:
   Samples(const std::shared_ptr<const Composition>& composition, score::RunOptions options)
       : plan_(composition->plan()) {
     score::run(composition, options);  // opens the sources
     runtime::Runtime runtime(plan_);
-    std::vector<int> channels;
-    for (std::size_t c = 0; c < plan_.channels.size(); ++c) channels.push_back(static_cast<int>(c));
-    runtime.subscribe(this, channels);
+    runtime.subscribe([this](int channel, const SampleView& sample) { take(channel, sample); });
     runtime.reset(options.seed, options.run);
     while (runtime.next_instant()) {
     }
-  }
-  void sampled(int index, const SampleView& sample) override {
-    const auto& channel = plan_.channels[static_cast<std::size_t>(index)];
-    values_[channel.name + " t"].push_back(seconds(sample.t));
-    for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
-      values_[channel.name + " " + channel.declaration.fields[i].name].push_back(sample.fields[channel.position[i]]);
   }
   /// Names of the fields that differ from the other's, of those that both have.
   std::vector<std::string> differences(const Samples& other) const {
@@ -68,6 +72,12 @@ class Samples : public runtime::SampleSubscriber {
   const std::vector<double>& of(const std::string& name) const { return values_.at(name); }
 
  private:
+  void take(int index, const SampleView& sample) {
+    const auto& channel = plan_.channels[static_cast<std::size_t>(index)];
+    values_[channel.name + " t"].push_back(seconds(sample.t));
+    for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
+      values_[channel.name + " " + channel.declaration.fields[i].name].push_back(sample.fields[channel.position[i]]);
+  }
   const compose::CompositionPlan& plan_;
   std::map<std::string, std::vector<double>> values_;
 };

@@ -13,7 +13,7 @@
 
 namespace binnacle {
 
-namespace detail {
+namespace spec_detail {
 
 /// Sets a member of a spec that is being written.
 template <class Spec, class T>
@@ -22,7 +22,7 @@ Spec&& with(Spec& spec, T Spec::*member, std::type_identity_t<T> value) {
   return std::move(spec);
 }
 
-}  // namespace detail
+}  // namespace spec_detail
 
 enum class ParameterType { number, integer, boolean, text, choice, path, vector, matrix, time, list, map, object };
 
@@ -57,30 +57,30 @@ struct ParameterSpec {
 
   /// The key that this parameter had in an earlier version: under it a config gets an error that states the new one.
   ParameterSpec&& formerly(std::string key) && {
-    return detail::with(*this, &ParameterSpec::former_name, std::move(key));
+    return spec_detail::with(*this, &ParameterSpec::former_name, std::move(key));
   }
-  ParameterSpec&& required() && { return detail::with(*this, &ParameterSpec::is_required, true); }
+  ParameterSpec&& required() && { return spec_detail::with(*this, &ParameterSpec::is_required, true); }
   ParameterSpec&& defaults(std::string json) && {
-    return detail::with(*this, &ParameterSpec::default_json, std::move(json));
+    return spec_detail::with(*this, &ParameterSpec::default_json, std::move(json));
   }
-  ParameterSpec&& about(std::string line) && { return detail::with(*this, &ParameterSpec::text, std::move(line)); }
+  ParameterSpec&& about(std::string line) && { return spec_detail::with(*this, &ParameterSpec::text, std::move(line)); }
   ParameterSpec&& above(double bound) && { return from(bound, true); }
   ParameterSpec&& at_least(double bound) && { return from(bound, false); }
   ParameterSpec&& below(double bound) && { return to(bound, true); }
   ParameterSpec&& at_most(double bound) && { return to(bound, false); }
   /// As many elements (rows and columns for a matrix) as the block on `port` has error dof; one number stands for all.
   ParameterSpec&& sized_by(std::string port) && {
-    return detail::with(*this, &ParameterSpec::size_of_port, std::move(port));
+    return spec_detail::with(*this, &ParameterSpec::size_of_port, std::move(port));
   }
 
  private:
   ParameterSpec&& from(double bound, bool is_excluded) {
     minimum_excluded = is_excluded;
-    return detail::with(*this, &ParameterSpec::minimum, bound);
+    return spec_detail::with(*this, &ParameterSpec::minimum, bound);
   }
   ParameterSpec&& to(double bound, bool is_excluded) {
     maximum_excluded = is_excluded;
-    return detail::with(*this, &ParameterSpec::maximum, bound);
+    return spec_detail::with(*this, &ParameterSpec::maximum, bound);
   }
 };
 
@@ -159,10 +159,10 @@ struct PortSpec {
   std::string text;
   std::string former_name = {};  // "" = it was never renamed
 
-  PortSpec&& optional() && { return detail::with(*this, &PortSpec::is_optional, true); }
-  PortSpec&& about(std::string line) && { return detail::with(*this, &PortSpec::text, std::move(line)); }
+  PortSpec&& optional() && { return spec_detail::with(*this, &PortSpec::is_optional, true); }
+  PortSpec&& about(std::string line) && { return spec_detail::with(*this, &PortSpec::text, std::move(line)); }
   /// The name that this port had in an earlier version: under it a config gets an error that states the new one.
-  PortSpec&& formerly(std::string port) && { return detail::with(*this, &PortSpec::former_name, std::move(port)); }
+  PortSpec&& formerly(std::string port) && { return spec_detail::with(*this, &PortSpec::former_name, std::move(port)); }
 };
 
 inline PortSpec advances(std::string name, std::string kind, std::string text = {}) {
@@ -191,9 +191,9 @@ struct FieldSpec {
   bool is_per_row = false;  // one value per row of the sample instead of one per sample
   std::string text;
 
-  FieldSpec&& optional() && { return detail::with(*this, &FieldSpec::is_optional, true); }
-  FieldSpec&& per_row() && { return detail::with(*this, &FieldSpec::is_per_row, true); }
-  FieldSpec&& about(std::string line) && { return detail::with(*this, &FieldSpec::text, std::move(line)); }
+  FieldSpec&& optional() && { return spec_detail::with(*this, &FieldSpec::is_optional, true); }
+  FieldSpec&& per_row() && { return spec_detail::with(*this, &FieldSpec::is_per_row, true); }
+  FieldSpec&& about(std::string line) && { return spec_detail::with(*this, &FieldSpec::text, std::move(line)); }
 };
 
 namespace field {
@@ -220,8 +220,8 @@ struct ChannelPort {
   bool is_optional = false;
   std::string text;
 
-  ChannelPort&& optional() && { return detail::with(*this, &ChannelPort::is_optional, true); }
-  ChannelPort&& about(std::string line) && { return detail::with(*this, &ChannelPort::text, std::move(line)); }
+  ChannelPort&& optional() && { return spec_detail::with(*this, &ChannelPort::is_optional, true); }
+  ChannelPort&& about(std::string line) && { return spec_detail::with(*this, &ChannelPort::text, std::move(line)); }
 };
 
 inline ChannelPort input(std::string name, std::vector<FieldSpec> fields) {
