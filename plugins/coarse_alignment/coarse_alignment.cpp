@@ -391,7 +391,7 @@ void CoarseAlignment::emit(Time t, State& state, Emitter& emitter) const {
   state.t_emitted = t;
 
   // What coasting adds about each axis: bias error and, at most, the earth rate that turned with the body; the gyros'
-  // noise, of which the window has told the mean's variance over its duration; and what misalignment makes of turns.
+  // noise, of which the window has given the mean's variance over its duration; and what misalignment makes of turns.
   const double slope = state.rate_variance + squared(settings_.gyro_drift) + squared(sd::wgs84::omega_ie);
   const double noise = state.rate_variance * settings_.rest.duration;
   const auto growth = [&](Time since, double turned) {

@@ -18,7 +18,7 @@ struct RestLimits {
   double gravity_error = 0;      // m/s², | |f| − g |
 };
 
-/// Means over the window, and the variance of each mean as the scatter of its parts tells it.
+/// Means over the window, and the variance of each mean as the scatter of its parts gives it.
 struct RestMeans {
   Eigen::Vector3d rate;            // rad/s
   Eigen::Vector3d specific_force;  // m/s²

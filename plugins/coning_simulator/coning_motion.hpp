@@ -23,7 +23,7 @@ struct Shaking {
 
 /// With ε the half-angle and W = 2π f the attitude is
 ///     q(t) = (cos ε/2, 0, sin ε/2 cos W t, sin ε/2 sin W t)        whose change over h is paper 002, equation (8),
-/// with P₁ = −sin²(ε/2) sin W h (as printed it lacks the sign), so against the axes it is told in
+/// with P₁ = −sin²(ε/2) sin W h (as printed it lacks the sign), so against the axes it is given in
 ///     ω(t) = (−2 W sin² ε/2, −W sin ε sin W t, W sin ε cos W t).
 /// At a place the axes are north, east, down there, and the sensors feel the earth's rotation and gravity as well.
 class ConingMotion {

@@ -25,7 +25,14 @@ Shaking read_shaking(const Parameters& parameters) {
   return {parameters.vector("acceleration"), parameters.number("phase")};
 }
 
-Eigen::Vector3d rounded_to_single(const Eigen::Vector3d& v) { return v.cast<float>().cast<double>(); }
+/// Through memory: GCC 12 at -O3 drops conversions to float and back when it vectorizes those of two vectors together.
+double rounded_to_single(double value) {
+  const volatile float single = static_cast<float>(value);
+  return single;
+}
+Eigen::Vector3d rounded_to_single(const Eigen::Vector3d& v) {
+  return {rounded_to_single(v[0]), rounded_to_single(v[1]), rounded_to_single(v[2])};
+}
 
 /// To a femtosecond: 0.004 s and not the double next to it, which would be 0.4 ps off after an hour.
 long double as_written(double seconds) { return std::round(1e15L * static_cast<long double>(seconds)) / 1e15L; }
@@ -99,7 +106,7 @@ Time ConingSimulator::end_of(std::int64_t sample) const {
 }
 
 /// The part of a cycle, from the exact product: after an hour a double's would be good to 1e-11 only, and a drift of
-/// 1e-6 deg is to be told to four digits.
+/// 1e-6 deg is to be known to four digits.
 double ConingSimulator::cycle_at(long double seconds) const {
   const long double cycles = static_cast<long double>(cone_.frequency) * seconds;
   return static_cast<double>(cycles - static_cast<long double>(static_cast<std::int64_t>(cycles)));

@@ -99,7 +99,7 @@ ComponentSpec ConstellationSimulator::spec() {
                   {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
                    time("to").required().about("last instant"), number("pseudorange", "m").defaults("0").about("added"),
                    number("range_rate", "m/s").defaults("0").about("added")}))
-          .about("what a satellite tells wrongly"),
+          .about("what a satellite reports wrongly"),
       list("clock_jumps", object("jump", {time("at").required().about("instant"),
                                           number("jump", "s").required().about("added to the receiver's clock")}))
           .about("resets of the receiver's clock")};

@@ -208,7 +208,7 @@ ComponentSpec CsvSource::spec() {
   spec.type = "csv";
   spec.summary = "recorded samples from delimited text, plain or gzipped";
   spec.source = "RFC 4180 (text/csv), RFC 1952 (gzip)";
-  spec.parameters.push_back(parameter::path("path").required().about("the file; gzip is told by its content"));
+  spec.parameters.push_back(parameter::path("path").required().about("the file; gzip is recognized by its content"));
   spec.parameters.push_back(
       parameter::map("columns", column_spec()).required().about("fields of the channel and the columns they stand in"));
   spec.parameters.push_back(time_spec());

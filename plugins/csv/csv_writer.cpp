@@ -22,7 +22,7 @@ FieldSpec field(const char* name, const char* unit, FieldKind kind = FieldKind::
   return {name, unit, kind, true, false, "written where \"columns\" names it"};
 }
 
-/// Those that have a standard name; others are told which of these they are by "fields".
+/// Those that have a standard name; others are mapped to one of these by "fields".
 std::vector<FieldSpec> writable_fields() {
   std::vector<FieldSpec> fields;
   for (const char* name : {"wx", "wy", "wz"}) fields.push_back(field(name, "rad/s", FieldKind::rate));
@@ -93,7 +93,7 @@ CsvWriter::CsvWriter(const Binding& binding) : path_(binding.parameters().text("
         std::find_if(fields.begin(), fields.end(), [&, &key = name](const auto& f) { return f.name == key; });
     if (found == fields.end())
       throw ComponentError("there is no field '" + name + "' to write; there are " + joined(fields) +
-                               " (a field of another name is told by \"fields\": {\"speed\": \"" + name + "\"})",
+                               " (a field of another name is mapped by \"fields\": {\"speed\": \"" + name + "\"})",
                            pointer);
     Column column{name, name, binding.field(binding.input("input"), name), 1};
     for (const auto& [key, member] : value.members) {

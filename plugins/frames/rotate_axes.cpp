@@ -57,7 +57,7 @@ ComponentSpec RotateAxes::spec() {
   spec.inputs = {input("imu", joined(rates(axes), forces(axes))).about("the inertial sensor"),
                  input("truth", joined(angles(axes), misalignments(axes)))
                      .optional()
-                     .about("of a simulation, to be told of the turned axes as well")};
+                     .about("of a simulation, whose axes are turned as well")};
   spec.example = R"json({"input": "raw_imu", "roll": "170.79 deg", "pitch": "60.5 deg", "yaw": "167.45 deg",
     "flip": "flu_to_frd"})json";
   return spec;

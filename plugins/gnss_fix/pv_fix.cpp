@@ -31,7 +31,7 @@ ComponentSpec PvFix::spec() {
                          .at_least(1)
                          .defaults("1")
                          .about("factor on the covariance: a filter's errors are correlated in time, which its "
-                                "covariance does not tell")};
+                                "covariance does not show")};
   spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm"),
                 reads("velocity", "velocity.ned").about("of the antenna: a velocity block, or a lever_arm_velocity")};
   for (int i = 0; i < 6; ++i)

@@ -19,7 +19,7 @@ std::vector<ParameterSpec> SatelliteLimit::parameters() {
               .at_least(1)
               .at_most(8)
               .defaults("1")
-              .about("an epoch with fewer is unsupported; 4: a receiver that tells no position of its own otherwise"),
+              .about("an epoch with fewer is unsupported; 4: a receiver that gives no position of its own otherwise"),
           list("cuts", object("cut", {time("from").required().about("first instant of it"),
                                       time("to").required().about("last instant of it"),
                                       integer("satellites").at_least(0).required().about("used at most")}))

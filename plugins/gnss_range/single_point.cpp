@@ -85,12 +85,12 @@ ComponentSpec SinglePoint::spec() {
       number("unknown_speed", "m/s")
           .above(0)
           .defaults("100")
-          .about("standard deviation of the velocity, given as zero, where no range rates tell it"));
+          .about("standard deviation of the velocity, given as zero, where no range rates give it"));
   spec.parameters.push_back(
       number("unknown_drift", "m/s")
           .above(0)
           .defaults("1000")
-          .about("standard deviation of the clock's drift, given as zero, where no range rates tell it"));
+          .about("standard deviation of the clock's drift, given as zero, where no range rates give it"));
   spec.example = R"json({"inputs": {"obs": "gnss.obs", "ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";
   return spec;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields by which a place and a motion are told.
+// Fields by which a place and a motion are played.
 #pragma once
 
 #include "binnacle/sample.hpp"

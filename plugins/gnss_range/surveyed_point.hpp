@@ -9,7 +9,7 @@
 
 namespace binnacle::gnss_range {
 
-/// Says the same place whenever its input speaks.
+/// Says the same place whenever its input emits.
 class SurveyedPoint final : public Transform {
  public:
   static ComponentSpec spec();

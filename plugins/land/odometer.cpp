@@ -21,10 +21,11 @@ ComponentSpec Odometer::spec() {
                      parameter::number("min_speed", "m/s")
                          .at_least(0)
                          .defaults("0")
-                         .about("a sample of less is unsupported: many sensors tell nothing of creeping")};
+                         .about("a sample of less is unsupported: many sensors report nothing of creeping")};
   spec.ports = VehicleVelocity::ports();
-  spec.ports.push_back(
-      reads("scale", "vector:1:1").optional().about("scale factor error s: the sensor tells (1 + s) times the speed"));
+  spec.ports.push_back(reads("scale", "vector:1:1")
+                           .optional()
+                           .about("scale factor error s: the sensor reports (1 + s) times the speed"));
   spec.fields = {field::level("speed", "m/s").about("along the vehicle's x axis, negative in reverse")};
   spec.example = R"json({"channel": "wheel", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment", "scale": "scale"}, "sigma": "0.05 m/s", "gate": 0.999})json";

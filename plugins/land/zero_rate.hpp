@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zero angular rate: what the gyroscopes tell of a body at rest is the earth's rate and their bias.
+// Zero angular rate: what the gyroscopes show of a body at rest is the earth's rate and their bias.
 #pragma once
 
 #include <Eigen/Core>

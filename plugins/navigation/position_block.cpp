@@ -30,7 +30,7 @@ PositionBlock::PositionBlock(const Binding& /*binding*/) {
   declaration_.outputs = {{"lat", "rad", "deg", false, false, "geodetic latitude"},
                           {"lon", "rad", "deg", true, false, "longitude, east positive"},
                           {"height", "m", "", false, false, "above the ellipsoid"}};
-  // The height on its own, by its magnitude: what papers tell the mean of.
+  // The height on its own, by its magnitude: of which papers give the mean.
   declaration_.norms = {{"horizontal", {0, 1}}, {"height", {2}}};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of a file: the first one ends the run, or they are left out, counted and told.
+// Faults of a file: the first one ends the run, or they are left out, counted and reported.
 #include "faults.hpp"
 
 #include "binnacle/parameters.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of a file: the first one ends the run, or they are left out, counted and told.
+// Faults of a file: the first one ends the run, or they are left out, counted and reported.
 #pragma once
 
 #include <map>
@@ -18,7 +18,7 @@ class Faults {
 
   /// `what` was left out: "record", "epoch", "observation". Throws ComponentError::in_data where faults are errors.
   void add(const std::string& code, int line, const std::string& what, const std::string& message);
-  /// Worth telling, and no fault.
+  /// Worth a note, and no fault.
   void note(const std::string& code, int line, const std::string& message) {
     reporter_.warn(code, path_, line, message);
   }

@@ -22,7 +22,7 @@ std::string_view label(std::string_view line);
 /// Reads the first line. Throws ComponentError::in_data if it is no RINEX 2 or 3 file of this type.
 Version read_version(text_file::LineReader& reader, const std::string& path, FileType type);
 
-/// Opens a file as far as its first line, to tell early what can be told.
+/// Opens a file as far as its first line, to report early what can be reported.
 void check_file(const std::string& path, FileType type);
 
 }  // namespace binnacle::rinex

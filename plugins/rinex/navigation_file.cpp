@@ -219,7 +219,7 @@ class NavigationReader {
     message.is_healthy = is_galileo ? (bits(health) & 0b111) == 0 : value(health) == 0;
     const double sent = record.orbit[transmission].value_or(9999e5);
     double uploaded = origin + (std::abs(sent) < 1e6 ? sent : value(toe) - 7200);
-    // Told in seconds of its own week or of toe's: the nearer to toe.
+    // Given in seconds of its own week or of toe's: the nearer to toe.
     uploaded += std::round((e.toe - uploaded) / gnss::seconds_per_week) * gnss::seconds_per_week;
     message.uploaded = nanoseconds(uploaded);
     navigation_.messages.push_back(message);

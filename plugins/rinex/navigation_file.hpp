@@ -14,7 +14,7 @@ namespace binnacle::rinex {
 struct Message {
   gnss::Ephemeris ephemeris;
   Time toe = no_time;
-  Time uploaded = no_time;  // transmission of the message; where the file tells none, two hours before toe
+  Time uploaded = no_time;  // transmission of the message; where the file gives none, two hours before toe
   bool is_healthy = false;
   int line = 0;
 };

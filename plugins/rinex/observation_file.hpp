@@ -34,7 +34,7 @@ struct Epoch {
   Time t = no_time;
   int line = 0;
   int event = 0;                                                   // 0: nothing; 1: power failure before it
-  double clock_offset = std::numeric_limits<double>::quiet_NaN();  // s, as the file tells it
+  double clock_offset = std::numeric_limits<double>::quiet_NaN();  // s, as the file gives it
   double clock_jump = 0;  // m, of the receiver's clock since the epoch before, found from code and phase
   std::vector<Observation> satellites;
 };

@@ -94,7 +94,7 @@ void RinexSource::declare_channels() {
   cn0_ = obs.carries_per_row(fields[gnss::observation::cn0]);
   event_ = obs.carries(field::level("event", "1").about("1: power failure since the epoch before"));
   clock_offset_ =
-      obs.carries(field::level("clock_offset", "s").about("of the receiver, as the file tells it; NaN: it does not"));
+      obs.carries(field::level("clock_offset", "s").about("of the receiver, as the file gives it; NaN: it does not"));
   clock_jump_ = obs.carries(field::level("clock_jump", "m")
                                 .about("the receiver's clock was set by it since the epoch before; found from code and "
                                        "phase"));

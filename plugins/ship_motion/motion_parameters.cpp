@@ -122,20 +122,20 @@ ShapingFit read_fit(const Parameters& parameters, const std::string& si_unit) {
              parameters.has("sea") ? read_sea(parameters.object("sea")) : read_table(parameters.object("spectrum")));
 }
 
-void tell(const Binding& binding, const ShapingFit& fit, const std::string& si_unit) {
+void report(const Binding& binding, const ShapingFit& fit, const std::string& si_unit) {
   const auto& filter = fit.filter;
   for (Eigen::Index k = 0; k < filter.omega.size(); ++k) {
     const std::string number = filter.omega.size() == 1 ? "" : " " + std::to_string(k + 1);
-    binding.tell("omega" + number, filter.omega[k], "rad/s");
-    binding.tell("zeta" + number, filter.zeta[k], "1");
+    binding.figure("omega" + number, filter.omega[k], "rad/s");
+    binding.figure("zeta" + number, filter.zeta[k], "1");
   }
-  binding.tell("sigma", filter.sigma, si_unit);
-  binding.tell("significant amplitude, given", fit.given_significant, si_unit);
-  binding.tell("significant amplitude, fitted", fit.model_significant, si_unit);
-  binding.tell("peak, given", fit.given_peak, "rad/s");
-  binding.tell("peak, fitted", fit.model_peak, "rad/s");
-  binding.tell("resolution", fit.resolution, "rad/s");
-  binding.tell("misfit", fit.misfit, "1");
+  binding.figure("sigma", filter.sigma, si_unit);
+  binding.figure("significant amplitude, given", fit.given_significant, si_unit);
+  binding.figure("significant amplitude, fitted", fit.model_significant, si_unit);
+  binding.figure("peak, given", fit.given_peak, "rad/s");
+  binding.figure("peak, fitted", fit.model_peak, "rad/s");
+  binding.figure("resolution", fit.resolution, "rad/s");
+  binding.figure("misfit", fit.misfit, "1");
   if (fit.is_good()) return;
   char text[200];
   std::snprintf(
@@ -176,7 +176,7 @@ ShapingFilter read_motion(const Binding& binding, const std::string& si_unit) {
   for (const char* name : {"omega", "zeta", "sigma"})
     if (parameters.has(name)) throw ComponentError("what is fitted is not given as well", std::string("/") + name);
   const ShapingFit fit = read_fit(parameters.object("fit"), si_unit);
-  tell(binding, fit, si_unit);
+  report(binding, fit, si_unit);
   return fit.filter;
 }
 

@@ -14,7 +14,7 @@ namespace binnacle::ship_motion {
 /// `omega`, `zeta`, `sigma`, or `fit`. `unit`: of the motion, as a parameter's unit.
 std::vector<ParameterSpec> motion_parameters(const std::string& unit);
 
-/// Tells the figures of a fit, and notes when it is poor. `si_unit`: of the motion.
+/// Reports the figures of a fit, and notes when it is poor. `si_unit`: of the motion.
 ShapingFilter read_motion(const Binding& binding, const std::string& si_unit);
 
 }  // namespace binnacle::ship_motion

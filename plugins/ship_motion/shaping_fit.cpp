@@ -58,7 +58,7 @@ ShapingFilter filter_of(const Eigen::VectorXd& x, double sigma) {
   return {x.head(n).array().exp(), x.tail(n).array().exp(), sigma};
 }
 
-/// Beyond, nothing is told from the data any more: a spike, or no resonance.
+/// Beyond, nothing is learnt from the data any more: a spike, or no resonance.
 bool is_sensible(const ShapingFilter& filter, double last) {
   return filter.zeta.minCoeff() > 1e-3 && filter.zeta.maxCoeff() < 3 && filter.omega.maxCoeff() < 2 * last;
 }

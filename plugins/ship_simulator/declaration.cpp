@@ -146,7 +146,7 @@ std::vector<ParameterSpec> mins_members() {
       number("noise_scale", "1")
           .at_least(0)
           .defaults("1")
-          .about("factor on the white errors: 3 makes them three times what the filter was told"),
+          .about("factor on the white errors: 3 makes them three times what the filter is given"),
   };
 }
 

@@ -132,7 +132,7 @@ ShipSimulator::ShipSimulator(const Parameters& p)
       phases_(declaration_.keeps_array<double>(motion_.tone_count())) {
   const double reach = p.object("start").number("speed") * seconds(duration_);
   if (reach > 1e6)
-    throw ComponentError("the ship would go further than 1000 km, where its course is no longer what it was told",
+    throw ComponentError("the ship would go further than 1000 km, where its course is no longer what was specified",
                          "/duration");
 }
 
@@ -211,7 +211,7 @@ Inertial ShipSimulator::increments(double t0, double t1, const double* phases) c
   return sum;
 }
 
-/// The rotation vector from `last` to the attitude at t, in ship axes; `last` moves on.
+/// The rotation vector from `last` to the attitude at t, in ship axes; `last` becomes t.
 Vector3d ShipSimulator::rotation_since(Vector4d& last, double t, const double* phases) const {
   const Vector4d now = inertial_attitude(motion_.at(t, phases), t);
   Vector4d turn = strapdown::quaternion_product(strapdown::quaternion_conjugate(last), now);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The detection_score transform: for how many seconds a detector missed what was, and told what was not.
+// The detection_score transform: for how many seconds a detector missed what was, and reported what was not.
 #include "detection_score.hpp"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ ComponentSpec DetectionScore::spec() {
   ComponentSpec spec;
   spec.type = "detection_score";
   spec.summary =
-      "For how many seconds a detector missed that the vehicle stood, and told that it stood when it did not.";
+      "For how many seconds a detector missed that the vehicle stood, and reported that it stood when it did not.";
   spec.parameters = {parameter::time("after").defaults("0").about("what was before this time does not count")};
   spec.inputs = {input("detected", {standing("1 where the detector says so")}).about("a detector's channel state"),
                  input("truth", {standing("1 where it is so")}).about("what was; sets the resolution in time")};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The detection_score transform: for how many seconds a detector missed what was, and told what was not.
+// The detection_score transform: for how many seconds a detector missed what was, and reported what was not.
 #pragma once
 
 #include "binnacle/source.hpp"
 
 namespace binnacle::stationary_detector {
 
-/// Time is counted by what truth and detector have said last; it speaks at each sample of the truth.
+/// Time is counted by what truth and detector have said last; it emits at each sample of the truth.
 class DetectionScore final : public Transform {
  public:
   static ComponentSpec spec();

@@ -19,7 +19,7 @@ struct WindowFigures {
   double force_variance = 0;  // (m/s²)², of the low-passed specific force's length
 };
 
-/// Samples of any rate are kept as sums over parts of the window, so its size does not depend on the rate; it moves on
+/// Samples of any rate are kept as sums over parts of the window, so its size does not depend on the rate; it advances
 /// by one part at a time. Plain memory; all zero is an empty window.
 class MotionWindow {
  public:

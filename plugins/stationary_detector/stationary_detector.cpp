@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stationary_detector transform: from inertial samples to channels that speak while the vehicle stands or moves.
+// The stationary_detector transform: from inertial samples to channels that emit while the vehicle stands or moves.
 #include "stationary_detector.hpp"
 
 #include <array>
@@ -59,7 +59,7 @@ ComponentSpec StationaryDetector::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "stationary_detector";
-  spec.summary = "Tells from inertial samples whether the vehicle stands or moves.";
+  spec.summary = "Finds from inertial samples whether the vehicle stands or moves.";
   spec.source = "paper 001, section 3 and figure 4, equations (11) and (12)";
   spec.parameters = {
       number("cutoff", "Hz").above(0).at_most(1000).defaults("2").about("of the low-pass filter, -3 dB"),
@@ -153,7 +153,7 @@ void StationaryDetector::on_imu(const SampleView& sample, Memory& memory, Emitte
     decide(sample.t, memory, emitter);
   const double period = memory.state == State::standing ? settings_.standing_period : settings_.moving_period;
   if (memory.state != State::unknown && memory.averaged > 0 && memory.averaged >= period - 0.5 * dt)
-    speak(sample.t, memory, emitter);
+    emit_state(sample.t, memory, emitter);
 }
 
 /// (11) and (12).
@@ -164,7 +164,7 @@ bool StationaryDetector::looks_still(const Memory& memory) const {
          now.force_variance < settings_.specific_force_variance;
 }
 
-/// Figure 4: the counter, which tells a shake from driving off.
+/// Figure 4: the counter, which distinguishes a shake from driving off.
 void StationaryDetector::decide(Time t, Memory& memory, Emitter& emitter) const {
   constexpr double roundoff = 1e-9;  // s, of sums of parts
   const bool still = looks_still(memory);
@@ -181,7 +181,7 @@ void StationaryDetector::decide(Time t, Memory& memory, Emitter& emitter) const 
   emitter.emit(state_channel_);
 }
 
-void StationaryDetector::speak(Time t, Memory& memory, Emitter& emitter) const {
+void StationaryDetector::emit_state(Time t, Memory& memory, Emitter& emitter) const {
   const Mean& mean = memory.state == State::standing ? standing_ : moving_;
   SampleWriter& out = emitter.on(mean.channel);
   out.t = t;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stationary_detector transform: from inertial samples to channels that speak while the vehicle stands or moves.
+// The stationary_detector transform: from inertial samples to channels that emit while the vehicle stands or moves.
 #pragma once
 
 #include "binnacle/source.hpp"
@@ -16,8 +16,8 @@ struct Settings {
   double standing_period = 0, moving_period = 0;  // s
 };
 
-/// Channels: "standing" and "moving" (mean rates over the interval that the statement is about), of which one speaks at
-/// a time, and "state" (standing: 1 or 0) at every decision. Before the first decision, and after a gap, none speaks.
+/// Channels: "standing" and "moving" (mean rates over the interval that the statement is about), of which one emits at
+/// a time, and "state" (standing: 1 or 0) at every decision. Before the first decision, and after a gap, none emits.
 class StationaryDetector final : public Transform {
  public:
   static ComponentSpec spec();
@@ -32,7 +32,7 @@ class StationaryDetector final : public Transform {
   void on_imu(const SampleView& sample, Memory& memory, Emitter& emitter) const;
   bool looks_still(const Memory& memory) const;
   void decide(Time t, Memory& memory, Emitter& emitter) const;
-  void speak(Time t, Memory& memory, Emitter& emitter) const;
+  void emit_state(Time t, Memory& memory, Emitter& emitter) const;
 
   Settings settings_;
   Input imu_, gyro_bias_;

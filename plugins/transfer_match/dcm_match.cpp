@@ -59,7 +59,7 @@ Result DcmMatch::linearize(const MeasurementInput& in, MeasurementOutput& out) c
   const Matrix3d C_M = dcm_from_quaternion(strapdown::quaternion_from_euler(angles));
   const Matrix3d C_S = dcm_from_quaternion(in.x[attitude_].as<4>());
   const Matrix3d A = C_M * dcm_from_quaternion(in.x[mounting_].as<4>()) * C_S.transpose();
-  // tr A = 1 + 2 cos: from a right angle on, the antisymmetric part shrinks again and tells two attitudes.
+  // tr A = 1 + 2 cos: from a right angle on, the antisymmetric part shrinks again and fits two attitudes.
   const double trace = A.trace();
   if (!(trace > 1.0)) return Result::unsupported("slave and master are more than a right angle from their mounting");
   out.rows = 3;

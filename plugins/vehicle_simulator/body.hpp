@@ -49,7 +49,7 @@ class Body {
   BodyMemory start(std::uint64_t seed) const;
   ImuMotion motion(const Trajectory& trajectory, double t, BodyMemory& memory) const;
   /// ∫ ω_ib_b dt and ∫ f_b dt over [t0, t1]. What the lever arm adds to f is ω̇ × l + ω × (ω × l) in vehicle axes, and the
-  /// difference of gravity by height. The shaking is a small motion about the sensor that is felt and not told:
+  /// difference of gravity by height. The shaking is a small motion about the sensor that is felt and not reported:
   /// 0.3 m/s² at 25 Hz are 12 µm.
   Inertial increments(const Trajectory& trajectory, double t0, double t1, BodyMemory& memory) const;
 

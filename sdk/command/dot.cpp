@@ -123,7 +123,7 @@ class FilterGraph {
 
 bool hears_filter(const Json& channels, const std::string& pointer) {
   for (const auto& channel : channels)
-    if (text_of(channel, "from") == pointer && !channel.at("heard_by").empty()) return true;
+    if (text_of(channel, "from") == pointer && !channel.at("subscribers").empty()) return true;
   return false;
 }
 
@@ -131,7 +131,7 @@ std::string channel_edges(const Json& channels, std::set<std::string>& unnamed) 
   std::string text;
   for (const auto& channel : channels) {
     std::set<std::string> seen;
-    for (const auto& pointer : channel.at("heard_by")) {
+    for (const auto& pointer : channel.at("subscribers")) {
       const std::string to = owner(pointer.get<std::string>());
       if (!seen.insert(to).second) continue;
       if (to == "/reference" || to.rfind("/sinks/", 0) == 0) unnamed.insert(to);

@@ -53,7 +53,7 @@ std::string channels_text(const Json& channels) {
     for (const auto& field : channel.at("fields")) fields.push_back(field_text(field));
     text += fmt::format("  {}\n    {}\n    subscribers: {}\n", channel.at("name").get<std::string>(),
                         fields.empty() ? "no fields" : joined(fields),
-                        channel.at("heard_by").empty() ? "nobody" : joined(texts(channel.at("heard_by"))));
+                        channel.at("subscribers").empty() ? "nobody" : joined(texts(channel.at("subscribers"))));
   }
   return text.empty() ? "" : "\nChannels\n" + text;
 }

@@ -7,6 +7,6 @@
 #include <catch2/catch_test_macros.hpp>
 #else
 #define CATCH_CONFIG_RUNNER
-#define CATCH_CONFIG_NO_POSIX_SIGNALS  // a crash is the driver's to tell
+#define CATCH_CONFIG_NO_POSIX_SIGNALS  // a crash is the driver's to report
 #include <catch2/catch.hpp>
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A check of the conformance suite: what it is called, what it applies to, and how it speaks.
+// A check of the conformance suite: what it is called, what it applies to, and what it reports.
 #pragma once
 
 #include <cstdint>

@@ -155,7 +155,7 @@ void threads(Trial& trial) {
 
 void leaks(Trial& trial) {
 #ifdef __SANITIZE_ADDRESS__
-  Trial::not_applicable("the sanitizer's own allocator tells leaks");
+  Trial::not_applicable("the sanitizer's own allocator reports leaks");
 #else
   const auto life = [&] {
     auto subject = fixture_of_example(trial);

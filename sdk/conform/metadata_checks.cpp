@@ -118,14 +118,14 @@ void declared_block(Trial& trial, const Composition& composition, const Componen
     for (const int i : norm.components)
       trial.expect(i >= 0 && i < declared.dof(), "norm '", norm.name, "' is of a component ", i, " of ",
                    declared.dof());
-  // A kind that tells size and unit ("vector:3:rad/s") must be what the block is.
+  // A kind that states size and unit ("vector:3:rad/s") must be what the block is.
   if (declared.kind.rfind("vector:", 0) == 0) {
     const auto colon = declared.kind.find(':', 7);
     const std::string unit = declared.kind.substr(colon + 1);
     trial.expect(std::stoi(declared.kind.substr(7)) == declared.dof(), "its kind '", declared.kind,
-                 "' tells another size than its ", declared.dof(), " components");
+                 "' states another size than its ", declared.dof(), " components");
     for (const auto& error : declared.error)
-      trial.expect(error.unit == unit, "its kind '", declared.kind, "' tells another unit than its component '",
+      trial.expect(error.unit == unit, "its kind '", declared.kind, "' states another unit than its component '",
                    error.name, "', ", error.unit);
   }
 }

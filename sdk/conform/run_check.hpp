@@ -6,7 +6,7 @@
 
 namespace binnacle::conform {
 
-/// What the process tells the driver: lines on a pipe, and in shared memory what it is calling. Without a pipe it reports
+/// What the process reports to the driver: lines on a pipe, and in shared memory what it is calling. Without a pipe it reports
 /// to people on stderr.
 struct Wire {
   int pipe = -1;

@@ -213,7 +213,7 @@ Json channels_of(const Composition& composition) {
     channels.push_back({{"name", channel.name},
                         {"from", channel.pointer},
                         {"fields", std::move(fields)},
-                        {"heard_by", channel.subscribers}});
+                        {"subscribers", channel.subscribers}});
   }
   return channels;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate by row and by key: what is left out, what becomes of the rest, and what is told of it.
+// The gate by row and by key: what is left out, what becomes of the rest, and what is reported of it.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -154,7 +154,7 @@ TEST_CASE("a gate by row lets right rows pass as often as it says") {
   REQUIRE(std::abs(static_cast<double>(filter.counts({{0}, 0}).rows_left_out) - 200) < 71);
 }
 
-TEST_CASE("what is wrong with a gate is told at its place") {
+TEST_CASE("what is wrong with a gate is reported at its place") {
   for (const auto& [gate, says] :
        std::vector<std::pair<std::string, std::string>>{{R"({"by": "row"})", "probability"},
                                                         {R"({"probability": 0.9, "by": "rows"})", "did you mean 'row'"},
@@ -188,7 +188,7 @@ TEST_CASE("a noise estimator learns once from a sample whose outliers are left o
               .norm() < 1e-13);
 }
 
-TEST_CASE("a sample gated for want of a majority tells what was left out before, and the NIS of all its rows") {
+TEST_CASE("a sample gated for want of a majority reports what was left out before, and the NIS of all its rows") {
   const std::vector<Row> split = {{1, 0, 0}, {2, 0, 0}, {3, 900, 0}, {4, -900, 0}, {5, 1800, 0}};
   Session filter = session_of(seen(R"(, "gate": {"probability": 0.999, "by": "row"})", 0.1));
   Keep kept;

@@ -94,7 +94,7 @@ TEST_CASE("a measurement ahead of the input waits and splits the sample it falls
   REQUIRE(std::abs(pa[0] - pb[0]) < 1e-12);
 }
 
-TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow is told") {
+TEST_CASE("the queue of samples ahead of the input is bounded, and the overflow is reported") {
   Session filter = session_of(ins);
   InsDrive drive(filter);
   drive.input(0, 10 * ms);

@@ -477,9 +477,9 @@ TEST_CASE("alignment: no course once it has coasted too long") {
   Drive drive;
   drive.acceleration = 0.1;  // 3 m/s after 30 s
   drive.length = 60;
-  Aligner patient(defaults("course"));
-  drive.run(patient);
-  REQUIRE(patient.out.attitudes.size() == 1);
+  Aligner steady(defaults("course"));
+  drive.run(steady);
+  REQUIRE(steady.out.attitudes.size() == 1);
   Aligner hasty(with(defaults("course"), "max_coast", instant(20)));
   drive.run(hasty);
   REQUIRE(hasty.out.attitudes.empty());

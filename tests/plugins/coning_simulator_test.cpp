@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coning simulator: increments against the motion that truth tells, on the earth and off it.
+// The coning simulator: increments against the motion that truth gives, on the earth and off it.
 #include "../../plugins/coning_simulator/coning_motion.hpp"
 #include "../../plugins/coning_simulator/simulator.hpp"
 #include "binnacle/testing.hpp"

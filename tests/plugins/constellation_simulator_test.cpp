@@ -39,9 +39,9 @@ struct Seen {
 using Epoch = std::map<int, Seen>;
 
 /// Keeps what the simulator emits, epoch by epoch.
-class Ear {
+class Collector {
  public:
-  void hear(const ConstellationSimulator& simulator, const SampleView& sample, std::vector<std::byte>& memory) {
+  void receive(const ConstellationSimulator& simulator, const SampleView& sample, std::vector<std::byte>& memory) {
     static const ComponentSpec spec = ConstellationSimulator::spec();
     const auto made = binnacle::testing::TransformCaller(simulator, spec).on(0, sample, memory.data());
     REQUIRE(made.damage.empty());
@@ -79,12 +79,12 @@ nlohmann::json with(nlohmann::json more) {
   return all;
 }
 
-Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double duration, double step = 1,
-           std::uint64_t seed = 1) {
+Collector collect(const nlohmann::json& parameters, const Vehicle& vehicle, double duration, double step = 1,
+                  std::uint64_t seed = 1) {
   const auto simulator = bind<ConstellationSimulator>({parameters, {}, {}});
   std::vector<std::byte> memory(simulator->declaration().memory_bytes);
   simulator->start(seed, memory.data());
-  Ear ear;
+  Collector collected;
   for (int k = 0; k <= std::lround(duration / step); ++k) {
     double fields[9];
     vector_at<3>(&fields[0]) = vehicle.lla;
@@ -92,9 +92,9 @@ Ear listen(const nlohmann::json& parameters, const Vehicle& vehicle, double dura
     vector_at<3>(&fields[6]) = vehicle.angles;
     SampleView sample;
     sample.t = nanoseconds(k * step), sample.fields = fields;
-    ear.hear(*simulator, sample, memory);
+    collected.receive(*simulator, sample, memory);
   }
-  return ear;
+  return collected;
 }
 
 /// Where a satellite on a circular orbit is in axes that do not turn with the earth and agree with ECEF at the week's begin.
@@ -109,30 +109,30 @@ Vector3d inertial(const gnss::Ephemeris& s, double t) {
 }  // namespace
 
 TEST_CASE("24 satellites in 6 planes, of which 6 to 12 are above 10 deg", "[constellation_simulator]") {
-  const Ear ear = listen(no_errors, {}, 86400, 600);
-  REQUIRE(ear.ephemerides.size() == 24);
+  const Collector collected = collect(no_errors, {}, 86400, 600);
+  REQUIRE(collected.ephemerides.size() == 24);
   std::size_t fewest = 99, most = 0;
-  for (const auto& [t, epoch] : ear.epochs)
+  for (const auto& [t, epoch] : collected.epochs)
     fewest = std::min(fewest, epoch.size()), most = std::max(most, epoch.size());
   INFO(fewest << " to " << most);
   REQUIRE(fewest >= 4);
   REQUIRE(most <= 12);
-  REQUIRE(std::abs(ear.ephemerides[4].omega0 - 60 * degree) < 1e-12);
-  REQUIRE(std::abs(ear.ephemerides[1].m0 - 90 * degree) < 1e-12);
+  REQUIRE(std::abs(collected.ephemerides[4].omega0 - 60 * degree) < 1e-12);
+  REQUIRE(std::abs(collected.ephemerides[1].m0 - 90 * degree) < 1e-12);
 }
 
 TEST_CASE("a range is the way of the light in axes that do not turn", "[constellation_simulator]") {
   const Vehicle vehicle;
-  const Ear ear = listen(no_errors, vehicle, 3000, 1000);
+  const Collector collected = collect(no_errors, vehicle, 3000, 1000);
   const double omega_e = 7.2921151467e-5, c = 299792458.0;
   const Vector3d r_e = strapdown::ecef_from_lla(vehicle.lla);
-  for (const auto& [time, epoch] : ear.epochs)
+  for (const auto& [time, epoch] : collected.epochs)
     for (const auto& [key, seen] : epoch) {
       const double t = seconds(time);
       const Vector3d here = Eigen::AngleAxisd(omega_e * t, Vector3d::UnitZ()) * r_e;
       double travel = 0.07;
       for (int i = 0; i < 8; ++i)
-        travel = (inertial(ear.ephemerides[static_cast<std::size_t>(key - 101)], t - travel) - here).norm() / c;
+        travel = (inertial(collected.ephemerides[static_cast<std::size_t>(key - 101)], t - travel) - here).norm() / c;
       REQUIRE(std::abs(seen.range - travel * c) < 1e-5);
     }
 }
@@ -149,14 +149,14 @@ TEST_CASE("a range rate is the rate of the range, standing and moving", "[conste
       const auto simulator = bind<ConstellationSimulator>({no_errors, {}, {}});
       std::vector<std::byte> memory(simulator->declaration().memory_bytes);
       simulator->start(1, memory.data());
-      Ear ear;
+      Collector collected;
       double fields[9] = {};
       vector_at<3>(&fields[0]) = vehicle.lla;
       vector_at<3>(&fields[3]) = v_n;
       SampleView sample;
       sample.t = nanoseconds(t), sample.fields = fields;
-      ear.hear(*simulator, sample, memory);
-      at.push_back(ear.epochs.begin()->second);
+      collected.receive(*simulator, sample, memory);
+      at.push_back(collected.epochs.begin()->second);
     }
     REQUIRE(at[1].size() >= 5);
     for (const auto& [key, seen] : at[1]) {
@@ -168,18 +168,19 @@ TEST_CASE("a range rate is the rate of the range, standing and moving", "[conste
 
 TEST_CASE("the receiver's clock moves all ranges alike, and wanders as its densities say",
           "[constellation_simulator]") {
-  const Ear exact = listen(no_errors, {}, 20);
-  const Ear ear = listen(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 100}, {"drift", 1}}}}), {}, 20);
-  for (const auto& [t, epoch] : ear.epochs)
+  const Collector exact = collect(no_errors, {}, 20);
+  const Collector collected =
+      collect(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 100}, {"drift", 1}}}}), {}, 20);
+  for (const auto& [t, epoch] : collected.epochs)
     for (const auto& [key, seen] : epoch) {
-      REQUIRE(std::abs(seen.range - exact.epochs.at(t).at(key).range - ear.clock.at(t).range) < 1e-3);
-      REQUIRE(std::abs(seen.rate - exact.epochs.at(t).at(key).rate - ear.clock.at(t).rate) < 1e-4);
+      REQUIRE(std::abs(seen.range - exact.epochs.at(t).at(key).range - collected.clock.at(t).range) < 1e-3);
+      REQUIRE(std::abs(seen.rate - exact.epochs.at(t).at(key).rate - collected.clock.at(t).rate) < 1e-4);
     }
   double drift = 0, bias = 0;
   const int runs = 400;
   for (int run = 0; run < runs; ++run) {
-    const Ear one = listen(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 0}, {"drift", 0}}}}), {}, 10, 1,
-                           100 + static_cast<std::uint64_t>(run));
+    const Collector one = collect(with({{"clock", {{"S_f", 0.009}, {"S_g", 0.0355}, {"bias", 0}, {"drift", 0}}}}), {},
+                                  10, 1, 100 + static_cast<std::uint64_t>(run));
     drift += std::pow(one.clock.rbegin()->second.rate, 2) / runs;
     bias += std::pow(one.clock.rbegin()->second.range, 2) / runs;
   }
@@ -190,10 +191,10 @@ TEST_CASE("the receiver's clock moves all ranges alike, and wanders as its densi
 
 TEST_CASE("slow and white errors have the deviations that were asked for", "[constellation_simulator]") {
   const double spacing = 1800;  // one correlation time
-  const Ear exact = listen(no_errors, {}, 86400 * 5, spacing);
-  const Ear slow = listen(with({{"pseudorange", {{"bias", 6}, {"tau", 1800}}}}), {}, 86400 * 5, spacing);
-  const Ear white =
-      listen(with({{"pseudorange", {{"noise", 2}}}, {"range_rate", {{"noise", 0.05}}}}), {}, 86400 * 5, spacing);
+  const Collector exact = collect(no_errors, {}, 86400 * 5, spacing);
+  const Collector slow = collect(with({{"pseudorange", {{"bias", 6}, {"tau", 1800}}}}), {}, 86400 * 5, spacing);
+  const Collector white =
+      collect(with({{"pseudorange", {{"noise", 2}}}, {"range_rate", {{"noise", 0.05}}}}), {}, 86400 * 5, spacing);
   double square = 0, product = 0, white_square = 0, rate_square = 0;
   int n = 0, pairs = 0;
   std::map<int, double> before;
@@ -219,11 +220,12 @@ TEST_CASE("slow and white errors have the deviations that were asked for", "[con
 
 TEST_CASE("masks and cuts take satellites away and change no other figure", "[constellation_simulator]") {
   const nlohmann::json noisy = {{"elevation_mask", 0.1}};
-  const Ear all = listen(noisy, {}, 60);
-  const Ear cut =
-      listen({{"elevation_mask", 0.1},
-              {"cuts", {{{"from", 20}, {"to", 30}, {"satellites", 3}}, {{"from", 40}, {"to", 45}, {"satellites", 0}}}}},
-             {}, 60);
+  const Collector all = collect(noisy, {}, 60);
+  const Collector cut =
+      collect({{"elevation_mask", 0.1},
+               {"cuts",
+                {{{"from", 20}, {"to", 30}, {"satellites", 3}}, {{"from", 40}, {"to", 45}, {"satellites", 0}}}}},
+              {}, 60);
   for (const auto& [t, epoch] : all.epochs) {
     const auto s = t / nanoseconds_per_second;
     CAPTURE(s);
@@ -236,8 +238,8 @@ TEST_CASE("masks and cuts take satellites away and change no other figure", "[co
   }
   Vehicle banked;
   banked.angles = {60 * degree, 0, 0};
-  const Ear level = listen(with({{"antenna_mask", 0}}), {}, 0);
-  const Ear bank = listen(with({{"antenna_mask", 0}}), banked, 0);
+  const Collector level = collect(with({{"antenna_mask", 0}}), {}, 0);
+  const Collector bank = collect(with({{"antenna_mask", 0}}), banked, 0);
   REQUIRE(bank.epochs.begin()->second.size() < level.epochs.begin()->second.size());
   for (const auto& [key, seen] : bank.epochs.begin()->second) {
     // Rolled 60 deg to the right, up leans east: what is left stands on that side of the body's plane.
@@ -251,14 +253,14 @@ TEST_CASE("masks and cuts take satellites away and change no other figure", "[co
 }
 
 TEST_CASE("faults and clock jumps come when they are said to", "[constellation_simulator]") {
-  const Ear good = listen(no_errors, {}, 20);
+  const Collector good = collect(no_errors, {}, 20);
   const int first = good.epochs.begin()->second.begin()->first;
   const std::string name = gnss::satellite_name(first);
-  const Ear bad =
-      listen(with(
-                 {{"faults", {{{"satellite", name}, {"from", 5}, {"to", 8}, {"pseudorange", 1000}, {"range_rate", 3}}}},
-                  {"clock_jumps", {{{"at", 12}, {"jump", 1e-3}}}}}),
-             {}, 20);
+  const Collector bad =
+      collect(with({{"faults",
+                     {{{"satellite", name}, {"from", 5}, {"to", 8}, {"pseudorange", 1000}, {"range_rate", 3}}}},
+                    {"clock_jumps", {{{"at", 12}, {"jump", 1e-3}}}}}),
+              {}, 20);
   for (const auto& [t, epoch] : good.epochs)
     for (const auto& [key, seen] : epoch) {
       const auto s = t / nanoseconds_per_second;
@@ -279,7 +281,7 @@ TEST_CASE("a fault of a satellite that is not there is refused", "[constellation
         ComponentError);
 }
 
-TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and its damage is told with the line",
+TEST_CASE("a YUMA almanac is read, its unhealthy satellites are left out, and its damage is reported with the line",
           "[constellation_simulator]") {
   const auto file = std::filesystem::temp_directory_path() / "binnacle_constellation_test.alm";
   const auto write = [&](const std::string& text) { std::ofstream(file) << text; };

@@ -365,7 +365,7 @@ TEST_CASE("csv: gzip, in several members too, reads as the plain file does") {
   }
 }
 
-TEST_CASE("csv: damaged gzip tells where, and how much was read") {
+TEST_CASE("csv: damaged gzip: the message states where, and how much was read") {
   const std::string packed = gzipped(many_rows(30000));
   {
     const std::size_t half = packed.size() / 2;

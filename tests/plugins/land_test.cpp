@@ -219,7 +219,7 @@ TEST_CASE("odometer: Jacobians, scale factor, refusals") {
       const Measured m = measured(*model, at(1, z), ports);
       REQUIRE(std::abs(m.R(0, 0) - (0.01 + 0.09)) < 1e-12);
     }
-  // At 20 m/s a sensor that tells 2 % too much shows 20.4 m/s.
+  // At 20 m/s a sensor that reports 2 % too much shows 20.4 m/s.
   Ports plugged = bench.with(nullptr);
   plugged["scale"] = &bench.scale;
   const auto model = bind<Odometer>({{{"sigma", 0.1}, {"min_speed", 1.0}}, plugged, {}});

@@ -57,7 +57,7 @@ struct Bound {
   explicit Bound(const Json& json) {
     const ComponentSpec spec = Simulator::spec();
     const ParameterValue parameters = detail::object_value(spec.parameters, json, {});
-    simulator = std::make_unique<Simulator>(Binding("sea", Parameters(parameters), {}, {}).telling(findings));
+    simulator = std::make_unique<Simulator>(Binding("sea", Parameters(parameters), {}, {}).reporting_to(findings));
   }
   double figure(const std::string& name) const {
     for (const auto& figure : findings.figures)
@@ -66,35 +66,35 @@ struct Bound {
   }
 };
 
-struct Told {
+struct Played {
   std::vector<Time> t;
   std::vector<std::vector<double>> truth;
   std::vector<double> gyro;
 };
 
-Told told_by(Simulator& simulator, std::uint64_t seed) {
+Played played_by(Simulator& simulator, std::uint64_t seed) {
   class Silent final : public Reporter {
     void warn(const std::string&, const std::string&, int, const std::string&) override {}
   } silent;
   simulator.open(silent);
   const binnacle::testing::SourceCaller caller(simulator);
   auto memory = caller.fresh_memory(seed);
-  Told told;
+  Played played;
   for (auto next = caller.next(memory.data()); next.status == SourceStatus::sample; next = caller.next(memory.data())) {
     REQUIRE(next.damage.empty());
     if (next.sample.channel == Simulator::gyro) {
-      told.gyro.push_back(next.sample.fields[0]);
+      played.gyro.push_back(next.sample.fields[0]);
       continue;
     }
-    told.t.push_back(next.sample.t);
-    told.truth.push_back(next.sample.fields);
+    played.t.push_back(next.sample.t);
+    played.truth.push_back(next.sample.fields);
   }
-  return told;
+  return played;
 }
 
-VectorXd angles(const Told& told) {
-  VectorXd x(static_cast<Eigen::Index>(told.truth.size()));
-  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = told.truth[static_cast<std::size_t>(i)][0];
+VectorXd angles(const Played& played) {
+  VectorXd x(static_cast<Eigen::Index>(played.truth.size()));
+  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = played.truth[static_cast<std::size_t>(i)][0];
   return x;
 }
 
@@ -262,7 +262,7 @@ TEST_CASE("a filter's own spectrum gives the filter back", "[ship_motion]") {
 TEST_CASE("a simulated series gives the filter back", "[ship_motion]") {
   const double w = 0.7, z = 0.08, sigma = 0.03;
   Bound sea({{"omega", {w}}, {"zeta", {z}}, {"sigma", sigma}, {"noise", 0}, {"interval", 1}, {"duration", 40000}});
-  VectorXd x = angles(told_by(*sea.simulator, 3));
+  VectorXd x = angles(played_by(*sea.simulator, 3));
   REQUIRE(x.size() == 40001);
   x.array() -= x.mean();
   // A segment of 64 s, whose bin is nearly the width of the resonance: what the window broadens is allowed for.
@@ -273,8 +273,8 @@ TEST_CASE("a simulated series gives the filter back", "[ship_motion]") {
   REQUIRE(found.misfit < 0.05);
 
   Bound four({{"omega", {0.5, 0.9}}, {"zeta", {0.1, 0.2}}, {"sigma", sigma}, {"noise", 0}, {"duration", 40000}});
-  const Told told = told_by(*four.simulator, 4);
-  x = angles(told);
+  const Played played = played_by(*four.simulator, 4);
+  x = angles(played);
   x.array() -= x.mean();
   REQUIRE(is_near(std::sqrt(x.squaredNorm() / static_cast<double>(x.size())), sigma, 0.04));
   const ShapingFit also = fit(4, x, Welch(128, 1));
@@ -282,7 +282,7 @@ TEST_CASE("a simulated series gives the filter back", "[ship_motion]") {
   REQUIRE(is_near(also.filter.omega[1], 0.9, 0.04));
   // The rate is the angle's.
   for (std::size_t i = 1; i + 1 < 200; ++i)
-    REQUIRE(std::abs(0.5 * (told.truth[i + 1][0] - told.truth[i - 1][0]) - told.truth[i][1]) < 0.35 * sigma);
+    REQUIRE(std::abs(0.5 * (played.truth[i + 1][0] - played.truth[i - 1][0]) - played.truth[i][1]) < 0.35 * sigma);
 }
 
 TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
@@ -292,10 +292,10 @@ TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
   const int runs = 4000;
   double square[2] = {}, rate = 0, lagged = 0;
   for (int run = 0; run < runs; ++run) {
-    const Told told = told_by(*sea.simulator, static_cast<std::uint64_t>(run));
-    for (const std::size_t i : {0, 1}) square[i] += told.truth[i][0] * told.truth[i][0] / runs;
-    rate += told.truth[0][1] * told.truth[0][1] / runs;
-    lagged += told.truth[0][0] * told.truth[1][0] / runs;
+    const Played played = played_by(*sea.simulator, static_cast<std::uint64_t>(run));
+    for (const std::size_t i : {0, 1}) square[i] += played.truth[i][0] * played.truth[i][0] / runs;
+    rate += played.truth[0][1] * played.truth[0][1] / runs;
+    lagged += played.truth[0][0] * played.truth[1][0] / runs;
   }
   // Of a variance from so many runs the standard error is 2.2 %.
   const VectorXd r = filter.autocovariance(2, 2);
@@ -304,7 +304,7 @@ TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
   REQUIRE(std::abs(lagged - r[1]) < 0.08 * r[0]);
 }
 
-TEST_CASE("a motion fitted to a sea, and the figures it tells", "[ship_motion]") {
+TEST_CASE("a motion fitted to a sea, and the figures it reports", "[ship_motion]") {
   const Json sea = {{"significant_height", 3},
                     {"peak_period", 9},
                     {"speed", 0},
@@ -334,21 +334,21 @@ TEST_CASE("a motion fitted to a sea, and the figures it tells", "[ship_motion]")
 TEST_CASE("a motion fitted to a record, and the record played", "[ship_motion]") {
   std::string text = "t,roll,heave\n";
   Bound sea({{"omega", {0.6}}, {"zeta", {0.1}}, {"sigma", 2.0}, {"noise", 0}, {"duration", 3000}});
-  const Told motion = told_by(*sea.simulator, 8);
+  const Played motion = played_by(*sea.simulator, 8);
   for (std::size_t i = 0; i < motion.t.size(); ++i)
     text += std::to_string(100 + seconds(motion.t[i])) + "," + std::to_string(7 + motion.truth[i][0]) + ",0\n";
   const File file(text);
   const Json record = {{"path", file.path()}, {"column", "roll"}, {"unit", "deg"}};
   const double deg = pi / 180;
   const Bound player({{"record", record}, {"noise", 0}, {"drift", 1e-4}});
-  const Told played = told_by(*player.simulator, 1);
+  const Played played = played_by(*player.simulator, 1);
   REQUIRE(played.t.size() == motion.t.size());
   REQUIRE(played.t.front() == nanoseconds(100));
   REQUIRE(played.truth[0].size() == 3);
   Json part = record;
   part["window"] = {200, 300};
   const Bound in_part({{"record", part}, {"noise", 0}});
-  const Told short_play = told_by(*in_part.simulator, 1);
+  const Played short_play = played_by(*in_part.simulator, 1);
   REQUIRE(short_play.t.front() == nanoseconds(200));
   REQUIRE(short_play.t.back() == nanoseconds(300));
   REQUIRE(std::abs(angles(short_play).mean()) < 1e-12);

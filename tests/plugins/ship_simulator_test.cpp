@@ -409,7 +409,7 @@ TEST_CASE("ship: waves and misalignment do not depend on the sizes of errors") {
 
 // ---- the statistics of the errors
 
-TEST_CASE("ship: the MINS scatters as told, times the scale of its noise, about its constant errors") {
+TEST_CASE("ship: the MINS scatters as specified, times the scale of its noise, about its constant errors") {
   for (const double scale : {1.0, 3.0}) {
     Json config = paper();
     config["duration"] = "400 s";
@@ -500,7 +500,7 @@ TEST_CASE("ship: sensor noise of 10 deg/h over 0.1 s is a random walk of that de
   REQUIRE(is_rms(rms(errors[1]), 1500e-6 * 9.80665 * root, errors[1].size()));
 }
 
-TEST_CASE("ship: an initial estimate from the truth has the errors it is told, and states the covariance it is told") {
+TEST_CASE("ship: an initial estimate from the truth has the errors and states the covariance that are specified") {
   Json config = paper();
   config["duration"] = "0.01 s";
   config["initial"] = {{"from", "truth"},

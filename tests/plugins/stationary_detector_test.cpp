@@ -29,10 +29,10 @@ struct Said {
   std::array<double, 6> fields;
 };
 
-class Ear {
+class Collector {
  public:
   template <class Detector>
-  void hear(const Detector& detector, std::size_t input, const SampleView& sample, std::vector<std::byte>& memory) {
+  void receive(const Detector& detector, std::size_t input, const SampleView& sample, std::vector<std::byte>& memory) {
     static const ComponentSpec spec = Detector::spec();
     const auto made = binnacle::testing::TransformCaller(detector, spec).on(input, sample, memory.data());
     REQUIRE(made.damage.empty());
@@ -74,13 +74,13 @@ class Bench {
                              motion.force[0], motion.force[1], motion.force[2]};
     SampleView sample;
     sample.t0 = nanoseconds(t0), sample.t = nanoseconds(t), sample.fields = fields;
-    ear.hear(*detector, 0, sample, memory);
+    collected.receive(*detector, 0, sample, memory);
   }
   void bias(double x, double y, double z) {
     const double fields[] = {x, y, z};
     SampleView sample;
     sample.t = 0, sample.fields = fields;
-    ear.hear(*detector, 1, sample, memory);
+    collected.receive(*detector, 1, sample, memory);
   }
   void drive(double from, double to, double rate, const std::function<Motion(double)>& motion) {
     for (int k = static_cast<int>(std::lround(from * rate)); k < std::lround(to * rate); ++k)
@@ -90,7 +90,7 @@ class Bench {
   std::vector<double> changes_to(double value) const {
     std::vector<double> times;
     double before = unknown;
-    for (const Said& one : ear.of(state)) {
+    for (const Said& one : collected.of(state)) {
       if (one.fields[0] == value && before != value) times.push_back(one.t);
       before = one.fields[0];
     }
@@ -99,7 +99,7 @@ class Bench {
 
   std::unique_ptr<StationaryDetector> detector;
   std::vector<std::byte> memory;
-  Ear ear;
+  Collector collected;
 };
 
 std::function<Motion(double)> turning_between(double from, double to, double rate) {
@@ -135,13 +135,13 @@ TEST_CASE("stationary detector: delays on a step of the rate, at any sample rate
 }
 
 TEST_CASE("stationary detector: the counter outlasts a shake") {
-  Bench patient(nlohmann::json{{"off", 2.0}}), hasty;
-  patient.drive(0, 20, 200, turning_between(10, 10.3, 1 * degree));
+  Bench steady(nlohmann::json{{"off", 2.0}}), hasty;
+  steady.drive(0, 20, 200, turning_between(10, 10.3, 1 * degree));
   hasty.drive(0, 20, 200, turning_between(10, 10.3, 1 * degree));
-  REQUIRE(patient.changes_to(0).empty());
+  REQUIRE(steady.changes_to(0).empty());
   REQUIRE(hasty.changes_to(0).size() == 1);
-  patient.drive(20, 30, 200, turning_between(22, 30, 1 * degree));
-  require_one(patient.changes_to(0), 24.0, 24.3);
+  steady.drive(20, 30, 200, turning_between(22, 30, 1 * degree));
+  require_one(steady.changes_to(0), 24.0, 24.3);
 }
 
 TEST_CASE("stationary detector: (11) is about the earth's rate, and a bias is taken off") {
@@ -216,7 +216,7 @@ TEST_CASE("stationary detector: what the channels carry, and how often") {
     return now;
   };
   bench.drive(0, 30, 200, motion);
-  const auto still = bench.ear.of(standing), driving = bench.ear.of(moving);
+  const auto still = bench.collected.of(standing), driving = bench.collected.of(moving);
   const double on = bench.changes_to(1).at(0), off = bench.changes_to(0).at(0);
   REQUIRE(std::abs(static_cast<double>(still.size()) - 5 * (off - on)) <= 1);
   REQUIRE(std::abs(static_cast<double>(driving.size()) - 2 * (30 - off)) <= 1);
@@ -243,17 +243,17 @@ TEST_CASE("stationary detector: samples that are not finite or come twice are le
   REQUIRE(bench.changes_to(1).size() == 1);
   REQUIRE(bench.changes_to(0).empty());
 
-  const std::size_t before = bench.ear.said.size();
+  const std::size_t before = bench.collected.said.size();
   bench.drive(10, 12.3, 100, at_rest);
-  REQUIRE(bench.ear.said.size() == before);
+  REQUIRE(bench.collected.said.size() == before);
   bench.drive(12.3, 14, 100, at_rest);
-  REQUIRE(bench.ear.said.size() > before);
-  REQUIRE(bench.ear.said[before].t > 12.4);
+  REQUIRE(bench.collected.said.size() > before);
+  REQUIRE(bench.collected.said[before].t > 12.4);
 
-  const std::size_t then = bench.ear.said.size();
+  const std::size_t then = bench.collected.said.size();
   bench.imu(3, 3.01, {});  // time goes back: anew as well
   bench.drive(3.01, 5, 100, at_rest);
-  REQUIRE(bench.ear.said.size() == then);
+  REQUIRE(bench.collected.said.size() == then);
 }
 
 TEST_CASE("stationary detector: restored from a copy of its memory it goes on as before") {
@@ -261,22 +261,23 @@ TEST_CASE("stationary detector: restored from a copy of its memory it goes on as
   const auto motion = turning_between(5, 7.3, 1 * degree);
   one.drive(0, 6.123, 100, motion);
   two.memory = one.memory;
-  one.ear.said.clear();
+  one.collected.said.clear();
   one.drive(6.12, 20, 100, motion);
   two.drive(6.12, 20, 100, motion);
-  REQUIRE(one.ear.said.size() == two.ear.said.size());
-  for (std::size_t i = 0; i < one.ear.said.size(); ++i) REQUIRE(one.ear.said[i].t == two.ear.said[i].t);
+  REQUIRE(one.collected.said.size() == two.collected.said.size());
+  for (std::size_t i = 0; i < one.collected.said.size(); ++i)
+    REQUIRE(one.collected.said[i].t == two.collected.said[i].t);
 }
 
 TEST_CASE("detection score: missed and false seconds") {
   const auto score = bind<DetectionScore>({{{"after", 1.0}}, {}, {}});
   std::vector<std::byte> memory(score->declaration().memory_bytes);
   score->start(1, memory.data());
-  Ear ear;
+  Collector collected;
   const auto push = [&](std::size_t input, double t, double value) {
     SampleView sample;
     sample.t = nanoseconds(t), sample.fields = &value;
-    ear.hear(*score, input, sample, memory);
+    collected.receive(*score, input, sample, memory);
   };
   // Stands from 0 to 10 and from 20; the detector says so from 3 to 12 and from 21.5.
   for (int k = 0; k <= 300; ++k) {
@@ -285,14 +286,14 @@ TEST_CASE("detection score: missed and false seconds") {
     if (k == 120) push(0, t, 0);
     push(1, t, t < 9.999 || t > 19.999 ? 1 : 0);
   }
-  const auto& last = ear.said.back().fields;
+  const auto& last = collected.said.back().fields;
   REQUIRE(std::abs(last[0] - (2.0 + 1.5)) < 0.11);
   REQUIRE(std::abs(last[1] - 2.0) < 0.11);
   REQUIRE(std::abs(last[2] - 19) < 0.11);
   REQUIRE(std::abs(last[3] - 10) < 0.11);
 }
 
-TEST_CASE("asked to speak as often as it hears, or more often, it says nothing of no time at all",
+TEST_CASE("asked to emit as often as it receives, or more often, it emits nothing for no time at all",
           "[stationary_detector]") {
   for (const double rate : {50.0, 100.0, 1000.0}) {
     Bench bench({{"standing_rate", rate}, {"moving_rate", rate}});
@@ -301,10 +302,10 @@ TEST_CASE("asked to speak as often as it hears, or more often, it says nothing o
       return Motion{{0.1 * std::sin(20 * t), 0, 0.2}, {std::sin(30 * t), 0, -9.8}};
     });
     CAPTURE(rate);
-    REQUIRE(!bench.ear.of(standing).empty());
-    REQUIRE(!bench.ear.of(moving).empty());
+    REQUIRE(!bench.collected.of(standing).empty());
+    REQUIRE(!bench.collected.of(moving).empty());
     for (const int channel : {standing, moving})
-      for (const Said& said : bench.ear.of(channel)) {
+      for (const Said& said : bench.collected.of(channel)) {
         REQUIRE(said.t > said.t0);
         for (const double field : said.fields) REQUIRE(std::isfinite(field));
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vehicle simulator's ride and body: what the sensor feels is what the truth tells, and nothing changes unasked.
+// The vehicle simulator's ride and body: what the sensor feels is what the truth gives, and nothing changes unasked.
 #include <cmath>
 #include <cstring>
 #include <limits>

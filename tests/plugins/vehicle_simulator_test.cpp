@@ -296,7 +296,7 @@ TEST_CASE("velocity, attitude and their derivatives belong together") {
   }
 }
 
-TEST_CASE("manoeuvres end where they were told to") {
+TEST_CASE("manoeuvres end where they are specified to") {
   const auto config = lively_drive(1);
   const Trajectory trajectory = trajectory_of(config);
   const ParameterValue value = checked(config);
@@ -321,7 +321,7 @@ TEST_CASE("manoeuvres end where they were told to") {
   REQUIRE(std::abs(braking.roll_pitch_yaw[1] - 1.5 * degree / 9.80665 * -2.5) < 1e-9);
 }
 
-TEST_CASE("a manoeuvre shorter than its ramps still ends where it was told to") {
+TEST_CASE("a manoeuvre shorter than its ramps still ends where it is specified to") {
   const Trajectory trajectory =
       trajectory_of({{"start", munich}, {"segments", Json::parse(R"([{"do": "accelerate", "to": 1, "acceleration": 2},
                                     {"do": "turn", "angle": "5 deg", "rate": "10 deg/s", "ramp": "0.1 s"}])")}});
@@ -565,7 +565,7 @@ TEST_CASE("white noise has its density, at any rate, and no memory") {
   }
 }
 
-TEST_CASE("the constant errors have their deviations over runs and are the ones told as truth") {
+TEST_CASE("the constant errors have their deviations over runs and are the ones given as truth") {
   Json config = standing(1);
   config["imu_rate"] = 10;
   config["truth_rate"] = 1;
@@ -627,7 +627,7 @@ TEST_CASE("the wandering bias is a stationary Gauss-Markov process") {
   REQUIRE(within_chi_squared(at_start, 6 * runs));
 }
 
-TEST_CASE("truth tells the wandering bias that the samples have, between them too") {
+TEST_CASE("truth gives the wandering bias that the samples have, between them too") {
   Json config = standing(20);
   config["imu_rate"] = 10;
   config["truth_rate"] = 20;
@@ -652,7 +652,7 @@ TEST_CASE("truth tells the wandering bias that the samples have, between them to
   REQUIRE(i == 200);
 }
 
-TEST_CASE("fixes scatter as configured and state what they are told to") {
+TEST_CASE("fixes scatter as configured and state what is specified") {
   Json config = standing(1000);
   config["imu_rate"] = 1;
   config["gnss_rate"] = 5;

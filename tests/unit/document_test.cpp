@@ -137,6 +137,7 @@ TEST_CASE("what a text and a number cannot hold is reported with its place", "[d
   CHECK(errors_of(R"({"a": "\ud83d"})").find("surrogate U+D800..U+DBFF must be followed by") != std::string::npos);
   CHECK(errors_of(R"({"a": "x\)") == "a.json:1:7: error[B001]: the text is never closed; expected '\"'");
   CHECK(errors_of(R"({"a": 1e999})") == "a.json:1:7: error[B001]: number '1e999' is out of range");
+  CHECK(errors_of(R"({"a": 1e-400})") == "a.json:1:7: error[B001]: number '1e-400' is out of range");
   CHECK(parsed(R"({"a": 2.2250738585072011e-308})").root()["a"] == 2.2250738585072011e-308);
 }
 

@@ -61,8 +61,8 @@ class Binding {
     has_driving_rates_ = has_driving_rates;
     return std::move(*this);
   }
-  /// The kernel's: where tell() and note() go; nowhere unless this is called.
-  Binding&& telling(Findings& findings) && {
+  /// The kernel's: where figure() and note() go; nowhere unless this is called.
+  Binding&& reporting_to(Findings& findings) && {
     findings_ = &findings;
     return std::move(*this);
   }
@@ -129,7 +129,7 @@ class Binding {
   int samples_per_step() const noexcept { return samples_per_step_; }
 
   /// A figure that the component found out itself, in SI, for people: what a fit came to. `binnacle explain` shows it.
-  void tell(std::string name, double value, std::string unit) const {
+  void figure(std::string name, double value, std::string unit) const {
     if (findings_) findings_->figures.push_back({std::move(name), value, std::move(unit)});
   }
   /// Something suspicious that is no error, one line: a poor fit. It becomes a warning at the component.

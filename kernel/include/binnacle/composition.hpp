@@ -57,7 +57,7 @@ struct MeasurementInfo {
   int channel = -1;
   int max_rows = 0;
   std::vector<std::string> parts;    // of its stack; or its own name
-  std::vector<RowGroupInfo> groups;  // counted through its parts, as UpdateRecord::row_groups tells them
+  std::vector<RowGroupInfo> groups;  // counted through its parts, as UpdateRecord::row_groups gives them
   std::vector<int> blocks;           // that its H has columns of, in the filter's order
   bool adapts_noise = false;         // it has a noise estimator
   bool recovers = false;
@@ -121,7 +121,7 @@ struct FoundInfo {
 /// Immutable; share it between threads. Holds the plugins' libraries for as long as it lives.
 class Composition {
  public:
-  /// Reads and checks a config. All errors are told at once: ConfigError (exit status 3), LoadError (4) when plugins
+  /// Reads and checks a config. All errors are reported at once: ConfigError (exit status 3), LoadError (4) when plugins
   /// cannot be loaded, DataError (5) when nothing but a data file is wrong.
   static std::shared_ptr<const Composition> load(const std::filesystem::path& config, const LoadOptions& options = {});
   /// The same from text; relative paths in it start at the folder of `name`.
@@ -137,7 +137,7 @@ class Composition {
   std::vector<StageInfo> transforms() const;
   const std::vector<FoundInfo>& found() const;
   const Catalog& catalog() const;
-  /// What is suspicious but no error: channels that nothing listens to (B031), notes of components (B032).
+  /// What is suspicious but no error: channels that nothing subscribes to (B031), notes of components (B032).
   const Diagnostics& warnings() const;
   /// Identifies the composition: config as resolved, plugins and their versions, this kernel's version.
   std::uint64_t hash() const;

@@ -34,7 +34,7 @@ struct Diagnostic {
 /// `file.json:14:9: error[B012] /filters/ins: message`; what is unknown is left out.
 std::string to_string(const Diagnostic& diagnostic);
 
-/// A collection without duplicates: everything that is wrong is told in one go.
+/// A collection without duplicates: everything that is wrong is reported at once.
 class Diagnostics {
  public:
   Diagnostics() = default;

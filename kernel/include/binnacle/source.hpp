@@ -15,7 +15,7 @@ namespace binnacle {
 
 enum class SourceStatus { sample, wait, end, error };
 
-/// What open() and next() found worth telling: gaps, repaired values. Kept by the kernel with the run's summary.
+/// What open() and next() found worth a warning: gaps, repaired values. Kept by the kernel with the run's summary.
 class Reporter {
  public:
   virtual ~Reporter() = default;

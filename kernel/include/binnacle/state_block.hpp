@@ -20,7 +20,7 @@ struct Output {
   std::string unit;          // SI
   std::string display_unit;  // for tables: "deg"; "" = unit
   bool is_angle = false;     // differences wrap to (−π, π]
-  bool is_scored = true;     // false: its error is told better by an error component (lat by north)
+  bool is_scored = true;     // false: its error is better given by an error component (lat by north)
   std::string text;          // one line, with the frame
 
   Output&& shown_in(std::string unit_of_tables) && {

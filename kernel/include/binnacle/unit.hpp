@@ -63,7 +63,7 @@ class Parsed {
   std::string error_;
 };
 
-/// Units: m s min h day Hz rad deg arcmin arcsec mil (1/6400 of a circle) gon g (9.80665 m/s^2, so `mg` and
+/// Units: m s min h day Hz rad deg arcmin arcsec mil (1/6400 of a turn) gon g (9.80665 m/s^2, so `mg` and
 /// `ug` are accelerations) Gal kg kn nmi ft ppm ppb % K A Pa T V N 1, with prefixes n u m c h k M G where
 /// they make sense. Grammar: `*` or `.` multiply, `/` divides (from left to right: m/s/h = (m/s)/h), `^2`,
 /// `^-1`, `sqrt(...)`, `(...)`. Nothing where the text is no unit.

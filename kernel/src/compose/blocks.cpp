@@ -247,7 +247,7 @@ void Composer::read_sigma(FilterBuild& build, BlockPlan& block, const std::strin
   } else if (sigma) {
     for (std::size_t i = 0; i < components.size(); ++i) read(sigma_pointer, i);
   }
-  // A channel that could not be found is told already.
+  // A channel that could not be found is reported already.
   if (block.initial.channel < 0 && at(join_pointer(join_pointer(pointer, "init"), "channel"))) return;
   const bool from_sample = block.initial.channel >= 0 && !block.initial.covariance.empty();
   for (const int active : block.active) {

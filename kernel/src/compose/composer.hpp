@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a document to a CompositionPlan, telling all that is wrong in one go.
+// From a document to a CompositionPlan, reporting all that is wrong at once.
 #pragma once
 
 #include <functional>
@@ -39,7 +39,7 @@ struct FilterBuild {
   FilterPlan plan;
   std::string pointer;
   std::vector<ValueInfo> values;        // blocks, then derived
-  std::set<std::string> failed_values;  // names whose own error is told already
+  std::set<std::string> failed_values;  // names whose own error is reported already
   std::map<std::string, int> initial_channels;
   bool blocks_complete = true;
   bool is_complete = true;
@@ -195,7 +195,7 @@ class Composer {
                                                     component.covariances)
                                                 .of(component.spec(), component.inputs_bound,
                                                     !component.driving_rates.empty())
-                                                .telling(findings),
+                                                .reporting_to(findings),
                                             noise);
       if (then) then(*object);
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order of composing: head, plugins, channels, filters, evaluation, arena; and what a Composition tells of itself.
+// The order of composing: head, plugins, channels, filters, evaluation, arena; and what a Composition reports of itself.
 #include "binnacle/composition.hpp"
 
 #include <algorithm>
@@ -204,13 +204,13 @@ void Composer::lay_out() {
   }
 }
 
-// A source or transform none of whose channels is heard works for nothing: most likely a name is wrong somewhere.
+// A source or transform none of whose channels has a subscriber works for nothing: most likely a name is wrong somewhere.
 void Composer::warn_of_unheard() {
   const auto check = [&](const std::string& name, const std::string& pointer, const std::vector<int>& channels) {
     const bool is_heard = std::any_of(channels.begin(), channels.end(),
                                       [&](int channel) { return !plan_->subscribers[as_size(channel)].empty(); });
     if (!is_heard)
-      diagnostics_.warning("B031", document().key_origin(pointer), pointer, "nothing listens to '" + name + "'");
+      diagnostics_.warning("B031", document().key_origin(pointer), pointer, "nothing subscribes to '" + name + "'");
   };
   for (const auto& source : plan_->sources) check(source.name, source.pointer, source.channels);
   for (const auto& transform : plan_->transforms) check(transform.name, transform.pointer, transform.channels);

@@ -207,15 +207,15 @@ class TransitionBuilder {
       for (const auto& phi : group.phi)
         contribute(value_at(group, phi.row), value_at(group, phi.column), phi.table, Structure::dense);
     }
-    // A block that hears from others but not from itself still keeps itself.
-    std::set<int> heard, kept;
+    // A block that depends on others but not from itself still keeps itself.
+    std::set<int> depends, kept;
     for (const auto& [key, terms] : contributions_) {
-      heard.insert(key.first);
+      depends.insert(key.first);
       if (key.first != key.second) continue;
       for (const auto& contribution : terms)
         if (contribution.is_direct) kept.insert(key.first);
     }
-    for (const int to : heard)
+    for (const int to : depends)
       if (!kept.contains(to)) {
         const int source = add_block(plan_.transition_blocks, as_size(dof(to)));
         for (int i = 0; i < dof(to); ++i) plan_.ones.push_back(plan_.transition_blocks[as_size(source)] + as_size(i));

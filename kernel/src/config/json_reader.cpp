@@ -131,6 +131,9 @@ class JsonReader {
     const std::string_view text = word();
     try {
       Json value = Json::parse(text);
+      const auto digits = text.substr(0, text.find_first_of("eE"));
+      if (value.is_number() && value == 0 && digits.find_first_of("123456789") != text.npos)
+        stop("number " + in_quotes(text) + " is out of range");  // it would become 0
       advance(text.size());
       return value;
     } catch (const Json::out_of_range&) {

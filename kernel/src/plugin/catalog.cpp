@@ -44,7 +44,7 @@ std::vector<std::pair<std::string, std::string>> host_guard() { return abi::fiel
 
 namespace {
 
-/// As given, since a folder that is not there should be told by the name that the user wrote.
+/// As given, since a folder that is not there should be reported by the name that the user wrote.
 std::vector<fs::path> folders_of_environment() {
   std::vector<fs::path> folders;
   const char* text = std::getenv("BINNACLE_PLUGIN_PATH");

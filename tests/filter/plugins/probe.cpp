@@ -88,7 +88,7 @@ class Breaking : public ProcessModel {
       : after_(binding.parameters().time("after")),
         politely_(binding.parameters().boolean("politely")),
         x_(binding.port("x")) {
-    binding.tell("breaks after", seconds(after_), "s");
+    binding.figure("breaks after", seconds(after_), "s");
     if (!politely_) binding.note("it breaks without a word");
   }
   Result propagate(const ProcessInput& in, ProcessOutput& out) const override {

@@ -31,7 +31,7 @@ ParameterSpec choice_parameter() {
                      .about("of 3 and 4 samples: best on a coning motion, or for polynomial rates"),
                  boolean("previous")
                      .defaults("true")
-                     .about("whether one sample alone is told by the one before it how the rates change"),
+                     .about("whether one sample alone takes from the one before it how the rates change"),
                  choice("precision", {"double", "float"})
                      .defaults("\"double\"")
                      .about("in which rotation vector and quaternion are computed"),

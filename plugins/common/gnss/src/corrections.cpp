@@ -49,7 +49,7 @@ std::vector<ParameterSpec> Corrections::parameters() {
           .below(M_PI / 2)
           .defaults("\"10 deg\"")
           .about("satellites below it are not used"),
-      number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is told"),
+      number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is given"),
       list("exclude", text("satellite")).about("satellites that are not used: \"G05\", \"E11\""),
   };
 }
@@ -175,7 +175,7 @@ std::vector<ParameterSpec> ElevationNoise::parameters(const char* unit, bool wit
     specs.push_back(number("sigma_accuracy", "1")
                         .at_least(0)
                         .defaults("0")
-                        .about("factor on the accuracy that the message tells (URA, SISA)"));
+                        .about("factor on the accuracy that the message gives (URA, SISA)"));
   }
   return specs;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Its kind tells metres, its components tell feet as metres a second.
+// Its kind states metres, its components feet as metres a second.
 // fails: metadata.declared
 #include "faulty.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells more rows than it declared.
+// Reports more rows than it declared.
 // fails: life.calls
 #include "faulty.hpp"
 

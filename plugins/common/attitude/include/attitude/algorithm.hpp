@@ -37,7 +37,7 @@ class Algorithm {
  public:
   struct Choice {
     int samples = 1;
-    bool uses_previous = true;  ///< of one sample: the one before it tells how the rates change
+    bool uses_previous = true;  ///< of one sample: the one before it shows how the rates change
     Form form = Form::coning;
     Update update;
   };

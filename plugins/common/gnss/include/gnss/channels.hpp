@@ -12,7 +12,7 @@
 
 namespace binnacle::gnss {
 
-/// Rows of an observation channel, in this order; all but the first two are NaN where the receiver tells none.
+/// Rows of an observation channel, in this order; all but the first two are NaN where the receiver gives none.
 namespace observation {
 enum Field { satellite, pseudorange, range_rate, cn0, field_count };
 }
@@ -34,7 +34,7 @@ Klobuchar read_klobuchar(const double* fields);
 /// The row of a satellite in a sample of an ephemeris channel; null where there is none.
 const double* find_ephemeris(const SampleView& ephemerides, SatelliteKey satellite);
 
-/// "ephemeris" and "iono", as a component listens to them.
+/// "ephemeris" and "iono", as a component subscribes to them.
 ChannelPort ephemeris_port();
 ChannelPort klobuchar_port();
 

@@ -39,7 +39,7 @@ struct Sighting {
   double rate_delay = 0;    // m/s: −c × drift of the satellite's clock
   Direction direction;
   double ionosphere = 0;  // m, part of delay
-  double accuracy = 0;    // m, as the message tells it
+  double accuracy = 0;    // m, as the message gives it
 };
 
 /// What is corrected, and which satellites are used.

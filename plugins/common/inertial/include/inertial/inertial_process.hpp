@@ -30,7 +30,7 @@ struct StepTaken {
   const strapdown::Step& advanced;
   const strapdown::InputSensitivity& input;
   strapdown::Order order;
-  bool has_sensor_errors;  ///< a block of them is plugged in: what `input` tells is wanted
+  bool has_sensor_errors;  ///< a block of them is plugged in: what `input` reports is wanted
 };
 
 /// What an inertial plugin brings of its own: Φ of one step.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a simulator's channels speak.
+// When a simulator's channels emit.
 #pragma once
 
 #include <cmath>

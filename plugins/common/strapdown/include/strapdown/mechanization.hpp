@@ -72,7 +72,7 @@ struct BodyMotion {
   Eigen::Vector3d position;  ///< m, S = ∫ (h − t) C f dt
 };
 
-/// Over one increment and its neighbour (dt = 0: none), as told below.
+/// Over one increment and its neighbour (dt = 0: none), as described below.
 BodyMotion body_motion(const Increment& increment, const MeanRates& neighbour, const attitude::Algorithm& algorithm);
 
 /// Over 2 to 4 whole increments. With the algorithm's k_ij, and s_i, m_ij of polynomial rates (attitude/interval_weights.hpp):

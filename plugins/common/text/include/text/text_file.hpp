@@ -20,7 +20,7 @@ struct FileFault : std::runtime_error {
   std::string code;
 };
 
-/// The bytes of a file; those of a gzip file (told by its first two bytes) unpacked and checked.
+/// The bytes of a file; those of a gzip file (known by its first two bytes) unpacked and checked.
 class ByteStream {
  public:
   explicit ByteStream(const std::string& path);
@@ -41,7 +41,7 @@ class ByteStream {
 
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::unique_ptr<Gzip> gzip_;  // null: a plain file
-  std::vector<char> head_;      // first bytes of a plain file, read to tell its format
+  std::vector<char> head_;      // first bytes of a plain file, read to find its format
 };
 
 /// Lines without their end (LF or CRLF), counted from 1; a byte order mark before the first is dropped.
