@@ -18,12 +18,13 @@ namespace {
 
 using Sets = std::vector<std::string>;
 
-/// Has every channel shown to whoever runs the composition.
+/// Has every channel but the filters' shown to whoever runs the composition.
 class AllChannels final : public Section {
  public:
   std::vector<std::string> keys() const override { return {}; }
   std::shared_ptr<const SectionData> read(CompositionDraft& draft) const override {
-    for (std::size_t c = 0; c < draft.channels().size(); ++c) draft.subscribe(static_cast<int>(c), "");
+    for (std::size_t c = 0; c < draft.channels().size(); ++c)
+      if (draft.channels()[c].pointer.rfind("/filters/", 0) != 0) draft.subscribe(static_cast<int>(c), "");
     return nullptr;
   }
 };

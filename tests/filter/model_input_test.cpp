@@ -95,7 +95,7 @@ TEST_CASE("a process model is given the latest sample of its auxiliary channel")
   CHECK(run.notes().empty());
 }
 
-TEST_CASE("an auxiliary channel that has emitted nothing is not available; one that is left open neither") {
+TEST_CASE("an auxiliary channel that has emitted nothing is not available, one that is left open neither") {
   Carrying waiting(carried(by_wind)), open(carried(""));
   for (Carrying* run : {&waiting, &open}) {
     run->speed(0, 1 * s, 1);

@@ -89,7 +89,7 @@ TEST_CASE("the summary is printed as tables, or as JSON, or not") {
   CHECK(run(bench, {"--quiet"}).out.empty());
 }
 
-TEST_CASE("--out records every output with its sigma, units in the header, exact numbers") {
+TEST_CASE("run --out records every output with its sigma, units in the header, exact numbers") {
   const Workbench bench;
   REQUIRE(run(bench, {"--out", "new/out"}).status == 0);
   CHECK(names_in(bench.path("new/out")) ==

@@ -33,7 +33,7 @@ class Linearizer {
   ModelCalls& calls_;
   ReadCovariance read_covariance_;
   std::vector<double> fields_, row_fields_;  // of the sample, as a part reads it
-  bool has_finite_noise_ = true;  // of the sample at work, so far
+  bool has_finite_noise_ = true;             // of the sample at work, so far
 };
 
 }  // namespace binnacle::filter

@@ -128,7 +128,7 @@ void Propagator::linearize(std::size_t index) {
 void Propagator::check_noise(Time t) const {
   for (const auto& diagonal : diagonals_)
     for (int i = 0; i < diagonal.dof; ++i)
-      if (!(diagonal.q[i * diagonal.step] >= 0)) {
+      if (const double q = diagonal.q[i * diagonal.step]; !(q >= 0 && q <= std::numeric_limits<double>::max())) {
         judge_noise(diagonal, t);
         break;
       }

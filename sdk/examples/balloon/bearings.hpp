@@ -23,7 +23,8 @@ class Bearings final : public binnacle::MeasurementModel {
     spec.fields = {field::level("id", "1").per_row().about("of the landmark"),
                    field::level("bearing", "rad").per_row().about("clockwise from north")};
     spec.inputs = {input("landmarks", {field::level("number", "1").per_row().about("its id"),
-                                       field::level("north", "m").per_row(), field::level("east", "m").per_row()})
+                                       field::level("north", "m").per_row().about("of it"),
+                                       field::level("east", "m").per_row().about("of it")})
                        .about("all that there are, a row each")};
     spec.example = R"json({"channel": "sightings", "inputs": {"landmarks": "landmarks"},
       "blocks": {"position": "position"}})json";

@@ -17,7 +17,8 @@ class Drift final : public binnacle::ProcessModel {
     spec.parameters = {
         parameter::number("q", "m/sqrt(s)").at_least(0).defaults("1").about("of the random walk besides")};
     spec.ports = {advances("position", "vector:2:m").about("of the balloon: north, east")};
-    spec.inputs = {input("wind", {field::level("north", "m/s").about("where it blows to"), field::level("east", "m/s")})
+    spec.inputs = {input("wind", {field::level("north", "m/s").about("where it blows to"),
+                                  field::level("east", "m/s").about("likewise")})
                        .about("as the station reports it")};
     spec.example = R"json({"blocks": {"position": "position"}, "inputs": {"wind": "wind"}, "q": 2})json";
     spec.surroundings = R"json({"inputs": {"wind": {"north": 3, "east": -5}}})json";

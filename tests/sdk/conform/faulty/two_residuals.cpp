@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Its residual is another one, by the last bits, when no H is wanted.
+// Its residual is another one, by a nanometre, when no H is wanted.
 // fails: numbers.measurement.value
 #include "faulty.hpp"
 
@@ -10,7 +10,7 @@ class Subject final : public faulty::Measurement {
   using Measurement::Measurement;
   binnacle::Result linearize(const binnacle::MeasurementInput& in, binnacle::MeasurementOutput& out) const override {
     const auto result = Measurement::linearize(in, out);
-    if (result && !out.H) out.residual[0] *= 1 + 1e-15;
+    if (result && !out.H) out.residual[0] += 1e-9;
     return result;
   }
 };
