@@ -14,6 +14,10 @@ namespace binnacle::filter {
 int read_fields(const FieldMap& map, const SampleView& sample, double dt, double* epoch);
 void read_row_fields(const FieldMap& map, const ChannelPlan& channel, const SampleView& sample, double* rows);
 
+/// A sample's numbers in `data`, of ChannelPlan::doubles(), and a view of them.
+void pack(const ChannelPlan& channel, const SampleView& sample, double* data);
+SampleView unpack(const ChannelPlan& channel, const double* data, Time t, Time t0, int rows, bool has_covariance);
+
 void forget_latest(const LatestPlan& plan, std::byte* arena);
 void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const SampleView& sample, std::byte* arena);
 /// Not available before the first one.

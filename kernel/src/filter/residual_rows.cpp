@@ -8,9 +8,8 @@ namespace {
 /// The block itself, or for a derived value the block of the filter with the same error components.
 const BlockPlan* block_like(const FilterPlan& filter, int value) {
   if (value < 0) return nullptr;
-  const auto index = static_cast<std::size_t>(value);
-  if (index < filter.blocks.size()) return &filter.blocks[index];
-  const auto& kind = filter.derived[index - filter.blocks.size()].derived->declaration().kind;
+  if (filter.is_block(value)) return &filter.blocks[as_size(value)];
+  const auto& kind = filter.derived_at(value).derived->declaration().kind;
   for (const auto& block : filter.blocks)
     if (block.declaration().kind == kind) return &block;
   return nullptr;
@@ -27,8 +26,7 @@ std::vector<ResidualRows> residual_rows_of(const FilterPlan& filter, const Measu
       const std::string name = groups.size() < 2              ? part.name
                                : measurement.parts.size() > 1 ? part.name + "." + group.name
                                                               : group.name;
-      const BlockPlan* like =
-          group.port < 0 ? nullptr : block_like(filter, part.ports[static_cast<std::size_t>(group.port)]);
+      const BlockPlan* like = group.port < 0 ? nullptr : block_like(filter, part.ports[as_size(group.port)]);
       all.push_back({name, group.name, like ? like->declaration().error.front().unit : group.unit, like});
     }
   }
