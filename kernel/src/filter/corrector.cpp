@@ -71,12 +71,10 @@ void Corrector::find_reset(const BlockPlan& block) {
 }
 
 void Corrector::expand_reset(MatrixView T) const {
-  for (int j = 0; j < T.cols; ++j)
-    for (int i = 0; i < T.rows; ++i) T(i, j) = i == j;
+  T.as().setIdentity();
   for (const auto& reset : resets_)
-    for (int c = 0; c < reset.dof; ++c)
-      for (int r = 0; r < reset.dof; ++r)
-        T(reset.first + r, reset.first + c) = jacobians_[reset.jacobian + as_size(r + c * reset.dof)];
+    T.block(reset.first, reset.first, reset.dof, reset.dof).as() =
+        matrix_at(jacobians_.data() + reset.jacobian, reset.dof, reset.dof);
 }
 
 }  // namespace binnacle::filter

@@ -14,7 +14,6 @@
 #include "filter/linearizer.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/propagator.hpp"
-#include "filter/sample_rows.hpp"
 #include "filter/workspace.hpp"
 
 namespace binnacle::filter {

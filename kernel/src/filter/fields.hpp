@@ -18,6 +18,10 @@ inline double interval_of(const SampleView& sample) {
   return sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0);
 }
 
+/// A sample's numbers in `data`, of ChannelPlan::doubles(), and a view of them.
+void pack(const ChannelPlan& channel, const SampleView& sample, double* data);
+SampleView unpack(const ChannelPlan& channel, const double* data, Time t, Time t0, int rows, bool has_covariance);
+
 void forget_latest(const LatestPlan& plan, std::byte* arena);
 void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const SampleView& sample, std::byte* arena);
 /// Not available before the first one.

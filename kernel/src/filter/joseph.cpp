@@ -11,11 +11,7 @@ Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
       predict_scratch_(filter::predict_scratch(plan)),
       transform_scratch_(as_size(padded(plan.n)) * as_size(most_dof)) {}
 
-void Joseph::set(MatrixView P) {
-  const MatrixView own = view();
-  for (int j = 0; j < plan_.n; ++j)
-    for (int i = 0; i < plan_.n; ++i) own(i, j) = P(i, j);
-}
+void Joseph::set(MatrixView P) { view().as() = P.as(); }
 
 void Joseph::predict(const double* const* phi, const double* const* noise) {
   filter::predict(plan_, phi, noise, P_, predict_scratch_.data());
@@ -42,11 +38,7 @@ int Joseph::first_unsound(double bound) const {
   return -1;
 }
 
-void Joseph::expand(MatrixView into) const {
-  const MatrixView P = view();
-  for (int j = 0; j < plan_.n; ++j)
-    for (int i = 0; i < plan_.n; ++i) into(i, j) = P(i, j);
-}
+void Joseph::expand(MatrixView into) const { into.as() = view().as(); }
 
 MatrixView Joseph::view() const { return {P_, plan_.n, plan_.n, padded(plan_.n)}; }
 

@@ -31,7 +31,7 @@ struct ChannelPlan {
   int covariance_dof = 0;
 
   std::size_t doubles() const {
-    return static_cast<std::size_t>(epoch_fields + row_fields * declaration.max_rows + covariance_dof * covariance_dof);
+    return as_size(epoch_fields + row_fields * declaration.max_rows + covariance_dof * covariance_dof);
   }
 };
 
@@ -317,6 +317,10 @@ struct FilterPlan {
   Place<QueueEntry> queue;
   Place<double> queue_data;
 
+  /// Of a value that models bind to, by its index.
+  bool is_block(int value) const { return value < static_cast<int>(blocks.size()); }
+  const DerivedPlan& derived_at(int value) const { return derived[as_size(value) - blocks.size()]; }
+  int dof(int value) const { return is_block(value) ? blocks[as_size(value)].dof() : derived_at(value).dof(); }
   int value_count() const { return static_cast<int>(blocks.size() + derived.size()); }
 };
 

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <limits>
 
-#include "filter/derived_values.hpp"
 #include "filter/fields.hpp"
 
 namespace binnacle::filter {
@@ -20,10 +19,7 @@ bool is_finite(const double* p, int count) {
 }
 
 int doubles_of(const Coupling& coupling, const std::vector<int>& ports, const FilterPlan& plan) {
-  const auto dof = [&](int port) {
-    const auto value = as_size(ports[as_size(port)]);
-    return value < plan.blocks.size() ? plan.blocks[value].dof() : plan.derived[value - plan.blocks.size()].dof();
-  };
+  const auto dof = [&](int port) { return plan.dof(ports[as_size(port)]); };
   return coupling.structure == Structure::diagonal ? dof(coupling.to) : dof(coupling.to) * dof(coupling.from);
 }
 
@@ -49,8 +45,8 @@ Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Auxiliar
     auto& [inputs, outputs] = ports_.emplace_back();
     for (const int value : process.ports) {
       inputs.push_back(value < 0 ? nullptr : workspace.value(value));
-      const bool is_advanced = value >= 0 && value < static_cast<int>(plan.blocks.size()) &&
-                               plan.blocks[as_size(value)].process == static_cast<int>(p);
+      const bool is_advanced =
+          value >= 0 && plan.is_block(value) && plan.blocks[as_size(value)].process == static_cast<int>(p);
       outputs.push_back(is_advanced ? x_plus_.data() + plan.blocks[as_size(value)].stored_offset : nullptr);
     }
     const auto& noise = process.model->declaration().noise;
@@ -157,8 +153,8 @@ std::string Propagator::culprit(Time t1) const {
       return call_text(process.type, process.pointer, "propagate", t1) + " gave " + what + ", which is not finite";
     };
     const auto name = [&](int port) {
-      const auto value = as_size(process.ports[as_size(port)]);
-      return value < plan_.blocks.size() ? plan_.blocks[value].name : plan_.derived[value - plan_.blocks.size()].name;
+      const int value = process.ports[as_size(port)];
+      return plan_.is_block(value) ? plan_.blocks[as_size(value)].name : plan_.derived_at(value).name;
     };
     const auto find = [&](const std::vector<Coupling>& couplings, const double* const* table, const char* matrix) {
       for (std::size_t k = 0; k < couplings.size(); ++k)
@@ -250,7 +246,7 @@ void Propagator::advance_group(const VanLoanGroup& group, const double* Phi) {
 double Propagator::gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof) {
   const bool is_diagonal = term.structure == Structure::diagonal;
   if (term.derived < 0) return is_diagonal ? (row == column ? block[row] : 0.0) : block[row + column * dof];
-  const int inner = plan_.derived[as_size(term.derived) - plan_.blocks.size()].dof();
+  const int inner = plan_.derived_at(term.derived).dof();
   const double* chain = workspace_.at(term.chain) + column * inner;
   if (is_diagonal) return block[row] * chain[row];
   double value = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "filter/fields.hpp"
 #include "filter/model_calls.hpp"
 
 namespace binnacle::filter {
@@ -154,28 +155,15 @@ void TimeLine::enqueue(int measurement, const SampleView& sample) {
   queue[at] =
       QueueEntry{sample.t, sample.t0, h.sequence++, measurement, sample.rows, sample.covariance != nullptr, slot};
   ++h.queued;
-  const auto& channel = channels_[as_size(plan_.measurements[as_size(measurement)].channel)];
-  double* data = plan_.queue_data.in(arena_) + as_size(slot) * plan_.queue_doubles;
-  data = std::copy_n(sample.fields, channel.epoch_fields, data);
-  if (channel.row_fields > 0) std::copy_n(sample.row_fields, channel.row_fields * sample.rows, data);
-  data += channel.row_fields * channel.declaration.max_rows;
-  if (sample.covariance) std::copy_n(sample.covariance, channel.covariance_dof * channel.covariance_dof, data);
+  pack(channels_[as_size(plan_.measurements[as_size(measurement)].channel)], sample,
+       plan_.queue_data.in(arena_) + as_size(slot) * plan_.queue_doubles);
   work_.wait();
 }
 
 SampleView TimeLine::queued_sample(const QueueEntry& entry) const {
   const auto& channel = channels_[as_size(plan_.measurements[as_size(entry.measurement)].channel)];
-  const double* data = plan_.queue_data.in(arena_) + as_size(entry.slot) * plan_.queue_doubles;
-  SampleView sample;
-  sample.t = entry.t;
-  sample.t0 = entry.t0;
-  sample.rows = entry.rows;
-  sample.fields = data;
-  sample.row_fields = data + channel.epoch_fields;
-  if (entry.has_covariance)
-    sample.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
-  sample.available = true;
-  return sample;
+  return unpack(channel, plan_.queue_data.in(arena_) + as_size(entry.slot) * plan_.queue_doubles, entry.t, entry.t0,
+                entry.rows, entry.has_covariance != 0);
 }
 
 void TimeLine::pop() {
