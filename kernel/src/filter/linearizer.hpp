@@ -5,31 +5,12 @@
 #include <vector>
 
 #include "binnacle/model_input.hpp"
-#include "filter/auxiliary.hpp"
 #include "filter/covariance_form.hpp"
+#include "filter/fields.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/workspace.hpp"
 
 namespace binnacle::filter {
-
-/// C P Cᵀ with a row of C for each error component of each port that is read: of a state block a unit vector, or nothing
-/// where the component is frozen; of a derived value its Jacobian, which must be in the workspace.
-class ReadCovariance {
- public:
-  explicit ReadCovariance(const FilterPlan& plan);
-
-  /// Of all ports that `part` reads, until the next call. Null where its model does not ask for it.
-  PortCovariance of(const PartPlan& part, const CovarianceForm& form, Workspace& workspace);
-
- private:
-  void add(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b, const PartPlan::Target& by_b,
-           MatrixView P, Workspace& workspace);
-
-  const FilterPlan& plan_;
-  std::vector<double> covariance_;  // rows_ × rows_
-  std::vector<int> first_row_;      // by port
-  int rows_ = 0;                    // of the part at work
-};
 
 class Linearizer {
  public:
@@ -44,14 +25,21 @@ class Linearizer {
   Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Moment& now,
                   const CovarianceForm& P, SampleRows& rows, int& part_rows);
   void assemble(const PartPlan& part, int part_rows, SampleRows& rows);
+  /// C P Cᵀ of all ports that a part reads, until the next call; with a row of C for each error component of each port: of
+  /// a state block a unit vector, or nothing where the component is frozen; of a derived value its Jacobian, which must be
+  /// in the workspace.
+  PortCovariance covariance_of(const PartPlan& part, const CovarianceForm& P);
+  void add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
+                      const PartPlan::Target& by_b, MatrixView P, MatrixView into);
 
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;
   AuxiliaryReader& auxiliary_;
   Workspace& workspace_;
   ModelCalls& calls_;
-  ReadCovariance read_covariance_;
   std::vector<double> fields_, row_fields_;  // of the sample, as a part reads it
+  std::vector<double> read_covariance_;
+  std::vector<int> first_row_;    // by port, of read_covariance_
   bool has_finite_noise_ = true;  // of the sample at work, so far
 };
 

@@ -50,7 +50,7 @@ UpdateRecord LogRecords::innovation(Wants wants, const MeasurementPlan& measurem
   if (!includes(wants, Wants::jacobian)) return record;
   record.H = {H_.data(), rows.m, plan_.n, rows.m};
   std::fill_n(H_.data(), as_size(rows.m) * as_size(plan_.n), 0.0);
-  const auto& columns = measurement.columns.columns;
+  const auto& columns = measurement.columns;
   for (std::size_t c = 0; c < columns.size(); ++c)
     std::copy_n(rows.work.H + c * as_size(rows.work.m_max), rows.m, H_.data() + as_size(columns[c] * rows.m));
   return record;

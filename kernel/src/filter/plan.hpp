@@ -3,6 +3,7 @@
 // everything is an index or an offset.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -200,7 +201,7 @@ struct MeasurementPlan {
   int channel = 0;  // index in the composition's channels
   std::vector<PartPlan> parts;
   std::vector<int> derived;  // values to evaluate, in order
-  UpdateColumns columns;
+  std::vector<int> columns;  // of P, one per column of the compact H
   int max_rows = 0;
   double gate = 0;  // probability; 0: no gate
   GateUnit gate_unit = GateUnit::sample;
@@ -321,7 +322,12 @@ struct FilterPlan {
   bool is_block(int value) const { return value < static_cast<int>(blocks.size()); }
   const DerivedPlan& derived_at(int value) const { return derived[as_size(value) - blocks.size()]; }
   int dof(int value) const { return is_block(value) ? blocks[as_size(value)].dof() : derived_at(value).dof(); }
-  int value_count() const { return static_cast<int>(blocks.size() + derived.size()); }
+  /// Of the largest block, at least 1.
+  int most_dof() const {
+    int most = 1;
+    for (const auto& block : blocks) most = std::max(most, block.dof());
+    return most;
+  }
 };
 
 }  // namespace binnacle::filter

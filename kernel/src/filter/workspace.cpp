@@ -118,7 +118,7 @@ void SampleRows::begin(const MeasurementPlan& measurement) {
   m = 0;
   left_out = 0;
   nis = 0;
-  std::fill_n(work.H, as_size(work.m_max) * measurement.columns.columns.size(), 0.0);
+  std::fill_n(work.H, as_size(work.m_max) * measurement.columns.size(), 0.0);
   std::fill_n(R_nominal.data(), work.m_max * work.m_max, 0.0);
 }
 
