@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Healthy components that a faulty plugin of the collection of faulty plugins inherits from, to break exactly one rule of one of them.
+// Healthy components, from which a faulty plugin inherits to break exactly one rule of one of them.
 #pragma once
 
 #include <cmath>

@@ -12,9 +12,9 @@ class Subject final : public faulty::Measurement {
     scratch_[0] = in.x[p][0] + 300;
     scratch_[1] = in.x[p][1] + 200;
     for (int i = 0; i < 2000; ++i) scratch_[2 + i % 8] = std::hypot(scratch_[0], scratch_[1]);
-    const double range = scratch_[9];
+    const double expected = scratch_[9];
     const auto result = Measurement::linearize(in, out);
-    if (result) out.residual[0] = in.sample[range] - range;
+    if (result) out.residual[0] = in.sample[range] - expected;
     return result;
   }
 

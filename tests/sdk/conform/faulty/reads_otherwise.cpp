@@ -3,6 +3,8 @@
 // fails: numbers.block.readable
 #include "faulty.hpp"
 
+using namespace binnacle;
+
 namespace {
 
 class Subject final : public faulty::Block {

@@ -8,9 +8,9 @@ namespace {
 class Subject final : public faulty::Transform {
  public:
   using Transform::Transform;
-  void on(int input, const binnacle::SampleView& sample, std::byte* memory, binnacle::Emitter& emitter) const override {
-    const_cast<double*>(sample.fields)[0] -= 0.25;
-    Transform::on(input, sample, memory, emitter);
+  void on(const binnacle::TransformInput& in, binnacle::Emitter& emitter) const override {
+    const_cast<double*>(in.sample.fields)[0] -= 0.25;
+    Transform::on(in, emitter);
   }
 };
 
