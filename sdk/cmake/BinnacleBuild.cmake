@@ -41,9 +41,10 @@ endif()
 find_program(BINNACLE_CCACHE ccache)
 mark_as_advanced(BINNACLE_CCACHE)
 if(BINNACLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  # The sloppiness is what precompiled headers need; the base directory lets another clone hit the same entries.
+  # The sloppiness is what precompiled headers need, and no more: a header that changes while it is compiled must not be
+  # cached. The base directory lets another clone hit the same entries.
   set(CMAKE_CXX_COMPILER_LAUNCHER env
-    "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+    "CCACHE_SLOPPINESS=pch_defines,time_macros"
     "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}"
     "${BINNACLE_CCACHE}")
 endif()

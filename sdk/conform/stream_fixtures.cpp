@@ -58,6 +58,8 @@ void append_sample(const testing::Emitted& sample, std::vector<double>& numbers)
   numbers.push_back(static_cast<double>(sample.channel));
   numbers.push_back(static_cast<double>(sample.t));
   append(numbers, sample.fields);
+  append(numbers, sample.row_fields);
+  append(numbers, sample.covariance);
 }
 
 class CallsSource final : public Fixture {

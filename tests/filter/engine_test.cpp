@@ -72,7 +72,7 @@ TEST_CASE("a composed filter equals the dense one: joint discretization, update,
     const double z = 1 + 0.5 * t + normal(engine);
     if (i > 0) {
       t += dt;
-      expected.advance(seconds(nanoseconds(t)) - filter.time(FilterId{0}) * 1e-9);
+      expected.advance(seconds(nanoseconds(t)) - static_cast<double>(filter.time(FilterId{0})) * 1e-9);
     }
     nis += expected.update(z, 0.49);
     push(filter, "z", t, {z});

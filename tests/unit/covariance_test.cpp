@@ -143,7 +143,7 @@ struct Update {
     y = r;
     for (int c = 0; c < n; ++c) {
       if (H.col(c).isZero()) continue;
-      columns.columns.push_back(c);
+      columns.push_back(c);
       for (int i = 0; i < m_max; ++i) H_.push_back(i < m ? H(i, c) : 0);
     }
     for (int i = 0; i < m; ++i) {
@@ -154,7 +154,7 @@ struct Update {
             S.data(), L.data(),  K.data(),  U.data(), y.data()};
   }
   int m;
-  UpdateColumns columns;
+  std::vector<int> columns;
   std::vector<double> H_, R_, r, G, HPHt, S, L, K, U, y;
   UpdateWork work;
 };

@@ -100,7 +100,7 @@ struct MeasurementInput {
 
 /// Where a linearized measurement is written. The kernel zeroes H and R before the call.
 struct MeasurementOutput {
-  int rows = 0;                        // set by the model: 0…max_rows; 0: none of this sample's
+  int rows = 0;                        // set by the model: 0…max_rows; 0: the sample is unsupported
   VectorView residual;                 // r = z ⊟ h(x̂), max_rows
   PortJacobians H;                     // ∂h/∂δ of a port that is read, max_rows × dof(port)
   MatrixView R;                        // nominal noise covariance, max_rows × max_rows, both triangles

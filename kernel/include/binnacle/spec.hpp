@@ -210,8 +210,8 @@ inline FieldSpec increment(std::string name, std::string unit) {
 
 }  // namespace field
 
-/// A channel that a component subscribes to under its own name for it: `"input": "imu"` for a single one, else
-/// `"inputs": {"imu": "raw_imu", "gnss": "fix"}`.
+/// A channel that a component subscribes to under its own name for it: `"inputs": {"imu": "raw_imu", "gnss": "fix"}`; of a
+/// transform or sink with a single one also `"input": "raw_imu"`.
 ///
 ///     input("anchors", {field::level("x", "m").per_row(), …}).optional().about("where the anchors are")
 struct ChannelPort {
@@ -241,7 +241,8 @@ struct ComponentSpec {
   std::string kind;                      // state block: kind it has. Derived block: kind it yields (pattern)
   std::string example;                   // JSON of a working configuration of it, without "type"
   // JSON: what the example refers to and the conformance suite cannot guess: {"blocks": {…}, "sources": {…},
-  // "sample": {field: SI value}, "files": {name: text}}; "" = nothing
+  // "sample": {field: SI value}, "inputs": {channel: {field: SI value}}, "time": s, "files": {name: text}}; a list of values
+  // where a field is per row. "" = nothing
   std::string surroundings;
   // Full names that it had, "phi_error/position": under them a config gets an error that states the new one.
   std::vector<std::string> former_names;

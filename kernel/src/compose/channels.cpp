@@ -140,7 +140,7 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
     const std::string at_pointer = is_mapped ? join_pointer(mapping_pointer, field.name) : channel_pointer;
     if (found != fields.end()) {
       if (!fits(field, *found, channel, at_pointer, type, item.conversion)) continue;
-      item.index = channel.position[as_size(found - fields.begin())];
+      item.index = channel.position[static_cast<std::size_t>(found - fields.begin())];
     } else if (!field.is_optional || is_mapped) {
       error("B021", at_pointer,
             "channel '" + channel.name + "' has no field '" + name + "'" +

@@ -51,7 +51,7 @@ MeasurementInfo measurement_info(const FilterPlan& filter, const MeasurementPlan
   info.max_rows = measurement.max_rows;
   for (const auto& part : measurement.parts) info.parts.push_back(part.name);
   info.groups = row_groups(filter, measurement);
-  const auto& columns = measurement.columns.columns;
+  const auto& columns = measurement.columns;
   for (std::size_t b = 0; b < filter.blocks.size(); ++b)
     if (!filter.blocks[b].active.empty() &&
         std::find(columns.begin(), columns.end(), filter.blocks[b].first) != columns.end())

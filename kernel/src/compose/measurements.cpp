@@ -59,7 +59,7 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
   add_withholding(measurement, pointer);
   if (error_count() != errors) return false;
   build.plan.max_rows = std::max(build.plan.max_rows, measurement.max_rows);
-  build.plan.max_columns = std::max(build.plan.max_columns, static_cast<int>(measurement.columns.columns.size()));
+  build.plan.max_columns = std::max(build.plan.max_columns, static_cast<int>(measurement.columns.size()));
   build.plan.measurements.push_back(std::move(measurement));
   return true;
 }
@@ -135,10 +135,10 @@ void Composer::collect_touched(FilterBuild& build, MeasurementPlan& measurement)
   measurement.derived = derived_closure(build, values);
   std::map<int, int> first_column;
   for (const int block : touched) {
-    first_column[block] = static_cast<int>(measurement.columns.columns.size());
+    first_column[block] = static_cast<int>(measurement.columns.size());
     const auto& plan = build.plan.blocks[as_size(block)];
     for (std::size_t a = 0; a < plan.active.size(); ++a)
-      measurement.columns.columns.push_back(plan.first + static_cast<int>(a));
+      measurement.columns.push_back(plan.first + static_cast<int>(a));
   }
   for (auto& part : measurement.parts)
     for (auto& read : part.reads)

@@ -7,9 +7,9 @@ namespace binnacle::filter {
 
 Corrector::Corrector(const FilterPlan& plan, ModelCalls& calls)
     : plan_(plan), calls_(calls), x_plus_(as_size(plan.stored_size)), post_fit_(as_size(plan.max_rows)) {
-  std::size_t most = 1, squares = 0;
+  const std::size_t most = as_size(plan.most_dof());
+  std::size_t squares = 0;
   for (const auto& block : plan.blocks) {
-    most = std::max(most, as_size(block.dof()));
     squares += block.active.size() * block.active.size();
     if (!block.active.empty()) parts_.push_back({&block, block.dof(), block.is_whole()});
   }
@@ -28,7 +28,7 @@ void Corrector::run(const MeasurementPlan& measurement, double* x, CovarianceFor
   P.correct(rows.m, work);
   if (measurement.noise && measurement.noise->declaration().looks_back) {
     // To first order. G and HPHt are made anew with P⁺ and no longer those of the update.
-    const auto& columns = measurement.columns.columns;
+    const auto& columns = measurement.columns;
     for (int i = 0; i < rows.m; ++i) {
       double predicted = 0;
       for (std::size_t c = 0; c < columns.size(); ++c)
@@ -71,12 +71,10 @@ void Corrector::find_reset(const BlockPlan& block) {
 }
 
 void Corrector::expand_reset(MatrixView T) const {
-  for (int j = 0; j < T.cols; ++j)
-    for (int i = 0; i < T.rows; ++i) T(i, j) = i == j;
+  T.as().setIdentity();
   for (const auto& reset : resets_)
-    for (int c = 0; c < reset.dof; ++c)
-      for (int r = 0; r < reset.dof; ++r)
-        T(reset.first + r, reset.first + c) = jacobians_[reset.jacobian + as_size(r + c * reset.dof)];
+    T.block(reset.first, reset.first, reset.dof, reset.dof).as() =
+        matrix_at(jacobians_.data() + reset.jacobian, reset.dof, reset.dof);
 }
 
 }  // namespace binnacle::filter

@@ -6,7 +6,7 @@
 
 #include "filter/covariance_form.hpp"
 #include "filter/model_calls.hpp"
-#include "filter/sample_rows.hpp"
+#include "filter/workspace.hpp"
 
 namespace binnacle::filter {
 

@@ -199,10 +199,10 @@ void expand_noise(const TransitionPlan& plan, const double* const* noise, double
   }
 }
 
-void project(const UpdateColumns& columns, const double* P, int n, int m, const UpdateWork& work) {
+void project(const std::vector<int>& columns, const double* P, int n, int m, const UpdateWork& work) {
   const int ld = padded(n);
-  const int count = static_cast<int>(columns.columns.size());
-  const int* index = columns.columns.data();
+  const int count = static_cast<int>(columns.size());
+  const int* index = columns.data();
   const auto combine = strip_loops().combine;
   for (int row = 0; row < m; row += 3)
     combine(std::min(3, m - row), P, ld, 0, count, index, work.H + row, work.m_max,

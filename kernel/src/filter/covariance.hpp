@@ -80,11 +80,6 @@ void predict(const TransitionPlan& plan, const double* const* phi, const double*
 void expand_transition(const TransitionPlan& plan, const double* const* phi, double* Phi);
 void expand_noise(const TransitionPlan& plan, const double* const* noise, double* Qd);
 
-/// The columns of an update's H and which of P's they are.
-struct UpdateColumns {
-  std::vector<int> columns;  // of P, one per column of the compact H
-};
-
 /// What an update works with; all memory is the caller's. m ≤ m_max, matrices column-major.
 struct UpdateWork {
   int m_max = 0;
@@ -100,8 +95,8 @@ struct UpdateWork {
   double* y = nullptr;     // m_max: L⁻¹ r
 };
 
-/// G = P Hᵀ and HPHt = H G.
-void project(const UpdateColumns& columns, const double* P, int n, int m, const UpdateWork& work);
+/// G = P Hᵀ and HPHt = H G. `columns`: of P, one per column of the compact H.
+void project(const std::vector<int>& columns, const double* P, int n, int m, const UpdateWork& work);
 /// S = HPHt + R and its factor; false when S is not positive definite.
 bool factor_innovation(int m, const UpdateWork& work);
 /// rᵀ S⁻¹ r, the normalized innovation squared.

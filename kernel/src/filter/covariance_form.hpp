@@ -16,8 +16,8 @@ class CovarianceForm {
   virtual void set(MatrixView P) = 0;
   /// P ← Φ P Φᵀ + Qd, by tables of block pointers.
   virtual void predict(const double* const* phi, const double* const* noise) = 0;
-  /// work.G = P Hᵀ and work.HPHt = H G of m rows.
-  virtual void project(const UpdateColumns& columns, int m, const UpdateWork& work) const = 0;
+  /// work.G = P Hᵀ and work.HPHt = H G of m rows; `columns` of P are those of work.H.
+  virtual void project(const std::vector<int>& columns, int m, const UpdateWork& work) const = 0;
   /// P ← (I − K H) P (I − K H)ᵀ + K R Kᵀ with work.K, in which rows of considered components are zero, and work.G and S.
   virtual void correct(int m, const UpdateWork& work) = 0;
   /// P ← T P Tᵀ, where T is the identity but for a d×d block (column-major) at row `first`.

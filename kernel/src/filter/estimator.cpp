@@ -6,22 +6,12 @@
 #include <cstdio>
 #include <cstring>
 
-#include "filter/fields.hpp"
 #include "filter/joseph.hpp"
+#include "filter/noise_check.hpp"
 
 namespace binnacle::filter {
 
-namespace {
-
 constexpr double largest_variance = 1e30;
-
-int most_dof(const FilterPlan& plan) {
-  int dof = 1;
-  for (const auto& block : plan.blocks) dof = std::max(dof, block.dof());
-  return dof;
-}
-
-}  // namespace
 
 Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena,
                      ModelCalls& calls)
@@ -29,7 +19,7 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       channels_(channels),
       arena_(arena),
       calls_(calls),
-      P_(std::make_unique<Joseph>(plan.transition, most_dof(plan), plan.covariance.in(arena))),
+      P_(std::make_unique<Joseph>(plan.transition, plan.most_dof(), plan.covariance.in(arena))),
       workspace_(plan, plan.state.in(arena)),
       auxiliary_(plan, channels, arena),
       propagator_(plan, *P_, auxiliary_, workspace_, calls),
@@ -51,21 +41,16 @@ void Estimator::reset() {
   std::fill_n(x(), plan_.stored_size, 0.0);
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
   P_->set({initial_P_.data(), plan_.n, plan_.n, plan_.n});
+  const auto clear = [&](const Place<std::byte>& memory) {
+    std::fill_n(memory.in(arena_), memory.count, std::byte{});
+    return memory.count > 0;
+  };
   for (const auto& process : plan_.processes)
-    if (process.memory.count > 0) {
-      std::memset(process.memory.in(arena_), 0, process.memory.count);
-      calls_.start(process);
-    }
+    if (clear(process.memory)) calls_.start(process);
   for (const auto& measurement : plan_.measurements) {
-    if (measurement.noise && measurement.noise_memory.count > 0) {
-      std::memset(measurement.noise_memory.in(arena_), 0, measurement.noise_memory.count);
-      calls_.start_noise(measurement);
-    }
+    if (measurement.noise && clear(measurement.noise_memory)) calls_.start_noise(measurement);
     for (const auto& part : measurement.parts)
-      if (part.memory.count > 0) {
-        std::memset(part.memory.in(arena_), 0, part.memory.count);
-        calls_.start(part);
-      }
+      if (clear(part.memory)) calls_.start(part);
   }
 }
 
@@ -122,14 +107,6 @@ void Estimator::start_covariance(const BlockPlan& block, MatrixView P) {
   }
 }
 
-// ---- a step
-
-void Estimator::propagate(const Moment& now, Time t1, std::span<const InputSample> samples) {
-  propagator_.run(now, t1, samples, x());
-}
-
-void Estimator::advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
-
 // ---- a sample
 
 Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now) {
@@ -149,10 +126,6 @@ void Estimator::roll_back(const MeasurementPlan& measurement) {
   }
 }
 
-Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld) {
-  return judge_.run(measurement, t, dt, is_withheld, *P_, rows_);
-}
-
 void Estimator::learn(const MeasurementPlan& measurement) {
   if (!measurement.noise || !measurement.noise->declaration().looks_back) return;
   calls_.after(measurement, {corrector_.post_fit(), rows_.m}, rows_.square(rows_.work.HPHt));
@@ -165,21 +138,7 @@ void Estimator::inflate(const MeasurementPlan& measurement) {
 // ---- health
 
 bool Estimator::is_sound() const {
-  const double* const x = state();
-  double sums[4] = {};  // NaN if anything is not finite; four, so that none waits for the one before
-  int i = 0;
-  for (; i + 4 <= plan_.stored_size; i += 4)
-    for (int k = 0; k < 4; ++k) sums[k] += x[i + k] * 0.0;
-  for (; i < plan_.stored_size; ++i) sums[0] += x[i] * 0.0;
-  return P_->first_unsound(largest_variance) < 0 && sums[0] + sums[1] + sums[2] + sums[3] == 0.0;
-}
-
-void Estimator::check_step(Time t) const {
-  if (!is_sound()) stop_unsound(t, propagator_.culprit(t));
-}
-
-void Estimator::check_update(Time t) const {
-  if (!is_sound()) stop_unsound(t, "");
+  return P_->first_unsound(largest_variance) < 0 && is_finite(ConstVectorView(state(), plan_.stored_size));
 }
 
 void Estimator::stop_unsound(Time t, const std::string& culprit) const {

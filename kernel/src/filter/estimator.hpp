@@ -2,19 +2,19 @@
 // What a filter estimates: the stored state, the covariance of its errors, and the memories of its models.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "filter/auxiliary.hpp"
 #include "filter/corrector.hpp"
 #include "filter/covariance_form.hpp"
+#include "filter/fields.hpp"
 #include "filter/judge.hpp"
 #include "filter/linearizer.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/propagator.hpp"
-#include "filter/sample_rows.hpp"
 #include "filter/workspace.hpp"
 
 namespace binnacle::filter {
@@ -30,15 +30,19 @@ class Estimator {
   void start();
 
   /// A step in three: what the models make of it; P; x.
-  void propagate(const Moment& now, Time t1, std::span<const InputSample> samples);
+  void propagate(const Moment& now, Time t1, std::span<const InputSample> samples) {
+    propagator_.run(now, t1, samples, x());
+  }
   void predict() { P_->predict(workspace_.phi.data(), workspace_.noise.data()); }
-  void advance();
+  void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
   const double* x_plus() const { return propagator_.x_plus(); }
   const Workspace& workspace() const { return workspace_; }
 
   /// A sample in three. linearize() keeps the models' memories; roll_back() restores them.
   Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now);
-  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld);
+  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld) {
+    return judge_.run(measurement, t, dt, is_withheld, *P_, rows_);
+  }
   void correct(const MeasurementPlan& measurement) { corrector_.run(measurement, x(), *P_, rows_); }
   void roll_back(const MeasurementPlan& measurement);
   /// After a correction: the noise estimator sees what is left.
@@ -50,8 +54,12 @@ class Estimator {
   void inflate(const MeasurementPlan& measurement);
 
   /// Stops a filter whose state is not finite or whose variances are negative or beyond all bounds.
-  void check_step(Time t) const;
-  void check_update(Time t) const;
+  void check_step(Time t) const {
+    if (!is_sound()) stop_unsound(t, propagator_.culprit(t));
+  }
+  void check_update(Time t) const {
+    if (!is_sound()) stop_unsound(t, "");
+  }
 
   const double* state() const { return plan_.state.in(arena_); }
   const CovarianceForm& covariance() const { return *P_; }

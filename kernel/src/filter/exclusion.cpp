@@ -3,10 +3,10 @@
 #include "filter/exclusion.hpp"
 
 #include <algorithm>
-#include <cstddef>
 
 #include <Eigen/Cholesky>
 
+#include "binnacle/view.hpp"
 #include "filter/layout.hpp"
 
 namespace binnacle::filter {
@@ -21,7 +21,7 @@ OutlierTest::OutlierTest(int max_rows)
       worst_(as_size(max_rows)) {}
 
 void OutlierTest::invert(int m, const UpdateWork& work) {
-  const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> L(work.L, m, m, Eigen::OuterStride<>(work.m_max));
+  const auto L = ConstMatrixView{work.L, m, m, work.m_max}.as();
   auto inverse = inverse_.topLeftCorner(m, m);
   inverse.setIdentity();
   L.triangularView<Eigen::Lower>().solveInPlace(inverse);
@@ -72,33 +72,19 @@ const unsigned char* OutlierTest::find(GateUnit unit, const std::vector<double>&
 
 int leave_out(const unsigned char* marked, int m, int columns, int n, double* R, std::int64_t* keys, int* groups,
               const UpdateWork& work) {
-  const auto keep_rows = [&](double* matrix, int stride, int cols) {
-    for (int j = 0; j < cols; ++j) {
-      double* const column = matrix + static_cast<std::ptrdiff_t>(j) * stride;
-      int kept = 0;
-      for (int i = 0; i < m; ++i)
-        if (!marked[i]) column[kept++] = column[i];
-    }
-  };
-  const auto keep_columns = [&](double* matrix, int stride, int rows) {
-    int kept = 0;
-    for (int j = 0; j < m; ++j) {
-      if (marked[j]) continue;
-      std::copy_n(matrix + static_cast<std::ptrdiff_t>(j) * stride, rows,
-                  matrix + static_cast<std::ptrdiff_t>(kept) * stride);
-      ++kept;
-    }
-  };
-  keep_rows(work.H, work.m_max, columns);
-  keep_rows(work.r, work.m_max, 1);
-  for (double* square : {work.HPHt, R}) {
-    keep_rows(square, work.m_max, m);
-    keep_columns(square, work.m_max, m);
-  }
-  keep_columns(work.G, padded(n), padded(n));
+  auto H = MatrixView{work.H, m, columns, work.m_max}.as();
+  auto G = MatrixView{work.G, padded(n), m, padded(n)}.as();
   int kept = 0;
   for (int i = 0; i < m; ++i) {
     if (marked[i]) continue;
+    H.row(kept) = H.row(i);
+    G.col(kept) = G.col(i);
+    for (double* matrix : {work.HPHt, R}) {
+      auto square = MatrixView{matrix, m, m, work.m_max}.as();
+      square.row(kept) = square.row(i);
+      square.col(kept) = square.col(i);
+    }
+    work.r[kept] = work.r[i];
     keys[kept] = keys[i];
     groups[kept] = groups[i];
     ++kept;

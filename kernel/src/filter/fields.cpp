@@ -31,6 +31,19 @@ void read_row_fields(const FieldMap& map, const ChannelPlan& channel, const Samp
       *rows++ = item.index < 0 ? not_a_number : sample.row_fields[row * channel.row_fields + item.index];
 }
 
+void pack(const ChannelPlan& channel, const SampleView& sample, double* data) {
+  data = std::copy_n(sample.fields, channel.epoch_fields, data);
+  if (channel.row_fields > 0) std::copy_n(sample.row_fields, channel.row_fields * sample.rows, data);
+  data += channel.row_fields * channel.declaration.max_rows;
+  if (sample.covariance) std::copy_n(sample.covariance, channel.covariance_dof * channel.covariance_dof, data);
+}
+
+SampleView unpack(const ChannelPlan& channel, const double* data, Time t, Time t0, int rows, bool has_covariance) {
+  const double* row_fields = data + channel.epoch_fields;
+  const double* covariance = row_fields + channel.row_fields * channel.declaration.max_rows;
+  return {t, t0, rows, data, row_fields, has_covariance ? covariance : nullptr, true};
+}
+
 void forget_latest(const LatestPlan& plan, std::byte* arena) {
   std::fill_n(plan.data.in(arena), plan.data.count, not_a_number);
   std::fill_n(plan.times.in(arena), 2, no_time);
@@ -38,13 +51,7 @@ void forget_latest(const LatestPlan& plan, std::byte* arena) {
 }
 
 void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const SampleView& sample, std::byte* arena) {
-  double* data = plan.data.in(arena);
-  const auto epoch = as_size(channel.epoch_fields);
-  const auto rows = as_size(channel.row_fields) * as_size(sample.rows);
-  std::copy_n(sample.fields, epoch, data);
-  if (rows > 0) std::copy_n(sample.row_fields, rows, data + epoch);
-  const auto square = as_size(channel.covariance_dof) * as_size(channel.covariance_dof);
-  if (sample.covariance) std::copy_n(sample.covariance, square, data + plan.data.count - square);
+  pack(channel, sample, plan.data.in(arena));
   plan.times.in(arena)[0] = sample.t;
   plan.times.in(arena)[1] = sample.t0;
   std::int32_t* state = plan.state.in(arena);
@@ -54,18 +61,52 @@ void keep_latest(const LatestPlan& plan, const ChannelPlan& channel, const Sampl
 }
 
 SampleView latest(const LatestPlan& plan, const ChannelPlan& channel, const std::byte* arena) {
-  const double* data = plan.data.in(arena);
+  const Time* times = plan.times.in(arena);
   const std::int32_t* state = plan.state.in(arena);
-  SampleView view;
+  SampleView view = unpack(channel, plan.data.in(arena), times[0], times[1], state[0], state[1] != 0);
   view.available = state[2] != 0;
-  view.t = plan.times.in(arena)[0];
-  view.t0 = plan.times.in(arena)[1];
-  view.rows = state[0];
-  view.fields = data;
-  view.row_fields = data + channel.epoch_fields;
-  if (state[1])
-    view.covariance = data + plan.data.count - as_size(channel.covariance_dof) * as_size(channel.covariance_dof);
   return view;
+}
+
+AuxiliaryReader::AuxiliaryReader(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
+                                 const std::byte* arena)
+    : plan_(plan), channels_(channels), arena_(arena) {
+  std::size_t count = 0, doubles = 0;
+  const auto widen = [&](const AuxiliaryPlan& model) {
+    count = std::max(count, model.channels.size());
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < model.channels.size(); ++i) {
+      const int index = model.channels[i];
+      const int rows = index < 0 ? 0 : channels[as_size(plan.auxiliary[as_size(index)].channel)].declaration.max_rows;
+      sum += model.fields[i].epoch.size() + model.fields[i].row.size() * as_size(rows);
+    }
+    doubles = std::max(doubles, sum);
+  };
+  for (const auto& process : plan.processes) widen(process.auxiliary);
+  for (const auto& measurement : plan.measurements)
+    for (const auto& part : measurement.parts) widen(part.auxiliary);
+  samples_.resize(count);
+  fields_.resize(doubles);
+}
+
+const SampleView* AuxiliaryReader::read_all(const AuxiliaryPlan& model) {
+  double* fields = fields_.data();
+  for (std::size_t i = 0; i < model.channels.size(); ++i) {
+    SampleView& view = samples_[i];
+    view = SampleView{};
+    if (model.channels[i] < 0) continue;
+    const auto& kept = plan_.auxiliary[as_size(model.channels[i])];
+    const auto& channel = channels_[as_size(kept.channel)];
+    const SampleView raw = latest(kept, channel, arena_);
+    view = raw;
+    view.fields = fields;
+    read_fields(model.fields[i], raw, interval_of(raw), fields);
+    fields += model.fields[i].epoch.size();
+    view.row_fields = fields;
+    read_row_fields(model.fields[i], channel, raw, fields);
+    fields += model.fields[i].row.size() * as_size(raw.rows);
+  }
+  return samples_.data();
 }
 
 }  // namespace binnacle::filter

@@ -9,22 +9,11 @@
 
 namespace binnacle::filter {
 
-namespace {
-
-std::size_t largest_noise_memory(const FilterPlan& plan) {
-  std::size_t bytes = 0;
-  for (const auto& measurement : plan.measurements) bytes = std::max(bytes, measurement.noise_memory.count);
-  return bytes;
-}
-
-}  // namespace
-
 Judge::Judge(const FilterPlan& plan, std::byte* arena, ModelCalls& calls)
-    : plan_(plan),
-      arena_(arena),
-      calls_(calls),
-      outlier_test_(plan.max_rows),
-      noise_backup_(largest_noise_memory(plan)) {}
+    : plan_(plan), arena_(arena), calls_(calls), outlier_test_(plan.max_rows) {
+  for (const auto& measurement : plan.measurements)
+    noise_backup_.resize(std::max(noise_backup_.size(), measurement.noise_memory.count));
+}
 
 Judgement Judge::run(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld, const CovarianceForm& P,
                      SampleRows& rows) {
@@ -93,8 +82,8 @@ bool Judge::leave_out_worst(const MeasurementPlan& measurement, int offered, Sam
   }
   is_majority = 2 * rows.left_out <= offered;
   if (is_majority)
-    rows.m = leave_out(outliers, rows.m, static_cast<int>(measurement.columns.columns.size()), plan_.n,
-                       rows.R_nominal.data(), rows.keys.data(), rows.groups.data(), rows.work);
+    rows.m = leave_out(outliers, rows.m, static_cast<int>(measurement.columns.size()), plan_.n, rows.R_nominal.data(),
+                       rows.keys.data(), rows.groups.data(), rows.work);
   return true;
 }
 

@@ -8,7 +8,7 @@
 #include "filter/covariance_form.hpp"
 #include "filter/exclusion.hpp"
 #include "filter/model_calls.hpp"
-#include "filter/sample_rows.hpp"
+#include "filter/workspace.hpp"
 
 namespace binnacle::filter {
 

@@ -48,19 +48,15 @@ class Ledger {
   /// Empty while the filter is well.
   const char* diagnosis() const { return plan_.health.in(arena_)->diagnosis; }
 
-  const Tally& tally(int measurement) const {
-    return *plan_.measurements[static_cast<std::size_t>(measurement)].tally.in(arena_);
-  }
+  const Tally& tally(int measurement) const { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
   /// Places without a count are free.
   std::span<const LeftOut> left_out(int measurement) const {
-    const auto& place = plan_.measurements[static_cast<std::size_t>(measurement)].left_out;
+    const auto& place = plan_.measurements[as_size(measurement)].left_out;
     return {place.in(arena_), place.count};
   }
 
  private:
-  Tally& tally_of(int measurement) {
-    return *plan_.measurements[static_cast<std::size_t>(measurement)].tally.in(arena_);
-  }
+  Tally& tally_of(int measurement) { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
 
   const FilterPlan& plan_;
   std::byte* arena_;

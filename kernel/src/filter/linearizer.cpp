@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "filter/derived_values.hpp"
-#include "filter/fields.hpp"
 #include "filter/noise_check.hpp"
 
 namespace binnacle::filter {
@@ -21,15 +19,6 @@ int name_groups(const std::vector<ResidualGroup>& groups, int first_group, int r
   return first_group + std::max(1, static_cast<int>(groups.size()));
 }
 
-/// Of r and H: NaN if anything is not finite, else 0.
-double not_finite(const MeasurementPlan& plan, const SampleRows& rows) {
-  double sum = 0;
-  for (int i = 0; i < rows.m; ++i) sum += rows.work.r[i] * 0.0;
-  for (std::size_t c = 0; c < plan.columns.columns.size(); ++c)
-    for (int i = 0; i < rows.m; ++i) sum += rows.work.H[as_size(i) + c * as_size(rows.work.m_max)] * 0.0;
-  return sum;
-}
-
 }  // namespace
 
 Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, AuxiliaryReader& auxiliary,
@@ -39,9 +28,17 @@ Linearizer::Linearizer(const FilterPlan& plan, const std::vector<ChannelPlan>& c
       auxiliary_(auxiliary),
       workspace_(workspace),
       calls_(calls),
-      read_covariance_(plan),
       fields_(as_size(std::max(1, plan.max_fields))),
-      row_fields_(as_size(std::max(1, plan.max_row_fields))) {}
+      row_fields_(as_size(std::max(1, plan.max_row_fields))) {
+  for (const auto& measurement : plan.measurements)
+    for (const auto& part : measurement.parts) {
+      if (!part.model->declaration().needs_covariance) continue;
+      std::size_t rows = 0;
+      for (const auto& read : part.reads) rows += as_size(read.dof);
+      read_covariance_.resize(std::max(read_covariance_.size(), rows * rows));
+      first_row_.resize(std::max(first_row_.size(), part.ports.size()));
+    }
+}
 
 Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now,
                        const CovarianceForm& P, SampleRows& rows) {
@@ -60,7 +57,9 @@ Result Linearizer::run(const MeasurementPlan& measurement, const SampleView& sam
     rows.m += part_rows;
   }
   if (rows.m == 0) return Result::unsupported("no rows");
-  if (!has_finite_noise_ || not_finite(measurement, rows) != 0.0)
+  const int columns = static_cast<int>(measurement.columns.size());
+  if (!has_finite_noise_ || !is_finite(ConstVectorView(rows.work.r, rows.m)) ||
+      !is_finite(ConstMatrixView{rows.work.H, rows.m, columns, rows.work.m_max}))
     return Result::invalid("the residual, its Jacobian or its noise is not finite");
   return Result::ok();
 }
@@ -88,9 +87,8 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
   out.H = workspace_.jacobians.data();
   out.R = MatrixView{rows.R_nominal.data() + rows.m + rows.m * m_max, most, most, m_max};
   out.row_keys = {rows.keys.data() + rows.m, as_size(most)};
-  const Result result =
-      calls_.linearize(part, seen, auxiliary_.read(part.auxiliary), workspace_.values_of(part.ports),
-                       workspace_.driving(now, part.driving_rates), read_covariance_.of(part, P, workspace_), out);
+  const Result result = calls_.linearize(part, seen, auxiliary_.read(part.auxiliary), workspace_.values_of(part.ports),
+                                         workspace_.driving(now, part.driving_rates), covariance_of(part, P), out);
   if (!result) return result;
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
   part_rows = out.rows;
@@ -100,12 +98,10 @@ Result Linearizer::run_part(const PartPlan& part, const SampleView& sample, cons
         if (i >= part_rows || j >= part_rows) out.R(i, j) = 0;
   const MatrixView R{out.R.data, part_rows, part_rows, m_max};
   if (is_noise(R)) return result;
-  for (int j = 0; j < part_rows; ++j)  // what is not finite may come from the sample: that is invalid, see run()
-    for (int i = 0; i < part_rows; ++i)
-      if (!(R(i, j) * 0.0 == 0.0)) {
-        has_finite_noise_ = false;
-        return result;
-      }
+  if (!is_finite(R)) {  // it may come from the sample: that is invalid, see run()
+    has_finite_noise_ = false;
+    return result;
+  }
   throw Stop(call_text(part.type, part.pointer, "linearize", calls_.time()) + " gave " + flaw_of_noise(R));
 }
 
@@ -129,6 +125,52 @@ void Linearizer::assemble(const PartPlan& part, int part_rows, SampleRows& rows)
       }
     }
   }
+}
+
+// ---- the covariance of what a model reads
+
+/// Null where the model does not ask for it.
+PortCovariance Linearizer::covariance_of(const PartPlan& part, const CovarianceForm& form) {
+  if (!part.model->declaration().needs_covariance) return {};
+  int rows = 0;
+  std::fill_n(first_row_.begin(), part.ports.size(), -1);
+  for (const auto& read : part.reads) {
+    first_row_[as_size(read.port)] = rows;
+    rows += read.dof;
+  }
+  const MatrixView sum{read_covariance_.data(), rows, rows, rows}, P = form.view();
+  sum.as().setZero();
+  for (const auto& a : part.reads)
+    for (const auto& b : part.reads)
+      for (const auto& by_a : a.targets)
+        for (const auto& by_b : b.targets)
+          add_covariance(a, by_a, b, by_b, P,
+                         sum.block(first_row_[as_size(a.port)], first_row_[as_size(b.port)], a.dof, b.dof));
+  return {read_covariance_.data(), rows, first_row_.data()};
+}
+
+/// What P between two state blocks contributes to the covariance between two reads.
+void Linearizer::add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
+                                const PartPlan::Target& by_b, MatrixView P, MatrixView into) {
+  // C of one read, all components of the target's block counted.
+  const auto coefficient = [&](const PartPlan::Read& read, const PartPlan::Target& target, int row, int component) {
+    if (target.is_direct) return row == component ? 1.0 : 0.0;
+    return workspace_.at(target.chain)[row + component * read.dof];
+  };
+  const auto& block_a = plan_.blocks[as_size(by_a.block)];
+  const auto& block_b = plan_.blocks[as_size(by_b.block)];
+  for (int j = 0; j < b.dof; ++j)
+    for (int i = 0; i < a.dof; ++i) {
+      double sum = 0;
+      for (std::size_t k = 0; k < block_a.active.size(); ++k) {
+        const double left = coefficient(a, by_a, i, block_a.active[k]);
+        if (left == 0.0) continue;
+        for (std::size_t l = 0; l < block_b.active.size(); ++l)
+          sum += left * P(block_a.first + static_cast<int>(k), block_b.first + static_cast<int>(l)) *
+                 coefficient(b, by_b, j, block_b.active[l]);
+      }
+      into(i, j) += sum;
+    }
 }
 
 }  // namespace binnacle::filter

@@ -24,10 +24,7 @@ StepRecord LogRecords::step(Wants wants, Time t0, Time t1, const Estimator& esti
   record.t1 = t1;
   record.x0 = estimator.state();
   record.x1 = estimator.x_plus();
-  if (includes(wants, Wants::step_covariance)) {
-    record.P0 = square(P_before_);
-    record.P1 = estimator.covariance().view();
-  }
+  if (includes(wants, Wants::step_covariance)) add_covariances(record, estimator);
   if (includes(wants, Wants::transition)) {
     expand_transition(plan_.transition, estimator.workspace().phi.data(), Phi_.data());
     expand_noise(plan_.transition, estimator.workspace().noise.data(), Qd_.data());
@@ -53,7 +50,7 @@ UpdateRecord LogRecords::innovation(Wants wants, const MeasurementPlan& measurem
   if (!includes(wants, Wants::jacobian)) return record;
   record.H = {H_.data(), rows.m, plan_.n, rows.m};
   std::fill_n(H_.data(), as_size(rows.m) * as_size(plan_.n), 0.0);
-  const auto& columns = measurement.columns.columns;
+  const auto& columns = measurement.columns;
   for (std::size_t c = 0; c < columns.size(); ++c)
     std::copy_n(rows.work.H + c * as_size(rows.work.m_max), rows.m, H_.data() + as_size(columns[c] * rows.m));
   return record;
@@ -66,10 +63,7 @@ UpdateRecord LogRecords::update(Wants wants, const MeasurementPlan& measurement,
   record.delta = rows.delta.data();
   record.x0 = x_before_.data();
   record.x1 = estimator.state();
-  if (includes(wants, Wants::update_covariance)) {
-    record.P0 = square(P_before_);
-    record.P1 = estimator.covariance().view();
-  }
+  if (includes(wants, Wants::update_covariance)) add_covariances(record, estimator);
   if (includes(wants, Wants::reset) && estimator.corrector().has_reset()) {
     record.reset = square(reset_);
     estimator.corrector().expand_reset(record.reset);
@@ -85,10 +79,7 @@ InflationRecord LogRecords::inflation(Wants wants, int measurement, Time t, cons
   for (const auto& inflation : plan_.measurements[as_size(measurement)].inflations)
     variances_[as_size(inflation.row)] += inflation.variance;
   record.variances = variances_.data();
-  if (includes(wants, Wants::update_covariance)) {
-    record.P0 = square(P_before_);
-    record.P1 = estimator.covariance().view();
-  }
+  if (includes(wants, Wants::update_covariance)) add_covariances(record, estimator);
   return record;
 }
 

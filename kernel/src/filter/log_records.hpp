@@ -27,6 +27,11 @@ class LogRecords {
   InflationRecord inflation(Wants wants, int measurement, Time t, const Estimator& estimator);
 
  private:
+  template <class Record>
+  void add_covariances(Record& record, const Estimator& estimator) {
+    record.P0 = square(P_before_);
+    record.P1 = estimator.covariance().view();
+  }
   MatrixView square(std::vector<double>& matrix) const { return {matrix.data(), plan_.n, plan_.n, plan_.n}; }
 
   const FilterPlan& plan_;

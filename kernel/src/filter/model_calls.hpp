@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -20,9 +21,18 @@ struct Stop : std::runtime_error {
 };
 
 /// "12.3 s"
-std::string time_text(Time t);
+inline std::string time_text(Time t) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.9g s", seconds(t));
+  return text;
+}
 /// "plugin 'core', component 'vector' (/filters/f/blocks/x): plus at 12.3 s"
-std::string call_text(const std::string& type, const std::string& pointer, const char* call, Time t);
+inline std::string call_text(const std::string& type, const std::string& pointer, const char* call, Time t) {
+  const auto slash = type.find('/');
+  const std::string component = slash == std::string::npos ? type : type.substr(slash + 1);
+  return "plugin '" + type.substr(0, slash) + "', component '" + component + "' (" + pointer + "): " + call +
+         (t == no_time ? "" : " at " + time_text(t));
+}
 
 class ModelCalls {
  public:
@@ -42,10 +52,9 @@ class ModelCalls {
   NoteBook& note_book() { return note_book_; }
   const NoteBook& note_book() const { return note_book_; }
 
-  void start(const ProcessPlan& plan) {
-    during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
-  }
-  void start(const PartPlan& plan) {
+  /// Of a process model or a part of a measurement.
+  template <class Plan>
+  void start(const Plan& plan) {
     during(plan.type, plan.pointer, "start", [&] { plan.model->start(plan.memory.in(arena_)); });
   }
   void start_noise(const MeasurementPlan& plan) {

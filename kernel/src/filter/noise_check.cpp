@@ -10,9 +10,9 @@ namespace {
 
 constexpr double rounding = 1e-9;  // of an element, in the geometric mean of its variances
 
-bool is_symmetric(MatrixView R, int i, int j) {
+bool is_symmetric(ConstMatrixView R, int i, int j) {
   const double difference = R(i, j) - R(j, i);
-  return difference * difference <= rounding * rounding * R(i, i) * R(j, j);
+  return difference == 0 || difference * difference <= rounding * rounding * R(i, i) * R(j, j);
 }
 
 std::string element(int i, int j, double value) {
@@ -23,21 +23,16 @@ std::string element(int i, int j, double value) {
 
 }  // namespace
 
-bool is_noise(MatrixView R) {
-  double sum = 0;  // NaN if anything is not finite
-  bool is_sound = true;
+bool is_noise(ConstMatrixView R) {
   for (int j = 0; j < R.cols; ++j) {
-    is_sound = is_sound && R(j, j) >= 0;
-    sum += R(j, j) * 0.0;
-    for (int i = 0; i < j; ++i) {
-      sum += R(i, j) * 0.0;
-      is_sound = is_sound && (R(i, j) == R(j, i) || is_symmetric(R, i, j));
-    }
+    if (!(R(j, j) >= 0)) return false;
+    for (int i = 0; i < j; ++i)
+      if (!is_symmetric(R, i, j)) return false;
   }
-  return is_sound && sum == 0.0;
+  return is_finite(R);
 }
 
-std::string flaw_of_noise(MatrixView R) {
+std::string flaw_of_noise(ConstMatrixView R) {
   for (int j = 0; j < R.cols; ++j)
     for (int i = 0; i < R.rows; ++i)
       if (!std::isfinite(R(i, j))) return element(i, j, R(i, j)) + ", which is not finite";
@@ -45,7 +40,7 @@ std::string flaw_of_noise(MatrixView R) {
     if (R(i, i) < 0) return element(i, i, R(i, i)) + ", which is no variance";
   for (int j = 0; j < R.cols; ++j)
     for (int i = 0; i < j; ++i)
-      if (R(i, j) != R(j, i) && !is_symmetric(R, i, j))
+      if (!is_symmetric(R, i, j))
         return element(i, j, R(i, j)) + " but " + element(j, i, R(j, i)) + ", which is not symmetric";
   return "";
 }

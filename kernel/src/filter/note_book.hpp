@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,24 @@ class NoteBook {
   static constexpr std::size_t most = 64;
 
   NoteBook() { notes_.reserve(most); }
-  void keep(const std::string& type, const std::string& pointer, const char* call, Time t, const char* text);
-  void clear();
+  void keep(const std::string& type, const std::string& pointer, const char* call, Time t, const char* text) {
+    constexpr std::size_t longest = sizeof(KeptNote::text) - 1;
+    for (KeptNote& note : notes_)
+      if (note.pointer == &pointer && std::strncmp(note.text, text, longest) == 0) {
+        ++note.count;
+        return;
+      }
+    if (notes_.size() == most) {
+      ++left_out_;
+      return;
+    }
+    notes_.push_back({&type, &pointer, call, t, 1, {}});
+    std::strncpy(notes_.back().text, text, longest);
+  }
+  void clear() {
+    notes_.clear();
+    left_out_ = 0;
+  }
   const std::vector<KeptNote>& notes() const { return notes_; }
   std::int64_t left_out() const { return left_out_; }
 

@@ -3,6 +3,7 @@
 // everything is an index or an offset.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -31,7 +32,7 @@ struct ChannelPlan {
   int covariance_dof = 0;
 
   std::size_t doubles() const {
-    return static_cast<std::size_t>(epoch_fields + row_fields * declaration.max_rows + covariance_dof * covariance_dof);
+    return as_size(epoch_fields + row_fields * declaration.max_rows + covariance_dof * covariance_dof);
   }
 };
 
@@ -200,7 +201,7 @@ struct MeasurementPlan {
   int channel = 0;  // index in the composition's channels
   std::vector<PartPlan> parts;
   std::vector<int> derived;  // values to evaluate, in order
-  UpdateColumns columns;
+  std::vector<int> columns;  // of P, one per column of the compact H
   int max_rows = 0;
   double gate = 0;  // probability; 0: no gate
   GateUnit gate_unit = GateUnit::sample;
@@ -317,7 +318,16 @@ struct FilterPlan {
   Place<QueueEntry> queue;
   Place<double> queue_data;
 
-  int value_count() const { return static_cast<int>(blocks.size() + derived.size()); }
+  /// Of a value that models bind to, by its index.
+  bool is_block(int value) const { return value < static_cast<int>(blocks.size()); }
+  const DerivedPlan& derived_at(int value) const { return derived[as_size(value) - blocks.size()]; }
+  int dof(int value) const { return is_block(value) ? blocks[as_size(value)].dof() : derived_at(value).dof(); }
+  /// Of the largest block, at least 1.
+  int most_dof() const {
+    int most = 1;
+    for (const auto& block : blocks) most = std::max(most, block.dof());
+    return most;
+  }
 };
 
 }  // namespace binnacle::filter

@@ -6,24 +6,14 @@
 #include <cstdio>
 #include <limits>
 
-#include "filter/derived_values.hpp"
-#include "filter/fields.hpp"
+#include "filter/noise_check.hpp"
 
 namespace binnacle::filter {
 
 namespace {
 
-bool is_finite(const double* p, int count) {
-  double sum = 0;  // NaN if anything is not finite
-  for (int i = 0; i < count; ++i) sum += p[i] * 0.0;
-  return sum == 0.0;
-}
-
 int doubles_of(const Coupling& coupling, const std::vector<int>& ports, const FilterPlan& plan) {
-  const auto dof = [&](int port) {
-    const auto value = as_size(ports[as_size(port)]);
-    return value < plan.blocks.size() ? plan.blocks[value].dof() : plan.derived[value - plan.blocks.size()].dof();
-  };
+  const auto dof = [&](int port) { return plan.dof(ports[as_size(port)]); };
   return coupling.structure == Structure::diagonal ? dof(coupling.to) : dof(coupling.to) * dof(coupling.from);
 }
 
@@ -37,11 +27,9 @@ Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Auxiliar
       workspace_(workspace),
       calls_(calls),
       x_plus_(as_size(plan.stored_size)),
+      delta_(as_size(plan.most_dof())),
       samples_(as_size(plan.samples_per_step)),
       fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.max_fields))) {
-  std::size_t dof = 1;
-  for (const auto& block : plan.blocks) dof = std::max(dof, as_size(block.dof()));
-  delta_.resize(dof);
   for (const auto& block : plan.blocks)
     if (block.holds_frozen) held_.push_back(&block);
   for (std::size_t p = 0; p < plan.processes.size(); ++p) {
@@ -49,8 +37,8 @@ Propagator::Propagator(const FilterPlan& plan, const CovarianceForm& P, Auxiliar
     auto& [inputs, outputs] = ports_.emplace_back();
     for (const int value : process.ports) {
       inputs.push_back(value < 0 ? nullptr : workspace.value(value));
-      const bool is_advanced = value >= 0 && value < static_cast<int>(plan.blocks.size()) &&
-                               plan.blocks[as_size(value)].process == static_cast<int>(p);
+      const bool is_advanced =
+          value >= 0 && plan.is_block(value) && plan.blocks[as_size(value)].process == static_cast<int>(p);
       outputs.push_back(is_advanced ? x_plus_.data() + plan.blocks[as_size(value)].stored_offset : nullptr);
     }
     const auto& noise = process.model->declaration().noise;
@@ -118,8 +106,8 @@ void Propagator::linearize(std::size_t index) {
   calls_.linearized(process, ports_[index].inputs.data(), auxiliary_.read(process.auxiliary), out);
   const auto& transition = process.model->declaration().transition;
   for (std::size_t k = 0; k < transition.size(); ++k)
-    if (!is_finite(workspace_.phi[as_size(process.first_transition) + k],
-                   doubles_of(transition[k], process.ports, plan_)))
+    if (!is_finite(ConstVectorView(workspace_.phi[as_size(process.first_transition) + k],
+                                   doubles_of(transition[k], process.ports, plan_))))
       throw Stop(call_text(process.type, process.pointer, "linearized", calls_.time()) + " gave F(" +
                  plan_.blocks[as_size(process.ports[as_size(transition[k].to)])].name + "), which is not finite");
 }
@@ -157,18 +145,18 @@ std::string Propagator::culprit(Time t1) const {
       return call_text(process.type, process.pointer, "propagate", t1) + " gave " + what + ", which is not finite";
     };
     const auto name = [&](int port) {
-      const auto value = as_size(process.ports[as_size(port)]);
-      return value < plan_.blocks.size() ? plan_.blocks[value].name : plan_.derived[value - plan_.blocks.size()].name;
+      const int value = process.ports[as_size(port)];
+      return plan_.is_block(value) ? plan_.blocks[as_size(value)].name : plan_.derived_at(value).name;
     };
     const auto find = [&](const std::vector<Coupling>& couplings, const double* const* table, const char* matrix) {
       for (std::size_t k = 0; k < couplings.size(); ++k)
-        if (!is_finite(table[k], doubles_of(couplings[k], process.ports, plan_)))
+        if (!is_finite(ConstVectorView(table[k], doubles_of(couplings[k], process.ports, plan_))))
           return blame(std::string(matrix) + "(" + name(couplings[k].to) + ", " + name(couplings[k].from) + ")");
       return std::string();
     };
     for (const auto& block : plan_.blocks)
       if (&plan_.processes[as_size(block.process)] == &process &&
-          !is_finite(x_plus_.data() + block.stored_offset, block.declaration().stored_size))
+          !is_finite(ConstVectorView(x_plus_).segment(block.stored_offset, block.declaration().stored_size)))
         return blame("'" + block.name + "'");
     const auto& declared = process.model->declaration();
     std::string found = find(declared.transition, workspace_.phi.data() + process.first_transition, "Phi");
@@ -195,14 +183,11 @@ void spread(const std::vector<VanLoanGroup::Block>& blocks, const std::vector<do
   }
 }
 
-void collect(const std::vector<VanLoanGroup::Block>& blocks, const double* matrix, std::size_t n,
+void collect(const std::vector<VanLoanGroup::Block>& blocks, const double* matrix, int n,
              const std::vector<double*>& table) {
-  for (const auto& block : blocks) {
-    double* to = table[as_size(block.table)];
-    for (int j = 0; j < block.columns; ++j)
-      for (int i = 0; i < block.rows; ++i)
-        to[i + j * block.rows] = matrix[as_size(block.row + i) + as_size(block.column + j) * n];
-  }
+  for (const auto& block : blocks)
+    matrix_at(table[as_size(block.table)], block.rows, block.columns) =
+        matrix_at(matrix, n, n).block(block.row, block.column, block.rows, block.columns);
 }
 
 }  // namespace
@@ -225,24 +210,21 @@ void Propagator::discretize_group(const VanLoanGroup& group, double dt) {
     }
   }
   discretize(F, Q, group.columns, dt, Phi, Qd, Qd + n * n);
-  collect(group.phi, Phi, n, workspace_.phi);
-  collect(group.qd, Qd, n, workspace_.noise);
+  collect(group.phi, Phi, group.columns, workspace_.phi);
+  collect(group.qd, Qd, group.columns, workspace_.noise);
   advance_group(group, Phi);
 }
 
 /// x⁺ = Φ x.
 void Propagator::advance_group(const VanLoanGroup& group, const double* Phi) {
-  const auto n = as_size(group.columns);
+  const auto columns = matrix_at(Phi, group.columns, group.columns);
   for (const auto& part : group.advanced) {
-    double* out = x_plus_.data() + plan_.blocks[as_size(part.value)].stored_offset;
-    std::fill_n(out, part.dof, 0.0);
+    auto out = vector_at(x_plus_.data() + plan_.blocks[as_size(part.value)].stored_offset, part.dof);
+    out.setZero();
     for (const auto* inputs : {&group.advanced, &group.read})
-      for (const auto& input : *inputs) {
-        const double* in = workspace_.value(input.value);
+      for (const auto& input : *inputs)
         for (int j = 0; j < input.dof; ++j)
-          for (int i = 0; i < part.dof; ++i)
-            out[i] += Phi[as_size(part.first + i) + as_size(input.first + j) * n] * in[j];
-      }
+          out += columns.col(input.first + j).segment(part.first, part.dof) * workspace_.value(input.value)[j];
   }
 }
 
@@ -250,7 +232,7 @@ void Propagator::advance_group(const VanLoanGroup& group, const double* Phi) {
 double Propagator::gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof) {
   const bool is_diagonal = term.structure == Structure::diagonal;
   if (term.derived < 0) return is_diagonal ? (row == column ? block[row] : 0.0) : block[row + column * dof];
-  const int inner = plan_.derived[as_size(term.derived) - plan_.blocks.size()].dof();
+  const int inner = plan_.derived_at(term.derived).dof();
   const double* chain = workspace_.at(term.chain) + column * inner;
   if (is_diagonal) return block[row] * chain[row];
   double value = 0;

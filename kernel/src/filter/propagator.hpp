@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "filter/auxiliary.hpp"
 #include "filter/covariance_form.hpp"
+#include "filter/fields.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/workspace.hpp"
 
@@ -58,9 +58,9 @@ class Propagator {
   Workspace& workspace_;
   ModelCalls& calls_;
   std::vector<double> x_plus_;
+  std::vector<double> delta_;         // of one block
   std::vector<InputSample> samples_;  // as a model sees them
   std::vector<double> fields_;        // theirs, converted
-  std::vector<double> delta_;         // of one block
   std::vector<Ports> ports_;          // per process
   std::vector<Diagonal> diagonals_;
   std::vector<const BlockPlan*> held_;  // with frozen components that do not move

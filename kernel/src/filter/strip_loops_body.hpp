@@ -156,27 +156,21 @@ inline void gain_columns(int n, int m, const UpdateWork& work) {
   const int ld = padded(n);
   const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
   const auto L = [&](int i, int j) { return work.L[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
+  const auto substitute = [&](int j, int first, int end) {
+    double* k = column(work.K, j);
+    for (int l = first; l < end; ++l) {
+      const double* kl = column(work.K, l);
+      const double a = l < j ? L(j, l) : L(l, j);
+      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
+    }
+    const double inverse = 1 / L(j, j);
+    for (int i = 0; i < ld; ++i) k[i] *= inverse;
+  };
   for (int j = 0; j < m; ++j) {
-    double* k = column(work.K, j);
-    __builtin_memcpy(k, column(work.G, j), static_cast<std::size_t>(ld) * sizeof(double));
-    for (int l = 0; l < j; ++l) {
-      const double* kl = column(work.K, l);
-      const double a = L(j, l);
-      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
-    }
-    const double inverse = 1 / L(j, j);
-    for (int i = 0; i < ld; ++i) k[i] *= inverse;
+    __builtin_memcpy(column(work.K, j), column(work.G, j), static_cast<std::size_t>(ld) * sizeof(double));
+    substitute(j, 0, j);
   }
-  for (int j = m - 1; j >= 0; --j) {
-    double* k = column(work.K, j);
-    for (int l = j + 1; l < m; ++l) {
-      const double* kl = column(work.K, l);
-      const double a = L(l, j);
-      for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
-    }
-    const double inverse = 1 / L(j, j);
-    for (int i = 0; i < ld; ++i) k[i] *= inverse;
-  }
+  for (int j = m - 1; j >= 0; --j) substitute(j, j + 1, m);
 }
 
 /// P + K Uᵀ + U Kᵀ with U = ½ K S − G.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "filter/fields.hpp"
 #include "filter/model_calls.hpp"
 
 namespace binnacle::filter {
@@ -78,17 +79,12 @@ void TimeLine::bridge(Time until, const SampleView& sample) {
   for (int i = 0; i < plan_.input_fields; ++i)
     rates_only = rates_only && plan_.input_kinds[as_size(i)] != FieldKind::increment;
   const double hole = seconds(until - h.input_end);
-  if (rates_only) {
-    add_pending(h.input_end, until, h.input_end, hole, sample.fields, true);
-  } else if (h.driving_rates_known) {
-    double* fields = sample_fields_.data();
-    for (int i = 0; i < plan_.input_fields; ++i)
-      fields[i] =
-          plan_.driving_rates.in(arena_)[i] * (plan_.input_kinds[as_size(i)] == FieldKind::increment ? hole : 1.0);
-    add_pending(h.input_end, until, h.input_end, hole, fields, true);
-  } else {
+  if (!rates_only && !h.driving_rates_known)
     throw Stop("the first input sample after the start has no interval, so its increments have no rate");
-  }
+  for (int i = 0; i < plan_.input_fields && !rates_only; ++i)
+    sample_fields_[as_size(i)] =
+        plan_.driving_rates.in(arena_)[i] * (plan_.input_kinds[as_size(i)] == FieldKind::increment ? hole : 1.0);
+  add_pending(h.input_end, until, h.input_end, hole, rates_only ? sample.fields : sample_fields_.data(), true);
   drain_queue(until);
   if (h.pending > 0) step_pending(h.pending);
 }
@@ -154,56 +150,36 @@ void TimeLine::enqueue(int measurement, const SampleView& sample) {
   queue[at] =
       QueueEntry{sample.t, sample.t0, h.sequence++, measurement, sample.rows, sample.covariance != nullptr, slot};
   ++h.queued;
-  const auto& channel = channels_[as_size(plan_.measurements[as_size(measurement)].channel)];
-  double* data = plan_.queue_data.in(arena_) + as_size(slot) * plan_.queue_doubles;
-  data = std::copy_n(sample.fields, channel.epoch_fields, data);
-  if (channel.row_fields > 0) std::copy_n(sample.row_fields, channel.row_fields * sample.rows, data);
-  data += channel.row_fields * channel.declaration.max_rows;
-  if (sample.covariance) std::copy_n(sample.covariance, channel.covariance_dof * channel.covariance_dof, data);
+  pack(channels_[as_size(plan_.measurements[as_size(measurement)].channel)], sample,
+       plan_.queue_data.in(arena_) + as_size(slot) * plan_.queue_doubles);
   work_.wait();
 }
 
-SampleView TimeLine::queued_sample(const QueueEntry& entry) const {
-  const auto& channel = channels_[as_size(plan_.measurements[as_size(entry.measurement)].channel)];
-  const double* data = plan_.queue_data.in(arena_) + as_size(entry.slot) * plan_.queue_doubles;
-  SampleView sample;
-  sample.t = entry.t;
-  sample.t0 = entry.t0;
-  sample.rows = entry.rows;
-  sample.fields = data;
-  sample.row_fields = data + channel.epoch_fields;
-  if (entry.has_covariance)
-    sample.covariance = data + channel.epoch_fields + channel.row_fields * channel.declaration.max_rows;
-  sample.available = true;
-  return sample;
-}
-
-void TimeLine::pop() {
+QueueEntry TimeLine::take() {
   auto& h = head();
   QueueEntry* queue = plan_.queue.in(arena_);
-  const std::int32_t slot = queue[0].slot;
+  const QueueEntry entry = queue[0];
   std::copy(queue + 1, queue + h.queued, queue);
   --h.queued;
-  queue[h.queued].slot = slot;
+  queue[h.queued].slot = entry.slot;
+  work_.resume(entry.measurement, entry.t);
+  return entry;
 }
 
 void TimeLine::drain_queue(Time until) {
   const QueueEntry* queue = plan_.queue.in(arena_);
   while (head().queued > 0 && queue[0].t <= until) {
-    const QueueEntry entry = queue[0];
-    pop();
-    work_.resume(entry.measurement, entry.t);
+    const QueueEntry entry = take();
     advance_to(entry.t);
-    work_.measure(entry.measurement, queued_sample(entry));
+    const auto& channel = channels_[as_size(plan_.measurements[as_size(entry.measurement)].channel)];
+    const double* data = plan_.queue_data.in(arena_) + as_size(entry.slot) * plan_.queue_doubles;
+    work_.measure(entry.measurement, unpack(channel, data, entry.t, entry.t0, entry.rows, entry.has_covariance != 0));
   }
 }
 
 void TimeLine::flush(Outcome outcome, const char* reason) {
-  const QueueEntry* queue = plan_.queue.in(arena_);
   while (head().queued > 0) {
-    const QueueEntry entry = queue[0];
-    pop();
-    work_.resume(entry.measurement, entry.t);
+    take();
     work_.refuse(outcome, reason);
   }
 }

@@ -60,8 +60,8 @@ class TimeLine {
   void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
   void enqueue(int measurement, const SampleView& sample);
   void drain_queue(Time until);
-  SampleView queued_sample(const QueueEntry& entry) const;
-  void pop();
+  /// The first of the queue, which leaves it.
+  QueueEntry take();
   void advance_to(Time t);
   void step_pending(int whole);
   void step_fragment(Time t1);

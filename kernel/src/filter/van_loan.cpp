@@ -4,28 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "filter/layout.hpp"
+
 namespace binnacle::filter {
 namespace {
 
-inline std::size_t at(int i, int j, int n) {
-  return static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(n);
-}
+inline std::size_t at(int i, int j, int n) { return as_size(i) + as_size(j) * as_size(n); }
 
+/// C = A B, or A Bᵀ.
+template <bool is_transposed = false>
 void multiply(const double* A, const double* B, int n, double* C) {
   std::fill_n(C, at(0, n, n), 0.0);
   for (int j = 0; j < n; ++j)
     for (int k = 0; k < n; ++k) {
-      const double b = B[at(k, j, n)];
-      if (b == 0) continue;
-      for (int i = 0; i < n; ++i) C[at(i, j, n)] += A[at(i, k, n)] * b;
-    }
-}
-
-void multiply_transposed(const double* A, const double* B, int n, double* C) {
-  std::fill_n(C, at(0, n, n), 0.0);
-  for (int j = 0; j < n; ++j)
-    for (int k = 0; k < n; ++k) {
-      const double b = B[at(j, k, n)];
+      const double b = is_transposed ? B[at(j, k, n)] : B[at(k, j, n)];
       if (b == 0) continue;
       for (int i = 0; i < n; ++i) C[at(i, j, n)] += A[at(i, k, n)] * b;
     }
@@ -67,12 +59,12 @@ void discretize(const double* F, const double* Q, int n, double dt, double* Phi,
     multiply(F, term, n, scratch);
     for (std::size_t i = 0; i < size; ++i) Phi[i] += term[i] = scratch[i] * (h / k);
     multiply(F, noise, n, scratch);
-    multiply_transposed(noise, F, n, other);
+    multiply<true>(noise, F, n, other);
     for (std::size_t i = 0; i < size; ++i) Qd[i] += noise[i] = (scratch[i] + other[i]) * (h / (k + 1));
   }
   for (int d = 0; d < doublings; ++d) {
     multiply(Phi, Qd, n, scratch);
-    multiply_transposed(scratch, Phi, n, other);
+    multiply<true>(scratch, Phi, n, other);
     for (std::size_t i = 0; i < size; ++i) Qd[i] += other[i];
     multiply(Phi, Phi, n, scratch);
     std::copy_n(scratch, size, Phi);
