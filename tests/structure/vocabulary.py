@@ -1,15 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The vocabulary of the project: vocabulary.py [--prune] ROOT
+"""The vocabulary of the project: vocabulary.py ROOT
 
-Reports every word that TABLE excludes, as `path:line: word: say …`; exit status 1 if there is one. Files that
-vocabulary_todo.txt lists for a word are still to be rewritten, and are counted only. --prune takes out of that list what is done.
+Reports every word that TABLE excludes, as `path:line: word: say …`; exit status 1 if there is one.
 """
 import re
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
 SUFFIXES = {".cpp", ".hpp", ".inc", ".py", ".js", ".html", ".md", ".json", ".txt", ".cmake", ".in", ".sh", ".awk", ""}
 # Places whose words are others', or old ones on purpose.
 LEFT_OUT = re.compile(
@@ -81,29 +79,10 @@ def offences(root):
 
 
 def main():
-    arguments = sys.argv[1:]
-    prune = "--prune" in arguments
-    root = Path([a for a in arguments if a != "--prune"][0])
-    list_path = HERE / "vocabulary_todo.txt"
-    lines = list_path.read_text(encoding="utf-8").splitlines() if list_path.exists() else []
-    head = [line for line in lines if line.startswith("#")]
-    todo = {tuple(line.split(": ", 1)) for line in lines if line and not line.startswith("#")}
-
-    found = list(offences(root))
-    left = {(word, name) for word, name, _, _ in found}
-    if prune:
-        kept = sorted(f"{word}: {name}" for word, name in todo & left)
-        list_path.write_text("\n".join(head + kept) + "\n", encoding="utf-8")
-        return 0
-    new = [(word, name, number, instead) for word, name, number, instead in found if (word, name) not in todo]
-    for word, name, number, instead in new:
+    found = list(offences(Path(sys.argv[1])))
+    for word, name, number, instead in found:
         print(f"{name}:{number}: {word}: say {instead}")
-    pending = [word for word, name, _, _ in found if (word, name) in todo]
-    print(f"{len(new)} new, {len(pending)} in {len(todo & left)} places of vocabulary_todo.txt")
-    done = sorted(todo - left)
-    if done and root.joinpath("tests/structure/vocabulary_todo.txt").exists():
-        print(f"{len(done)} lines of vocabulary_todo.txt are done: tests/structure/vocabulary.py --prune .")
-    return 1 if new else 0
+    return 1 if found else 0
 
 
 sys.exit(main())
