@@ -5,6 +5,7 @@
 #include "../../sdk/conform/allocations.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 #include "skip.hpp"
 
 using binnacle::conform::allocations;
@@ -101,10 +102,7 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
 
 TEST_CASE("a gate by key allocates nothing, with outliers to find and without") {
   if (!are_counted()) return;
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  Session filter(Composition::parse(R"({"binnacle": 1,
+  Session filter = filter_tests::session_of(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "max_rows": 8, "fields": {
       "key": {"unit": "1", "per_row": true}, "z": {"unit": "1", "per_row": true},
       "slope": {"unit": "1", "per_row": true}, "variance": {"unit": "1", "per_row": true}}}},
@@ -112,8 +110,7 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
       "blocks": {"x": {"type": "vector", "size": 2, "unit": "1", "sigma": 10}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"channel": "z", "gate": {"probability": 0.999, "by": "key"},
-        "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})",
-                                    "test.json", options));
+        "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})");
   const auto channel = filter.channel("z");
   double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1},
                        {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};

@@ -7,23 +7,20 @@
 
 #include "binnacle/composition.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 
 using namespace binnacle;
 
 namespace {
 
 std::shared_ptr<const Composition> composed(const std::string& parameters) {
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Composition::parse(R"({"binnacle": 1,
+  return filter_tests::composition_of(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
       "process": {"p": {"type": "breaking", "blocks": {"x": "x"})" +
-                                parameters + R"(}},
-      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})",
-                            "test.json", options);
+                                      parameters + R"(}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,15 @@ namespace filter_tests {
 
 using namespace binnacle;
 
-inline Session session_of(const std::string& text) {
+/// Of a config and one plugin that is built for these tests.
+inline std::shared_ptr<const Composition> composition_of(const std::string& text, const char* plugin = PROBE_PLUGIN) {
   LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
+  options.sets = {"/plugins=[]", std::string("/plugins/-=") + plugin};
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Session(Composition::parse(text, "test.json", options));
+  return Composition::parse(text, "test.json", options);
 }
+
+inline Session session_of(const std::string& text) { return Session(composition_of(text)); }
 
 inline void push(Session& filter, const char* channel, double t, std::vector<double> fields) {
   filter.push(filter.channel(channel), no_time, nanoseconds(t), fields);

@@ -13,6 +13,7 @@
 #include "binnacle/run.hpp"
 #include "binnacle/session.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 
 using namespace binnacle;
 
@@ -27,17 +28,13 @@ const std::string pushed = R"(
 
 /// x is carried by the channels that `inputs` names, and seen as it is and through a derived block.
 std::shared_ptr<const Composition> carried(const std::string& inputs, const std::string& sources = pushed) {
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Composition::parse(R"({"binnacle": 1, "sources": {)" + sources + R"(},
+  return filter_tests::composition_of(R"({"binnacle": 1, "sources": {)" + sources + R"(},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
       "derived": {"again": {"type": "watchful", "blocks": {"x": "x"}}},
       "process": {"go": {"type": "carried", "input": "speed", "blocks": {"x": "x"})" +
-                                inputs + R"(}},
-      "measurements": {"see": {"type": "wary", "channel": "z", "blocks": {"x": "again"}}}}}})",
-                            "test.json", options);
+                                      inputs + R"(}},
+      "measurements": {"see": {"type": "wary", "channel": "z", "blocks": {"x": "again"}}}}}})");
 }
 
 const std::string by_wind = R"(, "inputs": {"wind": "wind"})";

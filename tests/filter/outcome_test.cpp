@@ -9,16 +9,14 @@
 
 #include "binnacle/session.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 
 using namespace binnacle;
 
 namespace {
 
 std::shared_ptr<const Composition> composition_of(const std::string& text) {
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" FICKLE_PLUGIN};
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  return Composition::parse(text, "test.json", options);
+  return filter_tests::composition_of(text, FICKLE_PLUGIN);
 }
 
 struct Faults {

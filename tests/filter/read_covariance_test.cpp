@@ -6,6 +6,7 @@
 
 #include "binnacle/session.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 
 using namespace binnacle;
 
@@ -36,10 +37,7 @@ class KeepResidual : public StepObserver {
 
 /// P between a and b two seconds after the start, column by column. Nothing is learnt on the way: H is zero.
 std::vector<double> covariance(const std::string& a, const std::string& b) {
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  Session session(Composition::parse(knowing(a, b), "test.json", options));
+  Session session = filter_tests::session_of(knowing(a, b));
   KeepResidual kept;
   session.attach(session.filter("f"), &kept);
   const double z[] = {0};

@@ -10,6 +10,7 @@
 
 #include "binnacle/session.hpp"
 #include "catch.hpp"
+#include "line.hpp"
 
 using namespace binnacle;
 
@@ -180,10 +181,7 @@ void drive(Session& session) {
 }  // namespace
 
 TEST_CASE("a dense replay from the start and the step log alone gives every P") {
-  LoadOptions options;
-  options.sets = {"/plugins=[]", "/plugins/-=" PROBE_PLUGIN};
-  ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  const auto composition = Composition::parse(config, "test.json", options);
+  const auto composition = filter_tests::composition_of(config);
   Session session(composition);
   Replay replay(composition->filters()[0]);
   session.attach(FilterId{0}, &replay);
