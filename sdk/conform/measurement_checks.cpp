@@ -15,33 +15,33 @@ struct Subject {
   std::vector<std::byte> memory;
 };
 
-void jacobian(Trial& trial) {
+/// check(subject, ports, sample, nominal) of states and samples drawn anew, until it complains. A model that refuses one is
+/// not tried.
+template <class Check>
+void on_samples(Trial& trial, int repeats, std::uint64_t stream, Check&& check) {
   const Subject subject(trial);
-  for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
-    auto random = trial.random(600 + static_cast<std::uint64_t>(repeat));
+  for (int repeat = 0; repeat < trial.repeats(repeats); ++repeat) {
+    auto random = trial.random(stream + static_cast<std::uint64_t>(repeat));
     const PortStates ports = subject.measurement.ports(random, 0.1);
     const SampleNumbers sample = subject.measurement.sample(ports, random);
     const auto nominal = subject.measurement.call(ports, sample, subject.memory);
     if (!nominal.result) Trial::skip(std::string("it refuses what it should see: ") + nominal.result.reason);
-    if (nominal.residual.size() == 0) Trial::skip("it takes no row of what it should see");
-    if (!trial.expect_none(testing::check_measurement(subject.measurement.caller, subject.measurement.given(sample),
-                                                      ports, subject.memory, {1e-3, 1e-6, testing::step_sweep})))
-      return;
+    if (!trial.expect_none(check(subject, ports, sample, nominal))) return;
   }
 }
 
+void jacobian(Trial& trial) {
+  on_samples(trial, 3, 600, [](const Subject& subject, const auto& ports, const auto& sample, const auto& nominal) {
+    if (nominal.residual.size() == 0) Trial::skip("it takes no row of what it should see");
+    return testing::check_measurement(subject.measurement.caller, subject.measurement.given(sample), ports,
+                                      subject.memory, {1e-3, 1e-6, testing::step_sweep});
+  });
+}
+
 void value(Trial& trial) {
-  const Subject subject(trial);
-  for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
-    auto random = trial.random(500 + static_cast<std::uint64_t>(repeat));
-    const PortStates ports = subject.measurement.ports(random, 0.1);
-    const SampleNumbers sample = subject.measurement.sample(ports, random);
-    const auto nominal = subject.measurement.call(ports, sample, subject.memory);
-    if (!nominal.result) Trial::skip(std::string("it refuses what it should see: ") + nominal.result.reason);
-    if (!trial.expect_none(testing::check_values(subject.measurement.caller, subject.measurement.given(sample), ports,
-                                                 subject.memory)))
-      return;
-  }
+  on_samples(trial, 5, 500, [](const Subject& subject, const auto& ports, const auto& sample, const auto&) {
+    return testing::check_values(subject.measurement.caller, subject.measurement.given(sample), ports, subject.memory);
+  });
 }
 
 void covariance(Trial& trial) {
