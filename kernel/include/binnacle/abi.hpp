@@ -78,21 +78,16 @@ enum Sanitizer : std::uint32_t { address_sanitizer = 1, thread_sanitizer = 2, me
 
 namespace detail {
 
+/// Its start, if it is longer; the rest of `to` is zero.
 template <std::size_t N>
-consteval void copy_text(char (&to)[N], const char* from) {
-  std::size_t i = 0;
-  for (; from[i] != '\0'; ++i) {
-    if (i + 1 >= N) throw "this text is too long for the guard";
-    to[i] = from[i];
-  }
-  for (; i < N; ++i) to[i] = '\0';
+consteval void copy_start(char (&to)[N], const char* from) {
+  for (std::size_t i = 0; i + 1 < N && from[i] != '\0'; ++i) to[i] = from[i];
 }
 
 template <std::size_t N>
-consteval void copy_start(char (&to)[N], const char* from) {
-  std::size_t i = 0;
-  for (; i + 1 < N && from[i] != '\0'; ++i) to[i] = from[i];
-  for (; i < N; ++i) to[i] = '\0';
+consteval void copy_text(char (&to)[N], const char* from) {
+  if (std::char_traits<char>::length(from) >= N) throw "this text is too long for the guard";
+  copy_start(to, from);
 }
 
 consteval std::uint32_t sanitizer_bits() {

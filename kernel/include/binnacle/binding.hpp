@@ -73,12 +73,12 @@ class Binding {
   const std::vector<PortBinding>& ports() const noexcept { return ports_; }
   /// Handle of a port; throws std::logic_error for a name that the spec does not declare, as do all that follow.
   Port port(std::string_view name) const {
-    const int index = port_index(name);
-    const PortBinding& block = ports_[static_cast<std::size_t>(index)];
-    return block.bound ? Port(index, block.dof, block.stored_size) : Port(index, 0, 0);
+    const std::size_t i = index_of(ports_, "port", name);
+    return ports_[i].bound ? Port(static_cast<int>(i), ports_[i].dof, ports_[i].stored_size)
+                           : Port(static_cast<int>(i), 0, 0);
   }
   /// What is plugged in: kind and names of its components.
-  const PortBinding& block(std::string_view name) const { return ports_[static_cast<std::size_t>(port_index(name))]; }
+  const PortBinding& block(std::string_view name) const { return ports_[index_of(ports_, "port", name)]; }
 
   /// Handle of a field with one value per sample (ComponentSpec::fields).
   Field field(std::string_view name) const { return epoch_field(spec().fields, 0, name); }
@@ -96,23 +96,18 @@ class Binding {
     return {{field(input, std::string_view(names))...}};
   }
   /// Handle of a field with one value per row.
-  RowField row_field(std::string_view name) const { return per_row_field(spec().fields, 0, name); }
+  RowField row_field(std::string_view name) const { return find(spec().fields, 0, name, true); }
   RowField row_field(Input input, std::string_view name) const {
-    return per_row_field(fields_of(input), first_field_of(input), name);
+    return find(fields_of(input), first_field_of(input), name, true);
   }
   /// Handle of a channel of ComponentSpec::inputs.
   Input input(std::string_view name) const {
-    const auto& inputs = spec().inputs;
-    for (std::size_t i = 0; i < inputs.size(); ++i)
-      if (inputs[i].name == name) return Input(static_cast<int>(i), i < inputs_bound_.size() && inputs_bound_[i]);
-    throw std::logic_error("input '" + std::string(name) + "' is not declared in the spec");
+    const std::size_t i = index_of(spec().inputs, "input", name);
+    return Input(static_cast<int>(i), i < inputs_bound_.size() && inputs_bound_[i]);
   }
   /// Handle of a driving rate (ComponentSpec::driving_rates).
   DrivingRate driving_rate(std::string_view name) const {
-    const auto& rates = spec().driving_rates;
-    for (std::size_t i = 0; i < rates.size(); ++i)
-      if (rates[i].name == name) return DrivingRate(static_cast<int>(i), has_driving_rates_);
-    throw std::logic_error("driving rate '" + std::string(name) + "' is not declared in the spec");
+    return DrivingRate(static_cast<int>(index_of(spec().driving_rates, "driving rate", name)), has_driving_rates_);
   }
   template <class... Names>
   DrivingRateVector<static_cast<int>(sizeof...(Names))> driving_rates(const Names&... names) const {
@@ -138,10 +133,11 @@ class Binding {
   }
 
  private:
-  int port_index(std::string_view name) const {
-    for (std::size_t i = 0; i < ports_.size(); ++i)
-      if (ports_[i].name == name) return static_cast<int>(i);
-    throw std::logic_error("port '" + std::string(name) + "' is not declared in the spec");
+  template <class Named>
+  static std::size_t index_of(const std::vector<Named>& all, const char* what, std::string_view name) {
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all[i].name == name) return i;
+    throw std::logic_error(std::string(what) + " '" + std::string(name) + "' is not declared in the spec");
   }
   const ComponentSpec& spec() const {
     if (!spec_) throw std::logic_error("this binding knows no spec");
@@ -156,27 +152,25 @@ class Binding {
     for (int i = 0; i < input.index(); ++i) first += spec().inputs[static_cast<std::size_t>(i)].fields.size();
     return first;
   }
-  bool is_field_bound(std::size_t i) const { return i < fields_bound_.size() && fields_bound_[i]; }
-  Field epoch_field(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name) const {
-    int index = 0;
-    for (std::size_t i = 0; i < declared.size(); ++i) {
-      if (declared[i].is_per_row) continue;
-      if (declared[i].name == name) return Field(index, is_field_bound(first + i));
-      ++index;
-    }
-    throw std::logic_error("field '" + std::string(name) + "' is not declared in the spec as one value per sample");
-  }
-  RowField per_row_field(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name) const {
+  /// Among the declared fields that are per row, or those that are not; `first`: the place of the first in fields_bound_.
+  RowField find(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name,
+                bool is_per_row) const {
     int index = -1, width = 0;
     bool is_there = false;
     for (std::size_t i = 0; i < declared.size(); ++i) {
-      if (!declared[i].is_per_row) continue;
-      if (declared[i].name == name) index = width, is_there = is_field_bound(first + i);
+      if (declared[i].is_per_row != is_per_row) continue;
+      if (declared[i].name == name)
+        index = width, is_there = first + i < fields_bound_.size() && fields_bound_[first + i];
       ++width;
     }
     if (index < 0)
-      throw std::logic_error("field '" + std::string(name) + "' is not declared in the spec as one value per row");
+      throw std::logic_error("field '" + std::string(name) + "' is not declared in the spec as one value per " +
+                             (is_per_row ? "row" : "sample"));
     return RowField(index, width, is_there);
+  }
+  Field epoch_field(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name) const {
+    const RowField found = find(declared, first, name, false);
+    return Field(found.index(), found.is_bound());
   }
 
   std::string name_;

@@ -17,12 +17,10 @@ namespace binnacle {
 /// What a bound derived block yields and reads:
 ///
 ///     declaration_.yields_like(binding.block("position")).reads(position_).reads(attitude_).reads(lever_arm_);
-struct DerivedDeclaration {
+struct DerivedDeclaration : PortReader<DerivedDeclaration> {
   std::string kind;  // of what it yields: "position"
   int stored_size = 0;
   std::vector<NamedUnit> error;  // error components, those of the kind
-  std::vector<int> read_ports;   // ports with a Jacobian block, by index in the spec's order; only bound ones
-  Differentiation differentiation = Differentiation::by_hand;
 
   int dof() const noexcept { return static_cast<int>(error.size()); }
 
@@ -35,17 +33,6 @@ struct DerivedDeclaration {
   /// A value of the same kind as this block.
   DerivedDeclaration& yields_like(const PortBinding& block) {
     return yields(block.kind, block.stored_size, block.components);
-  }
-  /// J has a block with respect to this port. An open port is ignored.
-  DerivedDeclaration& reads(Port port) {
-    if (port.is_bound()) read_ports.push_back(port.index());
-    return *this;
-  }
-
-  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
-  DerivedDeclaration& differentiated_by(Differentiation how) {
-    differentiation = how;
-    return *this;
   }
 };
 

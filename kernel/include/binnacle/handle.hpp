@@ -2,12 +2,64 @@
 // Handles: what a component asked for by name when it was bound, as an index for the loop.
 #pragma once
 
+#include <Eigen/Core>
+
 #include <array>
 #include <cstddef>
 #include <span>
 #include <type_traits>
 
 namespace binnacle {
+
+/// What a component asked for by name when it was bound: where it is, in the order of the spec, and whether it is there.
+template <class Of>
+class Handle {
+ public:
+  constexpr Handle() = default;
+  constexpr Handle(int index, bool is_bound) noexcept : index_(index), is_bound_(is_bound) {}
+
+  /// False: an optional one that is left out.
+  constexpr bool is_bound() const noexcept { return is_bound_; }
+  constexpr int index() const noexcept { return index_; }
+  friend constexpr bool operator==(const Handle&, const Handle&) = default;
+
+ private:
+  int index_ = 0;
+  bool is_bound_ = false;
+};
+/// A field with one value per sample, from Binding::field(): `in.sample[field]`. Unbound it reads as NaN. The index counts
+/// the per-epoch fields.
+using Field = Handle<struct OfField>;
+/// A mean rate of the filter's driving input, from Binding::driving_rate(): `in.u.rates[rate]`. Where one is unbound,
+/// `in.u.rates` is always null.
+using DrivingRate = Handle<struct OfDrivingRate>;
+/// A channel that the component subscribes to (ComponentSpec::inputs), from Binding::input(): `in.auxiliary[input]`.
+using Input = Handle<struct OfInput>;
+
+/// Several of a kind that are read as one vector: `in.sample[fields]` is an Eigen::Matrix<double, N, 1>.
+template <class Handle, int N>
+struct Several {
+  std::array<Handle, static_cast<std::size_t>(N)> each;
+
+  constexpr const Handle& operator[](int i) const noexcept { return each[static_cast<std::size_t>(i)]; }
+  /// Whether all of them are.
+  constexpr bool is_bound() const noexcept {
+    for (const Handle& handle : each)
+      if (!handle.is_bound()) return false;
+    return true;
+  }
+  /// `numbers[each]`, as a vector.
+  template <class Numbers>
+  Eigen::Matrix<double, N, 1> of(const Numbers& numbers) const {
+    Eigen::Matrix<double, N, 1> v;
+    for (int i = 0; i < N; ++i) v[i] = numbers[(*this)[i]];
+    return v;
+  }
+};
+template <int N>
+using Fields = Several<Field, N>;
+template <int N>
+using DrivingRateVector = Several<DrivingRate, N>;
 
 /// A port of this component, from Binding::port(). `in.x[port]`, `out.H[port]`, `in.P(port, other)`.
 class Port {
@@ -31,22 +83,6 @@ class Port {
   int stored_size_ = 0;
 };
 
-/// A field with one value per sample, from Binding::field(): `in.sample[field]`.
-class Field {
- public:
-  constexpr Field() = default;
-  constexpr Field(int index, bool is_bound) noexcept : index_(index), is_bound_(is_bound) {}
-
-  /// False: an optional field that the channel lacks; it reads as NaN.
-  constexpr bool is_bound() const noexcept { return is_bound_; }
-  /// Among the per-epoch fields, in the order of the spec.
-  constexpr int index() const noexcept { return index_; }
-
- private:
-  int index_ = 0;
-  bool is_bound_ = false;
-};
-
 /// A field with one value per row, from Binding::row_field(): `in.sample(row, field)`.
 class RowField {
  public:
@@ -66,65 +102,24 @@ class RowField {
   bool is_bound_ = false;
 };
 
-/// A mean rate of the filter's driving input, from Binding::driving_rate(): `in.u.rates[rate]`.
-class DrivingRate {
+/// Something that a component declared that it emits, in the order of the declaration.
+template <class Of>
+class OutputHandle {
  public:
-  constexpr DrivingRate() = default;
-  constexpr DrivingRate(int index, bool is_bound) noexcept : index_(index), is_bound_(is_bound) {}
-
-  /// False: an optional one that the driving input lacks; then `in.u.rates` is always null.
-  constexpr bool is_bound() const noexcept { return is_bound_; }
+  constexpr OutputHandle() = default;
+  constexpr explicit OutputHandle(int index) noexcept : index_(index) {}
   constexpr int index() const noexcept { return index_; }
-
- private:
-  int index_ = 0;
-  bool is_bound_ = false;
-};
-
-/// Several of a kind that are read as one vector: `in.sample[fields]` is an Eigen::Matrix<double, N, 1>.
-template <class Handle, int N>
-struct Several {
-  std::array<Handle, static_cast<std::size_t>(N)> each;
-
-  constexpr const Handle& operator[](int i) const noexcept { return each[static_cast<std::size_t>(i)]; }
-  /// Whether all of them are.
-  constexpr bool is_bound() const noexcept {
-    for (const Handle& handle : each)
-      if (!handle.is_bound()) return false;
-    return true;
-  }
-};
-template <int N>
-using Fields = Several<Field, N>;
-template <int N>
-using DrivingRateVector = Several<DrivingRate, N>;
-
-/// A channel that the component subscribes to (ComponentSpec::inputs), from Binding::input(): `in.auxiliary[input]`.
-class Input {
- public:
-  constexpr Input() = default;
-  constexpr Input(int index, bool is_bound) noexcept : index_(index), is_bound_(is_bound) {}
-
-  constexpr bool is_bound() const noexcept { return is_bound_; }
-  constexpr int index() const noexcept { return index_; }
-  friend constexpr bool operator==(const Input&, const Input&) = default;
-
- private:
-  int index_ = -1;
-  bool is_bound_ = false;
-};
-
-/// A field of a channel that is emitted, with one value per sample, from ChannelDeclaration::carries(): `out[field] = …`.
-class OutputField {
- public:
-  constexpr OutputField() = default;
-  constexpr explicit OutputField(int index) noexcept : index_(index) {}
-  /// Among the per-epoch fields, in the order of the declaration.
-  constexpr int index() const noexcept { return index_; }
+  friend constexpr bool operator==(const OutputHandle&, const OutputHandle&) = default;
 
  private:
   int index_ = 0;
 };
+/// A field with one value per sample, from ChannelDeclaration::carries(): `out[field] = …`.
+using OutputField = OutputHandle<struct OfOutputField>;
+/// A field with one value per row, from ChannelDeclaration::carries_per_row(): `out(row, field) = …`.
+using OutputRowField = OutputHandle<struct OfOutputRowField>;
+/// A channel of a source or transform, from its declaration's emits().
+using OutputChannel = OutputHandle<struct OfOutputChannel>;
 
 /// N of them that were declared together: `out[fields] = v` for an Eigen vector.
 template <int N>
@@ -137,29 +132,6 @@ class OutputFields {
 
  private:
   int first_ = 0;
-};
-
-/// A field with one value per row, from ChannelDeclaration::carries_per_row(): `out(row, field) = …`.
-class OutputRowField {
- public:
-  constexpr OutputRowField() = default;
-  constexpr explicit OutputRowField(int index) noexcept : index_(index) {}
-  constexpr int index() const noexcept { return index_; }
-
- private:
-  int index_ = 0;
-};
-
-/// A channel that a source or transform emits on, from its declaration's emits().
-class OutputChannel {
- public:
-  constexpr OutputChannel() = default;
-  constexpr explicit OutputChannel(int index) noexcept : index_(index) {}
-  constexpr int index() const noexcept { return index_; }
-  friend constexpr bool operator==(const OutputChannel&, const OutputChannel&) = default;
-
- private:
-  int index_ = 0;
 };
 
 /// A T that the kernel keeps for this component, from the declaration's keeps<T>(): `in.memory[handle]` is a T&.

@@ -12,7 +12,6 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
-#include "binnacle/memory.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/sample.hpp"
@@ -48,21 +47,14 @@ inline ResidualGroup like(std::string name, std::string unit) { return {std::mov
 /// What a bound measurement model will do at most:
 ///
 ///     declaration_.rows(3).reads(velocity_).reads(lever_arm_).group(rows::of("velocity", velocity_));
-struct MeasurementDeclaration : MemoryDeclaration {
+struct MeasurementDeclaration : MemoryDeclaration, PortReader<MeasurementDeclaration> {
   int max_rows = 0;
-  std::vector<int> read_ports;  // ports with a Jacobian block, by index in the spec's order; only bound ones
   std::vector<ResidualGroup> groups;
   bool needs_covariance = false;
-  Differentiation differentiation = Differentiation::by_hand;
 
   /// The largest number of rows.
   MeasurementDeclaration& rows(int most) {
     max_rows = most;
-    return *this;
-  }
-  /// H has a block with respect to this port. An open port is ignored.
-  MeasurementDeclaration& reads(Port port) {
-    if (port.is_bound()) read_ports.push_back(port.index());
     return *this;
   }
   /// The next rows, those of the groups before it first.
@@ -78,12 +70,6 @@ struct MeasurementDeclaration : MemoryDeclaration {
   /// MeasurementInput::P is there, for the ports that are read.
   MeasurementDeclaration& wants_covariance() {
     needs_covariance = true;
-    return *this;
-  }
-
-  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
-  MeasurementDeclaration& differentiated_by(Differentiation how) {
-    differentiation = how;
     return *this;
   }
 };
@@ -107,27 +93,11 @@ struct MeasurementOutput {
   std::span<std::int64_t> row_keys{};  // who a row is (a satellite), max_rows; 0…max_rows−1 on entry
 };
 
-/// Relates a sample to blocks. Immutable; never throws, never allocates, touches only what it is handed.
-///
-/// The constructor takes its handles from the Binding and fills `declaration_`.
-class MeasurementModel {
+/// Relates a sample to blocks.
+class MeasurementModel : public DeclaredModel<MeasurementDeclaration> {
  public:
-  virtual ~MeasurementModel() = default;
-
-  virtual const MeasurementDeclaration& declaration() const noexcept { return declaration_; }
-  /// Memory at the start of a run.
-  void start(MemoryView memory) const {
-    declaration().write_initial(memory.data());
-    initialise(memory);
-  }
   /// Residual, R and, where out.H is wanted, H: without it residual and R are the same to the bit.
   virtual Result linearize(const MeasurementInput& in, MeasurementOutput& out) const = 0;
-
- protected:
-  /// For memory whose first value depends on a parameter.
-  virtual void initialise(const MemoryView& /*memory*/) const {}
-
-  MeasurementDeclaration declaration_;
 };
 
 }  // namespace binnacle

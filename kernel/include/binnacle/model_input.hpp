@@ -77,9 +77,7 @@ class DrivingRates {
   }
   template <int N>
   Eigen::Matrix<double, N, 1> operator[](const Several<DrivingRate, N>& rates) const noexcept {
-    Eigen::Matrix<double, N, 1> v;
-    for (int i = 0; i < N; ++i) v[i] = (*this)[rates[i]];
-    return v;
+    return rates.of(*this);
   }
   const double* data() const noexcept { return values_; }
 
@@ -91,8 +89,7 @@ class DrivingRates {
 struct Driving {
   Time t = no_time;  // of the state
   DrivingRates rates;
-  bool bridges =
-      false;  // the last driving interval bridged a hole in the input: its rates are those held over the hole
+  bool bridges = false;  // the last driving interval bridged a hole in the input: its rates are held over the hole
 };
 
 /// The latest samples of the auxiliary channels: `auxiliary[input]`. Ask `available` first: a channel may have emitted
@@ -103,7 +100,7 @@ class AuxiliarySamples {
   constexpr AuxiliarySamples(const SampleView* by_input) noexcept : by_input_(by_input) {}
 
   const SampleView& operator[](Input input) const noexcept {
-    assert(by_input_ && input.index() >= 0);
+    assert(by_input_);
     return by_input_[input.index()];
   }
   const SampleView* pointers() const noexcept { return by_input_; }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
-#include "binnacle/memory.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
 
@@ -58,29 +58,13 @@ struct AfterUpdate {
 };
 
 /// Replaces the nominal R by an estimate. Its memory is rolled back when the sample is gated, unless the config says
-/// `learn_from_gated`. Immutable; never throws, never allocates, touches only what it is handed.
-///
-/// The constructor, from (const Binding&, const NoiseBinding&), fills `declaration_`.
-class NoiseEstimator {
+/// `learn_from_gated`. Its constructor takes (const Binding&, const NoiseBinding&).
+class NoiseEstimator : public DeclaredModel<NoiseDeclaration> {
  public:
-  virtual ~NoiseEstimator() = default;
-
-  virtual const NoiseDeclaration& declaration() const noexcept { return declaration_; }
-  /// Memory at the start of a run.
-  void start(MemoryView memory) const {
-    declaration().write_initial(memory.data());
-    initialise(memory);
-  }
   /// Writes R (rows × rows, symmetric, positive semidefinite); it holds R_nominal on entry.
   virtual void estimate(const Innovation& in, MatrixView R) const = 0;
   /// After the update, where the declaration wants_after().
   virtual void after(const AfterUpdate& /*in*/) const {}
-
- protected:
-  /// For memory whose first value depends on a parameter.
-  virtual void initialise(const MemoryView& /*memory*/) const {}
-
-  NoiseDeclaration declaration_;
 };
 
 }  // namespace binnacle

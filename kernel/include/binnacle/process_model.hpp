@@ -10,7 +10,6 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
-#include "binnacle/memory.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/time.hpp"
@@ -131,12 +130,11 @@ class BlockTable {
 ///
 /// A (to, to) block that is not listed is the identity, an off-diagonal block that is not listed is zero, and neither
 /// costs anything: a random constant lists nothing.
-struct ProcessDeclaration : MemoryDeclaration {
+struct ProcessDeclaration : MemoryDeclaration, Differentiable<ProcessDeclaration> {
   std::vector<Coupling> transition;
   std::vector<Coupling> noise;       // between advanced ports, one of (a, b) and (b, a) at most; the kernel mirrors it
   bool has_closed_form = true;       // propagate() is implemented
   bool has_continuous_form = false;  // linearized() is implemented: a linear model
-  Differentiation differentiation = Differentiation::by_hand;
 
   /// Φ has a block with the rows of `to`, which is advanced, and the columns of `from`. Of an open port: nothing.
   PhiBlock couples(Port to, Port from, Structure structure = Structure::dense) {
@@ -156,12 +154,6 @@ struct ProcessDeclaration : MemoryDeclaration {
   ProcessDeclaration& only_continuous() {
     has_closed_form = false;
     has_continuous_form = true;
-    return *this;
-  }
-
-  /// Where its Jacobians come from, when not from a pencil (jacobian.hpp).
-  ProcessDeclaration& differentiated_by(Differentiation how) {
-    differentiation = how;
     return *this;
   }
 
@@ -191,9 +183,7 @@ struct InputSample {
   double operator[](Field field) const noexcept { return fields[field.index()]; }
   template <int N>
   Eigen::Matrix<double, N, 1> operator[](const Several<Field, N>& several) const noexcept {
-    Eigen::Matrix<double, N, 1> v;
-    for (int i = 0; i < N; ++i) v[i] = (*this)[several[i]];
-    return v;
+    return several.of(*this);
   }
 };
 
@@ -238,19 +228,9 @@ struct ContinuousOutput {
 
 /// Moves the blocks on its advanced ports; reads others. Every block of a filter is advanced by exactly one model.
 ///
-/// All models of a filter see the a-priori x(t0), never each other's result. The model is immutable after its
-/// constructor, which takes its handles from the Binding and fills `declaration_`: what it must remember lies in memory.
-/// Never throws, never allocates. dt ≥ 0; dt = 0 gives x⁺ = x, Φ = I, Qd = 0.
-class ProcessModel {
+/// All models of a filter see the a-priori x(t0), never each other's result. dt ≥ 0; dt = 0 gives x⁺ = x, Φ = I, Qd = 0.
+class ProcessModel : public DeclaredModel<ProcessDeclaration> {
  public:
-  virtual ~ProcessModel() = default;
-
-  virtual const ProcessDeclaration& declaration() const noexcept { return declaration_; }
-  /// Memory at the start of a run.
-  void start(MemoryView memory) const {
-    declaration().write_initial(memory.data());
-    initialise(memory);
-  }
   /// Writes x⁺, Φ and Qd. `failed` stops the filter.
   virtual Result propagate(const ProcessInput& /*in*/, ProcessOutput& /*out*/) const {
     return Result::failed("this model has no closed form");
@@ -259,12 +239,6 @@ class ProcessModel {
   /// coupled to through a port, so that the cross terms of Qd are right. Stored value and error must be the same
   /// vector (x⁺ = Φ x).
   virtual void linearized(const ContinuousInput& /*in*/, ContinuousOutput& /*out*/) const {}
-
- protected:
-  /// For memory whose first value depends on a parameter.
-  virtual void initialise(const MemoryView& /*memory*/) const {}
-
-  ProcessDeclaration declaration_;
 };
 
 }  // namespace binnacle

@@ -89,9 +89,7 @@ struct SampleView {
   }
   template <int N>
   Eigen::Matrix<double, N, 1> operator[](const Several<Field, N>& several) const noexcept {
-    Eigen::Matrix<double, N, 1> v;
-    for (int i = 0; i < N; ++i) v[i] = (*this)[several[i]];
-    return v;
+    return several.of(*this);
   }
   double operator()(int row, RowField field) const noexcept {
     assert(row_fields && row >= 0 && row < rows);

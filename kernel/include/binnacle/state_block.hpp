@@ -24,21 +24,11 @@ struct Output {
   std::string text;          // one line, with the frame
 
   Output&& shown_in(std::string unit_of_tables) && {
-    display_unit = std::move(unit_of_tables);
-    return std::move(*this);
+    return spec_detail::with(*this, &Output::display_unit, std::move(unit_of_tables));
   }
-  Output&& angle() && {
-    is_angle = true;
-    return std::move(*this);
-  }
-  Output&& unscored() && {
-    is_scored = false;
-    return std::move(*this);
-  }
-  Output&& about(std::string line) && {
-    text = std::move(line);
-    return std::move(*this);
-  }
+  Output&& angle() && { return spec_detail::with(*this, &Output::is_angle, true); }
+  Output&& unscored() && { return spec_detail::with(*this, &Output::is_scored, false); }
+  Output&& about(std::string line) && { return spec_detail::with(*this, &Output::text, std::move(line)); }
 };
 
 inline Output output(std::string name, std::string unit) {
