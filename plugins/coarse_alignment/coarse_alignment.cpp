@@ -82,8 +82,92 @@ struct State {
   }
 };
 
-ComponentSpec CoarseAlignment::spec() {
+namespace {
+
+/// Where the heading comes from.
+std::vector<ParameterSpec> heading_parameters() {
   using namespace parameter;
+  return {choice("heading", {"given", "course", "gyrocompass"})
+              .required()
+              .about("where the heading comes from: the parameter yaw; the direction of the GNSS velocity, the vehicle "
+                     "moving forward along its x axis; the earth rate, for gyros far better than 15 deg/h"),
+          number("yaw", "rad").about("heading of the x axis at the first rest, for \"given\""),
+          number("sigma_heading", "rad")
+              .at_least(0)
+              .defaults("\"1 deg\"")
+              .about("1-sigma of the given yaw, or between course and x axis"),
+          number("latitude", "rad")
+              .at_least(-M_PI / 2)
+              .at_most(M_PI / 2)
+              .about("for the earth rate; default: from gnss where it carries lat")};
+}
+
+/// What counts as rest.
+std::vector<ParameterSpec> rest_parameters() {
+  using namespace parameter;
+  return {
+      time("duration")
+          .above(0)
+          .defaults("\"2 s\"")
+          .about("rest that is averaged; an eighth more of it passes before it counts"),
+      number("max_specific_force_sd", "m/s^2")
+          .above(0)
+          .defaults("0.15")
+          .about("at rest: scatter of a sample, per axis"),
+      number("max_rate_sd", "rad/s").above(0).defaults("\"0.5 deg/s\"").about("at rest: scatter of a sample, per axis"),
+      number("max_rate", "rad/s").above(0).defaults("\"3 deg/s\"").about("at rest: mean rate, gyro bias included"),
+      number("max_gravity_error", "m/s^2")
+          .above(0)
+          .defaults("0.5")
+          .about("at rest: difference between the length of the mean specific force and 9.80665"),
+      number("max_speed", "m/s").above(0).defaults("0.3").about("at rest: a faster GNSS velocity means motion")};
+}
+
+/// When the course is taken, and how long an attitude is carried on.
+std::vector<ParameterSpec> course_parameters() {
+  using namespace parameter;
+  return {number("min_speed", "m/s").above(0).defaults("3").about("least horizontal speed for a course"),
+          number("max_turn_rate", "rad/s").above(0).defaults("\"10 deg/s\"").about("largest turn rate for a course"),
+          number("slip_lever_arm", "m")
+              .formerly("slip_arm")
+              .at_least(0)
+              .defaults("1.5")
+              .about("1-sigma distance from the antenna to the point that does not slip sideways; "
+                     "times turn rate / speed it is an "
+                     "error of the course"),
+          number("velocity_sd", "m/s")
+              .above(0)
+              .about("1-sigma of the GNSS velocity, per axis; default: as the channel reports it, else 0.2"),
+          time("max_coast")
+              .above(0)
+              .defaults("\"120 s\"")
+              .about("longest time that the attitude is carried on by the gyros after a rest"),
+          time("every").above(0).about("emit again at this pace, coasting between rests; default: once")};
+}
+
+/// Errors of the IMU.
+std::vector<ParameterSpec> error_parameters() {
+  using namespace parameter;
+  return {number("accelerometer_bias", "m/s^2")
+              .at_least(0)
+              .defaults("\"10 mg\"")
+              .about("1-sigma per axis; gives the tilt's"),
+          number("gyro_bias", "rad/s")
+              .at_least(0)
+              .about("1-sigma per axis; gives the gyrocompassed heading's and is required for it"),
+          number("gyro_drift", "rad/s")
+              .at_least(0)
+              .defaults("\"0.01 deg/s\"")
+              .about("1-sigma per axis by which the bias differs later from the mean at rest"),
+          number("gyro_misalignment", "1")
+              .at_least(0)
+              .defaults("0.005")
+              .about("1-sigma of scale and cross-axis errors; times the angle turned while coasting")};
+}
+
+}  // namespace
+
+ComponentSpec CoarseAlignment::spec() {
   ComponentSpec spec;
   spec.type = "coarse_alignment";
   spec.summary = "first attitude of an IMU: levelled at rest, heading given, from the course, or gyrocompassed";
@@ -104,78 +188,8 @@ ComponentSpec CoarseAlignment::spec() {
              field::level("velocity_sd_e", "m/s").optional().about("standard deviation of ve")})
           .optional()
           .about("velocity: for the course, and to know that the vehicle is at rest")};
-  spec.parameters.push_back(
-      choice("heading", {"given", "course", "gyrocompass"})
-          .required()
-          .about("where the heading comes from: the parameter yaw; the direction of the GNSS velocity, the vehicle "
-                 "moving forward along its x axis; the earth rate, for gyros far better than 15 deg/h"));
-  spec.parameters.push_back(number("yaw", "rad").about("heading of the x axis at the first rest, for \"given\""));
-  spec.parameters.push_back(number("sigma_heading", "rad")
-                                .at_least(0)
-                                .defaults("\"1 deg\"")
-                                .about("1-sigma of the given yaw, or between course and x axis"));
-  spec.parameters.push_back(number("latitude", "rad")
-                                .at_least(-M_PI / 2)
-                                .at_most(M_PI / 2)
-                                .about("for the earth rate; default: from gnss where it carries lat"));
-  spec.parameters.push_back(time("duration")
-                                .above(0)
-                                .defaults("\"2 s\"")
-                                .about("rest that is averaged; an eighth more of it passes before it counts"));
-  spec.parameters.push_back(number("max_specific_force_sd", "m/s^2")
-                                .above(0)
-                                .defaults("0.15")
-                                .about("at rest: scatter of a sample, per axis"));
-  spec.parameters.push_back(number("max_rate_sd", "rad/s")
-                                .above(0)
-                                .defaults("\"0.5 deg/s\"")
-                                .about("at rest: scatter of a sample, per axis"));
-  spec.parameters.push_back(
-      number("max_rate", "rad/s").above(0).defaults("\"3 deg/s\"").about("at rest: mean rate, gyro bias included"));
-  spec.parameters.push_back(
-      number("max_gravity_error", "m/s^2")
-          .above(0)
-          .defaults("0.5")
-          .about("at rest: difference between the length of the mean specific force and 9.80665"));
-  spec.parameters.push_back(
-      number("max_speed", "m/s").above(0).defaults("0.3").about("at rest: a faster GNSS velocity means motion"));
-  spec.parameters.push_back(
-      number("min_speed", "m/s").above(0).defaults("3").about("least horizontal speed for a course"));
-  spec.parameters.push_back(
-      number("max_turn_rate", "rad/s").above(0).defaults("\"10 deg/s\"").about("largest turn rate for a course"));
-  spec.parameters.push_back(number("slip_lever_arm", "m")
-                                .formerly("slip_arm")
-                                .at_least(0)
-                                .defaults("1.5")
-                                .about("1-sigma distance from the antenna to the point that does not slip sideways; "
-                                       "times turn rate / speed it is an "
-                                       "error of the course"));
-  spec.parameters.push_back(
-      number("velocity_sd", "m/s")
-          .above(0)
-          .about("1-sigma of the GNSS velocity, per axis; default: as the channel reports it, else 0.2"));
-  spec.parameters.push_back(time("max_coast")
-                                .above(0)
-                                .defaults("\"120 s\"")
-                                .about("longest time that the attitude is carried on by the gyros after a rest"));
-  spec.parameters.push_back(
-      time("every").above(0).about("emit again at this pace, coasting between rests; default: once"));
-  spec.parameters.push_back(number("accelerometer_bias", "m/s^2")
-                                .at_least(0)
-                                .defaults("\"10 mg\"")
-                                .about("1-sigma per axis; gives the tilt's"));
-  spec.parameters.push_back(number("gyro_bias", "rad/s")
-                                .at_least(0)
-                                .about("1-sigma per axis; gives the gyrocompassed heading's and is required for it"));
-  spec.parameters.push_back(number("gyro_drift", "rad/s")
-                                .at_least(0)
-                                .defaults("\"0.01 deg/s\"")
-                                .about("1-sigma per axis by which the bias differs later from the mean at rest"));
-  spec.parameters.push_back(
-      number("gyro_misalignment", "1")
-          .at_least(0)
-          .defaults("0.005")
-          .about("1-sigma of scale and cross-axis errors; times the angle turned while coasting"));
+  for (const auto& group : {heading_parameters(), rest_parameters(), course_parameters(), error_parameters()})
+    spec.parameters.insert(spec.parameters.end(), group.begin(), group.end());
   spec.example = R"({
   "inputs": { "imu": "imu", "gnss": "gnss" },
   "heading": "course",

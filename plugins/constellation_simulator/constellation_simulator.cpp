@@ -25,32 +25,10 @@ FieldSpec level(const char* name, const char* unit, const char* text, bool optio
   return {name, unit, FieldKind::level, optional, false, text};
 }
 
-}  // namespace
-
-/// Plain memory in the arena. Every satellite's deviates are drawn at every epoch, seen or not, so masks and cuts change no
-/// other figure.
-struct ConstellationSimulator::Memory {
-  Time last;                                       // epoch; no_time: none yet
-  double clock_bias, clock_drift;                  // m, m/s
-  std::array<double, most_satellites> range_bias;  // m
-  random::Philox clock_stream, bias_stream, noise_stream, rate_stream;
-};
-
-struct ConstellationSimulator::Antenna {
-  Vector3d r_e, v_e;
-  Eigen::Matrix3d C_en;
-  std::optional<Vector3d> up_e;  // of the body, where its attitude is known
-};
-
-ComponentSpec ConstellationSimulator::spec() {
+/// All but the constellation's.
+std::vector<ParameterSpec> receiver_parameters() {
   using namespace parameter;
-  ComponentSpec spec;
-  spec.type = "constellation_simulator";
-  spec.summary = "Pseudoranges and range rates of a receiver on a simulated vehicle, and the satellites' ephemerides.";
-  spec.source =
-      "paper 003, section 5.1, equations (5) and (7); IS-GPS-200 20.3.3.4.3; Brown and Hwang, 3rd ed., section 11.2";
-  spec.parameters = constellation_parameters();
-  const std::vector<ParameterSpec> own = {
+  return {
       time("every").above(0).defaults("\"1 s\"").about("between epochs; the first is the first sample of the input"),
       number("elevation_mask", "rad")
           .at_least(-1.5)
@@ -103,6 +81,45 @@ ComponentSpec ConstellationSimulator::spec() {
       list("clock_jumps", object("jump", {time("at").required().about("instant"),
                                           number("jump", "s").required().about("added to the receiver's clock")}))
           .about("resets of the receiver's clock")};
+}
+
+}  // namespace
+
+/// Plain memory in the arena. Every satellite's deviates are drawn at every epoch, seen or not, so masks and cuts change no
+/// other figure.
+struct ConstellationSimulator::Memory {
+  Time last;                                       // epoch; no_time: none yet
+  double clock_bias, clock_drift;                  // m, m/s
+  std::array<double, most_satellites> range_bias;  // m
+  random::Philox clock_stream, bias_stream, noise_stream, rate_stream;
+};
+
+struct ConstellationSimulator::Antenna {
+  Vector3d r_e, v_e;
+  Eigen::Matrix3d C_en;
+  std::optional<Vector3d> up_e;  // of the body, where its attitude is known
+};
+
+/// What the receiver measures of one satellite.
+struct ConstellationSimulator::Row {
+  gnss::SatelliteKey satellite;
+  double pseudorange, rate, sine;  // of its elevation
+};
+
+/// The rows of an epoch, at first none.
+struct ConstellationSimulator::Rows {
+  std::array<Row, most_satellites> all;
+  int count = 0;
+};
+
+ComponentSpec ConstellationSimulator::spec() {
+  ComponentSpec spec;
+  spec.type = "constellation_simulator";
+  spec.summary = "Pseudoranges and range rates of a receiver on a simulated vehicle, and the satellites' ephemerides.";
+  spec.source =
+      "paper 003, section 5.1, equations (5) and (7); IS-GPS-200 20.3.3.4.3; Brown and Hwang, 3rd ed., section 11.2";
+  spec.parameters = constellation_parameters();
+  const std::vector<ParameterSpec> own = receiver_parameters();
   spec.parameters.insert(spec.parameters.end(), own.begin(), own.end());
   spec.inputs = {{"truth",
                   {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"),
@@ -245,6 +262,46 @@ bool ConstellationSimulator::is_visible(const Antenna& antenna, const Vector3d& 
   return !antenna.up_e || antenna.up_e->dot(direction) >= min_sin_antenna_;
 }
 
+void ConstellationSimulator::measure(const Antenna& antenna, Time t, Memory& memory, Rows& rows) const {
+  for (std::size_t i = 0; i < constellation_.size(); ++i) {
+    const gnss::Ephemeris& satellite = constellation_[i];
+    const double noise = noise_ * random::normal(memory.noise_stream),
+                 rate_noise = rate_noise_ * random::normal(memory.rate_stream);
+    double range =
+        0.08 * gnss::speed_of_light;  // label less this over c: when it was sent; converges by 1e-5 each time
+    gnss::SatelliteState state;
+    gnss::SignalPath path;
+    for (int k = 0; k < 4; ++k) {
+      double back = range / gnss::speed_of_light;
+      back += gnss::satellite_clock(satellite, t, back);
+      state = gnss::satellite_state(satellite, t, back);
+      path = gnss::signal_path(state.position, antenna.r_e, has_rotation_);
+      range = path.range + memory.clock_bias - gnss::speed_of_light * state.clock;
+    }
+    if (!is_visible(antenna, path.direction)) continue;
+    const double rate = gnss::range_rate(path, state.velocity, antenna.v_e, has_rotation_).rate;
+    Row& row = rows.all[static_cast<std::size_t>(rows.count++)];
+    row = {satellite.satellite, range + memory.range_bias[i] + noise,
+           rate + memory.clock_drift - gnss::speed_of_light * state.clock_drift + rate_noise,
+           -antenna.C_en.col(2).dot(path.direction)};
+    for (const Fault& fault : faults_)
+      if (fault.satellite == satellite.satellite && fault.span.contains(t)) {
+        row.pseudorange += fault.range;
+        row.rate += fault.rate;
+      }
+  }
+}
+
+void ConstellationSimulator::apply(const Cut& cut, Rows& rows) {
+  for (; rows.count > cut.satellites; --rows.count) {
+    const auto end = rows.all.begin() + rows.count;
+    const auto by_height = [](const Row& a, const Row& b) { return a.sine < b.sine; };
+    const auto lost = cut.keeps_lowest ? std::max_element(rows.all.begin(), end, by_height)
+                                       : std::min_element(rows.all.begin(), end, by_height);
+    std::move(lost + 1, end, lost);
+  }
+}
+
 void ConstellationSimulator::on(const TransformInput& in, Emitter& emitter) const {
   Memory& memory = in.memory[memory_];
   const SampleView& sample = in.sample;
@@ -262,60 +319,22 @@ void ConstellationSimulator::on(const TransformInput& in, Emitter& emitter) cons
     antenna.up_e =
         -(antenna.C_en * strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(roll_pitch_yaw)).col(2));
 
-  struct Row {
-    gnss::SatelliteKey satellite;
-    double pseudorange, rate, sine;
-  };
-  std::array<Row, most_satellites> rows;
-  int count = 0;
-  for (std::size_t i = 0; i < constellation_.size(); ++i) {
-    const gnss::Ephemeris& satellite = constellation_[i];
-    const double noise = noise_ * random::normal(memory.noise_stream),
-                 rate_noise = rate_noise_ * random::normal(memory.rate_stream);
-    double range =
-        0.08 * gnss::speed_of_light;  // the label less this over c is when it was sent; converges by 1e-5 each time
-    gnss::SatelliteState state;
-    gnss::SignalPath path;
-    for (int k = 0; k < 4; ++k) {
-      double back = range / gnss::speed_of_light;
-      back += gnss::satellite_clock(satellite, sample.t, back);
-      state = gnss::satellite_state(satellite, sample.t, back);
-      path = gnss::signal_path(state.position, antenna.r_e, has_rotation_);
-      range = path.range + memory.clock_bias - gnss::speed_of_light * state.clock;
-    }
-    if (!is_visible(antenna, path.direction)) continue;
-    const double rate = gnss::range_rate(path, state.velocity, antenna.v_e, has_rotation_).rate;
-    Row& row = rows[static_cast<std::size_t>(count++)];
-    row = {satellite.satellite, range + memory.range_bias[i] + noise,
-           rate + memory.clock_drift - gnss::speed_of_light * state.clock_drift + rate_noise,
-           -antenna.C_en.col(2).dot(path.direction)};
-    for (const Fault& fault : faults_)
-      if (fault.satellite == satellite.satellite && fault.span.contains(sample.t)) {
-        row.pseudorange += fault.range;
-        row.rate += fault.rate;
-      }
-  }
-  if (const Cut* const cut = cut_at(sample.t))
-    for (; count > cut->satellites; --count) {
-      const auto end = rows.begin() + count;
-      const auto by_height = [](const Row& a, const Row& b) { return a.sine < b.sine; };
-      const auto lost = cut->keeps_lowest ? std::max_element(rows.begin(), end, by_height)
-                                          : std::min_element(rows.begin(), end, by_height);
-      std::move(lost + 1, end, lost);
-    }
+  Rows rows;
+  measure(antenna, sample.t, memory, rows);
+  if (const Cut* const cut = cut_at(sample.t)) apply(*cut, rows);
 
   SampleWriter& clock = emitter.on(truth_);
   clock.t = sample.t;
   clock[clock_bias_field_] = memory.clock_bias;
   clock[clock_drift_field_] = memory.clock_drift;
-  clock[seen_field_] = count;
+  clock[seen_field_] = rows.count;
   emitter.emit(truth_);
-  if (count == 0) return;
+  if (rows.count == 0) return;
   SampleWriter& out = emitter.on(observations_);
   out.t = sample.t;
-  out.rows = count;
-  for (int i = 0; i < count; ++i) {
-    const Row& seen = rows[static_cast<std::size_t>(i)];
+  out.rows = rows.count;
+  for (int i = 0; i < rows.count; ++i) {
+    const Row& seen = rows.all[static_cast<std::size_t>(i)];
     out(i, satellite_) = static_cast<double>(seen.satellite);
     out(i, pseudorange_) = seen.pseudorange;
     out(i, range_rate_) = seen.rate;

@@ -26,6 +26,8 @@ class ConstellationSimulator final : public Transform {
  private:
   struct Memory;
   struct Antenna;
+  struct Row;
+  struct Rows;
   struct Span {
     Time from, to;
     bool contains(Time t) const { return t >= from && t <= to; }
@@ -52,6 +54,9 @@ class ConstellationSimulator final : public Transform {
   void emit_ephemerides(Time t, Emitter& emitter) const;
   const Cut* cut_at(Time t) const;
   bool is_visible(const Antenna& antenna, const Eigen::Vector3d& to_satellite) const;
+  /// Adds a row for each satellite that is seen.
+  void measure(const Antenna& antenna, Time t, Memory& memory, Rows& rows) const;
+  static void apply(const Cut& cut, Rows& rows);
 
   std::vector<gnss::Ephemeris> constellation_;
   Time every_;

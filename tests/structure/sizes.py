@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How long functions and files are, in the project's own C++, Python and JavaScript.
 
-sizes.py ROOT                what is longer than a function or a file may be and not in ROOT/tests/structure/too_long.txt,
-                             and what stands there though it is not too long any more; exit status 1 if there is one
-sizes.py ROOT --list         everything too long, one line each, as too_long.txt has it
+sizes.py ROOT                what is longer than a function or a file may be; exit status 1 if there is one
 sizes.py ROOT --kernel MOST  the kernel's lines of .hpp and .cpp against the most that it may have
 
 A function is counted from the first line of its head to its last brace, a lambda with the function that it stands in.
@@ -146,14 +144,6 @@ def too_long(root):
     return found
 
 
-def allowed_in(root):
-    path = root / "tests" / "structure" / "too_long.txt"
-    if not path.exists():
-        return set()
-    lines = (line.split("#")[0].strip() for line in path.read_text(encoding="utf-8").splitlines())
-    return {line for line in lines if line}
-
-
 def kernel_lines(root):
     files = [path for path in (root / "kernel").rglob("*") if path.suffix in {".hpp", ".cpp"} and path.name not in HELPERS]
     return sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
@@ -166,15 +156,9 @@ def main(arguments):
         print(f"kernel: {count} lines of .hpp and .cpp; it may have {most}")
         return 0 if 0 < count <= most else 1
     found = too_long(root)
-    if arguments[1:2] == ["--list"]:
-        for entry, count in found.items():
-            print(f"{entry}  # {count}")
-        return 0
-    allowed = allowed_in(root)
-    wrong = [f"{entry}: {count} lines" for entry, count in found.items() if entry not in allowed]
-    wrong += [f"tests/structure/too_long.txt: {entry} is not too long any more" for entry in sorted(allowed - set(found))]
-    print("\n".join(wrong))
-    return 1 if wrong else 0
+    for entry, count in found.items():
+        print(f"{entry}: {count} lines")
+    return 1 if found else 0
 
 
 if __name__ == "__main__":
