@@ -76,10 +76,10 @@ std::string summary(const Verdict& verdict, const Options& options, bool strict,
   if (!verdict.enumeration.empty()) text += "  its components cannot be found out: " + verdict.enumeration + "\n";
   for (const auto& type : verdict.untried())
     text += fmt::format("  {}: none of its checks of numbers could be tried\n", type);
-  text += fmt::format("{} components, {} checks: {} pass, {} warn, {} fail, {} crash, {} timeout, {} skip\n",
+  text += fmt::format("{} components, {} checks: {} pass, {} warn, {} fail, {} crash, {} timeout, {} skip, {} n/a\n",
                       verdict.components.size(), verdict.outcomes.size(), verdict.count(Status::pass),
                       verdict.count(Status::warn), verdict.count(Status::fail), verdict.count(Status::crash),
-                      verdict.count(Status::timeout), verdict.count(Status::skip));
+                      verdict.count(Status::timeout), verdict.skipped(), verdict.not_applicable());
   return text + last_line(verdict, options, strict);
 }
 

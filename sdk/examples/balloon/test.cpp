@@ -21,6 +21,8 @@
 
 using namespace binnacle;
 
+using testing::rows_of;
+
 namespace {
 
 /// balloon.json with this build's library: CMakeLists.txt sets CONFIG and PLUGIN.
@@ -28,16 +30,6 @@ std::shared_ptr<const Composition> composition() {
   LoadOptions options;
   options.sets = {std::string("/plugins/0=") + std::getenv("PLUGIN")};
   return Composition::load(std::getenv("CONFIG"), options);
-}
-
-/// A sample with rows of `width` numbers each; the numbers must outlive it.
-SampleView rows_of(const std::vector<double>& numbers, int width, Time t) {
-  SampleView sample;
-  sample.t = t;
-  sample.rows = static_cast<int>(numbers.size()) / width;
-  sample.row_fields = numbers.data();
-  sample.available = true;
-  return sample;
 }
 
 /// id, north, east; in the order of Bearings::spec().

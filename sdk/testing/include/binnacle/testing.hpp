@@ -211,6 +211,17 @@ struct Given {
   Driving u = {};
 };
 
+/// A sample with rows of `width` numbers each, those of a row in the order in which the spec declares the fields per row;
+/// the numbers must outlive it.
+inline SampleView rows_of(std::span<const double> numbers, int width, Time t) {
+  SampleView sample;
+  sample.t = t;
+  sample.rows = static_cast<int>(numbers.size()) / width;
+  sample.row_fields = numbers.data();
+  sample.available = true;
+  return sample;
+}
+
 class MeasurementCaller {
  public:
   MeasurementCaller(const MeasurementModel& model, const ComponentSpec& spec) : model_(&model), spec_(&spec) {}
