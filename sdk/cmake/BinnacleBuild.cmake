@@ -20,7 +20,7 @@ set(BINNACLE_SHARE_FOLDER share/binnacle)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
 set(BINNACLE_PLUGIN_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib/binnacle")
 
-add_compile_options(-Wall -Wextra -Wpedantic -Wshadow)
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wold-style-cast -Wnon-virtual-dtor)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   add_compile_options(-Wno-restrict)  # false for "a" + std::to_string(n): GCC bug 105651
 endif()
