@@ -107,10 +107,24 @@ int list(const ListOptions& options) {
 
 // ---- describe, create
 
+/// The type that was most likely meant, of any role; "" if none is near.
+std::string nearest(const std::vector<const ComponentType*>& types, const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto* type : types) {
+    const auto& former = type->spec.former_names;
+    if (std::find(former.begin(), former.end(), name) != former.end()) return type->full_name();
+    names.push_back(name.find('/') != name.npos ? type->full_name() : type->spec.type);
+  }
+  return closest(name, names);
+}
+
+/// Those of any role that the name may mean.
 std::vector<const ComponentType*> types_called(const Catalog& catalog, const std::string& name) {
-  auto types = catalog.find_all(name);
+  std::vector<const ComponentType*> types;
+  for (const auto* type : catalog.types())
+    if (type->spec.type == name || type->full_name() == name) types.push_back(type);
   if (!types.empty()) return types;
-  const std::string near = catalog.nearest(name);
+  const std::string near = nearest(catalog.types(), name);
   throw UsageError(
       fmt::format("there is no component type '{}'{}", name,
                   near.empty() ? "; `binnacle list` shows all of them" : fmt::format("; did you mean '{}'?", near)));

@@ -99,8 +99,9 @@ void check_name(const std::string& name) {
   const Catalog catalog = load_catalog(status);
   for (const auto& plugin : catalog.plugins())
     if (plugin.name == name) throw UsageError(fmt::format("there is a plugin '{}' already; choose another name", name));
-  for (const auto* type : catalog.find_all(name))
-    throw UsageError(fmt::format("there is a component '{}' already; choose another name", type->full_name()));
+  for (const auto* type : catalog.types())
+    if (type->spec.type == name)
+      throw UsageError(fmt::format("there is a component '{}' already; choose another name", type->full_name()));
 }
 
 std::string contents(const fs::path& path) {

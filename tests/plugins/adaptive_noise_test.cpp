@@ -37,7 +37,7 @@ NoiseBinding single(int rows) { return {rows, {0}, {{"rows", "m"}}}; }
 template <class Estimator>
 std::unique_ptr<Estimator> make(const Json& config, const NoiseBinding& noise) {
   Diagnostics diagnostics;
-  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
   const ParameterValue value =
       spec::check_parameters(Estimator::spec().parameters, "estimator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());

@@ -30,7 +30,7 @@ namespace {
 /// As the kernel does it, units of defaults included.
 std::unique_ptr<ConingSimulator> bound(const json& config) {
   Diagnostics diagnostics;
-  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
   const ParameterValue value =
       spec::check_parameters(ConingSimulator::spec().parameters, "coning_simulator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());

@@ -36,7 +36,7 @@ constexpr double arcmin = degree / 60.0;
 
 ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
-  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
   ParameterValue value =
       spec::check_parameters(Sim::spec().parameters, "ship_simulator", document, "", {}, {}, diagnostics);
   INFO(diagnostics.text());

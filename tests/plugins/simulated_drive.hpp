@@ -29,7 +29,7 @@ constexpr double degree = std::numbers::pi / 180.0;
 
 inline ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
-  const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
   ParameterValue value = spec::check_parameters(VehicleSimulator::spec().parameters, "vehicle_simulator", document, "",
                                                 {}, {}, diagnostics);
   INFO(diagnostics.text());

@@ -46,7 +46,7 @@ class Drive {
  public:
   explicit Drive(const Json& config, std::uint64_t seed = 1) {
     Diagnostics diagnostics;
-    const auto document = config::Document::parse(config.dump(), "test.json", {}, diagnostics);
+    const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
     const ParameterValue value = spec::check_parameters(VehicleSimulator::spec().parameters, "vehicle_simulator",
                                                         document, "", {}, {}, diagnostics);
     INFO(diagnostics.text());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ABI guard: what is compared, what is refused, what is said.
-#include "plugin/guard.hpp"
+#include "plugin/library.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/catalog.hpp"
 #include "binnacle/version.hpp"
 #include "catch.hpp"
 
@@ -92,7 +93,7 @@ TEST_CASE("an instruction set is refused only where this processor lacks it", "[
   CHECK(after(change, everything).empty());
   const auto differences = after(change, everything & ~avx512f);
   REQUIRE(differences.size() == 1);
-  CHECK(abi::to_string(differences[0]).find("instruction sets: host this processor lacks avx512f, plugin ") == 0);
+  CHECK(differences[0].text().find("instruction sets: host this processor lacks avx512f, plugin ") == 0);
   CHECK(differences[0].severity == abi::Severity::refused);
 }
 
@@ -101,7 +102,7 @@ TEST_CASE("names and versions do not count as differences", "[abi]") {
 }
 
 TEST_CASE("every field of the host can be printed", "[abi]") {
-  const auto fields = abi::fields_of(abi::guard_of_host());
+  const auto fields = host_guard();
   CHECK(fields.size() == 13);
   CHECK(std::all_of(fields.begin(), fields.end(), [](const auto& field) { return !field.second.empty(); }));
 }

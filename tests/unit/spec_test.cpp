@@ -17,7 +17,7 @@ namespace {
 
 Document document(const std::string& text) {
   Diagnostics diagnostics;
-  Document result = Document::parse(text, "c.json", {}, diagnostics);
+  Document result = Document::load("c.json", {}, diagnostics, text);
   REQUIRE(diagnostics.text() == "");
   return result;
 }
@@ -225,7 +225,7 @@ TEST_CASE("defaults go through the same check", "[spec]") {
 TEST_CASE("paths start at the file that names them", "[spec]") {
   Diagnostics diagnostics;
   const Document config =
-      Document::parse(R"({"file": "../data/imu.csv"})", "/somewhere/configs/c.json", {}, diagnostics);
+      Document::load("/somewhere/configs/c.json", {}, diagnostics, R"({"file": "../data/imu.csv"})");
   const auto value = check_parameters({path("file").required(), path("other").defaults("\"x.csv\"")}, "csv", config, "",
                                       {}, {}, diagnostics);
   CHECK(diagnostics.text() == "");

@@ -2,8 +2,10 @@
 // Catalog: the component types that the loaded plugins bring, how they are found, made, and described.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -100,22 +102,15 @@ struct PluginPath {
 /// The symbols that a library file exports, read without loading it; empty where it is none.
 std::vector<std::string> exported_symbols(const std::filesystem::path& file);
 
-/// The folders searched besides the config's: those of BINNACLE_PLUGIN_PATH (separated by ':'), then lib/binnacle
-/// beside the folder of the running program, which is the installed and the build tree's.
-std::vector<std::filesystem::path> plugin_folders();
-
 /// Whatever is wrong goes to the diagnostics (codes B040…B047), to be thrown by the caller as LoadError.
 class Catalog {
  public:
-  Catalog();
-  ~Catalog();
-  Catalog(Catalog&&) noexcept;
-  Catalog& operator=(Catalog&&) noexcept;
-
   /// Loads a plugin file; nothing happens if it is loaded already.
   void load(const std::filesystem::path& file, Diagnostics& diagnostics);
-  /// Loads the config's plugins, then those in plugin_folders(). What is named and cannot be loaded is an error; what
-  /// merely lies in a folder is a warning (B047), and an error once find() wants a type that it may have.
+  /// Loads the config's plugins, then those in the folders of BINNACLE_PLUGIN_PATH (separated by ':') and in lib/binnacle
+  /// beside the folder of the running program, which is the installed and the build tree's. What is named and cannot be
+  /// loaded is an error; what merely lies in a folder is a warning (B047), and an error once find() wants a type that it
+  /// may have.
   void load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics);
 
   /// `name`: "vector" or "core/vector". Null where there is none, or several.
@@ -124,10 +119,6 @@ class Catalog {
   /// (B047), or ambiguous with the full names (B022).
   const ComponentType* find(Role role, std::string_view name, const Origin& origin, const std::string& pointer,
                             Diagnostics& diagnostics) const;
-  /// Those of any role that `name` may mean; for `describe`.
-  std::vector<const ComponentType*> find_all(std::string_view name) const;
-  /// The type that was most likely meant, of any role; "" if none is near.
-  std::string nearest(std::string_view name) const;
 
   /// By role, then by full name. Pointers live as long as the catalog.
   std::vector<const ComponentType*> types() const;
@@ -137,8 +128,11 @@ class Catalog {
  private:
   void load_folder(const std::filesystem::path& folder, Diagnostics& diagnostics);
 
-  struct Contents;
-  std::unique_ptr<Contents> contents_;
+  std::set<std::filesystem::path> seen_;  // canonical
+  /// Libraries of searched folders that could not be loaded, and why, in a line.
+  std::vector<std::pair<std::filesystem::path, std::string>> passed_over_;
+  std::vector<PluginInfo> plugins_;
+  std::deque<ComponentType> components_;  // a deque: pointers stay good while plugins are added
 };
 
 /// "s, > 0": unit and range of the parameter, or what else its value has to be.

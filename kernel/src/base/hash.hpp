@@ -25,21 +25,17 @@ class Fnv1a {
   std::uint64_t value_;
 };
 
-/// splitmix64's finalizer: every bit of the result depends on every bit of the number.
-constexpr std::uint64_t spread(std::uint64_t number) {
-  number += 0x9e3779b97f4a7c15ull;
-  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9ull;
-  number = (number ^ (number >> 27)) * 0x94d049bb133111ebull;
-  return number ^ (number >> 31);
-}
-
 /// A 64-bit seed of a component's own, from (seed, run, JSON pointer).
 constexpr std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer) {
   Fnv1a hash(1469598103934665603ull);  // not the usual start; kept, since every recorded run hangs on it
   hash.add(seed);
   hash.add(static_cast<std::uint64_t>(run));
   hash.add(pointer);
-  return spread(hash.value());  // FNV's low bits are weak
+  // FNV's low bits are weak; after splitmix64's finalizer every bit depends on every bit.
+  std::uint64_t number = hash.value() + 0x9e3779b97f4a7c15ull;
+  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9ull;
+  number = (number ^ (number >> 27)) * 0x94d049bb133111ebull;
+  return number ^ (number >> 31);
 }
 
 }  // namespace binnacle::base

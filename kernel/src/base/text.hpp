@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "binnacle/diagnostic.hpp"
+
 namespace binnacle::base {
 
 inline std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
@@ -16,20 +18,39 @@ constexpr bool is_word(char c, std::string_view others) {
   return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || others.find(c) != others.npos;
 }
 
+inline std::string joined(const std::vector<std::string>& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
 /// "a, b, c", cut after a dozen.
-std::string listed(const std::vector<std::string>& names);
+inline std::string listed(std::vector<std::string> names) {
+  constexpr std::size_t most = 12;
+  if (names.size() > most) {
+    names.resize(most);
+    names.emplace_back("…");
+  }
+  return joined(names, ", ");
+}
 
 /// "'a', 'b', 'c'", all of them.
-std::string quoted_list(const std::vector<std::string>& names);
+inline std::string quoted_list(std::vector<std::string> names) {
+  for (std::string& name : names) name = in_quotes(name);
+  return joined(names, ", ");
+}
 
 /// "; did you mean 'x'?" or "".
-std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
+inline std::string suggestion(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string nearest = closest(name, candidates);
+  return nearest.empty() ? "" : "; did you mean " + in_quotes(nearest) + "?";
+}
 
 /// The `name` of each.
 template <class Items>
 std::vector<std::string> names_of(const Items& items) {
   std::vector<std::string> names;
-  for (const auto& item : items) names.push_back(item.name);
+  for (const auto& item : items) names.emplace_back(item.name);
   return names;
 }
 

@@ -12,7 +12,6 @@
 #include "base/text.hpp"
 #include "binnacle/composition.hpp"
 #include "compose/composition_plan.hpp"
-#include "config/pointer.hpp"
 #include "spec/check.hpp"
 #include "spec/kind.hpp"
 

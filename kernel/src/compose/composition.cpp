@@ -284,7 +284,7 @@ std::shared_ptr<const Composition> Composition::load(const std::filesystem::path
 std::shared_ptr<const Composition> Composition::parse(std::string_view text, const std::filesystem::path& name,
                                                       const LoadOptions& options) {
   Diagnostics diagnostics;
-  auto plan = plan_of(config::Document::parse(text, name, options, diagnostics), options, diagnostics);
+  auto plan = plan_of(config::Document::load(name, options, diagnostics, text), options, diagnostics);
   return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
 }
 

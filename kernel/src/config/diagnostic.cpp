@@ -47,7 +47,7 @@ std::string to_string(const Diagnostic& diagnostic) {
 }
 
 void Diagnostics::add(Diagnostic diagnostic) {
-  if (std::find(items_.begin(), items_.end(), diagnostic) == items_.end()) items_.push_back(std::move(diagnostic));
+  if (std::ranges::find(items_, diagnostic) == items_.end()) items_.push_back(std::move(diagnostic));
 }
 
 void Diagnostics::error(std::string code, Origin origin, std::string pointer, std::string message) {
@@ -59,30 +59,24 @@ void Diagnostics::warning(std::string code, Origin origin, std::string pointer, 
 }
 
 void Diagnostics::merge(const Diagnostics& other) {
-  if (&other == this) return;
   for (const Diagnostic& item : other.items_) add(item);
 }
 
 bool Diagnostics::has_errors() const {
-  return std::any_of(items_.begin(), items_.end(),
-                     [](const Diagnostic& item) { return item.severity == Severity::error; });
+  return std::ranges::find(items_, Severity::error, &Diagnostic::severity) != items_.end();
 }
 
 std::vector<Diagnostic> Diagnostics::sorted() const {
   std::vector<Diagnostic> result = items_;
-  std::stable_sort(result.begin(), result.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::tie(a.origin.file, a.origin.line, a.origin.column) <
-           std::tie(b.origin.file, b.origin.line, b.origin.column);
+  std::ranges::stable_sort(result, {}, [](const Diagnostic& item) {
+    return std::tie(item.origin.file, item.origin.line, item.origin.column);
   });
   return result;
 }
 
 std::string Diagnostics::text() const {
   std::string text;
-  for (const Diagnostic& item : sorted()) {
-    if (!text.empty()) text += '\n';
-    text += to_string(item);
-  }
+  for (const Diagnostic& item : sorted()) text += (text.empty() ? "" : "\n") + to_string(item);
   return text;
 }
 
@@ -123,32 +117,25 @@ std::size_t distance(const std::string& a, const std::string& b) {
 }
 
 std::size_t cost(const std::string& name, const std::string& candidate) {
-  const std::size_t shorter = std::min(name.size(), candidate.size());
-  const bool is_prefix = shorter >= 3 && name.compare(0, shorter, candidate, 0, shorter) == 0;
+  const bool is_prefix =
+      std::min(name.size(), candidate.size()) >= 3 && (name.starts_with(candidate) || candidate.starts_with(name));
   const std::size_t edits = distance(name, candidate);
   return is_prefix ? std::min(edits, cut_short) : edits;
-}
-
-std::size_t largest_cost(std::size_t length) {
-  if (length < 2) return 0;
-  return edit * (length < 5 ? 1 : length < 9 ? 2 : 3);
 }
 
 }  // namespace
 
 std::string closest(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string wanted = folded(name);
-  const std::size_t limit = std::max(largest_cost(wanted.size()), wanted.size() >= 3 ? cut_short : 0);
-  const std::string* best = nullptr;
-  std::size_t best_cost = limit + 1;
+  std::string best;
+  const std::size_t size = wanted.size();
+  std::size_t least = 1 + (size < 2 ? 0 : size < 3 ? edit : size < 5 ? cut_short : size < 9 ? 2 * edit : 3 * edit);
   for (const std::string& candidate : candidates) {
-    const std::size_t candidate_cost = cost(wanted, folded(candidate));
-    if (candidate_cost < best_cost) {
-      best = &candidate;
-      best_cost = candidate_cost;
-    }
+    const std::size_t its_cost = cost(wanted, folded(candidate));
+    if (its_cost < least) best = candidate;
+    least = std::min(least, its_cost);
   }
-  return best ? *best : std::string();
+  return best;
 }
 
 }  // namespace binnacle

@@ -4,18 +4,12 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "base/hash.hpp"
-#include "binnacle/config.hpp"
+#include "base/text.hpp"
 #include "binnacle/section.hpp"
-#include "config/extends.hpp"
 #include "config/node.hpp"
-#include "config/pointer.hpp"
-#include "config/settings.hpp"
-#include "config/variables.hpp"
 
 namespace binnacle::config {
 
@@ -23,10 +17,73 @@ namespace fs = std::filesystem;
 
 namespace {
 
+const Origin command_line{"--set", 0, 0};
+
+using base::in_quotes;
+
+/// Gives a place its value, or deletes it for null. What is wrong with that, or "".
+std::string assign(Node& root, const Tokens& tokens, Node value) {
+  const bool erase = value.json.is_null();
+  Node* parent = nullptr;
+  Member* child = nullptr;
+  std::string at;
+  for (const std::string& token : tokens) {
+    parent = child ? &child->value : &root;
+    const bool is_list = parent->json.is_array();
+    if (!parent->json.is_structured()) return in_quotes(at) + " is " + kind_name(*parent) + ", not an object or list";
+    child = parent->find(token);
+    if (!child && !erase && (!is_list || token == "-")) {
+      const std::string key = is_list ? std::to_string(parent->children.size()) : token;
+      parent->children.push_back({key, command_line, {Json::object(), command_line, parent->folder}});
+      child = &parent->children.back();
+    }
+    if (!child && is_list)
+      return in_quotes(at) + " is a list of " + std::to_string(parent->children.size()) + "; " + in_quotes(token) +
+             " is none of its indices (which count from 0" + (erase ? ")" : "; '-' appends)");
+    if (!child) {
+      const std::string meant = closest(token, parent->keys());
+      return "there is nothing to delete" +
+             (meant.empty() ? "" : "; did you mean " + in_quotes(join_pointer(at, meant)) + "?");
+    }
+    at = join_pointer(at, token);
+  }
+  if (erase)
+    parent->erase(tokens.back());
+  else
+    *child = {child->key, command_line, std::move(value)};
+  return "";
+}
+
+/// `--set /pointer=value`. The value is read as JSON, else it is a text; null deletes; a last token `-` appends to a
+/// list. Objects on the way are made where they are missing.
+void apply_setting(Node& root, const std::string& setting, const Folder& folder, Diagnostics& diagnostics) {
+  const std::size_t equals = setting.find('=');
+  const std::string pointer = setting.substr(0, equals);
+  const bool is_absolute = pointer.starts_with('/');
+  const auto report = [&](const std::string& message) {
+    diagnostics.error("B029", command_line, is_absolute ? pointer : "", message);
+  };
+  if (!is_utf8(setting)) return report("--set is not UTF-8");
+  if (equals == std::string::npos) return report(in_quotes(setting) + " does not read /pointer=value");
+  if (!is_absolute)
+    return report(in_quotes(pointer) + " is no JSON pointer; did you mean " + in_quotes("/" + pointer) + "?");
+  const auto tokens = split_pointer(pointer);
+  if (!tokens) return report("a '~' in a JSON pointer is written '~0', a '/' inside a key '~1'");
+  if (tokens->back() == "extends") return report("extends cannot be set; it is resolved before --set");
+  const std::string text = setting.substr(equals + 1);
+  std::optional<Node> value = read_json_value(text, command_line.file, folder);
+  const bool looks_like_json = text.starts_with('{') || text.starts_with('[') || text.starts_with('"');
+  if (!value && looks_like_json) return report(in_quotes(text) + " begins like JSON but is not");
+  if (!value) value = Node{text, command_line, folder};
+  const std::string problem = assign(root, *tokens, *std::move(value));
+  if (!problem.empty()) report(problem);
+}
+
 bool is_inside_one_of(const std::string& setting, const std::vector<std::string>& patches) {
   const std::string pointer = setting.substr(0, setting.find('='));
-  return std::any_of(patches.begin(), patches.end(),
-                     [&](const std::string& patch) { return pointer == patch || pointer.starts_with(patch + "/"); });
+  return std::ranges::any_of(patches, [&](const std::string& patch) {
+    return pointer == patch || pointer.starts_with(patch + "/");
+  });
 }
 
 void apply_patch(Node& root, const std::string& pointer, Diagnostics& diagnostics) {
@@ -48,24 +105,15 @@ void apply_patch(Node& root, const std::string& pointer, Diagnostics& diagnostic
 
 }  // namespace
 
-Document Document::load(const fs::path& path, const LoadOptions& options, Diagnostics& diagnostics) {
-  return build(path, nullptr, options, diagnostics);
-}
-
-Document Document::parse(std::string_view text, const fs::path& file_name, const LoadOptions& options,
-                         Diagnostics& diagnostics) {
-  return build(file_name, &text, options, diagnostics);
-}
-
-Document Document::build(const fs::path& path, const std::string_view* text, const LoadOptions& options,
-                         Diagnostics& diagnostics) {
-  Extends extends(diagnostics);
-  std::optional<Node> root = extends.resolve(path, text);
+Document Document::load(const fs::path& path, const LoadOptions& options, Diagnostics& diagnostics,
+                        std::optional<std::string_view> text) {
   Document document;
+  std::optional<Node> root = resolve_extends(path, text, diagnostics);
   if (!root) return document;
-  std::vector<std::string> patches;
+  std::vector<Tokens> patches;
   for (const auto& section : options.sections)
-    for (auto& place : section->patches()) patches.push_back(std::move(place));
+    for (const auto& place : section->patches())
+      if (auto tokens = split_pointer(place); tokens && !tokens->empty()) patches.push_back(*std::move(tokens));
   drop_nulls(*root, patches);
   const auto current_folder = std::make_shared<const fs::path>(fs::current_path());
   const auto set = [&](bool wants_inside_a_patch) {
@@ -74,24 +122,27 @@ Document Document::build(const fs::path& path, const std::string_view* text, con
         apply_setting(*root, setting, current_folder, diagnostics);
   };
   set(true);
-  for (const std::string& pointer : options.patches) {
-    apply_patch(*root, pointer, diagnostics);
-    drop_nulls(*root, patches);
-  }
+  for (const std::string& pointer : options.patches) apply_patch(*root, pointer, diagnostics);
+  drop_nulls(*root, patches);
   document.is_patched_ = !options.patches.empty();
   set(false);
-  drop_nulls(*root, patches);  // once more, for what patches and --set brought
+  drop_nulls(*root, patches);
   fill_in_variables(*root, options.vars, current_folder, diagnostics);
-  document.root_ = to_json(*root);
-  document.record(*root, root->origin, "");
+  document.root_ = document.take(*root, root->origin, "");
   return document;
 }
 
-void Document::record(const Node& node, const Origin& key, const std::string& pointer) {
+Json Document::take(const Node& node, const Origin& key, const std::string& pointer) {
   places_[pointer] = {node.origin, key, node.folder ? *node.folder : fs::path()};
-  for (std::size_t i = 0; i < node.elements.size(); ++i)
-    record(node.elements[i], node.elements[i].origin, join_pointer(pointer, i));
-  for (const Member& member : node.members) record(member.value, member.key_origin, join_pointer(pointer, member.key));
+  Json json = node.json;
+  for (const Member& child : node.children) {
+    Json value = take(child.value, child.key_origin, join_pointer(pointer, child.key));
+    if (json.is_array())
+      json.push_back(std::move(value));
+    else
+      json[child.key] = std::move(value);
+  }
+  return json;
 }
 
 const Document::Place& Document::place(std::string_view pointer) const {
@@ -102,12 +153,6 @@ const Document::Place& Document::place(std::string_view pointer) const {
     nearest.resize(slash == std::string::npos ? 0 : slash);
   }
   return found->second;
-}
-
-std::string Document::resolve_path(std::string_view pointer) const {
-  const Json* text = value(pointer);
-  if (!text || !text->is_string()) throw std::invalid_argument("there is no text at '" + std::string(pointer) + "'");
-  return (base_dir(pointer) / text->get<std::string>()).lexically_normal().string();
 }
 
 const Json* Document::value(std::string_view pointer) const {
@@ -122,7 +167,7 @@ const Json* Document::value(std::string_view pointer) const {
 std::uint64_t Document::hash(const std::vector<std::string>& keys) const {
   auto hashed = Json::object();
   for (const auto& [key, value] : root_.items())
-    if (keys.empty() || std::find(keys.begin(), keys.end(), key) != keys.end()) hashed[key] = value;
+    if (keys.empty() || std::ranges::find(keys, key) != keys.end()) hashed[key] = value;
   base::Fnv1a hash;
   hash.add(hashed.dump());
   return hash.value();

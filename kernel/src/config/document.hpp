@@ -5,15 +5,14 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
-#include "binnacle/diagnostic.hpp"
-#include "binnacle/load_options.hpp"
+#include "binnacle/config.hpp"
 
 namespace binnacle::config {
 
@@ -24,10 +23,9 @@ struct Node;
 /// patches, where a section of LoadOptions has them, keep theirs. Whatever is wrong goes to the diagnostics; the document then holds as much as could be read.
 class Document {
  public:
-  static Document load(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& diagnostics);
-  /// The same for a text; relative paths in it start at the folder of file_name.
-  static Document parse(std::string_view text, const std::filesystem::path& file_name, const LoadOptions& options,
-                        Diagnostics& diagnostics);
+  /// `text` stands for what is in the file, if it is given.
+  static Document load(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& diagnostics,
+                       std::optional<std::string_view> text = std::nullopt);
 
   /// Always an object; without `extends`.
   const nlohmann::ordered_json& root() const { return root_; }
@@ -43,9 +41,6 @@ class Document {
   /// begins with a variable, of the file which gave the variable; the current one for what came from the
   /// command line. Absolute.
   std::filesystem::path base_dir(std::string_view pointer) const { return place(pointer).folder; }
-  /// The string at the pointer as an absolute, normalised path. Throws std::invalid_argument if it is no
-  /// string.
-  std::string resolve_path(std::string_view pointer) const;
 
   /// Whether some of its own patches were merged over it.
   bool is_patched() const { return is_patched_; }
@@ -60,9 +55,8 @@ class Document {
     std::filesystem::path folder;
   };
   const Place& place(std::string_view pointer) const;
-  static Document build(const std::filesystem::path& path, const std::string_view* text, const LoadOptions& options,
-                        Diagnostics& diagnostics);
-  void record(const Node& node, const Origin& key, const std::string& pointer);
+  /// Notes the places of a value and of all in it; the value itself.
+  nlohmann::ordered_json take(const Node& node, const Origin& key, const std::string& pointer);
 
   nlohmann::ordered_json root_ = nlohmann::ordered_json::object();
   std::unordered_map<std::string, Place> places_{{std::string(), Place{}}};

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Resolves `extends`: what a file or an object inside it inherits from others.
-#include "config/extends.hpp"
-
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "base/text.hpp"
-#include "config/json_reader.hpp"
-#include "config/pointer.hpp"
+#include "config/node.hpp"
 
 namespace binnacle::config {
 
@@ -46,154 +45,174 @@ std::string with_pointer(const std::string& file, const std::string& pointer) {
   return pointer.empty() ? file : file + "#" + pointer;
 }
 
+std::size_t node_count(const Node& node) {
+  std::size_t count = 1;
+  for (const Member& child : node.children) count += node_count(child.value);
+  return count;
+}
+
+class Extends {
+ public:
+  explicit Extends(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+  std::optional<Node> resolve(const fs::path& path, std::optional<std::string_view> text) {
+    const File& main = file(path, text, {{path.lexically_normal().string(), 0, 0}, ""});
+    return main.content ? std::optional(whole({main, *main.content, ""})) : std::nullopt;
+  }
+
+ private:
+  using Path = std::span<const std::string>;
+
+  /// A file as it stands, before any `extends`.
+  struct File {
+    std::string name;             // as shown in messages: relative if the config was named so
+    std::optional<Node> content;  // nothing if it cannot be read
+  };
+  struct Place {
+    const File& file;
+    const Node& node;
+    std::string pointer;
+    Place child(const Member& member) const { return {file, member.value, join_pointer(pointer, member.key)}; }
+  };
+  /// What stands at a place; it hides what the place inherits if it lies inside a list or replaces an object.
+  struct Found {
+    std::optional<Node> node;
+    bool hides = false;
+  };
+  struct Statement {
+    Origin origin;
+    std::string pointer;         // where it stands in its file
+    const Node* node = nullptr;  // its text
+    std::string from = {};       // "a.json#/filters/b"
+    std::string to = {};
+  };
+
+  void report(const Statement& by, const std::string& message, const char* code = "B004") {
+    diagnostics_.error(code, by.origin, by.pointer, message);
+  }
+
+  const File& file(const fs::path& path, std::optional<std::string_view> text, const Statement& by) {
+    const fs::path name = path.lexically_normal();
+    const fs::path absolute = fs::absolute(name).lexically_normal();
+    const auto [entry, is_new] = files_.try_emplace(absolute, File{name.string(), std::nullopt});
+    File& file = entry->second;
+    if (!is_new) return file;
+    const auto [read, problem] = text ? std::pair(std::string(*text), std::string()) : slurp(name);
+    if (!problem.empty()) {
+      report(by, "cannot read " + in_quotes(file.name) + ": " + problem, "B003");
+      return file;
+    }
+    file.content = read_json(read, file.name, std::make_shared<const fs::path>(absolute.parent_path()), diagnostics_);
+    if (file.content && !file.content->json.is_object()) {
+      diagnostics_.error("B006", file.content->origin, "", "a config is an object, found " + kind_name(*file.content));
+      file.content.reset();
+    }
+    return file;
+  }
+
+  Node whole(const Place& place) {
+    Node own{place.node.json, place.node.origin, place.node.folder};
+    for (const Member& member : place.node.children)
+      if (member.key != "extends") own.children.push_back({member.key, member.key_origin, whole(place.child(member))});
+    return *merged(inherited(place, {}), std::move(own));
+  }
+
+  Found at(const Place& place, Path path) {
+    const bool is_object = place.node.json.is_object();
+    if (path.empty()) return {whole(place), !is_object};
+    std::optional<Node> result = inherited(place, path);
+    const Member* member = path.front() == "extends" ? nullptr : place.node.find(path.front());
+    if (!member) return {std::move(result), !is_object};
+    Found own = at(place.child(*member), path.subspan(1));
+    if (own.hides) return own;
+    return {merged(std::move(result), std::move(own.node)), !is_object};
+  }
+
+  /// What the place gets from others at the path below it.
+  std::optional<Node> inherited(const Place& place, Path path) {
+    const Member* extends = place.node.find("extends");
+    if (!extends || extends->value.json.is_null()) return std::nullopt;
+    std::optional<Node> result;
+    const auto take = [&](const Node& text) {
+      Statement statement{text.origin, join_pointer(place.pointer, "extends"), &text};
+      if (!text.json.is_string())
+        return report(statement, "expected a file name or a list of file names, found " + kind_name(text));
+      Found layer = base(place, std::move(statement), path);
+      if (layer.hides) result.reset();
+      result = merged(std::move(result), std::move(layer.node));
+    };
+    if (extends->value.json.is_array()) {
+      for (const Member& element : extends->value.children) take(element.value);
+    } else {
+      take(extends->value);
+    }
+    return result;
+  }
+
+  Found base(const Place& place, Statement statement, Path path) {
+    const std::string& name = place.file.name;
+    const auto text = statement.node->json.get<std::string>();
+    const std::size_t hash = text.find('#');
+    const std::string file_text = text.substr(0, hash);
+    const std::string fragment = hash == std::string::npos ? "" : text.substr(hash + 1);
+    auto tokens = split_pointer(fragment);
+    if (text.empty() || !tokens) {
+      const std::string remedy = tokens ? "" : "; what follows '#' is a JSON pointer, '#/filters/ins' say";
+      report(statement, in_quotes(text) + " names no file" + remedy);
+      return {};
+    }
+    const fs::path target = file_text.empty() ? fs::path(name) : fs::path(name).parent_path() / file_text;
+    statement.from = with_pointer(name, place.pointer);
+    statement.to = with_pointer(target.lexically_normal().string(), fragment);
+    if (const auto first = std::ranges::find(open_, statement.node, &Statement::node); first != open_.end()) {
+      std::string chain = first->from;
+      for (auto open = first; open != open_.end(); ++open) chain += " -> " + open->to;
+      report(statement, "extends forms a cycle: " + chain);
+      return {};
+    }
+    open_.push_back(statement);
+    const File& other = file(target, std::nullopt, statement);
+    Found found;
+    if (other.content && copied_ < most_values) {
+      const Place root{other, *other.content, ""};
+      tokens->insert(tokens->end(), path.begin(), path.end());
+      found = at(root, *tokens);
+      if (found.node) copied_ += node_count(*found.node);
+      if (copied_ >= most_values) report(statement, "extends multiplies without end");
+      if (path.empty() && !is_object(found, root, *tokens, statement)) found = {};
+    }
+    open_.pop_back();
+    return found;
+  }
+
+  /// Reports what a statement leads to, unless it is an object.
+  bool is_object(const Found& found, const Place& root, Path path, const Statement& statement) {
+    if (found.node && found.node->json.is_object()) return true;
+    if (found.node && !found.node->json.is_null()) {
+      report(statement, in_quotes(statement.to) + " is " + kind_name(*found.node) + ", not an object");
+      return false;
+    }
+    const Path parent = path.first(path.size() - 1);
+    const Found around = at(root, parent);
+    const std::string meant = around.node ? closest(path.back(), around.node->keys()) : "";
+    std::string pointer;
+    for (const std::string& token : parent) pointer = join_pointer(pointer, token);
+    report(statement, "there is no " + in_quotes(statement.to) +
+                          (meant.empty() ? "" : "; did you mean '#" + join_pointer(pointer, meant) + "'?"));
+    return false;
+  }
+
+  Diagnostics& diagnostics_;
+  std::map<fs::path, File> files_;  // by absolute names
+  std::vector<Statement> open_;
+  std::size_t copied_ = 0;
+};
+
 }  // namespace
 
-std::optional<Node> Extends::resolve(const fs::path& path, const std::string_view* text) {
-  const ConfigFile& main = file(path, text, nullptr);
-  if (!main.content) return std::nullopt;
-  return whole(main, *main.content, "");
-}
-
-const ConfigFile& Extends::file(const fs::path& path, const std::string_view* text, const Statement* by) {
-  const fs::path name = path.lexically_normal();
-  std::unique_ptr<ConfigFile>& entry = files_[fs::absolute(name).lexically_normal()];
-  if (entry) return *entry;
-  entry = std::make_unique<ConfigFile>(ConfigFile{name.string(), std::nullopt});
-  std::pair<std::string, std::string> read;
-  if (!text) read = slurp(name);
-  if (!read.second.empty()) {
-    diagnostics_.error("B003", by ? by->node->origin : Origin{entry->name, 0, 0}, by ? by->pointer : "",
-                       "cannot read " + in_quotes(entry->name) + ": " + read.second);
-    return *entry;
-  }
-  const auto folder = std::make_shared<const fs::path>(fs::absolute(name).lexically_normal().parent_path());
-  entry->content = read_json(text ? *text : read.first, entry->name, folder, diagnostics_);
-  if (entry->content && !entry->content->json.is_object()) {
-    diagnostics_.error("B006", entry->content->origin, "",
-                       "a config is an object, found " + kind_name(*entry->content));
-    entry->content.reset();
-  }
-  return *entry;
-}
-
-Node Extends::whole(const ConfigFile& config, const Node& node, const std::string& pointer) {
-  Node own{node.json, node.origin, node.folder};
-  for (std::size_t i = 0; i < node.elements.size(); ++i)
-    own.elements.push_back(whole(config, node.elements[i], join_pointer(pointer, i)));
-  for (const Member& member : node.members) {
-    if (member.key == "extends") continue;
-    own.members.push_back(
-        {member.key, member.key_origin, whole(config, member.value, join_pointer(pointer, member.key))});
-  }
-  return *merged(inherited(config, node, pointer, {}), std::move(own));
-}
-
-std::optional<Node> Extends::inherited(const ConfigFile& config, const Node& node, const std::string& pointer,
-                                       Tokens path) {
-  std::optional<Node> result;
-  for (const Node* statement : statements(node, pointer)) {
-    Found layer = base(config, *statement, pointer, path);
-    if (layer.hides) result.reset();
-    result = merged(std::move(result), std::move(layer.node));
-  }
-  return result;
-}
-
-Extends::Found Extends::at(const ConfigFile& config, const Node& node, const std::string& pointer, Tokens path) {
-  if (path.empty()) return {whole(config, node, pointer), !node.json.is_object()};
-  const std::string child_pointer = join_pointer(pointer, path.front());
-  if (!node.json.is_object()) {
-    const auto index = index_in(node.elements.size(), path.front());
-    if (!index) return {std::nullopt, true};
-    return {at(config, node.elements[*index], child_pointer, path.subspan(1)).node, true};
-  }
-  std::optional<Node> result = inherited(config, node, pointer, path);
-  const Member* member = path.front() == "extends" ? nullptr : node.find(path.front());
-  if (!member) return {std::move(result), false};
-  Found own = at(config, member->value, child_pointer, path.subspan(1));
-  if (own.hides) return own;
-  return {merged(std::move(result), std::move(own.node)), false};
-}
-
-std::vector<const Node*> Extends::statements(const Node& node, const std::string& pointer) {
-  const Member* member = node.find("extends");
-  if (!member || member->value.json.is_null()) return {};
-  std::vector<const Node*> result;
-  const auto take = [&](const Node& value) {
-    if (value.json.is_string()) {
-      result.push_back(&value);
-    } else {
-      diagnostics_.error("B004", value.origin, join_pointer(pointer, "extends"),
-                         "expected a file name or a list of file names, found " + kind_name(value));
-    }
-  };
-  if (!member->value.json.is_array()) take(member->value);
-  for (const Node& element : member->value.elements) take(element);
-  return result;
-}
-
-bool Extends::is_cycle(const Statement& statement) {
-  for (std::size_t i = 0; i < open_.size(); ++i) {
-    if (open_[i].node != statement.node) continue;
-    std::string chain = open_[i].from;
-    for (std::size_t j = i; j < open_.size(); ++j) chain += " -> " + open_[j].to;
-    diagnostics_.error("B004", statement.node->origin, statement.pointer, "extends forms a cycle: " + chain);
-    return true;
-  }
-  return false;
-}
-
-Extends::Found Extends::base(const ConfigFile& config, const Node& statement, const std::string& pointer, Tokens path) {
-  const std::string here = join_pointer(pointer, "extends");
-  const std::string text = statement.json.get<std::string>();
-  const std::size_t hash = text.find('#');
-  const std::string file_text = text.substr(0, hash);
-  const std::string fragment = hash == std::string::npos ? "" : text.substr(hash + 1);
-  const auto tokens = split_pointer(fragment);
-  if (text.empty() || !tokens) {
-    const std::string remedy = tokens ? "" : "; what follows '#' is a JSON pointer, '#/filters/ins' say";
-    diagnostics_.error("B004", statement.origin, here, in_quotes(text) + " names no file" + remedy);
-    return {};
-  }
-  const fs::path target = file_text.empty() ? fs::path(config.name) : fs::path(config.name).parent_path() / file_text;
-  const Statement current{&statement, here, with_pointer(config.name, pointer),
-                          with_pointer(target.lexically_normal().string(), fragment)};
-  if (is_cycle(current)) return {};
-  open_.push_back(current);
-  const ConfigFile& other = file(target, nullptr, &current);
-  Found found;
-  if (other.content && copied_ < most_values) {
-    std::vector<std::string> whole_path = *tokens;
-    whole_path.insert(whole_path.end(), path.begin(), path.end());
-    found = at(other, *other.content, "", whole_path);
-    if (found.node) copied_ += node_count(*found.node);
-    if (copied_ >= most_values) diagnostics_.error("B004", statement.origin, here, "extends multiplies without end");
-    const bool is_whole_target = path.empty();
-    if (is_whole_target && (!found.node || found.node->json.is_null())) {
-      report_missing(other, *tokens, current);
-      found = {};
-    } else if (is_whole_target && !found.node->json.is_object()) {
-      diagnostics_.error("B004", statement.origin, here,
-                         in_quotes(current.to) + " is " + kind_name(*found.node) + ", not an object");
-      found = {};
-    }
-  }
-  open_.pop_back();
-  return found;
-}
-
-void Extends::report_missing(const ConfigFile& other, const std::vector<std::string>& tokens,
-                             const Statement& statement) {
-  std::string message = "there is no " + in_quotes(statement.to);
-  const Tokens parent = Tokens(tokens).first(tokens.size() - 1);
-  const Found around = at(other, *other.content, "", parent);
-  const std::string meant = around.node ? closest(tokens.back(), around.node->keys()) : "";
-  if (!meant.empty()) {
-    std::string suggestion;
-    for (const std::string& token : parent) suggestion = join_pointer(suggestion, token);
-    message += "; did you mean '#" + join_pointer(suggestion, meant) + "'?";
-  }
-  diagnostics_.error("B004", statement.node->origin, statement.pointer, message);
+std::optional<Node> resolve_extends(const fs::path& path, std::optional<std::string_view> text,
+                                    Diagnostics& diagnostics) {
+  return Extends(diagnostics).resolve(path, text);
 }
 
 }  // namespace binnacle::config

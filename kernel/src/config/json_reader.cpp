@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Strict JSON with comments, read with the place of every key and value. What is inside a text or a number is left to
 // nlohmann's parser, which knows escapes, UTF-8 and the nearest double.
-#include "config/json_reader.hpp"
-
 #include <utility>
 
 #include "base/text.hpp"
-#include "config/pointer.hpp"
+#include "config/node.hpp"
 
 namespace binnacle::config {
 
@@ -56,9 +54,8 @@ class JsonReader {
  private:
   static constexpr int deepest = 200;
 
-  [[noreturn]] void stop(const std::string& message) { stop(message, here()); }
-  [[noreturn]] void stop(const std::string& message, const Origin& origin) {
-    report(message, origin);
+  [[noreturn]] void stop(const std::string& message) {
+    report(message, here());
     throw SyntaxStop{};
   }
 
@@ -114,16 +111,19 @@ class JsonReader {
     }
   }
 
+  /// A mark, and the blanks behind it.
+  void pass() {
+    advance();
+    skip_blank();
+  }
+
   Node value(const std::string& pointer, int depth) {
     if (depth > deepest) stop("nested more than " + std::to_string(deepest) + " deep");
     Node node{nullptr, here(), folder_};
-    if (peek() == '{') {
-      fill_object(node, pointer, depth);
-    } else if (peek() == '[') {
-      fill_array(node, pointer, depth);
-    } else {
+    if (peek() == '{' || peek() == '[')
+      fill(node, pointer, depth);
+    else
       node.json = peek() == '"' ? Json(string()) : word_value();
-    }
     return node;
   }
 
@@ -163,44 +163,36 @@ class JsonReader {
     }
   }
 
-  void fill_object(Node& node, const std::string& pointer, int depth) {
-    node.json = Json::object();
-    advance();
-    skip_blank();
-    while (peek() != '}') {
-      if (peek() != '"') stop("expected a key in double quotes or '}', found " + found() + opened(node));
-      member(node, pointer, depth);
-      separator(node, '}');
+  void fill(Node& node, const std::string& pointer, int depth) {
+    const bool is_object = peek() == '{';
+    const char close = is_object ? '}' : ']';
+    node.json = is_object ? Json::object() : Json::array();
+    pass();
+    while (peek() != close) {
+      if (is_object && peek() != '"') stop("expected a key in double quotes or '}', found " + found() + opened(node));
+      child(node, pointer, depth);
+      separator(node, close);
     }
     advance();
   }
 
-  void member(Node& node, const std::string& pointer, int depth) {
-    const Origin key_origin = here();
-    std::string key = string();
-    skip_blank();
-    if (peek() != ':') stop("expected ':' after the key " + in_quotes(key) + ", found " + found());
-    advance();
-    skip_blank();
-    const std::string child = join_pointer(pointer, key);
-    Node child_value = value(child, depth + 1);
-    if (const Member* first = node.find(key)) {
-      diagnostics_.error("B002", key_origin, child,
+  void child(Node& node, const std::string& pointer, int depth) {
+    const bool is_member = node.json.is_object();
+    const Origin origin = here();
+    std::string key = is_member ? string() : std::to_string(node.children.size());
+    if (is_member) {
+      skip_blank();
+      if (peek() != ':') stop("expected ':' after the key " + in_quotes(key) + ", found " + found());
+      pass();
+    }
+    const std::string own_pointer = join_pointer(pointer, key);
+    Node own = value(own_pointer, depth + 1);
+    const Member* first = is_member ? node.find(key) : nullptr;
+    if (first)
+      diagnostics_.error("B002", origin, own_pointer,
                          "duplicate key " + in_quotes(key) + "; it already stands at " + place_text(first->key_origin));
-      return;
-    }
-    node.members.push_back({std::move(key), key_origin, std::move(child_value)});
-  }
-
-  void fill_array(Node& node, const std::string& pointer, int depth) {
-    node.json = Json::array();
-    advance();
-    skip_blank();
-    while (peek() != ']') {
-      node.elements.push_back(value(join_pointer(pointer, node.elements.size()), depth + 1));
-      separator(node, ']');
-    }
-    advance();
+    else
+      node.children.push_back({std::move(key), origin, std::move(own)});
   }
 
   /// The comma after a value, or the end of its container. What is nearly right is reported and passed.
@@ -216,8 +208,7 @@ class JsonReader {
       return;
     }
     const Origin comma = here();
-    advance();
-    skip_blank();
+    pass();
     if (peek() == close) report(std::string("trailing comma before '") + close + "'; delete it", comma);
   }
 

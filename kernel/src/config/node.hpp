@@ -2,41 +2,51 @@
 // A JSON value that knows where it stands: what configs are read into, merged in and printed from.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "binnacle/config.hpp"
 #include "binnacle/diagnostic.hpp"
 
 namespace binnacle::config {
 
 using Json = nlohmann::ordered_json;
 using Folder = std::shared_ptr<const std::filesystem::path>;
+using Tokens = std::vector<std::string>;
 
 struct Member;
 
 struct Node {
-  Json json;  ///< the value; an empty list or object where elements or members follow
-  Origin origin = {};
-  Folder folder = {};  ///< where a relative path in the value starts
-  std::vector<Node> elements = {};
-  std::vector<Member> members = {};
+  Json json;  ///< the value; an empty list or object where children follow
+  Origin origin;
+  Folder folder;  ///< where a relative path in the value starts
+  std::vector<Member> children;
 
+  Node(Json value = nullptr, Origin place = {}, Folder start = {});  // NOLINT(google-explicit-constructor): as a struct
   Member* find(std::string_view key);
   const Member* find(std::string_view key) const { return const_cast<Node*>(this)->find(key); }
+  /// The names that an object's members have.
   std::vector<std::string> keys() const;
   void erase(std::string_view key);
 };
 
+/// A member of an object, or an element of a list: its key is its index, and stands where the value does.
 struct Member {
   std::string key;
   Origin key_origin;
   Node value;
 };
+
+// Defined where Member is complete: clang 14 with libstdc++ asks for that.
+inline Node::Node(Json value, Origin place, Folder start)
+    : json(std::move(value)), origin(std::move(place)), folder(std::move(start)) {}
 
 /// For messages: "an object", "a text", "null" …
 std::string kind_name(const Node& node);
@@ -45,12 +55,40 @@ std::string kind_name(const Node& node);
 /// of the target keep their order, new ones follow.
 void merge_patch(Node& target, Node patch);
 
-/// Removes the members that are null, except those of objects of merge patches: `patches` are the JSON pointers at which
-/// they stand, `*` for any key.
-void drop_nulls(Node& root, const std::vector<std::string>& patches);
+/// Removes the members that are null, except those of objects of merge patches: `patches` are the places at which they
+/// stand, `*` for any key. The node is `depth` tokens deep, and no place is above it.
+void drop_nulls(Node& node, const std::vector<Tokens>& patches, std::size_t depth = 0);
 
-Json to_json(const Node& node);
+/// The unescaped tokens of a JSON pointer (RFC 6901); nothing if the text is none. "" has none.
+std::optional<Tokens> split_pointer(std::string_view pointer);
 
-std::size_t node_count(const Node& node);
+// ---- reading, in json_reader.cpp
+
+/// Lines and columns count from 1, columns in characters (code points). Goes on after a duplicate key and
+/// after a comma too many or too few; nothing if the rest cannot be read.
+std::optional<Node> read_json(std::string_view text, const std::string& file_name, const Folder& folder,
+                              Diagnostics& diagnostics);
+
+/// A single value without comments, as given to --set; nothing if the text is not JSON. Its places have no
+/// line.
+std::optional<Node> read_json_value(std::string_view text, const std::string& origin_name, const Folder& folder);
+
+bool is_utf8(std::string_view text);
+
+// ---- the steps from a file to a document that are more than a few lines, each in a file of its name
+
+/// The file, or the text in its place, with everything that it extends; deleted members are still there as null.
+///
+/// An object that extends "other.json#/a/b" is what resolving other.json gives at /a/b, merged over by the
+/// object. Only what is asked for is resolved, so one part of a file may extend another part of the same
+/// file.
+std::optional<Node> resolve_extends(const std::filesystem::path& path, std::optional<std::string_view> text,
+                                    Diagnostics& diagnostics);
+
+/// Fills "${name}" from the config's "vars" and from --var into every text below root, "vars" itself included. A text
+/// that is one "${name}" and nothing else takes the variable's value with its type. A text that begins with a variable
+/// takes that variable's folder.
+void fill_in_variables(Node& root, const std::map<std::string, std::string>& given, const Folder& current_folder,
+                       Diagnostics& diagnostics);
 
 }  // namespace binnacle::config

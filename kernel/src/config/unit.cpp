@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -13,17 +14,17 @@
 
 namespace binnacle {
 
-namespace {
-
-Dimension sum(Dimension a, const Dimension& b, int sign) {
-  for (std::size_t i = 0; i < Dimension::base_count; ++i) a.doubled[i] += sign * b.doubled[i];
-  return a;
+Dimension operator*(const Dimension& a, const Dimension& b) {
+  Dimension product;
+  std::ranges::transform(a.doubled, b.doubled, product.doubled.begin(), std::plus());
+  return product;
 }
 
-}  // namespace
-
-Dimension operator*(const Dimension& a, const Dimension& b) { return sum(a, b, 1); }
-Dimension operator/(const Dimension& a, const Dimension& b) { return sum(a, b, -1); }
+Dimension operator/(const Dimension& a, const Dimension& b) {
+  Dimension quotient;
+  std::ranges::transform(a.doubled, b.doubled, quotient.doubled.begin(), std::minus());
+  return quotient;
+}
 
 namespace {
 
@@ -36,7 +37,8 @@ struct Measure {
 struct NamedUnit {
   std::string_view name;
   Measure measure;
-  std::string_view prefixes;
+  std::string_view prefixes = {};
+  std::string_view quantity = {};  // what is measured, of one unit for each dimension
 };
 
 constexpr Dimension dimension(int m, int s, int rad = 0, int kg = 0, int kelvin = 0, int ampere = 0) {
@@ -47,34 +49,34 @@ constexpr long double pi = std::numbers::pi_v<long double>;
 constexpr long double standard_gravity = 9.80665L;  // m/s^2, 3rd CGPM (1901)
 
 constexpr NamedUnit named_units[] = {
-    {"1", {1.0L, {}}, ""},
-    {"%", {1e-2L, {}}, ""},
-    {"ppm", {1e-6L, {}}, ""},
-    {"ppb", {1e-9L, {}}, ""},
-    {"m", {1.0L, dimension(1, 0)}, "numck"},
-    {"s", {1.0L, dimension(0, 1)}, "num"},
-    {"min", {60.0L, dimension(0, 1)}, ""},
-    {"h", {3600.0L, dimension(0, 1)}, ""},
-    {"day", {86400.0L, dimension(0, 1)}, ""},
-    {"Hz", {1.0L, dimension(0, -1)}, "mkMG"},
-    {"rad", {1.0L, dimension(0, 0, 1)}, "num"},
+    {"1", {1.0L, {}}},
+    {"%", {1e-2L, {}}},
+    {"ppm", {1e-6L, {}}},
+    {"ppb", {1e-9L, {}}},
+    {"m", {1.0L, dimension(1, 0)}, "numck", "a length"},
+    {"s", {1.0L, dimension(0, 1)}, "num", "a time"},
+    {"min", {60.0L, dimension(0, 1)}},
+    {"h", {3600.0L, dimension(0, 1)}},
+    {"day", {86400.0L, dimension(0, 1)}},
+    {"Hz", {1.0L, dimension(0, -1)}, "mkMG", "a frequency or rate"},
+    {"rad", {1.0L, dimension(0, 0, 1)}, "num", "an angle"},
     {"deg", {pi / 180.0L, dimension(0, 0, 1)}, "um"},
-    {"arcmin", {pi / 10800.0L, dimension(0, 0, 1)}, ""},
+    {"arcmin", {pi / 10800.0L, dimension(0, 0, 1)}},
     {"arcsec", {pi / 648000.0L, dimension(0, 0, 1)}, "um"},
-    {"mil", {pi / 3200.0L, dimension(0, 0, 1)}, ""},
+    {"mil", {pi / 3200.0L, dimension(0, 0, 1)}},
     {"gon", {pi / 200.0L, dimension(0, 0, 1)}, "m"},
-    {"g", {standard_gravity, dimension(1, -2)}, "num"},
+    {"g", {standard_gravity, dimension(1, -2)}, "num", "an acceleration"},
     {"Gal", {1e-2L, dimension(1, -2)}, "um"},
-    {"kn", {1852.0L / 3600.0L, dimension(1, -1)}, ""},
-    {"nmi", {1852.0L, dimension(1, 0)}, ""},
-    {"ft", {0.3048L, dimension(1, 0)}, ""},
-    {"kg", {1.0L, dimension(0, 0, 0, 1)}, ""},
-    {"K", {1.0L, dimension(0, 0, 0, 0, 1)}, "um"},
-    {"A", {1.0L, dimension(0, 0, 0, 0, 0, 1)}, "numk"},
-    {"N", {1.0L, dimension(1, -2, 0, 1)}, "umk"},
-    {"Pa", {1.0L, dimension(-1, -2, 0, 1)}, "mhkM"},
-    {"T", {1.0L, dimension(0, -2, 0, 1, 0, -1)}, "num"},
-    {"V", {1.0L, dimension(2, -3, 0, 1, 0, -1)}, "numk"},
+    {"kn", {1852.0L / 3600.0L, dimension(1, -1)}, "", "a velocity"},
+    {"nmi", {1852.0L, dimension(1, 0)}},
+    {"ft", {0.3048L, dimension(1, 0)}},
+    {"kg", {1.0L, dimension(0, 0, 0, 1)}, "", "a mass"},
+    {"K", {1.0L, dimension(0, 0, 0, 0, 1)}, "um", "a temperature"},
+    {"A", {1.0L, dimension(0, 0, 0, 0, 0, 1)}, "numk", "a current"},
+    {"N", {1.0L, dimension(1, -2, 0, 1)}, "umk", "a force"},
+    {"Pa", {1.0L, dimension(-1, -2, 0, 1)}, "mhkM", "a pressure"},
+    {"T", {1.0L, dimension(0, -2, 0, 1, 0, -1)}, "num", "a magnetic flux density"},
+    {"V", {1.0L, dimension(2, -3, 0, 1, 0, -1)}, "numk", "a voltage"},
 };
 
 /// Spellings that are common elsewhere and that a search by edits would miss.
@@ -94,30 +96,20 @@ constexpr std::pair<char, long double> prefixes[] = {{'n', 1e-9L}, {'u', 1e-6L},
                                                      {'h', 1e2L},  {'k', 1e3L},  {'M', 1e6L},  {'G', 1e9L}};
 
 const NamedUnit* find_named(std::string_view name) {
-  const auto* end = std::end(named_units);
-  const auto* found = std::find_if(std::begin(named_units), end, [&](const NamedUnit& u) { return u.name == name; });
-  return found == end ? nullptr : found;
+  const auto* found = std::ranges::find(named_units, name, &NamedUnit::name);
+  return found == std::end(named_units) ? nullptr : found;
 }
 
 std::optional<Measure> find_measure(std::string_view name) {
   if (const NamedUnit* unit = find_named(name)) return unit->measure;
-  if (name.size() < 2) return std::nullopt;
-  const NamedUnit* unit = find_named(name.substr(1));
-  if (!unit || unit->prefixes.find(name[0]) == std::string_view::npos) return std::nullopt;
-  const auto* prefix = std::find_if(prefixes, std::end(prefixes), [&](const auto& p) { return p.first == name[0]; });
-  return Measure{unit->measure.scale * prefix->second, unit->measure.dimension};
-}
-
-std::vector<std::string> every_name() {
-  std::vector<std::string> names;
-  for (const NamedUnit& unit : named_units) names.emplace_back(unit.name);
-  for (const NamedUnit& unit : named_units)
-    for (const char prefix : unit.prefixes) names.push_back(prefix + std::string(unit.name));
-  return names;
+  const NamedUnit* unit = name.empty() ? nullptr : find_named(name.substr(1));
+  for (const auto& [prefix, scale] : prefixes)
+    if (unit && prefix == name[0] && unit->prefixes.find(prefix) != name.npos)
+      return Measure{unit->measure.scale * scale, unit->measure.dimension};
+  return std::nullopt;
 }
 
 using base::in_quotes;
-
 using base::is_digit;
 
 bool is_name_character(char c) {
@@ -134,40 +126,39 @@ struct Refusal {
 /// unit    = factor { ("*" | "." | "/") factor }
 /// factor  = primary [ "^" integer ]
 /// primary = "sqrt(" unit ")" | "(" unit ")" | name
-class UnitParser {
- public:
-  explicit UnitParser(std::string_view text) : text_(text) {}
+struct UnitParser {
+  std::string_view text;
+  std::size_t at = 0;
 
   /// Throws a Refusal.
   Measure parse() {
-    if (text_.size() > longest) throw Refusal{"is too long"};
+    if (text.size() > longest) throw Refusal{"is too long"};
     const Measure result = unit();
-    if (at_ < text_.size()) throw unexpected();
+    if (at < text.size()) throw unexpected();
     if (!std::isnormal(static_cast<double>(result.scale))) throw Refusal{"is out of range"};
     return result;
   }
 
- private:
   static constexpr std::size_t longest = 80;
   static constexpr int largest_exponent = 12;
 
-  char peek(std::size_t ahead = 0) const { return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0'; }
+  char peek(std::size_t ahead = 0) const { return at + ahead < text.size() ? text[at + ahead] : '\0'; }
 
   Refusal unexpected() const {
-    if (at_ >= text_.size()) return {"ends where a unit is expected"};
-    const std::string found = "has an unexpected " + in_quotes(text_.substr(at_, 1));
-    if (is_digit(peek()) && at_ > 0) return {found + "; a power is written '^" + peek() + "'"};
+    if (at >= text.size()) return {"ends where a unit is expected"};
+    const std::string found = "has an unexpected " + in_quotes(text.substr(at, 1));
+    if (is_digit(peek()) && at > 0) return {found + "; a power is written '^" + peek() + "'"};
     return {found + (peek() == ' ' ? "; write '*' for a product" : "")};
   }
 
   Measure unit() {
     Measure result = factor();
     while (peek() == '*' || peek() == '.' || peek() == '/') {
-      const bool divide = text_[at_++] == '/';
+      const bool divide = text[at++] == '/';
       const Measure next = factor();
       result = divide ? Measure{result.scale / next.scale, result.dimension / next.dimension}
                       : Measure{result.scale * next.scale, result.dimension * next.dimension};
-      check_range(result);
+      check_exponents(result);
     }
     return result;
   }
@@ -175,37 +166,33 @@ class UnitParser {
   Measure factor() {
     const Measure base = primary();
     if (peek() != '^') return base;
-    ++at_;
+    ++at;
     int exponent = 0;
-    const char* first = text_.data() + at_;
-    const auto [last, status] = std::from_chars(first, text_.data() + text_.size(), exponent);
-    at_ += static_cast<std::size_t>(last - first);
+    const char* first = text.data() + at;
+    const auto [last, status] = std::from_chars(first, text.data() + text.size(), exponent);
+    at += static_cast<std::size_t>(last - first);
     if (status != std::errc() || (peek() == '.' && is_digit(peek(1))))
       throw Refusal{"has a power that is no whole number; a root is written sqrt(...)"};
-    return power(base, exponent);
-  }
-
-  static Measure power(const Measure& base, int exponent) {
     if (std::abs(exponent) > largest_exponent) throw Refusal{"has an exponent out of range"};
     Measure result{1.0L, base.dimension};
     for (int i = 0; i < std::abs(exponent); ++i) result.scale *= base.scale;
     if (exponent < 0) result.scale = 1.0L / result.scale;
     for (int& doubled : result.dimension.doubled) doubled *= exponent;
-    check_range(result);
+    check_exponents(result);
     return result;
   }
 
-  static void check_range(const Measure& measure) {
+  static void check_exponents(const Measure& measure) {
     for (const int doubled : measure.dimension.doubled)
       if (std::abs(doubled) > 2 * largest_exponent) throw Refusal{"has an exponent out of range"};
   }
 
   Measure primary() {
     if (peek() == '(') return parenthesis();
-    const std::size_t start = at_;
-    while (is_name_character(peek())) ++at_;
-    if (at_ == start && peek() == '1') ++at_;
-    const std::string_view name = text_.substr(start, at_ - start);
+    const std::size_t start = at;
+    while (is_name_character(peek())) ++at;
+    if (at == start && peek() == '1') ++at;
+    const std::string_view name = text.substr(start, at - start);
     if (name.empty()) throw unexpected();
     if (name == "sqrt" && peek() == '(') return root(parenthesis());
     if (const std::optional<Measure> found = find_measure(name)) return *found;
@@ -213,10 +200,10 @@ class UnitParser {
   }
 
   Measure parenthesis() {
-    ++at_;
+    ++at;
     const Measure inner = unit();
-    if (peek() != ')') throw at_ < text_.size() ? unexpected() : Refusal{"lacks a ')'"};
-    ++at_;
+    if (peek() != ')') throw at < text.size() ? unexpected() : Refusal{"lacks a ')'"};
+    ++at;
     return inner;
   }
 
@@ -228,22 +215,22 @@ class UnitParser {
     }
     return result;
   }
-
-  std::string_view text_;
-  std::size_t at_ = 0;
 };
 
 std::string meant_name(std::string_view name) {
   for (const auto& [other, ours] : other_spellings)
     if (other == name) return std::string(ours);
-  return closest(name, every_name());
+  std::vector<std::string> names = base::names_of(named_units);
+  for (const NamedUnit& unit : named_units)
+    for (const char prefix : unit.prefixes) names.push_back(prefix + std::string(unit.name));
+  return closest(name, names);
 }
 
 /// The text with every unknown name replaced by the one that was probably meant; "" if that makes no unit.
 std::string meant_unit(std::string text) {
   for (int replaced = 0; replaced < 4; ++replaced) {
     try {
-      UnitParser(text).parse();
+      UnitParser{text}.parse();
       return text;
     } catch (const Refusal& refusal) {
       const std::string meant = refusal.name.empty() ? "" : meant_name(refusal.name);
@@ -267,7 +254,7 @@ Parsed<Measure> read_measure(std::string_view text) {
   using Result = Parsed<Measure>;
   if (text.empty()) return Result::failure("empty unit; a number without a unit is '1'");
   try {
-    return UnitParser(text).parse();
+    return UnitParser{text}.parse();
   } catch (const Refusal& refusal) {
     return Result::failure(refusal.name.empty() ? "unit " + in_quotes(text) + " " + refusal.why
                                                 : unknown_message(text, refusal.name));
@@ -333,8 +320,6 @@ Parsed<Quantity> parse_quantity(std::string_view text) {
   return Quantity{si, measure->dimension};
 }
 
-constexpr std::string_view time_units[] = {"ns", "us", "ms", "s", "min", "h", "day"};
-
 Parsed<std::int64_t> parse_time(std::string_view text) {
   using Result = Parsed<std::int64_t>;
   text = trimmed(text);
@@ -343,9 +328,10 @@ Parsed<std::int64_t> parse_time(std::string_view text) {
   if (!written) return Result::failure(quoted + " does not begin with a number; expected something like '120 s'");
   if (written->unit.empty())
     return Result::failure(quoted + " has no unit; write " + in_quotes(std::string(text) + " s"));
-  if (std::find(time_units, std::end(time_units), written->unit) == std::end(time_units))
+  const std::optional<Measure> unit = find_measure(written->unit);
+  if (!unit || unit->dimension != dimension(0, 1))
     return Result::failure("unit " + in_quotes(written->unit) + " is no time; use ns, us, ms, s, min, h or day");
-  const long double nanoseconds = written->value * std::round(find_measure(written->unit)->scale * 1e9L);
+  const long double nanoseconds = written->value * std::round(unit->scale * 1e9L);
   if (!written->fits || !(std::abs(nanoseconds) < 9223372036854775807.0L))
     return Result::failure("the time " + quoted + " is out of range");
   return static_cast<std::int64_t>(std::llround(nanoseconds));
@@ -355,30 +341,24 @@ Parsed<std::int64_t> parse_time(std::string_view text) {
 
 namespace {
 
-constexpr std::string_view base_names[] = {"m", "s", "rad", "kg", "K", "A"};
-constexpr std::size_t print_order[] = {Dimension::mass,        Dimension::length,  Dimension::angle,
-                                       Dimension::temperature, Dimension::current, Dimension::time};
+/// In the order of printing.
+constexpr std::pair<Dimension::Base, std::string_view> base_units[] = {
+    {Dimension::mass, "kg"},       {Dimension::length, "m"},  {Dimension::angle, "rad"},
+    {Dimension::temperature, "K"}, {Dimension::current, "A"}, {Dimension::time, "s"}};
 
 /// "m^2" for 4, "m*sqrt(m)" for 3; the factors joined by the separator.
 std::string power_text(std::string_view base, int doubled, char separator) {
-  std::string text;
-  if (doubled / 2 == 1) text = base;
-  if (doubled / 2 > 1) text = std::string(base) + "^" + std::to_string(doubled / 2);
+  std::string text(doubled / 2 > 0 ? base : "");
+  if (doubled / 2 > 1) text += "^" + std::to_string(doubled / 2);
   if (doubled % 2 == 0) return text;
   if (!text.empty()) text += separator;
   return text + "sqrt(" + std::string(base) + ")";
 }
 
 constexpr std::pair<std::string_view, std::string_view> named_dimensions[] = {
-    {"m", "a length"},
-    {"s", "a time"},
-    {"rad", "an angle"},
-    {"m/s", "a velocity"},
-    {"m/s^2", "an acceleration"},
     {"m/s^3", "a jerk"},
     {"rad/s", "an angular rate"},
     {"rad/s^2", "an angular acceleration"},
-    {"1/s", "a frequency or rate"},
     {"m^2", "an area or squared length"},
     {"rad^2", "a squared angle"},
     {"1/m", "a curvature"},
@@ -387,27 +367,18 @@ constexpr std::pair<std::string_view, std::string_view> named_dimensions[] = {
     {"m/s^2/sqrt(s)", "an acceleration random walk"},
     {"rad/sqrt(s)", "an angle random walk"},
     {"rad/s/sqrt(s)", "an angular rate random walk"},
-    {"kg", "a mass"},
-    {"K", "a temperature"},
-    {"A", "a current"},
-    {"N", "a force"},
-    {"Pa", "a pressure"},
-    {"T", "a magnetic flux density"},
-    {"V", "a voltage"},
 };
-
-constexpr std::string_view derived_units[] = {"N", "Pa", "T", "V"};
 
 }  // namespace
 
 std::string si_unit(const Dimension& dimension) {
-  for (const std::string_view name : derived_units)
-    if (find_named(name)->measure.dimension == dimension) return std::string(name);
+  for (const char* derived : {"N", "Pa", "T", "V"})
+    if (find_named(derived)->measure.dimension == dimension) return derived;
   std::string above, below;
-  for (const std::size_t base : print_order) {
+  for (const auto& [base, unit] : base_units) {
     const int doubled = dimension.doubled[base];
-    if (doubled > 0) above += (above.empty() ? "" : "*") + power_text(base_names[base], doubled, '*');
-    if (doubled < 0) below += "/" + power_text(base_names[base], -doubled, '/');
+    if (doubled > 0) above += (above.empty() ? "" : "*") + power_text(unit, doubled, '*');
+    if (doubled < 0) below += "/" + power_text(unit, -doubled, '/');
   }
   return (above.empty() ? "1" : above) + below;
 }
@@ -415,6 +386,9 @@ std::string si_unit(const Dimension& dimension) {
 std::string dimension_name(const Dimension& dimension) {
   if (dimension.is_dimensionless()) return "a plain number";
   const std::string unit = si_unit(dimension);
+  for (const NamedUnit& known : named_units)
+    if (known.measure.dimension == dimension && !known.quantity.empty())
+      return std::string(known.quantity) + " (" + unit + ")";
   for (const auto& [of, name] : named_dimensions)
     if (of == unit) return std::string(name) + " (" + unit + ")";
   return "a quantity in " + unit;

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // "${name}" in the texts of a config, from its "vars" and from --var.
-#include "config/variables.hpp"
-
 #include <algorithm>
-#include <cstddef>
-#include <optional>
 #include <set>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "base/text.hpp"
-#include "config/json_reader.hpp"
-#include "config/pointer.hpp"
+#include "config/node.hpp"
 
 namespace binnacle::config {
 
@@ -23,28 +16,30 @@ const Origin command_line{"--var", 0, 0};
 using base::in_quotes;
 
 bool is_name(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return base::is_word(c, "_-."); });
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return base::is_word(c, "_-."); });
 }
 
 class Variables {
  public:
-  Variables(const Node& root, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
-    if (const Member* vars = root.find("vars")) declare(vars->value);
+  explicit Variables(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+  void declare(const Node& vars) {
+    if (!vars.json.is_object()) return report("B006", vars, "/vars", "expected an object, found " + kind_name(vars));
+    declared_ = vars;
+    for (const auto& [name, origin, value] : vars.children)
+      if (!value.json.is_string() && !value.json.is_number())
+        report("B006", value, join_pointer("/vars", name), "expected a text or a number, found " + kind_name(value));
   }
 
-  void take(const std::map<std::string, std::string>& given, const Folder& folder) {
-    for (const auto& [name, text] : given) {
-      if (!is_name(name) || !is_utf8(text)) {
-        diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " does not read name=value");
-        continue;
-      }
-      const Member* declared = declared_.find(name);
-      std::optional<Node> number;
-      if (declared && declared->value.json.is_number()) number = read_json_value(text, "--var", folder);
-      const bool is_number = number && number->json.is_number();
-      given_.emplace(name, is_number ? *std::move(number) : Node{text, command_line, folder});
-      if (declared) used_.insert(name);
-    }
+  void give(const std::string& name, const std::string& text, const Folder& folder) {
+    if (!is_name(name) || !is_utf8(text))
+      return diagnostics_.error("B029", command_line, "", in_quotes("--var " + name) + " does not read name=value");
+    const Member* declared = declared_.find(name);
+    std::optional<Node> number;
+    if (declared && declared->value.json.is_number()) number = read_json_value(text, command_line.file, folder);
+    const bool is_number = number && number->json.is_number();
+    given_.emplace(name, is_number ? *std::move(number) : Node{text, command_line, folder});
+    if (declared) used_.insert(name);
   }
 
   /// What --var gives is taken as it is, and stands under "vars" with the rest, so that the resolved config says
@@ -55,52 +50,30 @@ class Variables {
       if (Member* member = vars ? vars->value.find(name) : nullptr) member->value = Node{};
     fill_in(root, "");
     for (const auto& [name, value] : given_) {
-      if (!used_.contains(name)) continue;
-      if (!root.find("vars"))
-        root.members.push_back({"vars", command_line, {Json::object(), command_line, value.folder}});
-      Node& all = root.find("vars")->value;
-      if (Member* member = all.find(name))
+      if (!used_.contains(name)) {
+        diagnostics_.error("B029", command_line, "",
+                           "the config has no variable " + in_quotes(name) + suggestion(name));
+        continue;
+      }
+      if (!vars) {
+        root.children.push_back({"vars", command_line, {Json::object(), command_line, value.folder}});
+        vars = &root.children.back();
+      }
+      if (Member* member = vars->value.find(name))
         member->value = value;
-      else if (all.json.is_object())
-        all.members.push_back({name, command_line, value});
-    }
-  }
-
-  void check_given() {
-    for (const auto& [name, value] : given_) {
-      if (used_.contains(name)) continue;
-      diagnostics_.error("B029", command_line, "", "the config has no variable " + in_quotes(name) + suggestion(name));
+      else if (vars->value.json.is_object())
+        vars->value.children.push_back({name, command_line, value});
     }
   }
 
  private:
-  void declare(const Node& vars) {
-    if (!vars.json.is_object()) {
-      report("B006", vars, "/vars", "expected an object, found " + kind_name(vars));
-      return;
-    }
-    declared_ = vars;
-    for (const Member& member : vars.members) {
-      if (member.value.json.is_string() || member.value.json.is_number()) continue;
-      report("B006", member.value, join_pointer("/vars", member.key),
-             "expected a text or a number, found " + kind_name(member.value));
-    }
-  }
-
   void fill_in(Node& node, const std::string& pointer) {
     if (node.json.is_string()) {
       const Origin origin = node.origin;
       node = filled(node, pointer);
       node.origin = origin;
     }
-    for (std::size_t i = 0; i < node.elements.size(); ++i) fill_in(node.elements[i], join_pointer(pointer, i));
-    for (Member& member : node.members) fill_in(member.value, join_pointer(pointer, member.key));
-  }
-
-  const Node* variable(const std::string& name) const {
-    if (const auto found = given_.find(name); found != given_.end()) return &found->second;
-    const Member* member = declared_.find(name);
-    return member ? &member->value : nullptr;
+    for (Member& child : node.children) fill_in(child.value, join_pointer(pointer, child.key));
   }
 
   std::string suggestion(const std::string& name) const { return base::suggestion(name, declared_.keys()); }
@@ -114,13 +87,10 @@ class Variables {
     Node result = node;
     std::string output;
     for (std::size_t at = 0; at < text.size();) {
-      if (text.compare(at, 3, "$${") == 0) {
-        output += "${";
-        at += 3;
-        continue;
-      }
-      if (text.compare(at, 2, "${") != 0) {
-        output += text[at++];
+      const bool is_literal = text.compare(at, 3, "$${") == 0;
+      if (is_literal || text.compare(at, 2, "${") != 0) {
+        output += is_literal ? "${" : text.substr(at, 1);
+        at += is_literal ? 3 : 1;
         continue;
       }
       const std::size_t close = text.find('}', at);
@@ -142,8 +112,9 @@ class Variables {
 
   /// Filled in itself: a variable may be made of others.
   std::optional<Node> value_of(const std::string& name, const Node& user, const std::string& pointer) {
-    const Node* declared = variable(name);
-    if (!declared) {
+    const auto given = given_.find(name);
+    const Member* declared = declared_.find(name);
+    if (given == given_.end() && !declared) {
       const std::string remedy = suggestion(name);
       report("B005", user, pointer,
              "unknown variable " + in_quotes(name) +
@@ -151,18 +122,20 @@ class Variables {
       return std::nullopt;
     }
     used_.insert(name);
-    if (const auto first = std::find(open_.begin(), open_.end(), name); first != open_.end()) {
+    if (given != given_.end()) return given->second;
+    if (const auto first = std::ranges::find(open_, name); first != open_.end()) {
       std::string chain;
       for (auto open = first; open != open_.end(); ++open) chain += *open + " -> ";
       report("B005", user, pointer, "variables form a cycle: " + chain + name);
       return std::nullopt;
     }
-    if (declared->json.is_number()) return *declared;
-    if (!declared->json.is_string()) return std::nullopt;  // reported by declare
+    const Node& value = declared->value;
+    if (value.json.is_number()) return value;
+    if (!value.json.is_string()) return std::nullopt;  // reported by declare
     open_.push_back(name);
-    Node value = given_.contains(name) ? *declared : filled(*declared, join_pointer("/vars", name));
+    Node result = filled(value, join_pointer("/vars", name));
     open_.pop_back();
-    return value;
+    return result;
   }
 
   Node declared_;
@@ -176,10 +149,10 @@ class Variables {
 
 void fill_in_variables(Node& root, const std::map<std::string, std::string>& given, const Folder& current_folder,
                        Diagnostics& diagnostics) {
-  Variables variables(root, diagnostics);
-  variables.take(given, current_folder);
+  Variables variables(diagnostics);
+  if (const Member* vars = root.find("vars")) variables.declare(vars->value);
+  for (const auto& [name, text] : given) variables.give(name, text, current_folder);
   variables.fill_in_all(root);
-  variables.check_given();
 }
 
 }  // namespace binnacle::config

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slot for every thread that calls plugins. Slots are never destroyed: exit() ends a thread's own objects first, and
-// its handlers want to read them.
-#include <algorithm>
+// Every thread that calls plugins has its site listed. What handlers of exit() want to read is never destroyed: it ends a
+// thread's own objects first.
 #include <cstdio>
-#include <deque>
 #include <mutex>
 #include <string_view>
 
@@ -13,46 +11,35 @@ namespace binnacle {
 
 namespace {
 
-struct Slot {
-  std::atomic<const CallSite*> site{nullptr};
-  bool is_taken = false;
-};
+using ThreadSite = std::atomic<const CallSite*>;
 
-struct Slots {
+struct Threads {
   std::mutex mutex;
-  std::deque<Slot> all;  // a deque: a slot never moves
+  std::vector<const ThreadSite*> sites;
 };
 
-Slots& slots() {
-  static Slots& kept = *new Slots;
+Threads& threads() {
+  static Threads& kept = *new Threads;
   return kept;
 }
 
-thread_local Slot* own_slot = nullptr;
+thread_local ThreadSite own_site{nullptr};
 
-/// Gives the slot back when the thread ends; not when it ends inside a plugin call, which is exit().
-struct GiveBack {
-  ~GiveBack() {
-    if (own_slot->site.load(std::memory_order_relaxed)) return;
-    const std::lock_guard lock(slots().mutex);
-    own_slot->is_taken = false;
-    own_slot = nullptr;
+/// Lists this thread's site until the thread ends; not when it ends inside a plugin call, which is exit().
+struct Listed {
+  Listed() {
+    const std::lock_guard lock(threads().mutex);
+    threads().sites.push_back(&own_site);
+  }
+  ~Listed() {
+    if (own_site.load(std::memory_order_relaxed)) return;
+    const std::lock_guard lock(threads().mutex);
+    std::erase(threads().sites, &own_site);
   }
 };
 
-Slot& slot_of_this_thread() {
-  if (own_slot) return *own_slot;
-  const std::lock_guard lock(slots().mutex);
-  auto& all = slots().all;
-  const auto free = std::find_if(all.begin(), all.end(), [](const Slot& slot) { return !slot.is_taken; });
-  own_slot = free != all.end() ? &*free : &all.emplace_back();
-  own_slot->is_taken = true;
-  static thread_local GiveBack at_end;
-  return *own_slot;
-}
-
-std::string text_of(const Slot& slot) {
-  const CallSite* site = slot.site.load(std::memory_order_acquire);
+std::string text_at(const ThreadSite& thread) {
+  const CallSite* site = thread.load(std::memory_order_acquire);
   return site ? site->text() : "";
 }
 
@@ -82,20 +69,20 @@ std::string CallSite::text() const {
 }
 
 CallScope::CallScope(const CallSite& site) noexcept {
-  auto& own = slot_of_this_thread().site;  // no other thread writes it
-  previous_ = own.load(std::memory_order_relaxed);
-  own.store(&site, std::memory_order_release);
+  static thread_local const Listed listed;
+  previous_ = own_site.load(std::memory_order_relaxed);  // no other thread writes it
+  own_site.store(&site, std::memory_order_release);
 }
 
-CallScope::~CallScope() { own_slot->site.store(previous_, std::memory_order_release); }
+CallScope::~CallScope() { own_site.store(previous_, std::memory_order_release); }
 
-std::string plugin_call_under_way() { return own_slot ? text_of(*own_slot) : ""; }
+std::string plugin_call_under_way() { return text_at(own_site); }
 
 std::vector<std::string> plugin_calls_under_way() {
   std::vector<std::string> texts;
-  const std::lock_guard lock(slots().mutex);
-  for (const auto& slot : slots().all)
-    if (std::string text = text_of(slot); !text.empty()) texts.push_back(std::move(text));
+  const std::lock_guard lock(threads().mutex);
+  for (const ThreadSite* site : threads().sites)
+    if (std::string text = text_at(*site); !text.empty()) texts.push_back(std::move(text));
   return texts;
 }
 

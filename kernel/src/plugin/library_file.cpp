@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading the guard out of an ELF file (System V ABI, gABI chapters 4 and 5), every offset checked against the file.
-#include "plugin/library_file.hpp"
-
 #include <elf.h>
 
 #include <link.h>
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <string_view>
-#include <vector>
+
+#include "plugin/library.hpp"
 
 namespace binnacle::plugin {
 
@@ -23,14 +21,6 @@ using Symbol = ElfW(Sym);
 constexpr int native_class = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
 constexpr std::size_t largest_table = std::size_t{1} << 28;  // of a file that lies about its sizes
 
-/// The machine that this program was built for is that of its own header.
-Header own_header() {
-  Header header{};
-  std::ifstream stream("/proc/self/exe", std::ios::binary);
-  stream.read(reinterpret_cast<char*>(&header), sizeof header);
-  return header;
-}
-
 struct Unreadable {
   const char* why;
 };
@@ -43,6 +33,8 @@ class Reader {
     const auto end = stream_.tellg();
     size_ = stream_ && end > 0 ? static_cast<std::size_t>(end) : 0;
   }
+
+  std::size_t size() const { return size_; }
 
   bool read(std::size_t offset, void* to, std::size_t bytes) {
     if (offset > size_ || bytes > size_ - offset) return false;
@@ -58,22 +50,23 @@ class Reader {
     return items;
   }
 
-  std::size_t size() const { return size_; }
-
  private:
   std::ifstream stream_;
   std::size_t size_ = 0;
 };
 
-void check_header(const Header& header) {
-  static_assert(EI_NIDENT == 16);
+Header read_header(Reader& reader) {
+  Header header{}, own{};  // the machine that this program was built for is that of its own header
+  std::ifstream("/proc/self/exe", std::ios::binary).read(reinterpret_cast<char*>(&own), sizeof own);
+  if (!reader.read(0, &header, sizeof header))
+    throw Unreadable{reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)"};
   if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) throw Unreadable{"it is no shared library (not an ELF file)"};
-  const Header own = own_header();
   if (header.e_ident[EI_CLASS] != native_class || header.e_ident[EI_DATA] != own.e_ident[EI_DATA] ||
       header.e_machine != own.e_machine)
     throw Unreadable{"it is built for another machine"};
   if (header.e_type != ET_DYN || header.e_phentsize != sizeof(Segment) || header.e_shentsize != sizeof(Section))
     throw Unreadable{"it is no shared library"};
+  return header;
 }
 
 bool is_exported(const Symbol& symbol) {
@@ -84,34 +77,14 @@ bool is_exported(const Symbol& symbol) {
 /// The bytes that the loader would put at the symbol's address.
 std::optional<abi::Guard> read_guard(Reader& reader, const std::vector<Segment>& segments, const Symbol& symbol) {
   for (const Segment& segment : segments) {
-    const bool inside = segment.p_type == PT_LOAD && symbol.st_value >= segment.p_vaddr &&
-                        symbol.st_value - segment.p_vaddr < segment.p_filesz;
-    if (!inside) continue;
-    const std::size_t shift = symbol.st_value - segment.p_vaddr;
+    const std::size_t shift = symbol.st_value - segment.p_vaddr;  // beyond the segment's size if it begins behind
+    if (segment.p_type != PT_LOAD || shift >= segment.p_filesz) continue;
     abi::Guard guard{};
     const std::size_t bytes =
         std::min({sizeof guard, std::size_t{symbol.st_size}, std::size_t{segment.p_filesz} - shift});
-    if (!reader.read(segment.p_offset + shift, &guard, bytes)) return std::nullopt;
-    return guard;
+    return reader.read(segment.p_offset + shift, &guard, bytes) ? std::optional(guard) : std::nullopt;
   }
   return std::nullopt;
-}
-
-void read_symbols(Reader& reader, const std::vector<Segment>& segments, const std::vector<Symbol>& symbols,
-                  const std::vector<char>& names, LibraryFile& result) {
-  constexpr std::string_view any_guard = "binnacle_guard_v";
-  for (const Symbol& symbol : symbols) {
-    if (!is_exported(symbol) || symbol.st_name >= names.size()) continue;
-    const char* start = names.data() + symbol.st_name;
-    const std::string_view name(start, strnlen(start, names.size() - symbol.st_name));
-    result.exported.emplace_back(name);
-    if (name == register_symbol) result.has_register = true;
-    if (name == guard_symbol) {
-      result.guard = read_guard(reader, segments, symbol);
-    } else if (name.starts_with(any_guard)) {
-      result.other_guard = name;
-    }
-  }
 }
 
 }  // namespace
@@ -120,18 +93,24 @@ LibraryFile inspect_library(const std::filesystem::path& file) {
   LibraryFile result;
   try {
     Reader reader(file);
-    Header header{};
-    if (!reader.read(0, &header, sizeof header))
-      throw Unreadable{reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)"};
-    check_header(header);
+    const Header header = read_header(reader);
     const auto segments = reader.table<Segment>(header.e_phoff, header.e_phnum * sizeof(Segment));
     const auto sections = reader.table<Section>(header.e_shoff, header.e_shnum * sizeof(Section));
     for (const Section& section : sections) {
       if (section.sh_type != SHT_DYNSYM) continue;
       if (section.sh_link >= sections.size()) throw Unreadable{damaged};
       const Section& texts = sections[section.sh_link];
-      read_symbols(reader, segments, reader.table<Symbol>(section.sh_offset, section.sh_size),
-                   reader.table<char>(texts.sh_offset, texts.sh_size), result);
+      const auto names = reader.table<char>(texts.sh_offset, texts.sh_size);
+      for (const Symbol& symbol : reader.table<Symbol>(section.sh_offset, section.sh_size)) {
+        if (!is_exported(symbol) || symbol.st_name >= names.size()) continue;
+        const char* start = names.data() + symbol.st_name;
+        const std::string name(start, strnlen(start, names.size() - symbol.st_name));
+        result.exported.push_back(name);
+        if (name == guard_symbol)
+          result.guard = read_guard(reader, segments, symbol);
+        else if (name.starts_with("binnacle_guard_v"))
+          result.other_guard = name;
+      }
     }
   } catch (const Unreadable& found) {
     result.unreadable = found.why;

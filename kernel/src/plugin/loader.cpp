@@ -1,51 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loading one plugin file, and the library boundary at which what a plugin throws is caught.
-#include "plugin/loader.hpp"
-
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <exception>
+#include <iterator>
 #include <set>
-#include <string>
+#include <system_error>
 #include <utility>
 
 #define BOOST_DLL_USE_STD_FS
 #include <boost/dll/shared_library.hpp>
 
-#include "plugin/guard.hpp"
-#include "plugin/library_file.hpp"
+#include "plugin/library.hpp"
 #include "spec/check.hpp"
 
 namespace binnacle::plugin {
 
-/// Collects what a plugin registers.
-class PluginRegistry final : public Registry {
- public:
-  PluginRegistry(const PluginInfo& info, std::shared_ptr<const void> library)
-      : info_(info), library_(std::move(library)) {}
-
-  std::vector<ComponentType> types;
-
- protected:
-  void add_component(Role role, ComponentSpec spec, AnyFactory factory) override {
-    ComponentType& type = types.emplace_back();
-    type.role = role;
-    type.spec = std::move(spec);
-    type.plugin = info_.name;
-    type.plugin_version = info_.version;
-    type.file = info_.file;
-    type.factory_ = factory;
-    type.library_ = library_;
-  }
-
- private:
-  const PluginInfo& info_;
-  std::shared_ptr<const void> library_;
-};
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -60,61 +31,9 @@ std::string what_was_thrown() {
   }
 }
 
-/// What is wrong with a file, all at its place.
-class Report {
- public:
-  Report(const std::filesystem::path& file, Diagnostics& diagnostics) : place_{file.string(), 0, 0}, to_(diagnostics) {}
-
-  void warn(const char* code, std::string text) { to_.warning(code, place_, "", std::move(text)); }
-  /// False, for whoever returns it.
-  bool refuse(const char* code, std::string text) {
-    to_.error(code, place_, "", std::move(text));
-    return false;
-  }
-
- private:
-  Origin place_;
-  Diagnostics& to_;
-};
-
-bool check_file(const std::filesystem::path& file, Report& report) {
-  struct ::stat status {};
-  if (::stat(file.c_str(), &status) != 0)
-    return report.refuse("B040", std::string("the plugin cannot be opened: ") + std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) return report.refuse("B040", "the plugin is not a file");
-  if (status.st_mode & S_IWOTH)
-    return report.refuse("B044", "the plugin file is world-writable, so it is not loaded; chmod o-w it");
-  return true;
-}
-
-bool check_exports(const LibraryFile& library, Report& report) {
-  const auto no_plugin = [&](const std::string& why) {
-    return report.refuse("B041", "not a plugin for this program: " + why);
-  };
-  if (!library.unreadable.empty()) return no_plugin(library.unreadable);
-  if (!library.guard && !library.other_guard.empty())
-    return no_plugin("it is one for another major version (exports " + library.other_guard + ", not " + guard_symbol +
-                     ")");
-  if (!library.guard) return no_plugin(std::string("it exports no ") + guard_symbol);
-  if (!library.has_register) return no_plugin(std::string("it exports no ") + register_symbol);
-  return true;
-}
-
-bool check_guard(const abi::Guard& guard, Report& report) {
-  bool is_accepted = true;
-  for (const auto& difference : abi::compare(abi::guard_of_host(), guard, abi::processor_instruction_sets())) {
-    if (difference.severity == abi::Severity::refused)
-      is_accepted = report.refuse("B042", abi::to_string(difference));
-    else
-      report.warn("B043", abi::to_string(difference));
-  }
-  return is_accepted;
-}
-
 bool is_name(const std::string& text) {
   const auto allowed = [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; };
-  return !text.empty() && std::islower(static_cast<unsigned char>(text.front())) &&
-         std::all_of(text.begin(), text.end(), allowed);
+  return !text.empty() && std::islower(static_cast<unsigned char>(text.front())) && std::ranges::all_of(text, allowed);
 }
 
 /// "… (dlerror system message: X)" is X.
@@ -126,56 +45,119 @@ std::string loader_message(const std::string& text) {
   return text.substr(start + before.size(), end - start - before.size());
 }
 
-bool check_types(const PluginInfo& info, const std::vector<ComponentType>& types, Report& report) {
-  bool is_good = true;
-  std::set<std::string> seen;
-  for (const ComponentType& type : types) {
-    const ComponentSpec& spec = type.spec;
-    const std::string who = "plugin '" + info.name + "', component '" + spec.type + "': ";
-    if (!is_name(spec.type)) is_good = report.refuse("B045", who + "its type is no name in snake_case");
-    for (const std::string& defect : spec::spec_defects(spec)) is_good = report.refuse("B045", who + defect);
-    if (!seen.insert(spec.type).second)
-      is_good = report.refuse("B046", "plugin '" + info.name + "' registers '" + spec.type + "' twice");
-  }
-  return is_good;
-}
-
 }  // namespace
 
-std::optional<LoadedPlugin> load_plugin(const std::filesystem::path& file, Diagnostics& diagnostics,
-                                        const std::function<bool(const PluginInfo&)>& accept) {
-  Report report(file, diagnostics);
-  if (!check_file(file, report)) return std::nullopt;
-  const LibraryFile inspected = inspect_library(file);
-  if (!check_exports(inspected, report) || !check_guard(*inspected.guard, report)) return std::nullopt;
-  const PluginInfo info{abi::text_of(inspected.guard->name), abi::text_of(inspected.guard->version), file};
-  if (!is_name(info.name)) {
-    report.refuse("B045", "the plugin's name '" + info.name + "' is not in snake_case");
-    return std::nullopt;
+/// Loads a file and collects what it registers. What is wrong with it goes to the diagnostics, all at its place; checks
+/// say whether it is good.
+class PluginRegistry final : public Registry {
+ public:
+  PluginRegistry(const fs::path& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+
+  bool load(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types) {
+    if (!check_file()) return false;
+    const LibraryFile inspected = inspect_library(file_);
+    if (!check_exports(inspected) || !check_guard(*inspected.guard)) return false;
+    info_ = {abi::text_of(inspected.guard->name), abi::text_of(inspected.guard->version), file_};
+    if (!is_name(info_.name)) return refuse("B045", "the plugin's name '" + info_.name + "' is not in snake_case");
+    if (const auto other = std::ranges::find(plugins, info_.name, &PluginInfo::name); other != plugins.end())
+      return refuse("B046", "plugin '" + info_.name + "' is loaded already, from " + other->file.string());
+    CallSite site;
+    const std::string itself;
+    site.enter(&info_.name, itself, "loading it");
+    const CallScope scope(site);
+    try {
+      using namespace boost::dll;
+      library_ = std::make_shared<shared_library>(file_, load_mode::rtld_now | load_mode::rtld_local);
+    } catch (const std::exception& error) {
+      return refuse("B045", "the plugin cannot be loaded: " + loader_message(error.what()));
+    }
+    try {
+      library_->get<void(Registry&)>(register_symbol)(*this);
+    } catch (...) {
+      // The message is made inside the handler and the exception gone at its end, before the library may be.
+      return refuse("B045", "plugin '" + info_.name + "': " + register_symbol + " threw: " + what_was_thrown());
+    }
+    if (!check_types()) return false;
+    plugins.push_back(info_);
+    std::ranges::move(types_, std::back_inserter(types));
+    return true;
   }
-  if (!accept(info)) return std::nullopt;
-  CallSite site;
-  const std::string itself;
-  site.enter(&info.name, itself, "loading it");
-  const CallScope scope(site);
-  std::shared_ptr<boost::dll::shared_library> library;
-  try {
-    using namespace boost::dll;
-    library = std::make_shared<shared_library>(file, load_mode::rtld_now | load_mode::rtld_local);
-  } catch (const std::exception& error) {
-    report.refuse("B045", "the plugin cannot be loaded: " + loader_message(error.what()));
-    return std::nullopt;
+
+ protected:
+  void add_component(Role role, ComponentSpec spec, AnyFactory factory) override {
+    ComponentType& type = types_.emplace_back();
+    type.role = role;
+    type.spec = std::move(spec);
+    type.plugin = info_.name;
+    type.plugin_version = info_.version;
+    type.file = info_.file;
+    type.factory_ = factory;
+    type.library_ = library_;
   }
-  PluginRegistry registry(info, library);
-  try {
-    library->get<void(Registry&)>(register_symbol)(registry);
-  } catch (...) {
-    // The message is made inside the handler and the exception gone at its end, before the library may be.
-    report.refuse("B045", "plugin '" + info.name + "': " + register_symbol + " threw: " + what_was_thrown());
-    return std::nullopt;
+
+ private:
+  bool refuse(const char* code, std::string text) {
+    diagnostics_.error(code, {file_.string(), 0, 0}, "", std::move(text));
+    return false;
   }
-  if (!check_types(info, registry.types, report)) return std::nullopt;
-  return LoadedPlugin{info, std::move(registry.types)};
+
+  bool check_file() {
+    std::error_code error;
+    const fs::file_status status = fs::status(file_, error);
+    if (error) return refuse("B040", "the plugin cannot be opened: " + error.message());
+    if (!fs::is_regular_file(status)) return refuse("B040", "the plugin is not a file");
+    if ((status.permissions() & fs::perms::others_write) != fs::perms::none)
+      return refuse("B044", "the plugin file is world-writable, so it is not loaded; chmod o-w it");
+    return true;
+  }
+
+  bool check_exports(const LibraryFile& library) {
+    const auto no_plugin = [&](const std::string& why) {
+      return refuse("B041", "not a plugin for this program: " + why);
+    };
+    if (!library.unreadable.empty()) return no_plugin(library.unreadable);
+    if (!library.guard && !library.other_guard.empty())
+      return no_plugin("it is one for another major version (exports " + library.other_guard + ", not " + guard_symbol +
+                       ")");
+    if (!library.guard) return no_plugin("it exports no " + std::string(guard_symbol));
+    const bool has_register = std::ranges::find(library.exported, register_symbol) != library.exported.end();
+    return has_register || no_plugin("it exports no " + std::string(register_symbol));
+  }
+
+  bool check_guard(const abi::Guard& guard) {
+    bool is_good = true;
+    for (const auto& difference : abi::compare(abi::guard_of_host(), guard, abi::processor_instruction_sets()))
+      if (difference.severity == abi::Severity::refused)
+        is_good = refuse("B042", difference.text());
+      else
+        diagnostics_.warning("B043", {file_.string(), 0, 0}, "", difference.text());
+    return is_good;
+  }
+
+  bool check_types() {
+    bool is_good = true;
+    std::set<std::string> seen;
+    for (const ComponentType& type : types_) {
+      const ComponentSpec& spec = type.spec;
+      const std::string who = "plugin '" + info_.name + "', component '" + spec.type + "': ";
+      if (!is_name(spec.type)) is_good = refuse("B045", who + "its type is no name in snake_case");
+      for (const std::string& defect : spec::spec_defects(spec)) is_good = refuse("B045", who + defect);
+      if (!seen.insert(spec.type).second)
+        is_good = refuse("B046", "plugin '" + info_.name + "' registers '" + spec.type + "' twice");
+    }
+    return is_good;
+  }
+
+  const fs::path& file_;
+  Diagnostics& diagnostics_;
+  PluginInfo info_;
+  std::shared_ptr<boost::dll::shared_library> library_;
+  std::vector<ComponentType> types_;
+};
+
+void load_plugin(const fs::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+                 Diagnostics& diagnostics) {
+  PluginRegistry(file, diagnostics).load(plugins, types);
 }
 
 }  // namespace binnacle::plugin
@@ -184,16 +166,13 @@ namespace binnacle {
 
 void ComponentType::rethrow_as_component_error(const CallSite& site) {
   // Copies: the plugin's own exception object may not outlive its library.
-  std::string message;
   try {
     throw;
   } catch (const ComponentError& error) {
-    ComponentError copy = error;
-    throw copy;
+    throw ComponentError(error);
   } catch (...) {
-    message = site.text() + " threw: " + plugin::what_was_thrown();
+    throw ComponentError(site.text() + " threw: " + plugin::what_was_thrown());
   }
-  throw ComponentError(message);
 }
 
 }  // namespace binnacle

@@ -10,7 +10,6 @@
 
 #include "base/index.hpp"
 #include "base/text.hpp"
-#include "config/pointer.hpp"
 #include "spec/spec_text.hpp"
 
 namespace binnacle::spec {
@@ -344,10 +343,8 @@ class Checker {
   ParameterValue path(const ParameterSpec& spec, const Node& node) {
     const auto& name = node.json.get_ref<const std::string&>();
     if (name.empty() && !node.is_default) return wrong_type(spec, node);
-    const std::string resolved = name.empty() ? ""
-                                 : !node.is_default
-                                     ? document_.resolve_path(node.pointer)
-                                     : (document_.base_dir(node.pointer) / name).lexically_normal().string();
+    const std::string resolved =
+        name.empty() ? "" : (document_.base_dir(node.pointer) / name).lexically_normal().string();
     return made(Type::text, &ParameterValue::text, resolved);
   }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config/pointer.hpp"
+#include "config/node.hpp"
 #include "spec/check.hpp"
 
 namespace binnacle::spec {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plugin's shared library: as a file, before any of its code may run (library_file.cpp); its ABI guard against the
+// host's, field by field (guard.cpp); and loaded (loader.cpp).
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "binnacle/abi.hpp"
+#include "binnacle/catalog.hpp"
+
+namespace binnacle::abi {
+
+enum class Severity { warned, refused };
+
+/// One field in which host and plugin differ.
+struct Difference {
+  std::string field;
+  std::string host;
+  std::string plugin;
+  Severity severity = Severity::refused;
+  std::string remedy;  // one line
+
+  /// "sizeof(ComponentSpec): host 400, plugin 392; rebuild …"
+  std::string text() const { return field + ": host " + host + ", plugin " + plugin + "; " + remedy; }
+};
+
+/// What this program was compiled with.
+const Guard& guard_of_host();
+
+/// Nothing when they agree. Magic or size wrong: that alone, the rest being unreadable. `host_supports`: instruction
+/// sets that this processor has.
+std::vector<Difference> compare(const Guard& host, const Guard& plugin, std::uint64_t host_supports);
+
+/// Instruction sets of the processor at hand, as bits of Guard::instruction_sets.
+std::uint64_t processor_instruction_sets();
+
+/// The text in a fixed array, which may lack its final zero.
+template <std::size_t N>
+std::string text_of(const char (&text)[N]) {
+  const std::string_view view(text, N);
+  return std::string(view.substr(0, view.find('\0')));
+}
+
+}  // namespace binnacle::abi
+
+namespace binnacle::plugin {
+
+inline constexpr const char* guard_symbol = "binnacle_guard_v1";
+inline constexpr const char* register_symbol = "binnacle_register_v1";
+
+struct LibraryFile {
+  std::string unreadable;             // why it cannot be read as a library of this machine; "" when it can
+  std::string other_guard;            // "binnacle_guard_v2" where there is one of another version
+  std::vector<std::string> exported;  // symbols that other libraries could bind to
+  std::optional<abi::Guard> guard;    // as it lies in the file; its unread tail is zero when it is a shorter one
+};
+
+/// Reads the dynamic symbol table, which a stripped library has as well (Boost.DLL's library_info up to 1.8x reads the
+/// static one, and bounds nothing). Never throws for what the file holds.
+LibraryFile inspect_library(const std::filesystem::path& file);
+
+/// Checks a plugin file and its guard, loads it, and lets it register; adds it to those that are loaded, and its types.
+/// Nothing but errors in the diagnostics when it is refused.
+void load_plugin(const std::filesystem::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+                 Diagnostics& diagnostics);
+
+}  // namespace binnacle::plugin
