@@ -43,14 +43,14 @@ struct Fixture {
     void* begin = memory.data();
     std::size_t space = memory.size();
     arena = static_cast<std::byte*>(std::align(Layout::alignment, layout.size(), begin, space));
-    calls = std::make_unique<ModelCalls>(arena);
+    calls = std::make_unique<ModelCalls>();
     estimator = std::make_unique<Estimator>(plan(), composition->plan().channels, arena, *calls);
     estimator->reset();
     estimator->start();
   }
   const FilterPlan& plan() const { return composition->plan().filters[0]; }
   const MeasurementPlan& fix() const { return plan().measurements[0]; }
-  MatrixXd P() const { return estimator->covariance().view().as(); }
+  MatrixXd P() const { return estimator->covariance().as(); }
   Result linearize(double z) {
     SampleView sample;
     sample.t = 0;
@@ -97,8 +97,8 @@ TEST_CASE("a sample in its parts: linearizing and judging change nothing, correc
   REQUIRE(f.linearize(3));
   const auto& rows = f.estimator->rows();
   CHECK(rows.m == 1);
-  CHECK(rows.work.r[0] == 2);
-  CHECK(rows.work.H[0] == 1);
+  CHECK(rows.r[0] == 2);
+  CHECK(rows.H[0] == 1);
   CHECK(rows.R_nominal[0] == 0.7 * 0.7);
   const Judgement judged = f.estimator->judge(f.fix(), 0, 0, false);
   CHECK(judged.outcome == Outcome::accepted);
@@ -111,7 +111,7 @@ TEST_CASE("a sample in its parts: linearizing and judging change nothing, correc
   CHECK(std::abs(f.estimator->state()[0] - (1 + 4 / S * 2)) < 1e-14);
   CHECK(std::abs(f.P()(0, 0) - 4 * 0.49 / S) < 1e-14);
   CHECK(std::abs(f.P()(1, 1) - 0.09) < 1e-16);
-  CHECK_FALSE(f.estimator->corrector().has_reset());
+  CHECK_FALSE(f.estimator->has_reset());
 }
 
 TEST_CASE("a sample is judged: beyond the gate, withheld, refused, and P is opened by what is named") {

@@ -120,7 +120,7 @@ TEST_CASE("rows that are left out are counted by key and group, as long as there
   Fixture f;
   const std::int64_t keys[] = {7, 9, 7, 11};
   const int groups[] = {0, 0, 0, 0};
-  f.ledger.count_left_out(0, 4, keys, groups);
+  f.ledger.count_left_out(0, keys, groups);
   CHECK(f.ledger.tally(0).rows_left_out == 4);
   CHECK(f.ledger.left_out(0)[0].key == 7);
   CHECK(f.ledger.left_out(0)[0].count == 2);

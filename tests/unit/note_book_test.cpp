@@ -3,7 +3,7 @@
 #include <string>
 
 #include "catch.hpp"
-#include "filter/note_book.hpp"
+#include "filter/model_calls.hpp"
 
 using namespace binnacle;
 using filter::NoteBook;

@@ -69,7 +69,6 @@ struct Fixture {
     plan.input_kinds = {FieldKind::rate, FieldKind::increment};
     plan.input_used = {1, 1};
     plan.samples_per_step = samples_per_step;
-    plan.queue_capacity = 3;
     plan.queue_doubles = 1;
     Layout layout;
     plan.head = layout.add<TimeHead>(1);

@@ -189,7 +189,7 @@ void Composer::read_initial_channel(FilterBuild& build, BlockPlan& block, const 
   for (const auto& item : map.epoch) block.initial.fields.push_back(item.index);
   const Time max_age = read_time(document(), join_pointer(init_pointer, "max_age"), diagnostics_).value_or(0);
   const auto [entry, is_new] = build.initial_channels.emplace(*name, static_cast<int>(build.plan.initial.size()));
-  if (is_new) build.plan.initial.push_back(LatestPlan{channel, max_age, {}, {}, {}});
+  if (is_new) build.plan.initial.push_back(LatestPlan{channel, max_age, {}, {}});
   block.initial.channel = entry->second;
   auto& latest = build.plan.initial[as_size(entry->second)];
   if (max_age > 0) latest.max_age = latest.max_age == 0 ? max_age : std::min(latest.max_age, max_age);

@@ -128,7 +128,6 @@ bool Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_inde
     FieldMap::Item item;
     item.required = !field.is_optional;
     item.declared = declared++;
-    map.names.push_back(field.name);
     std::string name = field.name;
     const bool is_mapped = mapping && mapping->contains(field.name);
     if (is_mapped) {

@@ -160,7 +160,7 @@ class Composer {
   bool add_measurement(FilterBuild& build, const std::string& name, const std::string& pointer);
   bool add_part(FilterBuild& build, MeasurementPlan& measurement, const std::string& name, const std::string& pointer,
                 const std::vector<std::string>& reserved);
-  bool read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part, Component& component);
+  bool read_part_fields(const MeasurementPlan& measurement, PartPlan& part, Component& component);
   bool reserve_reads(FilterBuild& build, PartPlan& part, const Component& component);
   bool reads_bound_ports(const std::vector<int>& read_ports, const Component& component);
   void add_gate(MeasurementPlan& measurement, const std::string& pointer);

@@ -160,8 +160,7 @@ void Composer::lay_out() {
   Layout& layout = plan_->layout;
   const auto latest = [&](LatestPlan& plan) {
     plan.data = layout.add<double>(plan_->channels[as_size(plan.channel)].doubles());
-    plan.times = layout.add<Time>(2);
-    plan.state = layout.add<std::int32_t>(3);
+    plan.head = layout.add<SampleHead>(1);
   };
   for (auto& source : plan_->sources) {
     source.memory = layout.add<std::byte>(source.source->declaration().memory_bytes);
@@ -183,24 +182,22 @@ void Composer::lay_out() {
       measurement.tally = layout.add<Tally>(1);
       if (measurement.gate_unit != GateUnit::sample)
         measurement.left_out = layout.add<LeftOut>(2 * as_size(measurement.max_rows) + 32);
-      for (auto& part : measurement.parts) {
-        part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
-        measurement.memory_bytes += part.memory.count;
-      }
+      const std::size_t begin = layout.size();
+      for (auto& part : measurement.parts) part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
+      measurement.memory = {begin, layout.size() - begin};
       if (measurement.noise)
         measurement.noise_memory = layout.add<std::byte>(measurement.noise->declaration().memory_bytes);
       filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})
       for (auto& entry : *list) latest(entry);
-    filter.queue_capacity = 64;
+    constexpr std::size_t most_queued = 64;
     const auto group = as_size(filter.samples_per_step) + 1;
     filter.pending = layout.add<PendingInput>(group);
     filter.pending_fields = layout.add<double>(group * as_size(filter.input_fields));
     filter.driving_rates = layout.add<double>(as_size(filter.input_fields));
-    filter.queue = layout.add<QueueEntry>(as_size(filter.queue_capacity));
-    filter.queue_data = layout.add<double>(as_size(filter.queue_capacity) * filter.queue_doubles);
-    for (const auto& channel : plan_->channels) filter.channel_names.push_back(channel.name);
+    filter.queue = layout.add<QueueEntry>(most_queued);
+    filter.queue_data = layout.add<double>(most_queued * filter.queue_doubles);
   }
 }
 

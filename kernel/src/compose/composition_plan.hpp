@@ -22,12 +22,9 @@ using namespace spec;
 using namespace filter;
 
 struct SourceHead {
-  Time t = no_time;
-  Time t0 = no_time;
+  SampleHead sample;
   std::int32_t status = 0;   // 0: must be asked; 1: a sample waits; 2: ended
   std::int32_t channel = 0;  // among the source's own
-  std::int32_t rows = 0;
-  std::int32_t has_covariance = 0;
 };
 
 struct SourcePlan {

@@ -64,8 +64,7 @@ bool Composer::add_measurement(FilterBuild& build, const std::string& name, cons
   return true;
 }
 
-bool Composer::read_part_fields(FilterBuild& build, const MeasurementPlan& measurement, PartPlan& part,
-                                Component& component) {
+bool Composer::read_part_fields(const MeasurementPlan& measurement, PartPlan& part, Component& component) {
   const ComponentSpec& spec = component.spec();
   // What is wrong with the channel is reported; its missing fields are not the model's to complain of.
   if (measurement.channel < 0) return false;
@@ -73,9 +72,6 @@ bool Composer::read_part_fields(FilterBuild& build, const MeasurementPlan& measu
       map_fields(spec.fields, measurement.channel, part.pointer, join_pointer(measurement.pointer, "channel"),
                  spec.type, part.fields, mappable_fields(spec));
   component.bind_fields(part.fields);
-  const auto& channel = plan_->channels[as_size(measurement.channel)];
-  build.plan.max_row_fields =
-      std::max(build.plan.max_row_fields, static_cast<int>(part.fields.row.size()) * channel.declaration.max_rows);
   return is_whole;
 }
 
@@ -100,8 +96,7 @@ bool Composer::add_part(FilterBuild& build, MeasurementPlan& measurement, const 
   part.type = component.type->full_name();
   part.ports = component.values;
   part.driving_rates = component.driving_rates;
-  bool is_whole = read_part_fields(build, measurement, part, component) && component.is_whole;
-  build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(part.fields.epoch.size()));
+  bool is_whole = read_part_fields(measurement, part, component) && component.is_whole;
   is_whole = read_auxiliary(build, part.auxiliary, component) && is_whole;
   if (!is_whole || error_count() != errors) return false;
   component.covariances = {plan_->channels[as_size(measurement.channel)].declaration.covariance};

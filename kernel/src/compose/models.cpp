@@ -183,7 +183,7 @@ bool Composer::read_auxiliary(FilterBuild& build, AuxiliaryPlan& auxiliary, Comp
     if (input.channel >= 0) {
       const auto same = [&](const LatestPlan& latest) { return latest.channel == input.channel; };
       index = static_cast<int>(std::find_if(kept.begin(), kept.end(), same) - kept.begin());
-      if (as_size(index) == kept.size()) kept.push_back(LatestPlan{input.channel, 0, {}, {}, {}});
+      if (as_size(index) == kept.size()) kept.push_back(LatestPlan{input.channel, 0, {}, {}});
     }
     auxiliary.channels.push_back(index);
     auxiliary.fields.push_back(std::move(input.fields));
@@ -368,7 +368,6 @@ bool Composer::add_process(FilterBuild& build, const std::string& name, const st
   plan.model = make<ProcessModel>(component);
   if (!plan.model || !check_couplings(plan, component)) return false;
   advance_blocks(build, plan, spec, values_read);
-  build.plan.max_fields = std::max(build.plan.max_fields, static_cast<int>(plan.fields.epoch.size()));
   build.plan.processes.push_back(std::move(plan));
   return true;
 }

@@ -168,14 +168,13 @@ class TransitionBuilder {
 
   void add_group(const std::vector<int>& members) {
     VanLoanGroup group;
-    group.processes = members;
     for (const int member : members) {
       auto& process = plan_.processes[as_size(member)];
       process.van_loan_group = static_cast<int>(plan_.van_loan.size());
     }
     add_declared(members, number_columns(members, group), group);
     add_reachable(group);
-    group.work = build_.reserve(4 * as_size(group.columns * group.columns) + van_loan_doubles(group.columns));
+    group.work = build_.reserve(van_loan_matrices * as_size(group.columns * group.columns));
     plan_.van_loan.push_back(std::move(group));
   }
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arithmetic of Joseph's form on a full symmetric matrix. Every function here
+// The covariance of a filter: what an estimator asks of it, and Joseph's form on a full symmetric matrix, which
 // keeps P exactly symmetric, allocates nothing and does no arithmetic on what the declared sparsity says is zero.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-namespace binnacle::filter {
+#include "binnacle/view.hpp"
+#include "filter/strip_loops.hpp"
 
-/// Columns of P are this many doubles apart: n rounded up to whole SIMD strips. Padding rows stay zero.
-inline constexpr int strip = 4;
-constexpr int padded(int n) { return (n + strip - 1) / strip * strip; }
+namespace binnacle::filter {
 
 /// A few rows of Φ (or H) that share their non-zero columns. `coefficients` of column c of the list begin at
 /// `block[c.block] + c.offset`, one per row of the group.
@@ -69,46 +68,69 @@ struct TransitionPlan {
 /// Fills `coupled`, `uncoupled`, `scaled_rows` and `noise_elements` from the rest.
 void finish(TransitionPlan& plan);
 
-/// Doubles of scratch memory that predict() needs.
-std::size_t predict_scratch(const TransitionPlan& plan);
+/// Φ and Qd of the tables of block pointers, n×n.
+void expand_transition(const TransitionPlan& plan, const double* const* phi, MatrixView Phi);
+void expand_noise(const TransitionPlan& plan, const double* const* noise, MatrixView Qd);
 
-/// P ← Φ P Φᵀ + Qd. P: padded(n)×n column-major. phi, noise: tables of block pointers.
-void predict(const TransitionPlan& plan, const double* const* phi, const double* const* noise, double* P,
-             double* scratch);
+/// S = HPHt + R and its factor; false when S is not positive definite.
+bool factor_innovation(const UpdateWork& work);
+/// rᵀ S⁻¹ r, the normalized innovation squared.
+double normalized_innovation_squared(const UpdateWork& work);
+/// K = G S⁻¹, with rows of K zeroed where `corrected[row]` is 0 (Schmidt); `corrected` empty: none.
+void gain(const std::vector<unsigned char>& corrected, int n, const UpdateWork& work);
+/// delta = K r, padded(n) doubles.
+void gain_times_residual(int n, const UpdateWork& work, double* delta);
 
-/// Φ and Qd of the tables, n×n column-major.
-void expand_transition(const TransitionPlan& plan, const double* const* phi, double* Phi);
-void expand_noise(const TransitionPlan& plan, const double* const* noise, double* Qd);
+/// P of n rows. Nobody else touches its memory, which lies in the arena and is all that a form remembers.
+class CovarianceForm {
+ public:
+  virtual ~CovarianceForm() = default;
 
-/// What an update works with; all memory is the caller's. m ≤ m_max, matrices column-major.
-struct UpdateWork {
-  int m_max = 0;
-  double* H = nullptr;     // m_max × k, compact: only the columns of touched blocks
-  double* R = nullptr;     // m_max × m_max
-  double* r = nullptr;     // m_max
-  double* G = nullptr;     // padded(n) × m_max: P Hᵀ
-  double* HPHt = nullptr;  // m_max × m_max
-  double* S = nullptr;     // m_max × m_max: H P Hᵀ + R, then untouched
-  double* L = nullptr;     // m_max × m_max: its Cholesky factor
-  double* K = nullptr;     // padded(n) × m_max
-  double* U = nullptr;     // padded(n) × m_max
-  double* y = nullptr;     // m_max: L⁻¹ r
+  /// P: n×n.
+  virtual void set(MatrixView P) = 0;
+  /// P ← Φ P Φᵀ + Qd, by tables of block pointers.
+  virtual void predict(const double* const* phi, const double* const* noise) = 0;
+  /// work.G = P Hᵀ and work.HPHt = H G; `columns` of P are those of work.H.
+  virtual void project(const std::vector<int>& columns, const UpdateWork& work) const = 0;
+  /// P ← (I − K H) P (I − K H)ᵀ + K R Kᵀ with work.K, in which rows of considered components are zero, and work.G and S.
+  virtual void correct(const UpdateWork& work) = 0;
+  /// P ← T P Tᵀ, where T is the identity but for a d×d block (column-major) at row `first`.
+  virtual void transform(const double* T, int first, int d) = 0;
+  /// Adds a variance to one component.
+  virtual void inflate(int row, double variance) = 0;
+  /// P to be read until it changes.
+  virtual MatrixView view() const = 0;
 };
 
-/// G = P Hᵀ and HPHt = H G. `columns`: of P, one per column of the compact H.
-void project(const std::vector<int>& columns, const double* P, int n, int m, const UpdateWork& work);
-/// S = HPHt + R and its factor; false when S is not positive definite.
-bool factor_innovation(int m, const UpdateWork& work);
-/// rᵀ S⁻¹ r, the normalized innovation squared.
-double normalized_innovation_squared(int m, const UpdateWork& work);
-/// K = G S⁻¹, with rows of K zeroed where `corrected[row]` is 0 (Schmidt); `corrected` null: none.
-void gain(const unsigned char* corrected, int n, int m, const UpdateWork& work);
-/// P ← (I−KH) P (I−KH)ᵀ + K R Kᵀ = P − K Gᵀ − G Kᵀ + K S Kᵀ, for any K.
-void correct(double* P, int n, int m, const UpdateWork& work);
-/// delta = K r, padded(n) doubles.
-void gain_times_residual(int n, int m, const UpdateWork& work, double* delta);
+/// P itself, symmetric to the bit, updated by Joseph's form.
+class Joseph final : public CovarianceForm {
+ public:
+  /// P: padded(n)×n, column-major. `most_dof`: of a block that is transformed.
+  Joseph(const TransitionPlan& plan, int most_dof, double* P);
 
-/// P ← T P Tᵀ where T is the identity but for a d×d block (column-major) at row `first`. scratch: padded(n)·d doubles.
-void transform_block(const double* T, int first, int d, double* P, int n, double* scratch);
+  void set(MatrixView P) override { view().as() = P.as(); }
+  void predict(const double* const* phi, const double* const* noise) override;
+  void project(const std::vector<int>& columns, const UpdateWork& work) const override;
+  void correct(const UpdateWork& work) override;
+  void transform(const double* T, int first, int d) override;
+  void inflate(int row, double variance) override { view()(row, row) += variance; }
+  MatrixView view() const override { return {P_, plan_.n, plan_.n, ld_}; }
+
+ private:
+  void predict_coupled(const double* const* phi);
+  void store_coupled();
+  void scale_uncoupled();
+
+  const TransitionPlan& plan_;
+  double* P_;
+  int ld_, ld_coupled_;
+  // With A the coupled rows (dense groups). Columns of M behind the coupled ones go into rows of Mt that nobody reads.
+  std::vector<double> M_;             // ld × coupled: P Φ_Aᵀ
+  std::vector<double> Mt_;            // ld_coupled × ld: Mᵀ
+  std::vector<double> PAA_;           // ld_coupled × coupled
+  std::vector<double> d_;             // ld: diagonal of Φ, 1 for coupled rows
+  std::vector<double> coefficients_;  // of all groups, one after the other
+  std::vector<double> transformed_;   // ld × most_dof
+};
 
 }  // namespace binnacle::filter

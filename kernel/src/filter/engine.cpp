@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace binnacle::filter {
 
@@ -25,23 +26,19 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
     : plan_(plan),
       channels_(channels),
       arena_(arena),
-      calls_(arena),
       time_(plan, channels, arena, *this),
       estimator_(plan, channels, arena, calls_),
-      ledger_(plan, arena),
-      log_(plan) {}
-
-void Engine::attach(StepObserver* observer) {
-  ledger_.attach(observer);
-  if (observer) log_.allocate();
-}
+      ledger_(plan, arena) {}
 
 void Engine::reset() {
   time_.reset();
   ledger_.reset();
   calls_.note_book().clear();
   for (const auto* list : {&plan_.initial, &plan_.auxiliary})
-    for (const auto& latest : *list) forget_latest(latest, arena_);
+    for (const auto& latest : *list) {
+      *latest.head.in(arena_) = SampleHead{};
+      std::fill_n(latest.data.in(arena_), latest.data.count, std::numeric_limits<double>::quiet_NaN());
+    }
   calls_.set_time(no_time);
   guarded([&] { estimator_.reset(); });
 }
@@ -50,8 +47,8 @@ void Engine::restored() {
   if (ledger_.observer() && started()) ledger_.observer()->restored(status().t, state(), covariance());
 }
 
-SampleView Engine::latest_of(const LatestPlan& plan) const {
-  return latest(plan, channels_[as_size(plan.channel)], arena_);
+void Engine::keep_latest(const LatestPlan& plan, const SampleView& sample) {
+  *plan.head.in(arena_) = pack(channels_[as_size(plan.channel)], sample, plan.data.in(arena_));
 }
 
 // ---- what throws
@@ -84,20 +81,16 @@ void Engine::stop(const std::string& diagnosis, const char* reason) {
 // ---- samples
 
 void Engine::push_auxiliary(int auxiliary, const SampleView& sample) {
-  const auto& plan = plan_.auxiliary[as_size(auxiliary)];
-  keep_latest(plan, channels_[as_size(plan.channel)], sample, arena_);
+  keep_latest(plan_.auxiliary[as_size(auxiliary)], sample);
 }
 
 void Engine::push_initial(int initial, const SampleView& sample) {
   if (started()) return;
-  const auto& plan = plan_.initial[as_size(initial)];
-  for (int i = 0; i < channels_[as_size(plan.channel)].epoch_fields; ++i)
-    for (const auto& block : plan_.blocks)
-      if (block.initial.channel == initial &&
-          std::find(block.initial.fields.begin(), block.initial.fields.end(), i) != block.initial.fields.end() &&
-          !std::isfinite(sample.fields[i]))
-        return;
-  keep_latest(plan, channels_[as_size(plan.channel)], sample, arena_);
+  for (const auto& block : plan_.blocks)
+    if (block.initial.channel == initial)
+      for (const int field : block.initial.fields)
+        if (!std::isfinite(sample.fields[field])) return;
+  keep_latest(plan_.initial[as_size(initial)], sample);
 }
 
 void Engine::push_input(const SampleView& sample) {
@@ -133,8 +126,8 @@ void Engine::finish() {
 void Engine::try_start(Time t) {
   if (started() || broken() || plan_.initial.empty()) return;
   for (const auto& initial : plan_.initial) {
-    const SampleView view = latest_of(initial);
-    if (!view.available || (initial.max_age > 0 && t - view.t > initial.max_age)) return;
+    const Time newest = initial.head.in(arena_)->t;
+    if (newest == no_time || (initial.max_age > 0 && t - newest > initial.max_age)) return;
   }
   guarded([&] { start(t); });
 }
@@ -152,15 +145,10 @@ void Engine::start(Time t) {
 void Engine::step(Time t1, std::span<const InputSample> samples) {
   calls_.set_time(t1);
   estimator_.propagate(moment(), t1, samples);
-  StepObserver* const observer = ledger_.observer();
-  if (!observer) {
-    estimator_.predict();
-  } else {
-    const Wants wants = observer->wants();
-    log_.keep(includes(wants, Wants::step_covariance), estimator_);
-    estimator_.predict();
-    observer->stepped(log_.step(wants, status().t, t1, estimator_));
-  }
+  wants_ = ledger_.wants();
+  keep_before(Wants::step_covariance);
+  estimator_.predict();
+  if (ledger_.observer()) ledger_.observer()->stepped(step_record(t1));
   estimator_.advance();
 }
 
@@ -169,10 +157,6 @@ void Engine::stepped() { estimator_.check_step(status().t); }
 // ---- a sample
 
 void Engine::refuse(Outcome outcome, const char* reason) {
-  if (!ledger_.observer()) {
-    ledger_.close_unobserved(outcome, reason);
-    return;
-  }
   UpdateRecord record;
   record.x0 = state();
   ledger_.close(outcome, reason, record);
@@ -180,14 +164,14 @@ void Engine::refuse(Outcome outcome, const char* reason) {
 
 bool Engine::is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const {
   if (plan.withhold_every > 0 && reached % plan.withhold_every == 0) return true;
-  return std::any_of(plan.withheld.begin(), plan.withheld.end(),
-                     [&](const TimeSpan& window) { return window.contains(t, status().start); });
+  return std::ranges::any_of(plan.withheld, [&](const TimeSpan& window) { return window.contains(t, status().start); });
 }
 
 void Engine::measure(int measurement, const SampleView& sample) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   const Tally& tally = ledger_.tally(measurement);
   calls_.set_time(sample.t);
+  wants_ = ledger_.wants();
   ledger_.reach();
   const Result seen = estimator_.linearize(plan, sample, moment());
   if (!seen) {
@@ -202,33 +186,25 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   estimator_.roll_back(plan);
-  if (ledger_.observer())
-    ledger_.close(judged.outcome, judged.reason, log_.innovation(ledger_.wants(), plan, estimator_));
-  else
-    ledger_.close_unobserved(judged.outcome, judged.reason);
+  ledger_.close(judged.outcome, judged.reason, innovation_record(plan));
   if (judged.outcome == Outcome::gated && ledger_.is_recovery_due(measurement)) open_covariance(measurement, sample.t);
 }
 
 void Engine::correct(int measurement, Time t) {
   const auto& plan = plan_.measurements[as_size(measurement)];
-  const Wants wants = ledger_.wants();
-  if (ledger_.observer()) log_.keep(includes(wants, Wants::update_covariance), estimator_);
+  keep_before(Wants::update_covariance);
   estimator_.correct(plan);
   const SampleRows& rows = estimator_.rows();
-  ledger_.count_left_out(measurement, rows.left_out, rows.left_out_keys.data(), rows.left_out_groups.data());
-  if (ledger_.observer())
-    ledger_.close(Outcome::accepted, "", log_.update(wants, plan, estimator_));
-  else
-    ledger_.close_unobserved(Outcome::accepted, "", rows.m, rows.nis);
+  ledger_.count_left_out(measurement, {rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
+  ledger_.close(Outcome::accepted, "", update_record(plan));
   estimator_.learn(plan);
   estimator_.check_update(t);
 }
 
 void Engine::open_covariance(int measurement, Time t) {
-  const Wants wants = ledger_.wants();
-  if (ledger_.observer()) log_.keep(includes(wants, Wants::update_covariance), estimator_);
+  keep_before(Wants::update_covariance);
   estimator_.inflate(plan_.measurements[as_size(measurement)]);
-  if (ledger_.observer()) ledger_.observer()->inflated(log_.inflation(wants, measurement, t, estimator_));
+  if (ledger_.observer()) ledger_.observer()->inflated(inflation_record(measurement, t));
 }
 
 bool Engine::write_estimates(SampleWriter& slot) {

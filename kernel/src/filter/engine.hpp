@@ -13,7 +13,6 @@
 #include "filter/estimator.hpp"
 #include "filter/fields.hpp"
 #include "filter/ledger.hpp"
-#include "filter/log_records.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/time_line.hpp"
 
@@ -29,7 +28,7 @@ class Engine final : private TimeLine::Work {
 
   /// Initialises the arena for a new run.
   void reset();
-  void attach(StepObserver* observer);
+  void attach(StepObserver* observer);  // allocates
   /// The arena was overwritten by a snapshot.
   void restored();
 
@@ -47,7 +46,7 @@ class Engine final : private TimeLine::Work {
   bool started() const { return time_.is_started(); }
   bool broken() const { return ledger_.is_broken(); }
   /// Whether a channel that initial values come from ever had a sample.
-  bool has_heard(const LatestPlan& initial) const { return latest_of(initial).available; }
+  bool has_heard(const LatestPlan& initial) const { return initial.head.in(arena_)->t != no_time; }
   /// "'velocity.north' has the variance -1 at 12.3 s"; empty while the filter is well.
   const char* diagnosis() const { return ledger_.diagnosis(); }
   /// Which plugin's call is under way, for other threads.
@@ -58,7 +57,7 @@ class Engine final : private TimeLine::Work {
   std::span<const LeftOut> left_out(int measurement) const { return ledger_.left_out(measurement); }
   const Tally& tally(int measurement) const { return ledger_.tally(measurement); }
   const double* state() const { return estimator_.state(); }
-  MatrixView covariance() const { return estimator_.covariance().view(); }
+  MatrixView covariance() const { return estimator_.covariance(); }
   const FilterPlan& plan() const { return plan_; }
   /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could
   /// not be written, and the filter stops.
@@ -78,11 +77,23 @@ class Engine final : private TimeLine::Work {
   std::string thrown(const char* what) const;
   void stop(const std::string& diagnosis, const char* reason);
 
-  Moment moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
+  Driving moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
   void correct(int measurement, Time t);
   void open_covariance(int measurement, Time t);
-  SampleView latest_of(const LatestPlan& plan) const;
+  void keep_latest(const LatestPlan& plan, const SampleView& sample);
+
+  // Records for the observer. step_records.cpp
+  bool is_wanted(Wants part) const { return includes(wants_, part); }
+  /// Before P changes, by a step, a correction or an inflation: keeps x, and P where it is wanted.
+  void keep_before(Wants wanted);
+  StepRecord step_record(Time t1);
+  /// Of a sample that was linearized.
+  UpdateRecord innovation_record(const MeasurementPlan& measurement);
+  /// Of one that was accepted and has corrected.
+  UpdateRecord update_record(const MeasurementPlan& measurement);
+  InflationRecord inflation_record(int measurement, Time t);
+  MatrixView square(std::vector<double>& matrix) const { return {matrix.data(), plan_.n, plan_.n, plan_.n}; }
 
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;
@@ -91,7 +102,8 @@ class Engine final : private TimeLine::Work {
   TimeLine time_;
   Estimator estimator_;
   Ledger ledger_;
-  LogRecords log_;
+  Wants wants_ = Wants::nothing;  // of the step or sample at work
+  std::vector<double> x_before_, P_before_, Phi_, Qd_, H_, reset_, variances_;
 };
 
 }  // namespace binnacle::filter

@@ -4,10 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-
-#include "filter/joseph.hpp"
-#include "filter/noise_check.hpp"
 
 namespace binnacle::filter {
 
@@ -20,19 +16,78 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       arena_(arena),
       calls_(calls),
       P_(std::make_unique<Joseph>(plan.transition, plan.most_dof(), plan.covariance.in(arena))),
-      workspace_(plan, plan.state.in(arena)),
-      auxiliary_(plan, channels, arena),
-      propagator_(plan, *P_, auxiliary_, workspace_, calls),
-      linearizer_(plan, channels, auxiliary_, workspace_, calls),
-      judge_(plan, arena, calls),
-      corrector_(plan, calls),
       rows_(plan),
-      initial_P_(as_size(plan.n) * as_size(plan.n)) {
-  std::size_t bytes = 0, outputs = 0;
-  for (const auto& measurement : plan.measurements) bytes = std::max(bytes, measurement.memory_bytes);
-  for (const auto& block : plan.blocks) outputs = std::max(outputs, block.declaration().outputs.size());
-  memory_backup_.resize(bytes);
-  initial_outputs_.resize(outputs);
+      outlier_test_(plan.max_rows),
+      workspace_(plan.workspace),
+      x_plus_(as_size(plan.stored_size)) {
+  allocate();
+  for (const auto one : plan.ones) workspace_[one] = 1.0;
+  for (const auto offset : plan.transition_blocks) phi_.push_back(at(offset));
+  for (const auto offset : plan.noise_blocks) noise_.push_back(at(offset));
+  for (const auto& block : plan.blocks) values_.push_back(state() + block.stored_offset);
+  for (const auto& derived : plan.derived) values_.push_back(at(derived.value));
+  for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
+}
+
+void Estimator::allocate() {
+  const auto fit = [](auto& list, std::size_t size) { list.resize(std::max(list.size(), size)); };
+  const auto fit_auxiliary = [&](const AuxiliaryPlan& model) {
+    std::size_t doubles = 0;
+    for (std::size_t i = 0; i < model.channels.size(); ++i) {
+      if (model.channels[i] < 0) continue;
+      const auto& channel = channels_[as_size(plan_.auxiliary[as_size(model.channels[i])].channel)];
+      doubles += model.fields[i].doubles(channel.declaration.max_rows);
+    }
+    fit(auxiliary_samples_, model.channels.size());
+    fit(auxiliary_fields_, doubles);
+  };
+  const auto fit_model = [&](const auto& model) {
+    fit(port_values_, model.ports.size());
+    fit(jacobians_, model.ports.size());
+    fit(driving_rates_, model.driving_rates.size());
+  };
+  for (const auto& block : plan_.blocks) fit(outputs_, as_size(block.outputs()));
+  for (const auto& derived : plan_.derived) fit_model(derived);
+  samples_.resize(as_size(plan_.samples_per_step));
+  for (const auto& process : plan_.processes) {
+    fit_auxiliary(process.auxiliary);
+    fit(fields_, samples_.size() * process.fields.epoch.size());
+  }
+  for (const auto& measurement : plan_.measurements) {
+    fit(memory_backup_, measurement.memory.count);
+    fit(noise_backup_, measurement.noise_memory.count);
+    for (const auto& part : measurement.parts) {
+      fit_model(part);
+      fit_auxiliary(part.auxiliary);
+      fit(fields_, part.fields.doubles(channels_[as_size(measurement.channel)].declaration.max_rows));
+      fit(first_row_, part.ports.size());
+      std::size_t dof = 0;
+      for (const auto& read : part.reads) dof += as_size(read.dof);
+      if (part.model->declaration().needs_covariance) fit(port_covariance_, dof * dof);
+    }
+  }
+  const std::size_t most_dof = as_size(plan_.most_dof());
+  block_delta_.resize(most_dof);
+  block_jacobian_.resize(most_dof * most_dof);
+  resets_.reserve(plan_.blocks.size());
+  post_fit_.resize(as_size(plan_.max_rows));
+  for (auto* square : {&initial_P_, &reset_jacobians_}) square->resize(as_size(plan_.n) * as_size(plan_.n));
+}
+
+void Estimator::list_ports(const ProcessPlan& process, int index) {
+  auto& [inputs, outputs] = ports_.emplace_back();
+  for (const int value : process.ports) {
+    inputs.push_back(value < 0 ? nullptr : values_[as_size(value)]);
+    const bool is_advanced = value >= 0 && plan_.is_block(value) && plan_.blocks[as_size(value)].process == index;
+    outputs.push_back(is_advanced ? x_plus_.data() + plan_.blocks[as_size(value)].stored_offset : nullptr);
+  }
+  const auto& noise = process.model->declaration().noise;
+  for (std::size_t k = 0; k < noise.size(); ++k) {
+    if (noise[k].to != noise[k].from) continue;
+    const BlockPlan& block = plan_.blocks[as_size(process.ports[as_size(noise[k].to)])];
+    diagonals_.push_back({&process, &block, noise_[as_size(process.first_noise) + k],
+                          noise[k].structure == Structure::diagonal ? 1 : block.dof() + 1});
+  }
 }
 
 // ---- the start
@@ -41,16 +96,14 @@ void Estimator::reset() {
   std::fill_n(x(), plan_.stored_size, 0.0);
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
   P_->set({initial_P_.data(), plan_.n, plan_.n, plan_.n});
-  const auto clear = [&](const Place<std::byte>& memory) {
+  const auto start = [&](const auto& type, const auto& pointer, const auto& model, const Place<std::byte>& memory) {
     std::fill_n(memory.in(arena_), memory.count, std::byte{});
-    return memory.count > 0;
+    if (memory.count > 0) calls_.during(type, pointer, "start", [&] { model->start(memory.in(arena_)); });
   };
-  for (const auto& process : plan_.processes)
-    if (clear(process.memory)) calls_.start(process);
+  for (const auto& process : plan_.processes) start(process.type, process.pointer, process.model, process.memory);
   for (const auto& measurement : plan_.measurements) {
-    if (measurement.noise && clear(measurement.noise_memory)) calls_.start_noise(measurement);
-    for (const auto& part : measurement.parts)
-      if (clear(part.memory)) calls_.start(part);
+    start(measurement.noise_type, measurement.pointer, measurement.noise, measurement.noise_memory);
+    for (const auto& part : measurement.parts) start(part.type, part.pointer, part.model, part.memory);
   }
 }
 
@@ -68,16 +121,16 @@ void Estimator::start() {
 }
 
 void Estimator::start_value(const BlockPlan& block) {
-  double* value = x() + block.stored_offset;
+  const VectorView value = block.in(x());
   const auto& initial = block.initial;
   if (initial.channel < 0) {
-    std::copy(initial.value.begin(), initial.value.end(), value);
+    std::copy(initial.value.begin(), initial.value.end(), value.data());
     return;
   }
   const SampleView view = initial_sample(block);
-  for (std::size_t i = 0; i < block.declaration().outputs.size(); ++i)
-    initial_outputs_[i] = view.fields[initial.fields[i]];
-  const Result result = calls_.write(block, initial_outputs_.data(), value);
+  const VectorView outputs(outputs_.data(), block.outputs());
+  for (int i = 0; i < outputs.size(); ++i) outputs[i] = view.fields[initial.fields[as_size(i)]];
+  const Result result = calls_.during(block, "write", [&] { return block.block->write(outputs, value); });
   if (!result) throw Stop("block '" + block.name + "' refuses its initial value: " + result.reason);
 }
 
@@ -107,30 +160,6 @@ void Estimator::start_covariance(const BlockPlan& block, MatrixView P) {
   }
 }
 
-// ---- a sample
-
-Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now) {
-  std::byte* backup = memory_backup_.data();
-  for (const auto& part : measurement.parts) {
-    if (part.memory.count > 0) std::memcpy(backup, part.memory.in(arena_), part.memory.count);
-    backup += part.memory.count;
-  }
-  return linearizer_.run(measurement, sample, now, *P_, rows_);
-}
-
-void Estimator::roll_back(const MeasurementPlan& measurement) {
-  const std::byte* backup = memory_backup_.data();
-  for (const auto& part : measurement.parts) {
-    if (part.memory.count > 0) std::memcpy(part.memory.in(arena_), backup, part.memory.count);
-    backup += part.memory.count;
-  }
-}
-
-void Estimator::learn(const MeasurementPlan& measurement) {
-  if (!measurement.noise || !measurement.noise->declaration().looks_back) return;
-  calls_.after(measurement, {corrector_.post_fit(), rows_.m}, rows_.square(rows_.work.HPHt));
-}
-
 void Estimator::inflate(const MeasurementPlan& measurement) {
   for (const auto& inflation : measurement.inflations) P_->inflate(inflation.row, inflation.variance);
 }
@@ -138,17 +167,19 @@ void Estimator::inflate(const MeasurementPlan& measurement) {
 // ---- health
 
 bool Estimator::is_sound() const {
-  return P_->first_unsound(largest_variance) < 0 && is_finite(ConstVectorView(state(), plan_.stored_size));
+  const MatrixView P = covariance();
+  for (int i = 0; i < P.rows; ++i)
+    if (!(P(i, i) >= 0 && P(i, i) < largest_variance)) return false;
+  return is_finite(ConstVectorView(state(), plan_.stored_size));
 }
 
 void Estimator::stop_unsound(Time t, const std::string& culprit) const {
   const std::string why = culprit.empty() ? "" : ": " + culprit;
   for (const auto& block : plan_.blocks) {
-    const double* value = state() + block.stored_offset;
-    for (int i = 0; i < block.declaration().stored_size; ++i)
-      if (!std::isfinite(value[i])) throw Stop("block '" + block.name + "' is not finite at " + time_text(t) + why);
+    if (!is_finite(block.in(state()))) throw Stop("block '" + block.name + "' is not finite at " + time_text(t) + why);
     for (std::size_t a = 0; a < block.active.size(); ++a) {
-      const double variance = P_->variance(block.first + static_cast<int>(a));
+      const int row = block.first + static_cast<int>(a);
+      const double variance = covariance()(row, row);
       if (variance >= 0 && variance < largest_variance) continue;
       char text[64];
       std::snprintf(text, sizeof text, " has the variance %.3g at ", variance);
@@ -162,12 +193,12 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
 void Estimator::write(SampleWriter& slot) {
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
-    calls_.read(block, state() + block.stored_offset, out);
-    out += block.declaration().outputs.size();
+    const VectorView outputs(out, block.outputs());
+    calls_.during(block, "read", [&] { block.block->read(block.in(state()), outputs); });
+    out += outputs.size();
   }
   slot.rows = 0;
-  slot.has_covariance = true;
-  P_->expand({slot.covariance, plan_.n, plan_.n, plan_.n});
+  slot.attach_covariance().as() = covariance().as();
 }
 
 }  // namespace binnacle::filter

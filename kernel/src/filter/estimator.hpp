@@ -6,88 +6,167 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "filter/corrector.hpp"
-#include "filter/covariance_form.hpp"
 #include "filter/fields.hpp"
-#include "filter/judge.hpp"
-#include "filter/linearizer.hpp"
 #include "filter/model_calls.hpp"
-#include "filter/propagator.hpp"
-#include "filter/workspace.hpp"
+#include "filter/sample_rows.hpp"
 
 namespace binnacle::filter {
 
+/// `accepted`, `withheld`, `gated`, or `rejected` where S is not positive definite.
+struct Judgement {
+  Outcome outcome = Outcome::accepted;
+  const char* reason = "";
+};
+
+/// All of it may throw Stop, or what a plugin throws. `now`: when models are called, with the mean rates of the last
+/// driving interval in the input channel's order.
 class Estimator {
  public:
-  /// Allocates here and nothing afterwards. All of it may throw Stop, or what a plugin throws.
+  /// Allocates here and nothing afterwards.
   Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, ModelCalls& calls);
+  Estimator(const Estimator&) = delete;
+  Estimator& operator=(const Estimator&) = delete;
 
   /// Before the start: x and P zero, memories as their models begin with them.
   void reset();
   /// x and P from the config or from the latest samples of the initial channels.
   void start();
 
-  /// A step in three: what the models make of it; P; x.
-  void propagate(const Moment& now, Time t1, std::span<const InputSample> samples) {
-    propagator_.run(now, t1, samples, x());
-  }
-  void predict() { P_->predict(workspace_.phi.data(), workspace_.noise.data()); }
-  void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
-  const double* x_plus() const { return propagator_.x_plus(); }
-  const Workspace& workspace() const { return workspace_; }
+  // ---- a step in three: what the models make of it; P; x. propagate.cpp
 
-  /// A sample in three. linearize() keeps the models' memories; roll_back() restores them.
-  Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Moment& now);
-  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld) {
-    return judge_.run(measurement, t, dt, is_withheld, *P_, rows_);
-  }
-  void correct(const MeasurementPlan& measurement) { corrector_.run(measurement, x(), *P_, rows_); }
+  /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise().
+  void propagate(const Driving& now, Time t1, std::span<const InputSample> samples);
+  void predict() { P_->predict(phi(), noise()); }
+  void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
+  const double* x_plus() const { return x_plus_.data(); }
+  /// Tables of blocks.
+  const double* const* phi() const { return phi_.data(); }
+  const double* const* noise() const { return noise_.data(); }
+
+  // ---- a sample in three. linearize() keeps the models' memories; roll_back() restores them
+
+  /// Fills the rows of `measurement`, or refuses. linearize.cpp
+  Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  /// Takes linearized rows to R, S, its factor and the NIS. dt: since the last accepted sample [s]. A withheld sample
+  /// meets no noise estimator. judge.cpp
+  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld);
+  /// δ = K r, x ← x ⊞ δ, P by the form and then by the blocks' reset Jacobians, whole or not at all: every plugin call
+  /// comes before x and P change. correct.cpp
+  void correct(const MeasurementPlan& measurement);
   void roll_back(const MeasurementPlan& measurement);
   /// After a correction: the noise estimator sees what is left.
   void learn(const MeasurementPlan& measurement);
   const SampleRows& rows() const { return rows_; }
-  const Corrector& corrector() const { return corrector_; }
+  /// Whether the last correct() transformed P by reset Jacobians, and by what: n×n.
+  bool has_reset() const { return !resets_.empty(); }
+  void expand_reset(MatrixView T) const;
 
   /// Adds a measurement's named variances to P.
   void inflate(const MeasurementPlan& measurement);
 
   /// Stops a filter whose state is not finite or whose variances are negative or beyond all bounds.
   void check_step(Time t) const {
-    if (!is_sound()) stop_unsound(t, propagator_.culprit(t));
+    if (!is_sound()) stop_unsound(t, culprit(t));
   }
   void check_update(Time t) const {
     if (!is_sound()) stop_unsound(t, "");
   }
 
   const double* state() const { return plan_.state.in(arena_); }
-  const CovarianceForm& covariance() const { return *P_; }
+  MatrixView covariance() const { return P_->view(); }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
   void write(SampleWriter& slot);
 
  private:
+  /// Per port of a process: the value, null where it is open; where x⁺ is written, null for ports that are only read.
+  struct Ports {
+    std::vector<const double*> inputs;
+    std::vector<double*> outputs;
+  };
+  /// The diagonal of a block of Qd or GQGᵀ that a process writes.
+  struct Diagonal {
+    const ProcessPlan* process = nullptr;
+    const BlockPlan* block = nullptr;
+    const double* q = nullptr;
+    int step = 0;  // doubles from one element to the next
+  };
+  struct Reset {
+    int first = 0;
+    int dof = 0;
+    double* jacobian = nullptr;  // dof×dof, of the active components
+  };
+
+  void allocate();
+  void list_ports(const ProcessPlan& process, int index);
+
+  // The state, and what models see
   double* x() { return plan_.state.in(arena_); }
+  MemoryView memory_of(const Place<std::byte>& place) const { return place.count > 0 ? place.in(arena_) : nullptr; }
+  double* at(std::size_t offset) { return workspace_.data() + offset; }
+  const double* const* values_of(const std::vector<int>& ports);
+  Driving driving(const Driving& now, const std::vector<int>& driving_rates);
+  const SampleView* auxiliary(const AuxiliaryPlan& model);
+  template <class Component>
+  const MatrixView* zeroed_jacobians(const Component& component, int rows);
+  Result evaluate_derived(const std::vector<int>& values, const Driving& now);
+  void chain(const DerivedPlan& derived);
+
   void start_value(const BlockPlan& block);
   void start_covariance(const BlockPlan& block, MatrixView P);
   SampleView initial_sample(const BlockPlan& block) const;
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 
+  Step read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples);
+  void run_model(std::size_t index, Step step, std::span<const InputSample> samples);
+  void run_continuous(std::size_t index);
+  void check_noise(Time t) const;
+  void discretize_group(const VanLoanGroup& group, double dt);
+  void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
+  double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
+  void hold_frozen();
+  std::string culprit(Time t1) const;
+
+  Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Driving& now,
+                  int& part_rows);
+  void assemble(const PartPlan& part, int part_rows);
+  PortCovariance covariance_of(const PartPlan& part);
+  void add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
+                      const PartPlan::Target& by_b, MatrixView P, MatrixView into);
+
+  void weigh(const MeasurementPlan& measurement, Time t, double dt);
+  bool leave_out_worst(const MeasurementPlan& measurement, int offered, bool& is_majority);
+  void inject();
+  void keep_reset(const BlockPlan& block, MatrixView G);
+
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;
   std::byte* arena_;
   ModelCalls& calls_;
   std::unique_ptr<CovarianceForm> P_;
-  Workspace workspace_;
-  AuxiliaryReader auxiliary_;
-  Propagator propagator_;
-  Linearizer linearizer_;
-  Judge judge_;
-  Corrector corrector_;
   SampleRows rows_;
-  std::vector<std::byte> memory_backup_;  // of a measurement's models
-  std::vector<double> initial_P_, initial_outputs_;
+  OutlierTest outlier_test_;
+
+  // Scratch
+  std::vector<double> workspace_;  // as the plan lays it out: blocks of Φ and Qd, derived values, Jacobians
+  std::vector<double*> phi_, noise_;
+  std::vector<const double*> values_;  // where a state block's or a derived value lies
+  std::vector<double> x_plus_;
+  std::vector<Ports> ports_;  // per process
+  std::vector<Diagonal> diagonals_;
+  std::vector<const double*> port_values_;  // of the component being called, as all that follows
+  std::vector<MatrixView> jacobians_;
+  std::vector<double> driving_rates_, fields_, auxiliary_fields_, port_covariance_;
+  std::vector<int> first_row_;  // by port, of port_covariance_
+  std::vector<SampleView> auxiliary_samples_;
+  std::vector<InputSample> samples_;
+  std::vector<double> block_delta_, block_jacobian_, outputs_;  // of one block
+  std::vector<double> initial_P_, reset_jacobians_, post_fit_;
+  std::vector<Reset> resets_;
+  std::vector<std::byte> memory_backup_, noise_backup_;  // of a measurement's models and noise estimator
 };
 
 }  // namespace binnacle::filter

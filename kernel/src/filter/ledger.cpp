@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace binnacle::filter {
 
@@ -26,39 +27,34 @@ void Ledger::reopen(int measurement, Time t) {
 }
 
 void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
-  record.measurement = open_;
+  record.measurement = std::exchange(open_, -1);
   record.t = open_t_;
   record.outcome = outcome;
   record.reason = reason;
-  close_unobserved(outcome, reason, record.rows, record.nis);  // before the observer, which must not throw but might
-  if (observer_) observer_->offered(record);
-}
-
-void Ledger::close_unobserved(Outcome outcome, const char* reason, int rows, double nis) {
-  Tally& tally = tally_of(open_);
-  open_ = -1;
+  Tally& tally = tally_of(record.measurement);
   ++tally.outcomes[static_cast<int>(outcome)];
   if (outcome == Outcome::accepted) {
-    tally.nis_sum += nis;
+    tally.nis_sum += record.nis;
     ++tally.nis_count;
-    tally.dof_sum += rows;
+    tally.dof_sum += record.rows;
     tally.consecutive_gated = 0;
-    tally.last_accepted = open_t_;
+    tally.last_accepted = record.t;
   } else if (reason[0] != '\0') {
     std::strncpy(tally.last_reason, reason, sizeof tally.last_reason - 1);
   }
+  if (observer_) observer_->offered(record);  // at last: it must not throw but might
 }
 
-void Ledger::count_left_out(int measurement, int count, const std::int64_t* keys, const int* groups) {
-  tally_of(measurement).rows_left_out += count;
+void Ledger::count_left_out(int measurement, std::span<const std::int64_t> keys, const int* groups) {
+  tally_of(measurement).rows_left_out += static_cast<std::int64_t>(keys.size());
   const auto& place = plan_.measurements[as_size(measurement)].left_out;
-  LeftOut* const table = place.in(arena_);
-  for (int i = 0; i < count; ++i)
-    for (std::size_t k = 0; k < place.count; ++k) {
-      if (table[k].count > 0 && (table[k].key != keys[i] || table[k].group != groups[i])) continue;
-      table[k] = {keys[i], groups[i], table[k].count + 1};
-      break;
-    }
+  const std::span table(place.in(arena_), place.count);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto found = std::ranges::find_if(table, [&](const LeftOut& entry) {
+      return entry.count == 0 || (entry.key == keys[i] && entry.group == groups[i]);
+    });
+    if (found != table.end()) *found = {keys[i], groups[i], found->count + 1};
+  }
 }
 
 bool Ledger::is_recovery_due(int measurement) {

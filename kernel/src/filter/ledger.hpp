@@ -34,11 +34,9 @@ class Ledger {
   void reach() { ++tally_of(open_).reached; }
   /// `record` holds what is known of it beside measurement, time, outcome and reason; the observer sees it.
   void close(Outcome outcome, const char* reason, UpdateRecord record = {});
-  /// The same where there is no observer.
-  void close_unobserved(Outcome outcome, const char* reason, int rows = 0, double nis = 0);
 
-  /// Rows of an accepted sample that a gate by row or key left out: `count` keys and groups.
-  void count_left_out(int measurement, int count, const std::int64_t* keys, const int* groups);
+  /// Rows of an accepted sample that a gate by row or key left out: their keys and groups.
+  void count_left_out(int measurement, std::span<const std::int64_t> keys, const int* groups);
   /// The newest sample of a measurement was gated: whether it is time to open the covariance, which is counted then.
   bool is_recovery_due(int measurement);
 

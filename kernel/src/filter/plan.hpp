@@ -4,22 +4,54 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "base/index.hpp"
 #include "binnacle/derived_block.hpp"
 #include "binnacle/measurement_model.hpp"
 #include "binnacle/noise_estimator.hpp"
 #include "binnacle/process_model.hpp"
 #include "binnacle/state_block.hpp"
 #include "filter/covariance.hpp"
-#include "filter/exclusion.hpp"
-#include "filter/layout.hpp"
 #include "filter/van_loan.hpp"
 
 namespace binnacle::filter {
+
+using base::as_size;
+
+/// A place for `count` objects of T in an arena; the same in every arena of one composition.
+template <class T>
+struct Place {
+  static_assert(std::is_trivially_copyable_v<T>, "a snapshot is a copy of bytes");
+  std::size_t offset = 0;
+  std::size_t count = 0;
+
+  T* in(std::byte* arena) const { return reinterpret_cast<T*>(arena + offset); }
+  const T* in(const std::byte* arena) const { return reinterpret_cast<const T*>(arena + offset); }
+};
+
+/// Lays places out one after the other.
+class Layout {
+ public:
+  static constexpr std::size_t alignment = 64;  // a cache line: no strip of P lies across two
+
+  template <class T>
+  Place<T> add(std::size_t count) {
+    static_assert(alignof(T) <= alignment);
+    const Place<T> place{size_, count};
+    size_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
+    return place;
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::size_t size_ = 0;
+};
 
 /// A channel as its samples lie in memory: per-epoch fields, per-row fields, covariance.
 struct ChannelPlan {
@@ -36,6 +68,14 @@ struct ChannelPlan {
   }
 };
 
+/// A sample but for its numbers, which lie where a ChannelPlan says. Lies in the arena.
+struct SampleHead {
+  Time t = no_time;  // no_time: there is no sample yet
+  Time t0 = no_time;
+  std::int32_t rows = 0;
+  std::int32_t has_covariance = 0;
+};
+
 /// How a component's declared fields are read from a channel.
 struct FieldMap {
   enum class Conversion : unsigned char { none, to_rate, to_increment };
@@ -47,7 +87,8 @@ struct FieldMap {
   };
   std::vector<Item> epoch;
   std::vector<Item> row;
-  std::vector<std::string> names;  // of the spec's fields, for messages
+
+  std::size_t doubles(int max_rows) const { return epoch.size() + row.size() * as_size(max_rows); }
 };
 
 enum class Use : unsigned char { estimated, considered, frozen };
@@ -78,6 +119,9 @@ struct BlockPlan {
   int dof() const { return declaration().dof(); }
   int outputs() const { return static_cast<int>(declaration().outputs.size()); }
   bool is_whole() const { return static_cast<int>(active.size()) == dof(); }
+  /// Its value in the stored state.
+  VectorView in(double* x) const { return {x + stored_offset, declaration().stored_size}; }
+  ConstVectorView in(const double* x) const { return {x + stored_offset, declaration().stored_size}; }
 };
 
 /// Values that models bind to: state blocks first, then derived blocks in order of dependence.
@@ -191,6 +235,9 @@ struct LeftOut {
   std::int64_t count = 0;  // 0: a free place
 };
 
+/// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
+enum class GateUnit : unsigned char { sample, row, key };
+
 struct MeasurementPlan {
   struct Inflation {
     int row = 0;
@@ -215,17 +262,16 @@ struct MeasurementPlan {
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
   Place<Tally> tally;
-  Place<LeftOut> left_out;       // of a gate by row or key
-  std::size_t memory_bytes = 0;  // of its parts together, for the rollback copy
+  Place<LeftOut> left_out;  // of a gate by row or key
+  Place<std::byte> memory;  // of its parts together
 };
 
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
 struct LatestPlan {
   int channel = 0;
-  Time max_age = 0;           // initial values only; 0: any age
-  Place<double> data;         // as ChannelPlan lays it out
-  Place<Time> times;          // t, t0
-  Place<std::int32_t> state;  // rows, has covariance, available
+  Time max_age = 0;    // initial values only; 0: any age
+  Place<double> data;  // as ChannelPlan lays it out
+  Place<SampleHead> head;
 };
 
 /// When a filter is. Lies in the arena.
@@ -235,7 +281,6 @@ struct TimeHead {
   Time input_end = no_time;  // end of the newest input interval
   std::int64_t steps = 0;
   std::int64_t gaps = 0;
-  std::int64_t sequence = 0;
   std::int32_t started = 0;
   std::int32_t pending = 0;  // input samples waiting
   std::int32_t queued = 0;
@@ -260,12 +305,8 @@ struct PendingInput {
 };
 
 struct QueueEntry {
-  Time t = no_time;
-  Time t0 = no_time;
-  std::int64_t sequence = 0;
+  SampleHead sample;
   std::int32_t measurement = 0;
-  std::int32_t rows = 0;
-  std::int32_t has_covariance = 0;
   std::int32_t slot = 0;  // of its data
 };
 
@@ -278,14 +319,12 @@ struct FilterPlan {
   std::vector<MeasurementPlan> measurements;
   std::vector<LatestPlan> initial;  // channels that initial values come from
   std::vector<LatestPlan> auxiliary;
-  std::vector<std::string> channel_names;
 
   int input_channel = -1;  // index in the composition's channels
   int input_fields = 0;
   std::vector<FieldKind> input_kinds;     // of its per-epoch fields
   std::vector<unsigned char> input_used;  // whether a process or the driving rates read it: then it must be finite
   int samples_per_step = 1;
-  int queue_capacity = 0;
   std::size_t queue_doubles = 0;  // per entry
   int output_channel = -1;        // its estimates, in the composition's channels
 
@@ -305,8 +344,6 @@ struct FilterPlan {
   std::size_t workspace = 0;             // doubles
   int max_rows = 0;
   int max_columns = 0;
-  int max_fields = 0;
-  int max_row_fields = 0;
 
   Place<TimeHead> head;
   Place<Health> health;

@@ -4,9 +4,27 @@
 
 #include <cstddef>
 
-#include "filter/covariance.hpp"
-
 namespace binnacle::filter {
+
+/// Columns of P are this many doubles apart: n rounded up to whole SIMD strips. Padding rows stay zero.
+inline constexpr int strip = 4;
+constexpr int padded(int n) { return (n + strip - 1) / strip * strip; }
+
+/// What an update of m rows works with; all memory is the caller's. Matrices are column-major.
+struct UpdateWork {
+  int m = 0;
+  int m_max = 0;
+  double* H = nullptr;     // m_max × k, compact: only the columns of touched blocks
+  double* R = nullptr;     // m_max × m_max
+  double* r = nullptr;     // m_max
+  double* G = nullptr;     // padded(n) × m_max: P Hᵀ
+  double* HPHt = nullptr;  // m_max × m_max
+  double* S = nullptr;     // m_max × m_max: H P Hᵀ + R, then untouched
+  double* L = nullptr;     // m_max × m_max: its Cholesky factor
+  double* K = nullptr;     // padded(n) × m_max
+  double* U = nullptr;     // padded(n) × m_max
+  double* y = nullptr;     // m_max: L⁻¹ r
+};
 
 /// Strips of rows are held in registers. Every set multiplies and adds the same numbers in the same order, without
 /// contraction, so that results do not depend on the processor.
@@ -14,16 +32,14 @@ struct StripLoops {
   /// Rows first…ld−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]) for r < rows ≤ 3, c < count.
   void (*combine)(int rows, const double* in, int ld, int first, int count, const int* columns,
                   const double* coefficients, int stride, double* out);
-  /// out = Σ_c coefficients[c·stride] · in(·, c) for c < count.
-  void (*combine_neighbours)(const double* in, int ld, int count, const double* coefficients, int stride, double* out);
   /// out(j, i) = in(i, j) for ld rows and `columns` columns, both of whole strips.
   void (*transpose)(const double* in, int ld, int columns, double* out, int ld_out);
   /// P(j, i) = P(i, j) for i > j.
   void (*mirror)(double* P, int n);
   /// The columns of gain() before any is zeroed.
-  void (*gain)(int n, int m, const UpdateWork& work);
+  void (*gain)(int n, const UpdateWork& work);
   /// The lower triangle of correct().
-  void (*correct)(double* P, int n, int m, const UpdateWork& work);
+  void (*correct)(double* P, int n, const UpdateWork& work);
 };
 
 extern const StripLoops base_strip_loops;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loops of StripLoops for registers of `lanes` doubles. Included by one source file per instruction set, and all of
+// The loops of StripLoops for registers of as many doubles as the compiler may use. Included by one source file per instruction set, and all of
 // it local to that file: nothing here may come out of the standard library but what the compiler itself knows, or the
 // linker could hand a function made for one processor to another.
 #include "filter/strip_loops.hpp"
@@ -7,6 +7,11 @@
 namespace binnacle::filter {
 namespace {
 
+#ifdef __AVX2__
+constexpr int lanes = 4;
+#else
+constexpr int lanes = 2;
+#endif
 typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
 
 // Scratch is 16-byte aligned at best.
@@ -53,16 +58,6 @@ void combine(int rows, const double* in, int ld, int first, int count, const int
     case 1: combine_rows<1>(in, ld, first, count, columns, coefficients, stride, out); break;
     case 2: combine_rows<2>(in, ld, first, count, columns, coefficients, stride, out); break;
     default: combine_rows<3>(in, ld, first, count, columns, coefficients, stride, out); break;
-  }
-}
-
-void combine_neighbours(const double* in, int ld, int count, const double* coefficients, int stride, double* out) {
-  for (int i = 0; i < ld; i += strip) {
-    Lanes sum[strip / lanes] = {};
-    const double* from = in + i;
-    for (int c = 0; c < count; ++c, from += ld)
-      for (int k = 0; k < strip / lanes; ++k) sum[k] += coefficients[c * stride] * load(from + lanes * k);
-    for (int k = 0; k < strip / lanes; ++k) store(out + i + lanes * k, sum[k]);
   }
 }
 
@@ -152,8 +147,8 @@ inline void add_products(double* P, int ld, int c, int m, const double* K, const
 }
 
 /// K = G S⁻¹ by forward and back substitution on the columns of G, a column of n rows at a time.
-inline void gain_columns(int n, int m, const UpdateWork& work) {
-  const int ld = padded(n);
+inline void gain_columns(int n, const UpdateWork& work) {
+  const int ld = padded(n), m = work.m;
   const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
   const auto L = [&](int i, int j) { return work.L[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
   const auto substitute = [&](int j, int first, int end) {
@@ -174,8 +169,8 @@ inline void gain_columns(int n, int m, const UpdateWork& work) {
 }
 
 /// P + K Uᵀ + U Kᵀ with U = ½ K S − G.
-inline void correct_lower(double* P, int n, int m, const UpdateWork& work) {
-  const int ld = padded(n);
+inline void correct_lower(double* P, int n, const UpdateWork& work) {
+  const int ld = padded(n), m = work.m;
   const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
   const auto S = [&](int i, int j) { return work.S[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
   for (int j = 0; j < m; ++j) {
@@ -192,6 +187,8 @@ inline void correct_lower(double* P, int n, int m, const UpdateWork& work) {
   for (; c + 3 <= n; c += 3) add_products<3>(P, ld, c, m, work.K, work.U);
   for (; c < n; ++c) add_products<1>(P, ld, c, m, work.K, work.U);
 }
+
+constexpr StripLoops loops = {combine, transpose, mirror, gain_columns, correct_lower};
 
 }  // namespace
 }  // namespace binnacle::filter

@@ -38,10 +38,10 @@ class TimeLine {
   TimeLine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, Work& work);
 
   void reset();
-  const TimeHead& head() const { return *plan_.head.in(arena_); }
-  bool is_started() const { return head().started != 0; }
+  const TimeHead& head() const { return head_; }
+  bool is_started() const { return head_.started != 0; }
   /// Mean rates of the last driving interval, in the input channel's order; null until it has ended.
-  const double* driving_rates() const { return head().driving_rates_known ? plan_.driving_rates.in(arena_) : nullptr; }
+  const double* driving_rates() const { return head_.driving_rates_known ? driving_rates_ : nullptr; }
 
   /// The filter starts at t.
   void start(Time t);
@@ -54,25 +54,32 @@ class TimeLine {
   void flush(Outcome outcome, const char* reason);
 
  private:
-  TimeHead& head() { return *plan_.head.in(arena_); }
+  bool is_increment(int field) const { return plan_.input_kinds[as_size(field)] == FieldKind::increment; }
+  const ChannelPlan& channel_of(int measurement) const {
+    return channels_[as_size(plan_.measurements[as_size(measurement)].channel)];
+  }
+  double* queued_data(int slot) const { return queue_data_ + as_size(slot) * plan_.queue_doubles; }
   bool is_complete(const SampleView& sample) const;
   void bridge(Time until, const SampleView& sample);
   void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
   void enqueue(int measurement, const SampleView& sample);
   void drain_queue(Time until);
-  /// The first of the queue, which leaves it.
   QueueEntry take();
   void advance_to(Time t);
   void step_pending(int whole);
-  void step_fragment(Time t1);
-  InputSample cut(const PendingInput& pending, Time t1, const double* fields, double* raw) const;
+  InputSample cut(int index, Time t1, double* raw) const;
   void step(Time t1, int samples);
-  void remember_driving_rates(const InputSample& sample);
 
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;
-  std::byte* arena_;
   Work& work_;
+  // In the arena
+  TimeHead& head_;
+  PendingInput* pending_;
+  double* pending_fields_;
+  double* driving_rates_;
+  QueueEntry* queue_;
+  double* queue_data_;
   std::vector<InputSample> samples_;   // of one step
   std::vector<double> sample_fields_;  // theirs, raw
 };

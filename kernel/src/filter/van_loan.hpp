@@ -27,7 +27,6 @@ struct VanLoanGroup {
     int columns = 0;
     Structure structure = Structure::dense;
   };
-  std::vector<int> processes;
   std::vector<Part> advanced;
   std::vector<Part> read;
   std::vector<Block> dynamics;  // F as the models write it
@@ -36,14 +35,14 @@ struct VanLoanGroup {
   std::vector<Block> qd;
   int rows = 0;          // Σ dof of advanced
   int columns = 0;       // rows + Σ dof of read
-  std::size_t work = 0;  // offset in the workspace: van_loan_doubles(columns)
+  std::size_t work = 0;  // offset in the workspace of van_loan_matrices
 };
 
-/// Doubles of workspace for a group of this many columns.
-std::size_t van_loan_doubles(int columns);
+/// In the workspace of a group, columns × columns: F, Q, Phi, Qd, and four that discretize() works with.
+inline constexpr std::size_t van_loan_matrices = 8;
 
-/// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: the rest of the
-/// group's workspace. By scaling, a Taylor series to full precision, and doubling:
+/// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: four such
+/// matrices. By scaling, a Taylor series to full precision, and doubling:
 /// Φ(2h) = Φ(h)², Qd(2h) = Qd(h) + Φ(h) Qd(h) Φ(h)ᵀ — the same quantities as Van Loan (1978) eq. 2.13 without the
 /// exponential of −F, which overflows for fast stable modes.
 void discretize(const double* F, const double* Q, int n, double dt, double* Phi, double* Qd, double* work);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "binnacle/run.hpp"
 
-#include "base/index.hpp"
-#include "run/guard_call.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -10,8 +8,6 @@ namespace binnacle {
 namespace {
 
 using namespace runtime;
-
-using base::as_size;
 
 class WarningReporter : public Reporter {
  public:

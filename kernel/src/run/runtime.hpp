@@ -5,15 +5,45 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "binnacle/diagnostic.hpp"
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
 
 namespace binnacle::runtime {
 
 using namespace compose;
+
+/// "plugin 'csv', component 'csv': next at 12.3 s", for faults that are no exception.
+inline std::string call_text(const ComponentType& type, const char* call_name, Time t) {
+  CallSite site;
+  site.enter(&type.plugin, type.spec.type, call_name);
+  site.set_time(t);
+  return site.text();
+}
+
+/// Calls a source, a transform or a sink: what escapes becomes an error at its place that names plugin, component, call and
+/// sample. `component`: a SourcePlan, TransformPlan or SinkPlan. Throws RunError (DataError, FilterError): the run ends.
+template <class RunError, class ComponentPlan, class Call>
+auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, const char* call_name, Time t,
+                Call&& call) {
+  try {
+    return component.type->guarded(call_name, std::forward<Call>(call), t);
+  } catch (const ComponentError& error) {
+    if (error.is_data_error())
+      throw RunError(Diagnostic{Severity::error, error.code(), Origin{error.file(), error.line(), 0}, component.pointer,
+                                error.what()});
+    // A ComponentError that the component made itself does not say which call it came from.
+    std::string message = error.what();
+    if (const std::string who = call_text(*component.type, call_name, t); !message.starts_with(who))
+      message = who + " threw: " + message;
+    throw RunError(
+        Diagnostic{Severity::error, "B045", plan.document.origin(component.pointer), component.pointer, message});
+  }
+}
 
 class Runtime {
  public:
@@ -37,49 +67,54 @@ class Runtime {
 
   void feed_sinks(bool wanted) { feeds_sinks_ = wanted; }
 
-  Engine& engine(int filter) { return *engines_[static_cast<std::size_t>(filter)]; }
-  const Engine& engine(int filter) const { return *engines_[static_cast<std::size_t>(filter)]; }
+  Engine& engine(int filter) { return *engines_[as_size(filter)]; }
+  const Engine& engine(int filter) const { return *engines_[as_size(filter)]; }
   const CompositionPlan& plan() const { return plan_; }
   Time time() const { return time_; }
   /// Seconds spent inside the filters.
-  double filter_seconds(int filter) const { return filter_seconds_[static_cast<std::size_t>(filter)]; }
-  std::int64_t samples(int source) const { return sample_counts_[static_cast<std::size_t>(source)]; }
+  double filter_seconds(int filter) const { return filter_seconds_[as_size(filter)]; }
 
-  std::byte* arena() { return arena_.get(); }
-  const std::byte* arena() const { return arena_.get(); }
+  std::byte* arena() { return arena_.data()->bytes; }
   std::size_t arena_size() const { return plan_.layout.size(); }
 
  private:
+  struct alignas(Layout::alignment) Line {
+    std::byte bytes[Layout::alignment];
+  };
+  /// The newest sample on a channel.
   struct Channel {
     std::vector<double> storage;
+    SampleWriter slot;  // over the storage
     SampleView view;
-    bool is_present = false;
+    bool is_present = false;  // in this instant
+    bool is_subscribed = false;
+
+    /// What was written to the slot is the sample of this instant.
+    void publish() {
+      const double* const covariance = slot.has_covariance ? slot.covariance : nullptr;
+      view = {slot.t, slot.t0, slot.rows, slot.fields, slot.row_fields, covariance, true};
+      is_present = true;
+    }
   };
   class TransformEmitter;
 
   void fetch(std::size_t source);
   void run_filter(int index, Time t);
-  void publish(Engine& engine);
   void feed_filter(Engine& engine, Time t);
-  void run_transform(int index);
-  void run_sink(int index);
-  SampleView read_input(const NodeInput& input);
+  void run_transform(const TransformPlan& plan);
+  void run_sink(const SinkPlan& plan);
+  /// Reads what is present in this instant.
+  template <class Call>
+  void each_input(const std::vector<NodeInput>& inputs, Call&& call);
 
   const CompositionPlan& plan_;
-  struct Free {
-    void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{Layout::alignment}); }
-  };
-  std::unique_ptr<std::byte[], Free> arena_;
+  std::vector<Line> arena_;
   std::vector<std::unique_ptr<Engine>> engines_;
   std::vector<Channel> channels_;
   std::vector<std::vector<SampleWriter>> source_slots_;
-  std::vector<double> input_fields_;
-  std::vector<double> input_rows_;
-  std::vector<SampleWriter> output_slots_;  // per channel
-  std::set<int> subscribed_;
+  std::vector<double> input_numbers_;  // of what is being read
   Subscriber subscriber_;
   std::vector<double> filter_seconds_;
-  std::vector<std::int64_t> sample_counts_;
   Time time_ = no_time;
   bool feeds_sinks_ = true;
 };

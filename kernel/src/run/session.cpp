@@ -26,13 +26,39 @@ struct SnapshotHead {
   std::uint64_t size = 0;
 };
 
-[[noreturn]] void no_such(const char* code, const std::string& what, std::string_view name,
-                          const std::vector<std::string>& names) {
+/// Where a name stands among those there are.
+int find(const std::vector<std::string>& names, std::string_view name, const char* code, const std::string& what) {
+  const auto found = std::ranges::find(names, name);
+  if (found != names.end()) return static_cast<int>(found - names.begin());
   throw ConfigError(Diagnostic{Severity::error,
                                code,
                                {},
                                "",
                                "there is no " + what + " '" + std::string(name) + "'" + base::suggestion(name, names)});
+}
+
+/// "ins/position", or "position" where there is one filter: (filter, index in its list).
+template <class List>
+std::pair<int, int> find_in_filters(const Composition& composition, List FilterInfo::*list, const char* code,
+                                    const char* what, std::string_view name) {
+  std::vector<std::string> names;
+  std::vector<std::pair<int, int>> places;
+  const auto& filters = composition.filters();
+  for (std::size_t f = 0; f < filters.size(); ++f)
+    for (const auto& item : filters[f].*list) {
+      names.push_back(filters[f].name + "/" + item.name);
+      places.emplace_back(static_cast<int>(f), static_cast<int>(&item - (filters[f].*list).data()));
+      if (filters.size() == 1 && item.name == name) return places.back();
+    }
+  return places[as_size(find(names, name, code, what))];
+}
+
+/// Checked.
+const auto& item_at(const auto& list, int index, const char* what) {
+  if (index < 0 || as_size(index) >= list.size())
+    throw std::out_of_range(std::string("there is no ") + what + " " + std::to_string(index) + " (of " +
+                            std::to_string(list.size()) + ")");
+  return list[as_size(index)];
 }
 
 }  // namespace
@@ -65,41 +91,12 @@ void Session::reset(std::uint64_t seed, int run) {
 // ---- names
 
 ChannelId Session::channel(std::string_view name) const {
-  const int index = composition_->plan().channel(name);
-  if (index >= 0) return {index};
-  std::vector<std::string> names;
-  for (const auto& channel : composition_->channels()) names.push_back(channel.name);
-  no_such("B020", "channel", name, names);
+  return {find(base::names_of(composition_->channels()), name, "B020", "channel")};
 }
 
 FilterId Session::filter(std::string_view name) const {
-  std::vector<std::string> names;
-  for (std::size_t f = 0; f < composition_->filters().size(); ++f) {
-    names.push_back(composition_->filters()[f].name);
-    if (names.back() == name) return {static_cast<int>(f)};
-  }
-  no_such("B027", "filter", name, names);
+  return {find(base::names_of(composition_->filters()), name, "B027", "filter")};
 }
-
-namespace {
-
-/// "ins/position", or "position" where there is one filter: (filter, index in its list).
-template <class List>
-std::pair<int, int> find_in_filters(const Composition& composition, List FilterInfo::*list, const char* code,
-                                    const char* what, std::string_view name) {
-  std::vector<std::string> names;
-  const auto& filters = composition.filters();
-  for (std::size_t f = 0; f < filters.size(); ++f)
-    for (std::size_t i = 0; i < (filters[f].*list).size(); ++i) {
-      const std::string& own = (filters[f].*list)[i].name;
-      names.push_back(filters[f].name + "/" + own);
-      if (names.back() == name || (filters.size() == 1 && own == name))
-        return {static_cast<int>(f), static_cast<int>(i)};
-    }
-  no_such(code, what, name, names);
-}
-
-}  // namespace
 
 BlockId Session::block(std::string_view name) const {
   const auto [filter, index] = find_in_filters(*composition_, &FilterInfo::blocks, "B015", "block", name);
@@ -113,26 +110,13 @@ MeasurementId Session::measurement(std::string_view name) const {
 
 // ---- what is wrong with a call
 
-namespace {
-
-void check_index(const char* what, int index, std::size_t count) {
-  if (index < 0 || as_size(index) >= count)
-    throw std::out_of_range(std::string("there is no ") + what + " " + std::to_string(index) + " (of " +
-                            std::to_string(count) + ")");
-}
-
-}  // namespace
-
 Engine& Session::engine(FilterId filter) const {
-  check_index("filter", filter.index, composition_->filters().size());
+  item_at(composition_->filters(), filter.index, "filter");
   return runtime_->engine(filter.index);
 }
 
 const BlockInfo& Session::info(BlockId block) const {
-  check_index("filter", block.filter.index, composition_->filters().size());
-  const auto& blocks = composition_->filters()[as_size(block.filter.index)].blocks;
-  check_index("block", block.index, blocks.size());
-  return blocks[as_size(block.index)];
+  return item_at(item_at(composition_->filters(), block.filter.index, "filter").blocks, block.index, "block");
 }
 
 void Session::room_for(const BlockInfo& block, std::span<double> outputs) const {
@@ -142,10 +126,7 @@ void Session::room_for(const BlockInfo& block, std::span<double> outputs) const 
                                 " outputs; there is room for " + std::to_string(outputs.size()));
 }
 
-const Session::Intake& Session::intake(ChannelId channel) const {
-  check_index("channel", channel.index, intake_.size());
-  return intake_[as_size(channel.index)];
-}
+const Session::Intake& Session::intake(ChannelId channel) const { return item_at(intake_, channel.index, "channel"); }
 
 // ---- samples
 
@@ -155,12 +136,7 @@ void Session::push(ChannelId channel, Time t0, Time t, std::span<const double> f
   if (static_cast<int>(fields.size()) != plan.epoch_fields)
     throw std::invalid_argument("channel '" + plan.name + "' has " + std::to_string(plan.epoch_fields) +
                                 " fields; got " + std::to_string(fields.size()));
-  SampleView sample;
-  sample.t = t;
-  sample.t0 = t0;
-  sample.fields = fields.data();
-  sample.available = true;
-  push(channel, sample);
+  push(channel, SampleView{.t = t, .t0 = t0, .fields = fields.data(), .available = true});
 }
 
 void Session::push(ChannelId channel, const SampleView& sample) {
@@ -284,22 +260,21 @@ void Session::attach(FilterId filter, StepObserver* observer) { engine(filter).a
 
 MeasurementCounts Session::counts(MeasurementId measurement) const {
   const auto& filter = engine(measurement.filter);
-  check_index("measurement", measurement.index, filter.plan().measurements.size());
+  item_at(filter.plan().measurements, measurement.index, "measurement");
   const auto& ledger = filter.tally(measurement.index);
-  MeasurementCounts counts;
-  counts.offered = ledger.offered;
-  std::copy(std::begin(ledger.outcomes), std::end(ledger.outcomes), counts.by_outcome);
-  counts.before_start = ledger.before_start;
-  counts.recoveries = ledger.recoveries;
-  counts.rows_left_out = ledger.rows_left_out;
-  counts.rows_used = ledger.dof_sum;
+  const double n = static_cast<double>(ledger.nis_count);
+  MeasurementCounts counts{.offered = ledger.offered,
+                           .before_start = ledger.before_start,
+                           .recoveries = ledger.recoveries,
+                           .rows_left_out = ledger.rows_left_out,
+                           .rows_used = ledger.dof_sum,
+                           .nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN(),
+                           .nis_count = ledger.nis_count,
+                           .dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0,
+                           .last_reason = ledger.last_reason};
+  std::ranges::copy(ledger.outcomes, counts.by_outcome);
   for (const auto& entry : filter.left_out(measurement.index))
     if (entry.count > 0) counts.left_out.push_back({static_cast<int>(entry.group), entry.key, entry.count});
-  counts.nis_count = ledger.nis_count;
-  const double n = static_cast<double>(ledger.nis_count);
-  counts.nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
-  counts.dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0;
-  counts.last_reason = ledger.last_reason;
   return counts;
 }
 

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// One propagation but for P: process models, joint discretization, gathering of what is frozen or derived.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "filter/estimator.hpp"
+
+namespace binnacle::filter {
+
+namespace {
+
+/// A block of Φ, F, Qd or GQGᵀ as a process wrote it.
+ConstVectorView block_of(const Coupling& coupling, const double* block, const std::vector<int>& ports,
+                         const FilterPlan& plan) {
+  const auto dof = [&](int port) { return plan.dof(ports[as_size(port)]); };
+  return {block, coupling.structure == Structure::diagonal ? dof(coupling.to) : dof(coupling.to) * dof(coupling.from)};
+}
+
+}  // namespace
+
+void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSample> samples) {
+  if (const Result result = evaluate_derived(plan_.process_derived, now); !result)
+    throw Stop("a derived block cannot be evaluated at " + time_text(now.t) + ": " + result.reason);
+  const bool bridges = !samples.empty() && samples.front().bridges;  // such a sample is stepped alone
+  const Step step{now.t, t1, seconds(t1 - now.t), {}, bridges};
+  for (std::size_t p = 0; p < plan_.processes.size(); ++p)
+    if (plan_.processes[p].van_loan_group >= 0)
+      run_continuous(p);
+    else
+      run_model(p, step, samples);
+  check_noise(t1);
+  for (const auto& group : plan_.van_loan) discretize_group(group, step.dt);
+  hold_frozen();
+  gather(plan_.gathers, phi_);
+  gather(plan_.noise_gathers, noise_);
+}
+
+/// The step as a process with input sees it.
+Step Estimator::read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples) {
+  const auto width = process.fields.epoch.size();
+  step.dt = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples_[i] = samples[i];
+    samples_[i].fields = fields_.data() + i * width;
+    convert(process.fields, samples[i].fields, samples[i].dt, fields_.data() + i * width);
+    step.dt += samples[i].dt;
+  }
+  step.samples = {samples_.data(), samples.size()};
+  return step;
+}
+
+void Estimator::run_model(std::size_t index, Step step, std::span<const InputSample> samples) {
+  const auto& process = plan_.processes[index];
+  if (process.uses_input) step = read_input(process, step, samples);
+  ProcessOutput out{ports_[index].outputs.data(), phi_.data() + process.first_transition,
+                    noise_.data() + process.first_noise};
+  const ProcessInput in{step, ports_[index].inputs.data(), auxiliary(process.auxiliary), memory_of(process.memory),
+                        calls_.notes()};
+  const Result result = calls_.during(process, "propagate", [&] { return process.model->propagate(in, out); });
+  if (!result)
+    throw Stop("process '" + process.name + "' cannot go on at " + time_text(step.t1) + ": " + result.reason);
+}
+
+/// The discretization of what is not finite would not end.
+void Estimator::run_continuous(std::size_t index) {
+  const auto& process = plan_.processes[index];
+  double* const* const F = phi_.data() + process.first_transition;
+  ContinuousOutput out{F, noise_.data() + process.first_noise};
+  const ContinuousInput in{ports_[index].inputs.data(), auxiliary(process.auxiliary), calls_.notes()};
+  calls_.during(process, "linearized", [&] { process.model->linearized(in, out); });
+  const auto& transition = process.model->declaration().transition;
+  for (std::size_t k = 0; k < transition.size(); ++k)
+    if (!is_finite(block_of(transition[k], F[k], process.ports, plan_)))
+      throw Stop(call_text(process, "linearized", calls_.time()) + " gave F(" +
+                 plan_.blocks[as_size(process.ports[as_size(transition[k].to)])].name + "), which is not finite");
+}
+
+/// Variances are not negative; what is so by rounding, next to the component's own variance, is let pass. What is infinite
+/// elsewhere comes out in the health check.
+void Estimator::check_noise(Time t) const {
+  constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
+  for (const auto& [process, block, q, step] : diagonals_)
+    for (std::size_t a = 0; a < block->active.size(); ++a) {
+      const double variance = q[block->active[a] * step];
+      if (variance >= 0 && variance <= largest) continue;
+      const int row = block->first + static_cast<int>(a);
+      if (variance >= -rounding * covariance()(row, row) && variance <= largest) continue;
+      char value[32];
+      std::snprintf(value, sizeof value, "%.3g", variance);
+      throw Stop(call_text(*process, process->van_loan_group >= 0 ? "linearized" : "propagate", t) + " gave '" +
+                 block->name + "." + block->declaration().error[as_size(block->active[a])].name +
+                 "' the process noise " + value + ", which is no variance");
+    }
+}
+
+/// After a step whose result is not finite: "…: propagate at 3 s gave Phi(a, b), which is not finite", or "" where no
+/// process is to blame.
+std::string Estimator::culprit(Time t1) const {
+  for (const auto& process : plan_.processes) {
+    if (process.van_loan_group >= 0) continue;  // examined before it was discretized
+    std::string found;
+    const auto name = [&](int port) {
+      const int value = process.ports[as_size(port)];
+      return plan_.is_block(value) ? plan_.blocks[as_size(value)].name : plan_.derived_at(value).name;
+    };
+    const auto examine = [&](const std::vector<Coupling>& couplings, const double* const* table, const char* matrix) {
+      for (std::size_t k = 0; k < couplings.size() && found.empty(); ++k)
+        if (!is_finite(block_of(couplings[k], table[k], process.ports, plan_)))
+          found = std::string(matrix) + "(" + name(couplings[k].to) + ", " + name(couplings[k].from) + ")";
+    };
+    for (const auto& block : plan_.blocks)
+      if (&plan_.processes[as_size(block.process)] == &process && found.empty() && !is_finite(block.in(x_plus())))
+        found = "'" + block.name + "'";
+    const auto& declared = process.model->declaration();
+    examine(declared.transition, phi() + process.first_transition, "Phi");
+    examine(declared.noise, noise() + process.first_noise, "Qd");
+    if (!found.empty()) return call_text(process, "propagate", t1) + " gave " + found + ", which is not finite";
+  }
+  return "";
+}
+
+namespace {
+
+/// The blocks of a table in the group's matrix.
+void spread(const std::vector<VanLoanGroup::Block>& blocks, const std::vector<double*>& table, bool is_mirrored,
+            MatrixView matrix) {
+  matrix.as().setZero();
+  for (const auto& block : blocks) {
+    const bool is_diagonal = block.structure == Structure::diagonal;
+    const double* from = table[as_size(block.table)];
+    for (int j = 0; j < block.columns; ++j)
+      for (int i = 0; i < block.rows; ++i) {
+        if (is_diagonal && i != j) continue;
+        const int row = block.row + i, column = block.column + j;
+        matrix(row, column) = from[is_diagonal ? i : i + j * block.rows];
+        if (is_mirrored) matrix(column, row) = matrix(row, column);
+      }
+  }
+}
+
+void collect(const std::vector<VanLoanGroup::Block>& blocks, MatrixView matrix, const std::vector<double*>& table) {
+  for (const auto& block : blocks)
+    matrix_at(table[as_size(block.table)], block.rows, block.columns) =
+        matrix.block(block.row, block.column, block.rows, block.columns).as();
+}
+
+}  // namespace
+
+void Estimator::discretize_group(const VanLoanGroup& group, double dt) {
+  const int n = group.columns;
+  const auto matrix = [&](int k) { return MatrixView{at(group.work) + k * n * n, n, n, n}; };
+  const MatrixView F = matrix(0), Q = matrix(1), Phi = matrix(2), Qd = matrix(3);
+  spread(group.dynamics, phi_, false, F);
+  spread(group.noise, noise_, true, Q);
+  // What is frozen is taken as known: its noise must not reach others through the coupling.
+  for (const auto& part : group.advanced)
+    for (int i = 0; i < part.dof; ++i)
+      if (plan_.blocks[as_size(part.value)].use[as_size(i)] == Use::frozen)
+        for (int j = 0; j < n; ++j) Q(part.first + i, j) = Q(j, part.first + i) = 0;
+  discretize(F.data, Q.data, n, dt, Phi.data, Qd.data, matrix(4).data);
+  collect(group.phi, Phi, phi_);
+  collect(group.qd, Qd, noise_);
+  // x⁺ = Φ x.
+  for (const auto& part : group.advanced) {
+    auto out = vector_at(x_plus_.data() + plan_.blocks[as_size(part.value)].stored_offset, part.dof);
+    out.setZero();
+    for (const auto* inputs : {&group.advanced, &group.read})
+      for (const auto& input : *inputs)
+        for (int j = 0; j < input.dof; ++j)
+          out += Phi.as().col(input.first + j).segment(part.first, part.dof) * values_[as_size(input.value)][j];
+  }
+}
+
+/// An element of a block of Φ or Qd, chained through the derived value in between.
+double Estimator::gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof) {
+  const bool is_diagonal = term.structure == Structure::diagonal;
+  if (term.derived < 0) return is_diagonal ? (row == column ? block[row] : 0.0) : block[row + column * dof];
+  const int inner = plan_.derived_at(term.derived).dof();
+  const double* chain = at(term.chain) + column * inner;
+  if (is_diagonal) return block[row] * chain[row];
+  double value = 0;
+  for (int k = 0; k < inner; ++k) value += block[row + k * dof] * chain[k];
+  return value;
+}
+
+void Estimator::gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table) {
+  for (const auto& plan : plans) {
+    const auto& to = plan_.blocks[as_size(plan.to_block)];
+    const auto& from = plan_.blocks[as_size(plan.from_block)];
+    const int rows = static_cast<int>(to.active.size());
+    const int columns = static_cast<int>(from.active.size());
+    double* target = at(plan.target);
+    std::fill_n(target, rows * columns, 0.0);
+    for (const auto& term : plan.terms) {
+      const double* block = table[as_size(term.source)];
+      for (int c = 0; c < columns; ++c)
+        for (int r = 0; r < rows; ++r)
+          target[r + c * rows] += gathered(term, block, to.active[as_size(r)], from.active[as_size(c)], to.dof());
+    }
+  }
+}
+
+void Estimator::hold_frozen() {
+  for (const BlockPlan& block : plan_.blocks) {
+    if (!block.holds_frozen) continue;
+    const VectorView next = block.in(x_plus_.data());
+    const ConstVectorView now = block.in(state());
+    if (block.active.empty()) {
+      next.as() = now.as();
+      continue;
+    }
+    const VectorView delta(block_delta_.data(), block.dof());
+    calls_.during(block, "minus", [&] { block.block->minus(next, now, delta); });
+    for (int i = 0; i < delta.size(); ++i)
+      if (block.use[as_size(i)] == Use::frozen) delta[i] = 0;
+    calls_.during(block, "plus", [&] { block.block->plus(now, delta, next); });
+  }
+}
+
+}  // namespace binnacle::filter
