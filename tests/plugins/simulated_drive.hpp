@@ -30,8 +30,8 @@ constexpr double degree = std::numbers::pi / 180.0;
 inline ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
   const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-  ParameterValue value = spec::check_parameters(VehicleSimulator::spec().parameters, "vehicle_simulator", document, "",
-                                                {}, {}, diagnostics);
+  ParameterValue value =
+      spec::Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return value;

@@ -47,8 +47,8 @@ class Drive {
   explicit Drive(const Json& config, std::uint64_t seed = 1) {
     Diagnostics diagnostics;
     const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-    const ParameterValue value = spec::check_parameters(VehicleSimulator::spec().parameters, "vehicle_simulator",
-                                                        document, "", {}, {}, diagnostics);
+    const ParameterValue value =
+        spec::Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
     INFO(diagnostics.text());
     REQUIRE(diagnostics.empty());
     source_ = std::make_unique<VehicleSimulator>(Binding("drive", Parameters(value), {}, {}));

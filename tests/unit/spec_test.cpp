@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "spec/kind.hpp"
 
 using namespace binnacle;
 using namespace binnacle::spec;
@@ -44,7 +43,7 @@ Checked check(const std::vector<ParameterSpec>& specs, const std::string& text, 
   Diagnostics diagnostics;
   const Document config = document(text);
   Checked result;
-  result.value = check_parameters(specs, "gauss_markov", config, "", {"type", "blocks"}, ports, diagnostics);
+  result.value = Reader(config, diagnostics).parameters(specs, "gauss_markov", {"type", "blocks"}, ports);
   result.text = diagnostics.text();
   return result;
 }
@@ -162,7 +161,7 @@ TEST_CASE("wrong lengths and words", "[spec]") {
 TEST_CASE("everything that is wrong is reported at once", "[spec]") {
   Diagnostics diagnostics;
   const Document config = document(R"({"tau": -1, "sigma": "1 m", "from": 1})");
-  check_parameters(gauss_markov(), "gauss_markov", config, "", {}, port_x("m/s", 1), diagnostics);
+  Reader(config, diagnostics).parameters(gauss_markov(), "gauss_markov", {}, port_x("m/s", 1));
   CHECK(diagnostics.items().size() == 3);
 }
 
@@ -226,8 +225,8 @@ TEST_CASE("paths start at the file that names them", "[spec]") {
   Diagnostics diagnostics;
   const Document config =
       Document::load("/somewhere/configs/c.json", {}, diagnostics, R"({"file": "../data/imu.csv"})");
-  const auto value = check_parameters({path("file").required(), path("other").defaults("\"x.csv\"")}, "csv", config, "",
-                                      {}, {}, diagnostics);
+  const auto value =
+      Reader(config, diagnostics).parameters({path("file").required(), path("other").defaults("\"x.csv\"")}, "csv");
   CHECK(diagnostics.text() == "");
   CHECK(Parameters(value).text("file") == "/somewhere/data/imu.csv");
   CHECK(Parameters(value).text("other") == "/somewhere/configs/x.csv");
@@ -245,22 +244,23 @@ TEST_CASE("instants and windows", "[spec]") {
   const Document config = document(R"({"a": "228 s", "b": "start+60 s", "c": "start", "d": "start - 1 min", "e": 2.5,
     "f": "strat+60 s", "g": ["3 s", "1 s"], "h": ["1 s", "start+1 s"], "i": ["1 s"], "j": true, "k": "-5 s"})");
   Diagnostics diagnostics;
-  const auto when = [&](const char* pointer) { return read_when(config, pointer, diagnostics); };
-  CHECK(when("/a")->time == 228'000'000'000);
-  CHECK_FALSE(when("/a")->from_start);
-  CHECK(when("/b")->time == 60'000'000'000);
-  CHECK(when("/b")->from_start);
-  CHECK(when("/c")->time == 0);
-  CHECK(when("/d")->time == -60'000'000'000);
-  CHECK(when("/e")->time == 2'500'000'000);
-  CHECK(when("/k")->time == -5'000'000'000);
-  CHECK(read_window(config, "/h", diagnostics)->to.from_start);
+  const Reader at(config, diagnostics);
+  const auto when = [&](const char* key) { return at[key].when(); };
+  CHECK(when("a")->time == 228'000'000'000);
+  CHECK_FALSE(when("a")->from_start);
+  CHECK(when("b")->time == 60'000'000'000);
+  CHECK(when("b")->from_start);
+  CHECK(when("c")->time == 0);
+  CHECK(when("d")->time == -60'000'000'000);
+  CHECK(when("e")->time == 2'500'000'000);
+  CHECK(when("k")->time == -5'000'000'000);
+  CHECK(at["h"].span()->to_is_relative);
   CHECK(diagnostics.empty());
-  when("/f");
-  when("/j");
-  read_window(config, "/g", diagnostics);
-  read_window(config, "/i", diagnostics);
-  CHECK_FALSE(when("/none"));
+  when("f");
+  when("j");
+  at["g"].span();
+  at["i"].span();
+  CHECK_FALSE(when("none"));
   REQUIRE(diagnostics.items().size() == 4);
   CHECK(diagnostics.items()[0].message ==
         "'strat+60 s' does not begin with a number; expected something like '120 s'; "
@@ -275,13 +275,14 @@ TEST_CASE("keys that the kernel owns", "[spec]") {
   const Document config =
       document(R"({"evaluate": {"aftr": 1}, "sigma": ["1 deg", 2], "n": "three", "names": ["a", 1]})");
   Diagnostics diagnostics;
-  check_keys(config, "/evaluate", {"after", "windows"}, "'evaluate'", diagnostics);
-  CHECK_FALSE(require_key(config, "/evaluate", "after", "evaluate", "a time", diagnostics));
-  CHECK_FALSE(read_quantity(config, "/sigma/0", number("", "m"), diagnostics));
-  CHECK(*read_quantity(config, "/sigma/1", number("", "m"), diagnostics) == 2);
-  CHECK_FALSE(read_quantity(config, "/nothing", number("", "m"), diagnostics));
-  CHECK_FALSE(read_names(config, "/names", diagnostics));
-  CHECK_FALSE(object_at(config, "/n", "'n'", diagnostics));
+  const Reader at(config, diagnostics);
+  at["evaluate"].check_keys({"after", "windows"}, "'evaluate'");
+  CHECK_FALSE(at["evaluate"].require("after", "evaluate", "a time"));
+  CHECK_FALSE(at["sigma"].children()[0].number(number("", "m")));
+  CHECK(*Reader(config, diagnostics, "/sigma/1").number(number("", "m")) == 2);
+  CHECK_FALSE(at["nothing"].number(number("", "m")));
+  CHECK_FALSE(at["names"].names());
+  CHECK_FALSE(at["n"].is_object("'n'"));
   Lines messages;
   for (const Diagnostic& item : diagnostics.items()) messages.push_back(item.pointer + ": " + item.message);
   CHECK(messages == Lines{"/evaluate/aftr: unknown key of 'evaluate'; did you mean 'after'?",

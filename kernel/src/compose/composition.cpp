@@ -15,70 +15,47 @@ Composer::Composer(Document document, const LoadOptions& options, Diagnostics& d
   plan_->document = std::move(document);
 }
 
-void Composer::error(const std::string& code, const std::string& pointer, const std::string& message) {
-  diagnostics_.error(code, document().origin(pointer), pointer, message);
+std::size_t Composer::failures() const {
+  const auto is_error = [](const Diagnostic& item) { return item.severity == Severity::error; };
+  return static_cast<std::size_t>(std::ranges::count_if(diagnostics_.items(), is_error)) + silent_failures_;
 }
 
-void Composer::key_error(const std::string& code, const std::string& pointer, const std::string& message) {
-  diagnostics_.error(code, document().key_origin(pointer), pointer, message);
+void Composer::refuse(const ComponentError& refusal, const Reader& at) {
+  if (refusal.is_data_error())
+    diagnostics_.error(refusal.code(), Origin{refusal.file(), refusal.line(), 0}, at.pointer(), refusal.what());
+  else
+    place(at.pointer() + refusal.pointer()).error("B030", refusal.what());
 }
 
-std::size_t Composer::error_count() const {
-  const auto& items = diagnostics_.items();
-  return static_cast<std::size_t>(std::count_if(items.begin(), items.end(), [](const Diagnostic& item) {
-    return item.severity == Severity::error;
-  }));
+void Composer::keep(Findings findings, const Reader& at) {
+  for (const auto& note : findings.notes) diagnostics_.warning("B032", at.key_origin(), at.pointer(), note);
+  if (!findings.figures.empty()) plan_->found.push_back({at.pointer(), std::move(findings.figures)});
 }
 
-void Composer::refuse(const ComponentError& refusal, const std::string& pointer) {
-  if (refusal.is_data_error()) {
-    diagnostics_.error(refusal.code(), Origin{refusal.file(), refusal.line(), 0}, pointer, refusal.what());
-    return;
-  }
-  const std::string at_pointer = pointer + refusal.pointer();
-  error("B030", at_pointer, refusal.what());
-}
-
-void Composer::keep(Findings findings, const std::string& pointer) {
-  for (const auto& note : findings.notes) diagnostics_.warning("B032", document().key_origin(pointer), pointer, note);
-  if (!findings.figures.empty()) plan_->found.push_back({pointer, std::move(findings.figures)});
-}
-
-const ComponentType* Composer::type_of(Role role, const std::string& pointer) {
-  if (!object_at(document(), pointer, "a component", diagnostics_)) return nullptr;
-  const std::string name = pointer.substr(pointer.rfind('/') + 1);
-  if (!require_key(document(), pointer, "type", name, std::string("a ") + role_name(role), diagnostics_))
-    return nullptr;
-  const std::string type_pointer = join_pointer(pointer, "type");
-  const auto type = read_string(document(), type_pointer, diagnostics_);
-  if (!type) return nullptr;
-  return plan_->catalog.find(role, *type, document().origin(type_pointer), type_pointer, diagnostics_);
-}
-
-Component Composer::read_component(Role role, const std::string& name, const std::string& pointer,
-                                   const std::vector<std::string>& reserved, FilterBuild* build) {
-  Component component{name, pointer, type_of(role, pointer)};
+Component Composer::read_component(Role role, const Reader& at, const std::vector<std::string>& reserved,
+                                   FilterComposer* filter) {
+  Component component{at, at.key(), failures()};
+  if (!at.is_object("a component")) return component;
+  if (!at.require("type", at.key(), std::string("a ") + role_name(role))) return component;
+  if (const auto type = at["type"].text())
+    component.type = plan_->catalog.find(role, *type, at["type"].origin(), at["type"].pointer(), diagnostics_);
   if (!component.type) return component;
-  const std::size_t errors = error_count();
   const ComponentSpec& spec = component.spec();
   component.fields_bound.assign(spec.fields.size(), false);
-  const bool is_bound = !build || bind_ports(*build, component);
+  if (filter) filter->bind_ports(component);
   const auto port_units = [&](std::string_view port) -> std::optional<PortMeasure> {
-    for (const auto& binding : component.ports) {
-      if (binding.name != port || !binding.bound || binding.components.empty()) continue;
-      const auto unit = parse_unit(binding.components.front().unit);
-      for (const auto& other : binding.components)
-        if (other.unit != binding.components.front().unit) return std::nullopt;
-      if (unit) return PortMeasure{unit->dimension, binding.dof};
-    }
-    return std::nullopt;
+    const int index = index_of(component.ports, port, &PortBinding::name);
+    if (index < 0 || component.ports[as_size(index)].components.empty()) return std::nullopt;
+    const PortBinding& binding = component.ports[as_size(index)];
+    const std::string& text = binding.components.front().unit;
+    const auto unit = parse_unit(text);
+    const bool is_uniform = std::ranges::all_of(binding.components, [&](const auto& c) { return c.unit == text; });
+    return unit && is_uniform ? std::optional(PortMeasure{unit->dimension, binding.dof}) : std::nullopt;
   };
   auto keys = reserved;
   if (role == Role::process_model && !spec.inputs.empty()) keys.push_back("inputs");
-  component.parameters =
-      check_parameters(spec.parameters, spec.type, document(), pointer, keys, port_units, diagnostics_);
-  const bool has_rates = !build || find_driving_rates(*build, component);
-  component.is_whole = is_bound && has_rates && error_count() == errors;
+  component.parameters = at.parameters(spec.parameters, spec.type, keys, port_units);
+  if (filter) filter->find_driving_rates(component);
   return component;
 }
 
@@ -87,73 +64,67 @@ const std::vector<std::string> own_keys = {"binnacle", "title",      "descriptio
                                            "sources",  "transforms", "filters",     "sinks"};
 
 void Composer::read_head() {
-  check_section_keys("", own_keys, "the config");
-  const auto* version = at("/binnacle");
+  check_section_keys(place(""), own_keys, "the config");
+  const Reader version = place("/binnacle");
   if (!version)
-    key_error("B028", "", "the config does not begin with \"binnacle\": 1 (the version of its format)");
-  else if (!version->is_number_integer() || version->get<std::int64_t>() != 1)
-    error("B028", "/binnacle", "this program reads configs of version 1; found " + abbreviated(*version));
-  if (at("/title"))
-    if (const auto title = read_string(document(), "/title", diagnostics_)) plan_->title = *title;
+    place("").key_error("B028", "the config does not begin with \"binnacle\": 1 (the version of its format)");
+  else if (!version.json()->is_number_integer() || version.json()->get<std::int64_t>() != 1)
+    version.error("B028", "this program reads configs of version 1; found " + abbreviated(*version.json()));
+  plan_->title = place("/title").text().value_or("");
 }
 
-void Composer::load_plugins() {
+bool Composer::load_plugins() {
   std::vector<PluginPath> paths;
-  if (const auto* plugins = array_at(document(), "/plugins", "'plugins'", diagnostics_))
-    for (std::size_t i = 0; i < plugins->size(); ++i) {
-      const std::string pointer = join_pointer("/plugins", i);
-      if (const auto path = read_path(document(), pointer, diagnostics_))
-        paths.push_back({*path, document().origin(pointer), pointer});
-    }
+  for (const Reader& plugin : place("/plugins").elements("'plugins'"))
+    if (const auto path = plugin.path()) paths.push_back({*path, plugin.origin(), plugin.pointer()});
   Diagnostics found;
   plan_->catalog.load_search_path(paths, found);
-  load_errors_ = found.has_errors();
   diagnostics_.merge(found);
+  return !found.has_errors();
+}
+
+void Composer::begin_filters() {
+  const Reader filters = place("/filters");
+  if (!filters) place("").key_error("B010", "the config has no 'filters'; there is nothing to run");
+  for (const Reader& filter : filters.members("'filters'"))
+    if (filter.is_object("a filter")) filters_.emplace_back(*this, filter);
 }
 
 // Transforms and filters feed each other through channels; at one instant they work in this order.
 void Composer::order_nodes() {
   struct Work {
     Node node;
-    std::vector<int> in, out;
     std::string pointer;
+    std::vector<int> out, in = {};
+
+    bool waits_for(const Work& other) const {
+      return std::ranges::any_of(in, [&](int channel) { return index_of(other.out, channel) >= 0; });
+    }
   };
   std::vector<Work> open;
-  for (std::size_t i = 0; i < plan_->transforms.size(); ++i) {
-    const auto& transform = plan_->transforms[i];
-    Work work{{Node::Kind::transform, static_cast<int>(i)}, {}, transform.channels, transform.pointer};
-    for (const auto& input : transform.inputs) work.in.push_back(input.channel);
-    open.push_back(std::move(work));
+  for (const auto& transform : plan_->transforms)
+    open.push_back({{Node::Kind::transform, count_of(open)}, transform.pointer, transform.channels});
+  for (int i = 0; i < count_of(plan_->filters); ++i) {
+    const auto& filter = plan_->filters[as_size(i)];
+    open.push_back({{Node::Kind::filter, i}, filter.pointer, {filter.output_channel}});
   }
-  for (std::size_t i = 0; i < plan_->filters.size(); ++i) {
-    const auto& filter = plan_->filters[i];
-    Work work{{Node::Kind::filter, static_cast<int>(i)},
-              {filter.input_channel},
-              {filter.output_channel},
-              filter.pointer};
-    for (const auto& measurement : filter.measurements) work.in.push_back(measurement.channel);
-    for (const auto* list : {&filter.initial, &filter.auxiliary})
-      for (const auto& latest : *list) work.in.push_back(latest.channel);
-    open.push_back(std::move(work));
-  }
+  for_each_input(*plan_, [&](const Node& node, int channel, const std::string&) {
+    const int index = index_of(open, node, &Work::node);
+    if (index >= 0) open[as_size(index)].in.push_back(channel);
+  });
   while (!open.empty()) {
-    const auto next = std::find_if(open.begin(), open.end(), [&](const Work& candidate) {
-      return std::none_of(candidate.in.begin(), candidate.in.end(), [&](int channel) {
-        return channel >= 0 && std::any_of(open.begin(), open.end(), [&](const Work& other) {
-                 return std::find(other.out.begin(), other.out.end(), channel) != other.out.end();
-               });
-      });
+    const auto next = std::ranges::find_if(open, [&](const Work& candidate) {
+      return std::ranges::none_of(open, [&](const Work& other) { return candidate.waits_for(other); });
     });
     if (next == open.end()) {
       std::vector<std::string> names;
       for (const auto& work : open) names.push_back(work.pointer);
-      error("B023", names.front(), "these feed each other: " + listed(names));
-      return;
+      return place(names.front()).error("B023", "these feed each other: " + listed(names));
     }
     plan_->nodes.push_back(next->node);
     open.erase(next);
   }
-  for (std::size_t i = 0; i < plan_->sinks.size(); ++i) plan_->nodes.push_back({Node::Kind::sink, static_cast<int>(i)});
+  for (int i = 0; i < count_of(plan_->sinks); ++i) plan_->nodes.push_back({Node::Kind::sink, i});
 }
 
 void Composer::lay_out() {
@@ -201,40 +172,51 @@ void Composer::lay_out() {
   }
 }
 
-// A source or transform none of whose channels has a subscriber works for nothing: most likely a name is wrong somewhere.
-void Composer::warn_of_unheard() {
-  const auto check = [&](const std::string& name, const std::string& pointer, const std::vector<int>& channels) {
-    const bool is_heard = std::any_of(channels.begin(), channels.end(),
-                                      [&](int channel) { return !plan_->subscribers[as_size(channel)].empty(); });
-    if (!is_heard)
-      diagnostics_.warning("B031", document().key_origin(pointer), pointer, "nothing subscribes to '" + name + "'");
+void Composer::add_subscribers() {
+  const auto add = [&](int channel, const std::string& pointer) {
+    auto& subscribers = plan_->channel_infos[as_size(channel)].subscribers;
+    if (index_of(subscribers, pointer) < 0) subscribers.push_back(pointer);
   };
-  for (const auto& source : plan_->sources) check(source.name, source.pointer, source.channels);
-  for (const auto& transform : plan_->transforms) check(transform.name, transform.pointer, transform.channels);
+  for_each_input(*plan_, [&](const Node&, int channel, const std::string& pointer) { add(channel, pointer); });
+  for (const auto& subscription : plan_->subscriptions) add(subscription.channel, subscription.pointer);
+
+  // A source or transform none of whose channels has a subscriber works for nothing: most likely a name is wrong somewhere.
+  const auto check = [&](const auto& component) {
+    const bool is_heard = std::ranges::any_of(component.channels, [&](int channel) {
+      return !plan_->channel_infos[as_size(channel)].subscribers.empty();
+    });
+    if (!is_heard)
+      diagnostics_.warning("B031", place(component.pointer).key_origin(), component.pointer,
+                           "nothing subscribes to '" + component.name + "'");
+  };
+  std::ranges::for_each(plan_->sources, check);
+  std::ranges::for_each(plan_->transforms, check);
 }
 
 std::unique_ptr<CompositionPlan> Composer::compose() {
   read_head();
-  load_plugins();
-  if (load_errors_) return nullptr;
+  if (!load_plugins()) return nullptr;
   add_sources();
   begin_filters();
   add_transforms();
-  finish_filters();
+  for (auto& filter : filters_) filter.finish();
   bool is_complete = !diagnostics_.has_errors();
-  for (auto& build : builds_) {
-    is_complete = is_complete && build.is_complete;
-    plan_->filters.push_back(std::move(build.plan));
+  for (auto& filter : filters_) {
+    is_complete = is_complete && filter.is_complete;
+    filter.describe();
+    plan_->filter_infos.push_back(std::move(filter.info));
+    plan_->filters.push_back(std::move(filter.plan));
   }
+  for (const auto& channel : plan_->channels)
+    plan_->channel_infos.push_back({channel.name, &channel.declaration, channel.position, channel.pointer});
   add_sinks();
   read_sections();
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
-  plan_->subscribers = subscribers(*plan_);
-  warn_of_unheard();
+  add_subscribers();
 
-  base::Fnv1a hash(document().hash(own_keys));
+  base::Fnv1a hash(plan_->document.hash(own_keys));
   hash.add(BINNACLE_VERSION);
   for (const auto& plugin : plan_->catalog.plugins()) hash.add(plugin.name + "=" + plugin.version + ";");
   plan_->hash = hash.value();
@@ -288,8 +270,8 @@ std::shared_ptr<const Composition> Composition::parse(std::string_view text, con
 Composition::Composition(std::unique_ptr<compose::CompositionPlan> plan, Diagnostics warnings)
     : plan_(std::move(plan)),
       warnings_(std::move(warnings)),
-      filters_(compose::filter_infos(*plan_)),
-      channels_(compose::channel_infos(*plan_)) {}
+      filters_(plan_->filter_infos),
+      channels_(plan_->channel_infos) {}
 
 Composition::~Composition() = default;
 const std::string& Composition::title() const { return plan_->title; }

@@ -9,17 +9,17 @@
 #include <string>
 #include <vector>
 
+#include "base/index.hpp"
 #include "binnacle/composition.hpp"
 #include "binnacle/section.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
 #include "filter/plan.hpp"
-#include "spec/check.hpp"
 
 namespace binnacle::compose {
 
-using namespace spec;
 using namespace filter;
+using config::Document;
 
 struct SourceHead {
   SampleHead sample;
@@ -65,6 +65,8 @@ struct SinkPlan {
 struct Node {
   enum class Kind { transform, filter, sink } kind = Kind::transform;
   int index = 0;
+
+  bool operator==(const Node&) const = default;
 };
 
 /// A channel whose samples a section of the config wants to see in every run.
@@ -91,17 +93,14 @@ struct CompositionPlan {
   std::vector<Node> nodes;
   std::vector<FoundInfo> found;
   std::vector<Subscription> subscriptions;
-  std::vector<std::vector<std::string>> subscribers;  // of each channel, by JSON pointer
+  std::vector<FilterInfo> filter_infos;
+  std::vector<ChannelInfo> channel_infos;
   std::vector<std::shared_ptr<const SectionData>> sections;
   Layout layout;
   std::uint64_t hash = 0;
   std::shared_ptr<SourceOpening> opening = std::make_shared<SourceOpening>();
 
-  int channel(std::string_view name) const {
-    for (std::size_t i = 0; i < channels.size(); ++i)
-      if (channels[i].name == name) return static_cast<int>(i);
-    return -1;
-  }
+  int channel(std::string_view name) const { return base::index_of(channels, name, &ChannelPlan::name); }
 };
 
 }  // namespace binnacle::compose

@@ -20,374 +20,311 @@ std::string constant_hint(const Catalog& catalog, const std::string& block) {
   return {};
 }
 
-}  // namespace
-
-void Composer::finish_filters() {
-  for (auto& build : builds_) {
-    const std::size_t errors = error_count();
-    for (auto& block : build.plan.blocks) {
-      read_initial(build, block, block.pointer);
-      read_sigma(build, block, block.pointer);
-    }
-    find_input(build);
-    add_derived(build);
-    add_processes(build);
-    add_measurements(build);
-    if (error_count() != errors) build.is_complete = false;
-    if (build.is_complete) plan_transition(build);
-  }
-}
-
-void Composer::check_port_names(const ComponentSpec& spec, const std::string& blocks_pointer) {
-  const auto* blocks = object_at(document(), blocks_pointer, "'blocks'", diagnostics_);
-  if (!blocks) return;
-  const auto names = names_of(spec.ports);
-  for (const auto& item : blocks->items()) {
-    const std::string& key = item.key();
-    if (std::find(names.begin(), names.end(), key) != names.end()) continue;
-    const auto renamed = std::find_if(spec.ports.begin(), spec.ports.end(),
-                                      [&](const PortSpec& port) { return port.former_name == key; });
-    key_error("B012", join_pointer(blocks_pointer, key),
-              "'" + spec.type + "' has no port '" + key + "'" +
-                  (renamed != spec.ports.end() ? "; it is now called '" + renamed->name + "'"
-                                               : suggestion(key, names)) +
-                  " (ports: " + listed(names) + ")");
-  }
-}
-
-bool Composer::bind_port(const FilterBuild& build, const PortSpec& port, const std::string& type,
-                         const std::string& pointer, int& value, PortBinding& binding) {
-  const auto name = read_string(document(), pointer, diagnostics_);
-  if (!name || build.failed_values.contains(*name)) return false;
-  value = build.value(*name);
-  if (value < 0) {
-    const auto names = names_of(build.values);
-    error("B015", pointer,
-          "there is no block '" + *name + "'" + suggestion(*name, names) + " (blocks: " + listed(names) + ")");
-    return true;
-  }
-  const auto& info = build.values[as_size(value)];
-  if (!kind_matches(port.kind, info.kind)) {
-    error("B016", pointer,
-          "port '" + port.name + "' of '" + type + "' takes a block of kind '" + port.kind + "'; '" + *name +
-              "' is of kind '" + info.kind + "'");
-  } else if (info.is_derived && port.access == PortAccess::advances) {
-    error("B016", pointer,
-          "port '" + port.name + "' of '" + type + "' advances its block; '" + *name +
-              "' is derived and follows from others");
-  } else {
-    binding.bound = true;
-    binding.kind = info.kind;
-    binding.dof = info.dof;
-    binding.stored_size = info.stored_size;
-    binding.components = info.components;
-  }
-  return true;
-}
-
-bool Composer::bind_ports(FilterBuild& build, Component& component) {
-  const auto& spec = component.spec();
-  const std::size_t errors = error_count();
-  bool is_whole = true;
-  const std::string blocks_pointer = join_pointer(component.pointer, "blocks");
-  check_port_names(spec, blocks_pointer);
-  for (const auto& port : spec.ports) {
-    PortBinding binding;
-    binding.name = port.name;
-    int value = -1;
-    const std::string port_pointer = join_pointer(blocks_pointer, port.name);
-    if (at(port_pointer)) {
-      is_whole = bind_port(build, port, spec.type, port_pointer, value, binding) && is_whole;
-    } else if (!port.is_optional) {
-      std::vector<std::string> fitting;
-      for (const auto& info : build.values)
-        if (kind_matches(port.kind, info.kind)) fitting.push_back(info.name);
-      key_error("B017", component.pointer,
-                "port '" + port.name + "' of '" + spec.type + "' is not bound (kind '" + port.kind +
-                    "'): \"blocks\": {\"" + port.name + "\": \"" +
-                    (fitting.empty() ? std::string("…") : fitting.front()) + "\"}");
-    }
-    component.values.push_back(binding.bound ? value : -1);
-    component.ports.push_back(std::move(binding));
-  }
-  if (!is_whole) build.is_complete = false;
-  return is_whole && error_count() == errors;
-}
-
-void Composer::find_input(FilterBuild& build) {
-  const std::string pointer = join_pointer(build.pointer, "process");
-  const auto* processes = object_at(document(), pointer, "'process'", diagnostics_);
-  if (!processes) return;
-  std::string first, first_pointer;
-  for (const auto& item : processes->items()) {
-    const std::string input_pointer = join_pointer(join_pointer(pointer, item.key()), "input");
-    const auto channel = read_string(document(), input_pointer, diagnostics_);
-    if (!channel || *channel == first) continue;
-    if (!first.empty()) {
-      error("B020", input_pointer,
-            "filter '" + build.plan.name + "' is driven by channel '" + first + "' already (" + first_pointer +
-                "); a filter has at most one driving input");
-      continue;
-    }
-    first = *channel;
-    first_pointer = input_pointer;
-    bool is_told = false;
-    build.plan.input_channel = channel_named(first, input_pointer, is_told);
-    if (build.plan.input_channel < 0) build.is_complete = false;
-  }
-  if (build.plan.input_channel < 0) return;
-  const auto& channel = plan_->channels[as_size(build.plan.input_channel)];
-  build.plan.input_fields = channel.epoch_fields;
-  build.plan.input_used.assign(as_size(channel.epoch_fields), 0);
-  for (const auto& field : channel.declaration.fields)
-    if (!field.is_per_row) build.plan.input_kinds.push_back(field.kind);
-}
-
-bool Composer::find_driving_rates(FilterBuild& build, Component& component) {
-  const ComponentSpec& spec = component.spec();
-  const auto& rates = spec.driving_rates;
-  if (rates.empty()) return true;
-  if (build.plan.input_channel < 0) {
-    const bool all_optional =
-        std::all_of(rates.begin(), rates.end(), [](const FieldSpec& field) { return field.is_optional; });
-    if (!all_optional && build.is_complete)
-      error("B021", component.pointer,
-            "'" + spec.type + "' needs the rates of the filter's driving input, which has none");
-    return all_optional;
-  }
-  const auto& channel = plan_->channels[as_size(build.plan.input_channel)];
-  const std::size_t errors = error_count();
-  for (const auto& wanted : rates) {
-    int index = -1;
-    for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
-      if (channel.declaration.fields[i].name == wanted.name) index = channel.position[i];
-    if (index < 0 && !wanted.is_optional)
-      error("B021", component.pointer,
-            "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" + spec.type +
-                "' needs");
-    if (index < 0) continue;
-    component.driving_rates.push_back(index);
-    build.plan.input_used[as_size(index)] = 1;
-  }
-  if (component.driving_rates.size() != rates.size()) component.driving_rates.clear();
-  return error_count() == errors;
-}
-
-bool Composer::read_auxiliary(FilterBuild& build, AuxiliaryPlan& auxiliary, Component& component) {
-  if (component.spec().inputs.empty()) return true;
-  std::vector<NodeInput> inputs;
-  const bool is_whole = read_inputs(component, inputs);
-  auto& kept = build.plan.auxiliary;
-  for (auto& input : inputs) {
-    int index = -1;
-    if (input.channel >= 0) {
-      const auto same = [&](const LatestPlan& latest) { return latest.channel == input.channel; };
-      index = static_cast<int>(std::find_if(kept.begin(), kept.end(), same) - kept.begin());
-      if (as_size(index) == kept.size()) kept.push_back(LatestPlan{input.channel, 0, {}, {}});
-    }
-    auxiliary.channels.push_back(index);
-    auxiliary.fields.push_back(std::move(input.fields));
-  }
-  return is_whole;
-}
-
-bool Composer::reads_bound_ports(const std::vector<int>& read_ports, const Component& component) {
-  const bool all_are_bound = std::all_of(read_ports.begin(), read_ports.end(), [&](int port) {
-    return port >= 0 && as_size(port) < component.values.size() && component.values[as_size(port)] >= 0;
-  });
-  if (!all_are_bound)
-    error("B030", component.pointer,
-          "'" + component.spec().type + "' declares a Jacobian for a port that is not bound");
-  return all_are_bound;
-}
-
-bool Composer::add_derived_block(FilterBuild& build, const std::string& name, const std::string& pointer) {
-  auto plan = planned<DerivedPlan>(name, pointer);
-  const Component component = read_component(Role::derived_block, name, pointer, {"type", "blocks"}, &build);
-  if (component.is_whole) plan.derived = make<DerivedBlock>(component);
-  if (!plan.derived || !reads_bound_ports(plan.derived->declaration().read_ports, component)) return false;
-  plan.type = component.type->full_name();
-  plan.ports = component.values;
-  plan.driving_rates = component.driving_rates;
-  const auto& declaration = plan.derived->declaration();
-  const int dof = plan.dof();
-  plan.value = build.reserve(as_size(declaration.stored_size));
-  std::set<int> blocks;
-  for (const int port : declaration.read_ports) {
-    const int value = plan.ports[as_size(port)];
-    const int columns = build.values[as_size(value)].dof;
-    plan.reads.push_back({value, build.reserve(as_size(dof * columns)), port});
-    if (value < static_cast<int>(build.plan.blocks.size())) {
-      blocks.insert(value);
-    } else {
-      for (const auto& dependence : build.plan.derived[as_size(value) - build.plan.blocks.size()].dependences)
-        blocks.insert(dependence.block);
-    }
-  }
-  for (const int block : blocks)
-    plan.dependences.push_back({block, build.reserve(as_size(dof * build.values[as_size(block)].dof))});
-  const auto kind = canonical_kind(declaration.kind);
-  if (!kind) error("B030", pointer, kind.error());
-  build.values.push_back(
-      {name, kind ? *kind : declaration.kind, dof, declaration.stored_size, declaration.error, true});
-  build.plan.derived.push_back(std::move(plan));
-  return true;
-}
-
-void Composer::add_derived(FilterBuild& build) {
-  const std::string section = join_pointer(build.pointer, "derived");
-  const auto* derived = object_at(document(), section, "'derived'", diagnostics_);
-  if (!derived) return;
-  for (const auto& item : derived->items())
-    if (build.value(item.key()) >= 0 || build.failed_values.contains(item.key()))
-      key_error("B002", join_pointer(section, item.key()), "a block is called '" + item.key() + "' already");
-  const auto is_waiting = [&](const std::string& name, const std::vector<std::string>& open) {
-    const auto* blocks = at(join_pointer(join_pointer(section, name), "blocks"));
-    if (!blocks || !blocks->is_object()) return false;
-    return std::any_of(blocks->begin(), blocks->end(), [&](const auto& value) {
-      return value.is_string() && build.value(value.template get<std::string>()) < 0 &&
-             std::find(open.begin(), open.end(), value.template get<std::string>()) != open.end();
-    });
-  };
-  const auto fail = [&](const std::string& name) {
-    build.failed_values.insert(name);
-    build.is_complete = false;
-  };
-  const auto cycle = in_order(section, "these derived blocks need each other: ", is_waiting,
-                              [&](const std::string& name, const std::string& pointer) {
-                                if (!add_derived_block(build, name, pointer)) fail(name);
-                              });
-  for (const auto& name : cycle) fail(name);
-}
-
-std::vector<int> Composer::derived_closure(const FilterBuild& build, const std::vector<int>& values) const {
-  const int blocks = static_cast<int>(build.plan.blocks.size());
-  std::set<int> needed;
-  std::vector<int> open = values;
-  while (!open.empty()) {
-    const int value = open.back();
-    open.pop_back();
-    if (value < blocks || !needed.insert(value).second) continue;
-    for (const int port : build.plan.derived[as_size(value - blocks)].ports) open.push_back(port);
-  }
-  return {needed.begin(), needed.end()};
-}
-
-bool Composer::read_process_input(FilterBuild& build, ProcessPlan& plan, Component& component) {
-  const ComponentSpec& spec = component.spec();
-  const std::string input_pointer = join_pointer(plan.pointer, "input");
-  plan.uses_input = !spec.fields.empty();
-  if (!plan.uses_input) {
-    if (at(input_pointer)) key_error("B012", input_pointer, "'" + spec.type + "' takes no input");
-    return true;
-  }
-  bool is_whole = true;
-  if (!at(input_pointer))
-    key_error("B010", plan.pointer, "'input' of '" + spec.type + "' is missing (name of a channel)");
-  else if (build.plan.input_channel < 0)
-    is_whole = false;
-  else if (map_fields(spec.fields, build.plan.input_channel, plan.pointer, input_pointer, spec.type, plan.fields,
-                      mappable_fields(spec))) {
-    component.bind_fields(plan.fields);
-    for (const auto& item : plan.fields.epoch)
-      if (item.index >= 0) build.plan.input_used[as_size(item.index)] = 1;
-  }
-  const auto range = parameter::integer("samples_per_step").at_least(1).at_most(16);
-  if (const auto samples =
-          read_integer(document(), join_pointer(plan.pointer, "samples_per_step"), range, diagnostics_))
-    component.samples_per_step = static_cast<int>(*samples);
-  build.plan.samples_per_step = std::max(build.plan.samples_per_step, component.samples_per_step);
-  return is_whole;
-}
-
-bool Composer::check_couplings(const ProcessPlan& plan, const Component& component) {
+/// Whether a model's couplings are of ports that are bound and advanced, and of equal dof where they are diagonal.
+bool are_sound(const ProcessDeclaration& declared, const Component& component) {
   const auto is_bound = [&](int port) {
-    return port >= 0 && as_size(port) < plan.ports.size() && plan.ports[as_size(port)] >= 0;
+    return port >= 0 && port < count_of(component.ports) && component.ports[as_size(port)].bound;
   };
   const auto is_advanced = [&](int port) {
     return component.spec().ports[as_size(port)].access == PortAccess::advances;
   };
-  const auto is_sound = [&](const Coupling& coupling, bool is_noise) {
+  const auto dof = [&](int port) { return component.ports[as_size(port)].dof; };
+  const auto is_sound = [&](const Coupling& coupling) {
     return is_bound(coupling.to) && is_bound(coupling.from) && is_advanced(coupling.to) &&
-           (!is_noise || is_advanced(coupling.from)) &&
-           (coupling.structure == Structure::dense ||
-            component.ports[as_size(coupling.to)].dof == component.ports[as_size(coupling.from)].dof);
+           (coupling.structure == Structure::dense || dof(coupling.to) == dof(coupling.from));
   };
-  const auto& declared = plan.model->declaration();
-  const bool all_are_sound = std::all_of(declared.transition.begin(), declared.transition.end(),
-                                         [&](const Coupling& coupling) { return is_sound(coupling, false); }) &&
-                             std::all_of(declared.noise.begin(), declared.noise.end(),
-                                         [&](const Coupling& coupling) { return is_sound(coupling, true); });
-  if (!all_are_sound)
-    error("B030", plan.pointer,
-          "'" + component.spec().type +
-              "' declares a coupling of ports that are open, not advanced, or of unequal dof");
-  return all_are_sound;
+  return std::ranges::all_of(declared.transition, is_sound) && std::ranges::all_of(declared.noise, is_sound) &&
+         std::ranges::all_of(declared.noise, is_advanced, &Coupling::from);
 }
 
-void Composer::advance_blocks(FilterBuild& build, const ProcessPlan& plan, const ComponentSpec& spec,
-                              std::vector<int>& values_read) {
-  const int index = static_cast<int>(build.plan.processes.size());
-  for (std::size_t p = 0; p < plan.ports.size(); ++p) {
-    const int value = plan.ports[p];
-    if (value < 0) continue;
-    if (spec.ports[p].access == PortAccess::reads) {
-      values_read.push_back(value);
+}  // namespace
+
+int latest_of(std::vector<LatestPlan>& kept, int channel) {
+  const int index = index_of(kept, channel, &LatestPlan::channel);
+  if (index >= 0) return index;
+  kept.emplace_back().channel = channel;
+  return count_of(kept) - 1;
+}
+
+void FilterComposer::finish() {
+  const std::size_t failures = composer.failures();
+  read_initial_values();
+  find_input();
+  add_derived();
+  add_processes();
+  add_measurements();
+  if (composer.failures() != failures) is_complete = false;
+  if (is_complete) plan_transition(*this);
+}
+
+void FilterComposer::fail() {
+  composer.fail();
+  is_complete = false;
+}
+
+int FilterComposer::value_for(const PortSpec& port, const std::string& type, const Reader& port_at) {
+  const auto name = port_at.text();
+  if (!name || failed_values.contains(*name)) {
+    fail();
+    return -1;
+  }
+  const std::string what = "port '" + port.name + "' of '" + type + "' ";
+  const int value = index_of(values, *name, &PortBinding::name);
+  if (value < 0) {
+    const auto names = names_of(values);
+    port_at.error("B015",
+                  "there is no block '" + *name + "'" + suggestion(*name, names) + " (blocks: " + listed(names) + ")");
+  } else if (const auto& kind = values[as_size(value)].kind; !kind_matches(port.kind, kind)) {
+    port_at.error("B016",
+                  what + "takes a block of kind '" + port.kind + "'; '" + *name + "' is of kind '" + kind + "'");
+  } else if (!plan.is_block(value) && port.access == PortAccess::advances) {
+    port_at.error("B016", what + "advances its block; '" + *name + "' is derived and follows from others");
+  } else {
+    return value;
+  }
+  return -1;
+}
+
+void FilterComposer::bind_ports(Component& component) {
+  const ComponentSpec& spec = component.spec();
+  const Reader blocks = component.at["blocks"];
+  const auto names = names_of(spec.ports);
+  for (const Reader& block : blocks.members("'blocks'")) {
+    if (index_of(names, block.key()) >= 0) continue;
+    const int renamed = index_of(spec.ports, block.key(), &PortSpec::former_name);
+    block.key_error("B012", "'" + spec.type + "' has no port '" + block.key() + "'" +
+                                (renamed >= 0 ? "; it is now called '" + names[as_size(renamed)] + "'"
+                                              : suggestion(block.key(), names)) +
+                                " (ports: " + listed(names) + ")");
+  }
+  for (const auto& port : spec.ports) {
+    const Reader port_at = blocks[port.name];
+    const int value = port_at ? value_for(port, spec.type, port_at) : -1;
+    if (!port_at && !port.is_optional) {
+      const auto fitting =
+          std::ranges::find_if(values, [&](const PortBinding& found) { return kind_matches(port.kind, found.kind); });
+      component.at.key_error("B017", "port '" + port.name + "' of '" + spec.type + "' is not bound (kind '" +
+                                         port.kind + "'): \"blocks\": {\"" + port.name + "\": \"" +
+                                         (fitting == values.end() ? "…" : fitting->name) + "\"}");
+    }
+    component.values.push_back(value);
+    component.ports.push_back(value < 0 ? PortBinding() : values[as_size(value)]);
+    component.ports.back().name = port.name;
+  }
+}
+
+void FilterComposer::find_input() {
+  std::string first, first_pointer;
+  for (const Reader& process : at["process"].members("'process'")) {
+    const Reader input = process["input"];
+    const auto channel = input.text();
+    if (!channel || *channel == first) continue;
+    if (!first.empty()) {
+      input.error("B020", "filter '" + plan.name + "' is driven by channel '" + first + "' already (" + first_pointer +
+                              "); a filter has at most one driving input");
       continue;
     }
-    auto& block = build.plan.blocks[as_size(value)];
+    first = *channel;
+    first_pointer = input.pointer();
+    plan.input_channel = composer.channel_named(first, input);
+    if (plan.input_channel < 0) is_complete = false;
+  }
+  if (plan.input_channel < 0) return;
+  const ChannelPlan& channel = composer.channel(plan.input_channel);
+  plan.input_fields = channel.epoch_fields;
+  plan.input_used.assign(as_size(channel.epoch_fields), 0);
+  for (const auto& field : channel.declaration.fields)
+    if (!field.is_per_row) plan.input_kinds.push_back(field.kind);
+}
+
+void FilterComposer::find_driving_rates(Component& component) {
+  const ComponentSpec& spec = component.spec();
+  const auto& rates = spec.driving_rates;
+  if (rates.empty()) return;
+  if (plan.input_channel < 0) {
+    if (std::ranges::all_of(rates, &FieldSpec::is_optional)) return;
+    if (is_complete)
+      component.at.error("B021", "'" + spec.type + "' needs the rates of the filter's driving input, which has none");
+    return composer.fail();
+  }
+  const ChannelPlan& channel = composer.channel(plan.input_channel);
+  for (const auto& wanted : rates) {
+    const int found = index_of(channel.declaration.fields, wanted.name, &FieldSpec::name);
+    if (found >= 0) {
+      component.driving_rates.push_back(channel.position[as_size(found)]);
+      plan.input_used[as_size(component.driving_rates.back())] = 1;
+    } else if (!wanted.is_optional) {
+      component.at.error("B021", "the driving input '" + channel.name + "' has no field '" + wanted.name + "' that '" +
+                                     spec.type + "' needs");
+    }
+  }
+  if (component.driving_rates.size() != rates.size()) component.driving_rates.clear();
+}
+
+void FilterComposer::read_auxiliary(AuxiliaryPlan& auxiliary, Component& component) {
+  if (component.spec().inputs.empty()) return;
+  for (auto& input : composer.read_inputs(component)) {
+    auxiliary.channels.push_back(input.channel < 0 ? -1 : latest_of(plan.auxiliary, input.channel));
+    auxiliary.fields.push_back(std::move(input.fields));
+  }
+}
+
+bool FilterComposer::are_bound(const std::vector<int>& read_ports, const Component& component) {
+  const bool all_are_bound = std::ranges::all_of(read_ports, [&](int port) {
+    return port >= 0 && port < count_of(component.values) && component.values[as_size(port)] >= 0;
+  });
+  if (!all_are_bound)
+    component.at.error("B030", "'" + component.spec().type + "' declares a Jacobian for a port that is not bound");
+  return all_are_bound;
+}
+
+bool FilterComposer::add_derived_block(const Reader& derived_at) {
+  auto derived = planned<DerivedPlan>(derived_at);
+  const Component component = composer.read_component(Role::derived_block, derived_at, {"type", "blocks"}, this);
+  derived.derived = composer.make<DerivedBlock>(component);
+  if (!derived.derived || !are_bound(derived.derived->declaration().read_ports, component)) return false;
+  derived.type = component.type->full_name();
+  derived.ports = component.values;
+  derived.driving_rates = component.driving_rates;
+  const auto& declaration = derived.derived->declaration();
+  const int dof = derived.dof();
+  derived.value = reserve(as_size(declaration.stored_size));
+  std::set<int> blocks;
+  for (const int port : declaration.read_ports) {
+    const int value = derived.ports[as_size(port)];
+    derived.reads.push_back({value, reserve(as_size(dof * values[as_size(value)].dof)), port});
+    if (plan.is_block(value))
+      blocks.insert(value);
+    else
+      for (const auto& dependence : plan.derived_at(value).dependences) blocks.insert(dependence.block);
+  }
+  for (const int block : blocks)
+    derived.dependences.push_back({block, reserve(as_size(dof * values[as_size(block)].dof))});
+  const auto kind = canonical_kind(declaration.kind);
+  if (!kind) derived_at.error("B030", kind.error());
+  values.push_back(
+      {derived.name, true, kind ? *kind : declaration.kind, dof, declaration.stored_size, declaration.error});
+  plan.derived.push_back(std::move(derived));
+  return true;
+}
+
+void FilterComposer::add_derived() {
+  const Reader derived = at["derived"];
+  if (!derived.is_object("'derived'")) return;
+  const auto is_known = [&](const std::string& name) { return index_of(values, name, &PortBinding::name) >= 0; };
+  for (const Reader& item : derived.children())
+    if (is_known(item.key()) || failed_values.contains(item.key()))
+      item.key_error("B002", "a block is called '" + item.key() + "' already");
+  const auto is_waiting = [&](const Reader& item, const std::vector<std::string>& open) {
+    return std::ranges::any_of(item["blocks"].children(), [&](const Reader& port) {
+      return port.json()->is_string() && !is_known(*port.text()) && index_of(open, *port.text()) >= 0;
+    });
+  };
+  const auto fail_derived = [&](const std::string& name) {
+    failed_values.insert(name);
+    fail();
+  };
+  const auto cycle =
+      composer.in_order(derived, "these derived blocks need each other: ", is_waiting, [&](const Reader& item) {
+        if (!add_derived_block(item)) fail_derived(item.key());
+      });
+  for (const auto& name : cycle) fail_derived(name);
+}
+
+std::vector<int> FilterComposer::derived_closure(std::vector<int> open) const {
+  std::set<int> needed;
+  while (!open.empty()) {
+    const int value = open.back();
+    open.pop_back();
+    if (plan.is_block(value) || !needed.insert(value).second) continue;
+    const auto& ports = plan.derived_at(value).ports;
+    open.insert(open.end(), ports.begin(), ports.end());
+  }
+  return {needed.begin(), needed.end()};
+}
+
+void FilterComposer::read_process_input(ProcessPlan& process, Component& component) {
+  const ComponentSpec& spec = component.spec();
+  const Reader input = component.at["input"];
+  process.uses_input = !spec.fields.empty();
+  if (!process.uses_input) {
+    if (input) input.key_error("B012", "'" + spec.type + "' takes no input");
+    return;
+  }
+  if (!input) {
+    component.at.key_error("B010", "'input' of '" + spec.type + "' is missing (name of a channel)");
+  } else if (plan.input_channel < 0) {
+    composer.fail();
+  } else {
+    process.fields =
+        composer.map_fields(spec.fields, plan.input_channel, input, component.at, spec.type, mappable_fields(spec));
+    component.bind_fields(process.fields);
+    for (const auto& item : process.fields.epoch)
+      if (item.index >= 0) plan.input_used[as_size(item.index)] = 1;
+  }
+  const auto range = parameter::integer("samples_per_step").at_least(1).at_most(16);
+  component.samples_per_step = static_cast<int>(component.at["samples_per_step"].integer(range).value_or(1));
+  plan.samples_per_step = std::max(plan.samples_per_step, component.samples_per_step);
+}
+
+void FilterComposer::advance_blocks(const ProcessPlan& process, const Component& component) {
+  const int index = count_of(plan.processes);
+  for (std::size_t p = 0; p < process.ports.size(); ++p) {
+    const PortSpec& port = component.spec().ports[p];
+    if (process.ports[p] < 0 || port.access == PortAccess::reads) continue;
+    auto& block = plan.blocks[as_size(process.ports[p])];
     if (block.process >= 0)
-      error("B019", join_pointer(join_pointer(plan.pointer, "blocks"), spec.ports[p].name),
-            "block '" + block.name + "' is advanced by '" + build.plan.processes[as_size(block.process)].name +
-                "' already; exactly one process model moves a block");
+      component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is advanced by '" +
+                                                          plan.processes[as_size(block.process)].name +
+                                                          "' already; exactly one process model moves a block");
     else
       block.process = index;
   }
 }
 
-bool Composer::add_process(FilterBuild& build, const std::string& name, const std::string& pointer, bool is_whole,
-                           std::vector<int>& values_read) {
-  auto plan = planned<ProcessPlan>(name, pointer);
-  const std::size_t errors = error_count();
-  Component component = read_component(Role::process_model, name, pointer,
-                                       {"type", "blocks", "input", "fields", "samples_per_step"}, &build);
+bool FilterComposer::add_process(const Reader& process_at, bool is_whole) {
+  auto process = planned<ProcessPlan>(process_at);
+  Component component = composer.read_component(Role::process_model, process_at,
+                                                {"type", "blocks", "input", "fields", "samples_per_step"}, this);
   if (!component.type) return false;
-  const ComponentSpec& spec = component.spec();
-  plan.type = component.type->full_name();
-  plan.ports = component.values;
-  is_whole = read_process_input(build, plan, component) && is_whole;
-  is_whole = read_auxiliary(build, plan.auxiliary, component) && is_whole;
-  if (!component.is_whole || error_count() != errors || !is_whole) {
+  process.type = component.type->full_name();
+  process.ports = component.values;
+  read_process_input(process, component);
+  read_auxiliary(process.auxiliary, component);
+  if (!is_whole || composer.failures() != component.failures) {
     // Its blocks are advanced by it in intention, whatever else is wrong with it.
-    for (std::size_t p = 0; p < plan.ports.size(); ++p)
-      if (spec.ports[p].access == PortAccess::advances && plan.ports[p] >= 0 &&
-          plan.ports[p] < static_cast<int>(build.plan.blocks.size()))
-        build.plan.blocks[as_size(plan.ports[p])].process = 0;
+    for (std::size_t p = 0; p < process.ports.size(); ++p)
+      if (component.spec().ports[p].access == PortAccess::advances && process.ports[p] >= 0)
+        plan.blocks[as_size(process.ports[p])].process = 0;
     return false;
   }
-  plan.model = make<ProcessModel>(component);
-  if (!plan.model || !check_couplings(plan, component)) return false;
-  advance_blocks(build, plan, spec, values_read);
-  build.plan.processes.push_back(std::move(plan));
+  process.model = composer.make<ProcessModel>(component);
+  if (!process.model) return false;
+  if (!are_sound(process.model->declaration(), component)) {
+    process_at.error("B030", "'" + component.spec().type +
+                                 "' declares a coupling of ports that are open, not advanced, or of unequal dof");
+    return false;
+  }
+  advance_blocks(process, component);
+  plan.processes.push_back(std::move(process));
   return true;
 }
 
-void Composer::add_processes(FilterBuild& build) {
-  const std::string section = join_pointer(build.pointer, "process");
-  const auto* processes = object_at(document(), section, "'process'", diagnostics_);
-  std::vector<int> values_read;
-  bool is_whole = processes != nullptr;
-  if (processes)
-    for (const auto& item : processes->items())
-      is_whole = add_process(build, item.key(), join_pointer(section, item.key()), is_whole, values_read) && is_whole;
-  if (!is_whole) build.is_complete = false;
-  if (is_whole || !processes)
-    for (const auto& block : build.plan.blocks)
+void FilterComposer::add_processes() {
+  const Reader processes = at["process"];
+  const bool is_there = processes.is_object("'process'");
+  bool is_whole = is_there;
+  for (const Reader& process : processes.members("'process'")) is_whole = add_process(process, is_whole) && is_whole;
+  if (!is_whole) is_complete = false;
+  if (is_whole || !is_there)
+    for (const auto& block : plan.blocks)
       if (block.process < 0)
-        key_error("B018", block.pointer,
-                  "block '" + block.name + "' is advanced by no process model" +
-                      constant_hint(plan_->catalog, block.name));
-  build.plan.process_derived = derived_closure(build, values_read);
+        composer.place(block.pointer)
+            .key_error("B018", "block '" + block.name + "' is advanced by no process model" +
+                                   constant_hint(composer.plan().catalog, block.name));
+  std::vector<int> ports;
+  for (const auto& process : plan.processes) ports.insert(ports.end(), process.ports.begin(), process.ports.end());
+  plan.process_derived = derived_closure(ports);
 }
 
 }  // namespace binnacle::compose

@@ -14,39 +14,33 @@ using namespace compose;
 
 template <class Plans>
 const auto& named(const Plans& plans, std::string_view name) {
-  const auto found = std::find_if(plans.begin(), plans.end(), [&](const auto& plan) { return plan.name == name; });
+  const auto found = std::ranges::find(plans, name, [](const auto& plan) { return std::string_view(plan.name); });
   if (found == plans.end()) throw std::out_of_range("the composition has no part '" + std::string(name) + "'");
   return *found;
-}
-
-Value value_of(const FilterPlan& filter, int index) {
-  if (index < 0) return {};
-  const auto i = static_cast<std::size_t>(index);
-  if (i < filter.blocks.size()) {
-    const BlockPlan& plan = filter.blocks[i];
-    return {plan.name, plan.block, nullptr, plan.initial.value};
-  }
-  const DerivedPlan& plan = filter.derived[i - filter.blocks.size()];
-  return {plan.name, nullptr, plan.derived, {}};
-}
-
-template <class Model>
-Part<Model> part_of(const Composition& composition, const FilterPlan& filter, const auto& plan,
-                    const std::shared_ptr<const Model>& model) {
-  Part<Model> part{composition.catalog().find(role_of<Model>(), plan.type), model, {}};
-  for (const int port : plan.ports) part.ports.push_back(value_of(filter, port));
-  return part;
 }
 
 const FilterPlan& filter_named(const Composition& composition, std::string_view name) {
   return named(composition.plan().filters, name);
 }
 
+Value value_of(const BlockPlan& plan) { return {plan.name, plan.block, nullptr, plan.initial.value}; }
+
+template <class Model>
+Part<Model> part_of(const Composition& composition, const FilterPlan& filter, const auto& plan,
+                    const std::shared_ptr<const Model>& model) {
+  Part<Model> part{composition.catalog().find(role_of<Model>(), plan.type), model, {}};
+  for (const int port : plan.ports)
+    part.ports.push_back(port < 0 ? Value()
+                         : filter.is_block(port)
+                             ? value_of(filter.blocks[as_size(port)])
+                             : Value{filter.derived_at(port).name, nullptr, filter.derived_at(port).derived, {}});
+  return part;
+}
+
 }  // namespace
 
 Value block(const Composition& composition, std::string_view filter, std::string_view name) {
-  const BlockPlan& plan = named(filter_named(composition, filter).blocks, name);
-  return {plan.name, plan.block, nullptr, plan.initial.value};
+  return value_of(named(filter_named(composition, filter).blocks, name));
 }
 
 Part<ProcessModel> process(const Composition& composition, std::string_view filter, std::string_view name) {

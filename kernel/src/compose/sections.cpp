@@ -11,11 +11,10 @@ namespace binnacle::compose {
 /// The composer as readers of sections see it.
 class Draft final : public CompositionDraft {
  public:
-  explicit Draft(Composer& composer)
-      : composer_(composer), filters_(filter_infos(*composer.plan_)), channels_(channel_infos(*composer.plan_)) {}
+  explicit Draft(Composer& composer) : composer_(composer) {}
 
   Kind kind(const std::string& pointer) const override {
-    const auto* value = composer_.at(pointer);
+    const auto* value = at(pointer).json();
     if (!value) return Kind::absent;
     return value->is_object()   ? Kind::object
            : value->is_array()  ? Kind::list
@@ -24,98 +23,77 @@ class Draft final : public CompositionDraft {
   }
   std::vector<std::string> keys(const std::string& pointer) const override {
     std::vector<std::string> keys;
-    if (kind(pointer) != Kind::object) return keys;
-    for (const auto& item : composer_.at(pointer)->items()) keys.push_back(item.key());
+    if (kind(pointer) == Kind::object)
+      for (const Reader& member : at(pointer).children()) keys.push_back(member.key());
     return keys;
   }
   std::size_t size(const std::string& pointer) const override {
-    return kind(pointer) == Kind::list ? composer_.at(pointer)->size() : 0;
+    return kind(pointer) == Kind::list ? at(pointer).json()->size() : 0;
   }
-  std::string shown(const std::string& pointer) const override { return abbreviated(*composer_.at(pointer)); }
-  bool is_object(const std::string& pointer, std::string_view what) override {
-    return object_at(document(), pointer, what, diagnostics()) != nullptr;
-  }
-  bool is_list(const std::string& pointer, std::string_view what) override {
-    return array_at(document(), pointer, what, diagnostics()) != nullptr;
-  }
+  std::string shown(const std::string& pointer) const override { return abbreviated(*at(pointer).json()); }
+  bool is_object(const std::string& pointer, std::string_view what) override { return at(pointer).is_object(what); }
+  bool is_list(const std::string& pointer, std::string_view what) override { return at(pointer).is_list(what); }
   void check_keys(const std::string& pointer, const std::vector<std::string>& allowed, std::string_view what) override {
-    spec::check_keys(document(), pointer, allowed, what, diagnostics());
+    at(pointer).check_keys(allowed, what);
   }
   bool require_key(const std::string& pointer, std::string_view key, std::string_view what,
                    std::string_view expected) override {
-    return spec::require_key(document(), pointer, key, what, expected, diagnostics());
+    return at(pointer).require(key, what, expected);
   }
-  std::optional<std::string> text(const std::string& pointer) override {
-    return read_string(document(), pointer, diagnostics());
-  }
+  std::optional<std::string> text(const std::string& pointer) override { return at(pointer).text(); }
   std::optional<double> number(const std::string& pointer) override {
-    const auto* value = composer_.at(pointer);
-    if (!value) return std::nullopt;
-    if (value->is_number()) return value->get<double>();
-    error("B006", pointer,
-          "'" + pointer.substr(pointer.rfind('/') + 1) + "' is a number; found " + abbreviated(*value));
+    const Reader place = at(pointer);
+    if (!place) return std::nullopt;
+    if (place.json()->is_number()) return place.json()->get<double>();
+    place.error("B006", "'" + place.key() + "' is a number; found " + abbreviated(*place.json()));
     return std::nullopt;
   }
-  std::optional<Time> time(const std::string& pointer) override {
-    return composer_.at(pointer) ? read_time(document(), pointer, diagnostics()) : std::nullopt;
-  }
-  std::optional<When> when(const std::string& pointer) override {
-    return composer_.at(pointer) ? read_when(document(), pointer, diagnostics()) : std::nullopt;
-  }
-  std::optional<TimeSpan> span(const std::string& pointer) override {
-    const auto window = read_window(document(), pointer, diagnostics());
-    if (!window) return std::nullopt;
-    return TimeSpan{window->from.time, window->to.time, window->from.from_start, window->to.from_start};
-  }
+  std::optional<Time> time(const std::string& pointer) override { return at(pointer).time(); }
+  std::optional<When> when(const std::string& pointer) override { return at(pointer).when(); }
+  std::optional<TimeSpan> span(const std::string& pointer) override { return at(pointer).span(); }
 
   void error(const std::string& code, const std::string& pointer, const std::string& message) override {
-    composer_.error(code, pointer, message);
+    at(pointer).error(code, message);
   }
   void key_error(const std::string& code, const std::string& pointer, const std::string& message) override {
-    composer_.key_error(code, pointer, message);
+    at(pointer).key_error(code, message);
   }
-  bool has_errors() const override { return composer_.diagnostics_.has_errors(); }
+  bool has_errors() const override { return composer_.diagnostics().has_errors(); }
 
-  const std::vector<FilterInfo>& filters() const override { return filters_; }
-  const std::vector<ChannelInfo>& channels() const override { return channels_; }
+  const std::vector<FilterInfo>& filters() const override { return composer_.plan().filter_infos; }
+  const std::vector<ChannelInfo>& channels() const override { return composer_.plan().channel_infos; }
   int channel(const std::string& name, const std::string& pointer) override {
-    bool is_told = false;
-    return composer_.channel_named(name, pointer, is_told);
+    return composer_.channel_named(name, at(pointer));
   }
   bool has_failed(std::string_view filter, std::string_view value) const override {
-    return std::any_of(composer_.builds_.begin(), composer_.builds_.end(), [&](const FilterBuild& build) {
-      return build.pointer == join_pointer("/filters", filter) && build.failed_values.contains(std::string(value));
+    return std::ranges::any_of(composer_.filters(), [&](const FilterComposer& composed) {
+      return composed.at.key() == filter && composed.failed_values.contains(std::string(value));
     });
   }
-  bool is_patched() const override { return document().is_patched(); }
+  bool is_patched() const override { return composer_.plan().document.is_patched(); }
   void subscribe(int channel, const std::string& pointer) override {
-    composer_.plan_->subscriptions.push_back({channel, pointer});
+    composer_.plan().subscriptions.push_back({channel, pointer});
   }
 
  private:
-  const Document& document() const { return composer_.document(); }
-  Diagnostics& diagnostics() { return composer_.diagnostics_; }
+  Reader at(const std::string& pointer) const { return composer_.place(pointer); }
 
   Composer& composer_;
-  std::vector<FilterInfo> filters_;
-  std::vector<ChannelInfo> channels_;
 };
 
-void Composer::check_section_keys(const std::string& pointer, std::vector<std::string> own, const std::string& what) {
-  const std::size_t kernels = own.size();
+void Composer::check_section_keys(const Reader& at, std::vector<std::string> own, const std::string& what) {
+  const std::vector<std::string> kernels = own;
   RenamedKeys renamed;
   for (const auto& section : sections_) {
-    for (auto& key : pointer.empty() ? section->keys() : section->filter_keys()) own.push_back(std::move(key));
-    for (auto& names : section->renamed_keys())
-      if (std::find(own.begin(), own.end(), names.second) != own.end()) renamed.push_back(std::move(names));
+    std::ranges::move(at.pointer().empty() ? section->keys() : section->filter_keys(), std::back_inserter(own));
+    std::ranges::copy_if(section->renamed_keys(), std::back_inserter(renamed),
+                         [&](const auto& names) { return index_of(own, names.second) >= 0; });
   }
   // Without readers the program may share its config with one that has some: only what looks misspelt is wrong.
-  if (sections_.empty()) {
-    const std::vector<std::string> known(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(kernels));
-    for (const auto& [key, value] : at(pointer)->items())
-      if (closest(key, known).empty()) own.push_back(key);
-  }
-  check_keys(document(), pointer, own, what, diagnostics_, renamed);
+  if (sections_.empty())
+    for (const Reader& member : at.children())
+      if (closest(member.key(), kernels).empty()) own.push_back(member.key());
+  at.check_keys(own, what, renamed);
 }
 
 void Composer::read_sections() {

@@ -148,7 +148,7 @@ void Runtime::run_filter(int index, Time t) {
   const auto begin = std::chrono::steady_clock::now();
   Engine& engine = *engines_[as_size(index)];
   const auto& plan = engine.plan();
-  const bool is_heard = !plan_.subscribers[as_size(plan.output_channel)].empty();
+  const bool is_heard = !plan_.channel_infos[as_size(plan.output_channel)].subscribers.empty();
   const auto accepted = [&] {
     std::int64_t count = 0;
     for (std::size_t m = 0; m < plan.measurements.size(); ++m)

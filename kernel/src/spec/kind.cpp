@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Block kinds, part by part.
-#include "spec/kind.hpp"
+#include "spec/check.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -12,12 +12,12 @@ namespace {
 
 std::vector<std::string_view> parts_of(std::string_view kind) {
   std::vector<std::string_view> parts;
-  while (true) {
-    const std::size_t end = kind.find(':');
+  for (std::size_t end = kind.find(':'); end != kind.npos; end = kind.find(':')) {
     parts.push_back(kind.substr(0, end));
-    if (end == std::string_view::npos) return parts;
     kind.remove_prefix(end + 1);
   }
+  parts.push_back(kind);
+  return parts;
 }
 
 bool part_matches(std::string_view pattern, std::string_view part) {

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading places of a config: what stands there, and the values that the kernel itself takes.
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.hpp"
+#include "config/node.hpp"
+#include "spec/check.hpp"
+
+namespace binnacle::spec {
+
+Reader::Reader(const Document& document, Diagnostics& diagnostics, const std::string& pointer)
+    : document_(&document), diagnostics_(&diagnostics), pointer_(pointer), json_(document.value(pointer)) {
+  const auto tokens = config::split_pointer(pointer);
+  key_ = tokens && !tokens->empty() ? tokens->back() : pointer;
+}
+
+Reader Reader::operator[](std::string_view key) const {
+  Reader member = *this;
+  member.key_ = key;
+  if (!is_default_) member.pointer_ = join_pointer(pointer_, key);
+  const bool is_there = json_ && json_->is_object() && json_->contains(key);
+  member.json_ = is_there ? &json_->at(member.key_) : nullptr;
+  return member;
+}
+
+std::vector<Reader> Reader::children() const {
+  std::vector<Reader> all;
+  if (!json_ || !json_->is_structured()) return all;
+  for (const auto& item : json_->items()) {
+    Reader& child = all.emplace_back(*this);
+    child.key_ = item.key();
+    if (!is_default_) child.pointer_ = join_pointer(pointer_, child.key_);
+    child.json_ = &item.value();
+  }
+  return all;
+}
+
+Reader Reader::with_default(const Json& json) const {
+  Reader reader = *this;
+  reader.json_ = &json;
+  reader.is_default_ = true;
+  return reader;
+}
+
+// ---- structure
+
+bool Reader::is_of(Json::value_t type, const char* name, std::string_view what) const {
+  if (json_ && json_->type() != type)
+    error("B006", std::string(what) + " must be " + name + "; found " + abbreviated(*json_));
+  return json_ && json_->type() == type;
+}
+
+std::vector<Reader> Reader::members(std::string_view what) const {
+  return is_object(what) ? children() : std::vector<Reader>();
+}
+
+std::vector<Reader> Reader::elements(std::string_view what) const {
+  return is_list(what) ? children() : std::vector<Reader>();
+}
+
+std::set<std::string> Reader::check_keys(const std::vector<std::string>& allowed, std::string_view what,
+                                         const RenamedKeys& renamed,
+                                         const std::function<std::string(const std::string&)>& detail) const {
+  constexpr std::size_t most = 16;
+  std::set<std::string> meant;
+  if (!json_ || !json_->is_object()) return meant;
+  for (const Reader& member : children()) {
+    const std::string& key = member.key();
+    if (std::ranges::find(allowed, key) != allowed.end()) continue;
+    const auto former = std::ranges::find(renamed, key, &RenamedKeys::value_type::first);
+    const std::string near = former != renamed.end() ? former->second : closest(key, allowed);
+    std::string hint;
+    if (former != renamed.end())
+      hint = "; " + base::in_quotes(key) + " is now called " + base::in_quotes(near);
+    else if (!near.empty())
+      hint = "; did you mean " + base::in_quotes(near) + (detail ? detail(near) : "") + "?";
+    else if (allowed.size() <= most)
+      hint = allowed.empty() ? "; it takes none" : "; it takes " + base::quoted_list(allowed);
+    member.key_error("B012", "unknown key of " + std::string(what) + hint);
+    if (!near.empty()) meant.insert(near);
+  }
+  return meant;
+}
+
+bool Reader::require(std::string_view key, std::string_view what, std::string_view expected) const {
+  if ((*this)[key]) return true;
+  error("B010", "missing key " + base::in_quotes(key) + " of " + base::in_quotes(what) +
+                    (expected.empty() ? "" : ": " + std::string(expected)));
+  return false;
+}
+
+// ---- values
+
+namespace {
+
+/// Without the prefix, if it is there, and spaces around.
+bool take(std::string_view& text, std::string_view prefix) {
+  const bool is_there = text.starts_with(prefix);
+  if (is_there) text.remove_prefix(prefix.size());
+  text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+  return is_there;
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string>> Reader::names() const {
+  if (!json_) return std::nullopt;
+  if (json_->is_string()) return std::vector<std::string>{json_->get<std::string>()};
+  if (json_->is_array() && std::ranges::all_of(*json_, [](const Json& item) { return item.is_string(); }))
+    return json_->get<std::vector<std::string>>();
+  error("B006", base::in_quotes(key_) + " must be a name or a list of names; found " + abbreviated(*json_));
+  return std::nullopt;
+}
+
+std::optional<When> Reader::when() const {
+  if (!json_) return std::nullopt;
+  const auto refuse = [&](const std::string& why) {
+    error("B024", why + "; write \"228 s\" or \"start+60 s\"");
+    return std::nullopt;
+  };
+  if (json_->is_number()) {
+    if (std::abs(json_->get<double>()) < 9.2e9) return When{from_seconds(json_->get<double>()), false};
+    return refuse(json_->dump() + " s is beyond 292 years");
+  }
+  if (!json_->is_string()) return refuse(abbreviated(*json_) + " is no time");
+  std::string_view text = json_->get_ref<const std::string&>();
+  take(text, "");
+  When when;
+  when.from_start = take(text, "start");
+  if (when.from_start && text.empty()) return when;
+  const bool is_negative = take(text, "-");
+  if (!is_negative && !take(text, "+") && when.from_start)
+    return refuse(base::in_quotes(json_->get<std::string>()) + " is no time");
+  const Parsed<std::int64_t> time = parse_time(text);
+  if (!time) return refuse(time.error());
+  when.time = is_negative ? -*time : *time;
+  return when;
+}
+
+std::optional<TimeSpan> Reader::span() const {
+  if (!json_) return std::nullopt;
+  if (!json_->is_array() || json_->size() != 2) {
+    error("B024", "a window is [from, to], for example [\"228 s\", \"258 s\"]; found " + abbreviated(*json_));
+    return std::nullopt;
+  }
+  const std::vector<Reader> ends = children();
+  const auto from = ends[0].when(), to = ends[1].when();
+  if (!from || !to) return std::nullopt;
+  if (from->from_start == to->from_start && from->time >= to->time) {
+    error("B024", "the window ends before it begins");
+    return std::nullopt;
+  }
+  return TimeSpan{from->time, to->time, from->from_start, to->from_start};
+}
+
+}  // namespace binnacle::spec
