@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "binnacle/parts.hpp"
 
 namespace binnacle::covariance {
 
@@ -105,7 +104,7 @@ void Follower::add_subject(const std::string& name) {
   const Component component = *component_named(*subject.block->declaration, named.component);
   subject.components = component.errors;
   subject.output = component.output;
-  if (subject.output >= 0) subject.manifold = parts::block(*plan_.composition, info_.name, named.block).block;
+  if (subject.output >= 0) subject.manifold = subject.block->block;
   const auto& active = subject.block->active;
   for (const int c : subject.components)
     if (std::find(active.begin(), active.end(), c) == active.end())

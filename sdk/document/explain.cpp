@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
-#include "binnacle/parts.hpp"
 #include "document/document.hpp"
 
 namespace binnacle::document {
@@ -23,13 +23,6 @@ const char* kind_name(FieldKind kind) {
 void add_jacobians(Differentiation how, Json& entry) {
   if (how == Differentiation::dual_numbers) entry["jacobians"] = "dual numbers";
   if (how == Differentiation::differences) entry["jacobians"] = "differences";
-}
-
-Json names_of(const std::vector<parts::Value>& values) {
-  Json names = Json::array();
-  for (const auto& value : values)
-    if (!value.name.empty()) names.push_back(value.name);
-  return names;
 }
 
 class FilterText {
@@ -62,11 +55,10 @@ class FilterText {
 
   Json blocks() const {
     std::map<std::string, std::string> advanced_by;
-    for (const auto& process : filter_.processes) {
-      const auto part = parts::process(composition_, filter_.name, process.name);
-      for (std::size_t p = 0; p < part.ports.size(); ++p)
-        if (part.type->spec.ports[p].access == PortAccess::advances) advanced_by[part.ports[p].name] = process.name;
-    }
+    for (const auto& process : filter_.processes)
+      for (std::size_t p = 0; p < process.ports.size(); ++p)
+        if (process.type->spec.ports[p].access == PortAccess::advances)
+          advanced_by[value_name(process.ports[p])] = process.name;
     Json blocks = Json::array();
     for (const auto& block : filter_.blocks) {
       Json components = Json::array();
@@ -87,31 +79,43 @@ class FilterText {
     return blocks;
   }
 
-  /// Blocks, by index, that the error of a value depends on, also through derived values.
-  void add_blocks(const parts::Value& value, std::set<int>& blocks) const {
-    if (value.derived) {
-      const auto part = parts::derived(composition_, filter_.name, value.name);
-      for (const int port : part.model->declaration().read_ports)
-        add_blocks(part.ports[static_cast<std::size_t>(port)], blocks);
+  /// Of a block or derived block; "" for an open port.
+  std::string value_name(int value) const {
+    if (value < 0) return "";
+    const auto index = static_cast<std::size_t>(value), blocks = filter_.blocks.size();
+    return index < blocks ? filter_.blocks[index].name : filter_.derived[index - blocks].name;
+  }
+  Json names_of(const std::vector<int>& ports) const {
+    Json names = Json::array();
+    for (const int value : ports)
+      if (value >= 0) names.push_back(value_name(value));
+    return names;
+  }
+
+  /// Blocks, by index, that what a component reads depends on, also through derived values.
+  std::set<int> blocks_of(const auto& bound) const {
+    std::set<int> blocks;
+    for (const int port : bound.object->declaration().read_ports) {
+      const auto value = static_cast<std::size_t>(bound.ports[static_cast<std::size_t>(port)]);
+      if (value < filter_.blocks.size())
+        blocks.insert(static_cast<int>(value));
+      else
+        blocks.merge(blocks_of(filter_.derived[value - filter_.blocks.size()]));
     }
-    for (std::size_t b = 0; value.block && b < filter_.blocks.size(); ++b)
-      if (filter_.blocks[b].name == value.name) blocks.insert(static_cast<int>(b));
+    return blocks;
   }
 
   Json derived() const {
     Json derived = Json::array();
-    for (const auto& name : filter_.derived) {
-      const auto part = parts::derived(composition_, filter_.name, name);
-      std::set<int> blocks;
-      add_blocks({name, nullptr, part.model, {}}, blocks);
+    for (const auto& value : filter_.derived) {
       Json depends = Json::array();
-      for (const int b : blocks) depends.push_back(block(b));
-      derived.push_back({{"name", name},
-                         {"type", part.type->full_name()},
-                         {"kind", part.model->declaration().kind},
-                         {"reads", names_of(part.ports)},
+      for (const int b : blocks_of(value)) depends.push_back(block(b));
+      derived.push_back({{"name", value.name},
+                         {"type", value.type->full_name()},
+                         {"kind", value.object->declaration().kind},
+                         {"reads", names_of(value.ports)},
                          {"depends_on", std::move(depends)}});
-      add_jacobians(part.model->declaration().differentiation, derived.back());
+      add_jacobians(value.object->declaration().differentiation, derived.back());
     }
     return derived;
   }
@@ -119,17 +123,16 @@ class FilterText {
   Json processes() const {
     Json processes = Json::array();
     for (const auto& process : filter_.processes) {
-      const auto part = parts::process(composition_, filter_.name, process.name);
       Json advances = Json::array(), reads = Json::array();
-      for (std::size_t p = 0; p < part.ports.size(); ++p) {
-        if (part.ports[p].name.empty()) continue;
-        const bool is_advanced = part.type->spec.ports[p].access == PortAccess::advances;
-        (is_advanced ? advances : reads).push_back(part.ports[p].name);
+      for (std::size_t p = 0; p < process.ports.size(); ++p) {
+        if (process.ports[p] < 0) continue;
+        const bool is_advanced = process.type->spec.ports[p].access == PortAccess::advances;
+        (is_advanced ? advances : reads).push_back(value_name(process.ports[p]));
       }
-      Json entry{{"name", process.name}, {"type", part.type->full_name()}, {"advances", advances}, {"reads", reads}};
-      if (!part.type->spec.fields.empty()) entry["input"] = channel(filter_.input_channel);
+      Json entry{{"name", process.name}, {"type", process.type->full_name()}, {"advances", advances}, {"reads", reads}};
+      if (!process.type->spec.fields.empty()) entry["input"] = channel(filter_.input_channel);
       if (process.discretized_with >= 0) entry["discretized_with_group"] = process.discretized_with;
-      add_jacobians(part.model->declaration().differentiation, entry);
+      add_jacobians(process.object->declaration().differentiation, entry);
       processes.push_back(std::move(entry));
     }
     return processes;
@@ -164,19 +167,15 @@ class FilterText {
     return list;
   }
 
-  Json part_of(const MeasurementInfo& measurement, const std::string& name) const {
-    const auto part = parts::measurement(composition_, filter_.name, measurement.name, name);
-    std::set<int> blocks;
-    for (const int port : part.model->declaration().read_ports)
-      add_blocks(part.ports[static_cast<std::size_t>(port)], blocks);
+  Json part_of(const BoundInfo<MeasurementModel>& part) const {
     Json columns = Json::array();
-    for (const int b : blocks)
+    for (const int b : blocks_of(part))
       if (!filter_.blocks[static_cast<std::size_t>(b)].active.empty()) columns.push_back(block(b));
-    Json entry{{"name", name},
+    Json entry{{"name", part.name},
                {"type", part.type->full_name()},
                {"reads", names_of(part.ports)},
                {"columns", std::move(columns)}};
-    add_jacobians(part.model->declaration().differentiation, entry);
+    add_jacobians(part.object->declaration().differentiation, entry);
     return entry;
   }
 
@@ -184,15 +183,14 @@ class FilterText {
     Json measurements = Json::array();
     for (const auto& measurement : filter_.measurements) {
       Json parts = Json::array();
-      for (const auto& part : measurement.parts) parts.push_back(part_of(measurement, part));
+      for (const auto& part : measurement.parts) parts.push_back(part_of(part));
       Json entry{{"name", measurement.name},
                  {"channel", channel(measurement.channel)},
                  {"max_rows", measurement.max_rows},
                  {"parts", std::move(parts)}};
       if (const auto& gate = measurement.gate; gate.probability > 0)
         entry["gate"] = {{"probability", gate.probability}, {"by", gate.by}, {"nis_limit", gate.nis_limit}};
-      if (measurement.adapts_noise)
-        entry["noise"] = parts::noise(composition_, filter_.name, measurement.name).type->full_name();
+      if (measurement.noise.type) entry["noise"] = measurement.noise.type->full_name();
       measurements.push_back(std::move(entry));
     }
     return measurements;
@@ -228,7 +226,7 @@ Json unused_channels(const Composition& composition) {
   return unused;
 }
 
-Json stages(const Composition& composition, const std::vector<StageInfo>& infos, bool has_inputs) {
+Json stages(const Composition& composition, const auto& infos, bool has_inputs) {
   const auto names = [&](const std::vector<int>& channels) {
     Json list = Json::array();
     for (const int c : channels) list.push_back(composition.channels()[static_cast<std::size_t>(c)].name);
@@ -236,7 +234,7 @@ Json stages(const Composition& composition, const std::vector<StageInfo>& infos,
   };
   Json stages = Json::array();
   for (const auto& info : infos) {
-    Json stage{{"name", info.name}, {"type", info.type}};
+    Json stage{{"name", info.name}, {"type", info.type->full_name()}};
     if (has_inputs) stage["inputs"] = names(info.inputs);
     stage["outputs"] = names(info.outputs);
     stages.push_back(std::move(stage));

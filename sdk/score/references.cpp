@@ -43,7 +43,7 @@ void read_implied_state(CompositionDraft& draft, const FilterInfo& filter, const
   const std::string pointer = join_pointer(join_pointer(filter_pointer, "implied_states"), name);
   if (!draft.is_object(pointer, "an implied state")) return;
   draft.check_keys(pointer, {"measurement", "block"}, "an implied state");
-  if (index_of(names_of(filter.blocks), name) >= 0 || index_of(filter.derived, name) >= 0)
+  if (index_of(names_of(filter.blocks), name) >= 0 || index_of(names_of(filter.derived), name) >= 0)
     draft.key_error("B002", pointer, "a block is called '" + name + "' already");
   ImpliedStatePlan implied_state;
   implied_state.measurement = named_part(draft, filter_pointer, pointer, "measurement", names_of(filter.measurements));

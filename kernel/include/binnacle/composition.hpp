@@ -26,16 +26,26 @@ namespace compose {
 struct CompositionPlan;
 }
 
+/// A component as it is bound. It keeps its plugin loaded.
+template <class Base>
+struct BoundInfo {
+  std::string name;
+  const ComponentType* type = nullptr;  // lives as long as the composition; null: there is none
+  std::shared_ptr<const Base> object;
+  std::vector<int> ports = {};  // what is plugged in: a block of the filter, or behind those a derived one; −1: open
+};
+
 /// Where a block lies in a filter's stored state and in its covariance.
 struct BlockInfo {
   std::string name;
   std::string type;
-  const StateBlock* block = nullptr;
+  std::shared_ptr<const StateBlock> block;
   const StateBlockDeclaration* declaration = nullptr;
   int stored_offset = 0;
   int first_row = 0;             // of P
   std::vector<int> active;       // error components with a row in P, in order
   std::vector<std::string> use;  // per error component: "estimated", "considered", "frozen"
+  std::vector<double> initial;   // stored value at the start, where the config gives it
 };
 
 /// Rows of a measurement that are of one kind: "velocity" of a stack, "range" of a model with two kinds of rows.
@@ -56,18 +66,16 @@ struct MeasurementInfo {
   std::string name;
   int channel = -1;
   int max_rows = 0;
-  std::vector<std::string> parts;    // of its stack; or its own name
-  std::vector<RowGroupInfo> groups;  // counted through its parts, as UpdateRecord::row_groups gives them
-  std::vector<int> blocks;           // that its H has columns of, in the filter's order
-  bool adapts_noise = false;         // it has a noise estimator
+  std::vector<BoundInfo<MeasurementModel>> parts;  // of its stack; or one, of its own name
+  std::vector<RowGroupInfo> groups;                // counted through its parts, as UpdateRecord::row_groups gives them
+  std::vector<int> blocks;                         // that its H has columns of, in the filter's order
+  BoundInfo<NoiseEstimator> noise;                 // null where it has none
   bool recovers = false;
   GateInfo gate;
 };
 
-struct ProcessInfo {
-  std::string name;
-  int discretized_with =
-      -1;  // a number that models have in common which the kernel discretizes together; −1: by itself
+struct ProcessInfo : BoundInfo<ProcessModel> {
+  int discretized_with = -1;  // a number in common with models which the kernel discretizes together; −1: by itself
 };
 
 /// A block of Φ or Qd that is declared other than zero; row and column count the filter's blocks.
@@ -88,7 +96,7 @@ struct FilterInfo {
   int dof = 0;  // rows of P
   int stored_size = 0;
   std::vector<BlockInfo> blocks;
-  std::vector<std::string> derived;  // names of derived blocks, in order of dependence
+  std::vector<BoundInfo<DerivedBlock>> derived;  // in order of dependence
   std::vector<ProcessInfo> processes;
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
@@ -106,9 +114,8 @@ struct ChannelInfo {
 };
 
 /// A source or transform and its channels.
-struct StageInfo {
-  std::string name;
-  std::string type;
+template <class Base>
+struct StageInfo : BoundInfo<Base> {
   std::vector<int> inputs, outputs;
 };
 
@@ -132,9 +139,9 @@ class Composition {
   const std::string& title() const;
   const std::vector<FilterInfo>& filters() const;
   const std::vector<ChannelInfo>& channels() const;
-  std::vector<StageInfo> sources() const;
+  std::vector<StageInfo<Source>> sources() const;
   /// In order of dependence.
-  std::vector<StageInfo> transforms() const;
+  std::vector<StageInfo<Transform>> transforms() const;
   const std::vector<FoundInfo>& found() const;
   const Catalog& catalog() const;
   /// What is suspicious but no error: channels that nothing subscribes to (B031), notes of components (B032).

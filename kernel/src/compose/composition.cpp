@@ -285,17 +285,17 @@ std::uint64_t Composition::hash() const { return plan_->hash; }
 std::string Composition::config() const { return plan_->document.root().dump(); }
 const std::vector<std::shared_ptr<const SectionData>>& Composition::sections() const { return plan_->sections; }
 
-std::vector<StageInfo> Composition::sources() const {
-  std::vector<StageInfo> infos;
+std::vector<StageInfo<Source>> Composition::sources() const {
+  std::vector<StageInfo<Source>> infos;
   for (const auto& source : plan_->sources)
-    infos.push_back({source.name, source.type->full_name(), {}, source.channels});
+    infos.push_back({{source.name, source.type, source.source}, {}, source.channels});
   return infos;
 }
 
-std::vector<StageInfo> Composition::transforms() const {
-  std::vector<StageInfo> infos;
+std::vector<StageInfo<Transform>> Composition::transforms() const {
+  std::vector<StageInfo<Transform>> infos;
   for (const auto& transform : plan_->transforms) {
-    infos.push_back({transform.name, transform.type->full_name(), {}, transform.channels});
+    infos.push_back({{transform.name, transform.type, transform.transform}, {}, transform.channels});
     for (const auto& input : transform.inputs)
       if (input.channel >= 0) infos.back().inputs.push_back(input.channel);
   }

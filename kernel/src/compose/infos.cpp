@@ -8,9 +8,14 @@ namespace binnacle::compose {
 
 namespace {
 
+template <class Base>
+BoundInfo<Base> bound_info(const Catalog& catalog, const auto& plan, const std::shared_ptr<const Base>& object) {
+  return {plan.name, catalog.find(role_of<Base>(), plan.type), object, plan.ports};
+}
+
 BlockInfo block_info(const BlockPlan& block) {
-  BlockInfo info{block.name,          block.type,  block.block.get(), &block.declaration(),
-                 block.stored_offset, block.first, block.active,      {}};
+  BlockInfo info{block.name,  block.type,   block.block, &block.declaration(), block.stored_offset,
+                 block.first, block.active, {},          block.initial.value};
   for (const Use use : block.use)
     info.use.push_back(use == Use::estimated ? "estimated" : use == Use::considered ? "considered" : "frozen");
   return info;
@@ -40,18 +45,19 @@ std::vector<RowGroupInfo> row_groups(const FilterPlan& filter, const Measurement
   return all;
 }
 
-MeasurementInfo measurement_info(const FilterPlan& filter, const MeasurementPlan& measurement) {
+MeasurementInfo measurement_info(const Catalog& catalog, const FilterPlan& filter, const MeasurementPlan& measurement) {
   MeasurementInfo info;
   info.name = measurement.name;
   info.channel = measurement.channel;
   info.max_rows = measurement.max_rows;
-  info.parts = names_of(measurement.parts);
+  for (const auto& part : measurement.parts) info.parts.push_back(bound_info(catalog, part, part.model));
   info.groups = row_groups(filter, measurement);
   for (int b = 0; b < count_of(filter.blocks); ++b) {
     const auto& block = filter.blocks[as_size(b)];
     if (!block.active.empty() && index_of(measurement.columns, block.first) >= 0) info.blocks.push_back(b);
   }
-  info.adapts_noise = measurement.noise != nullptr;
+  if (measurement.noise)
+    info.noise = {measurement.name, catalog.find(Role::noise_estimator, measurement.noise_type), measurement.noise};
   info.recovers = measurement.recover_after > 0;
   static constexpr const char* units[] = {"sample", "row", "key"};
   if (measurement.gate > 0)
@@ -68,9 +74,12 @@ void FilterComposer::describe() {
   info.stored_size = plan.stored_size;
   info.input_channel = plan.input_channel;
   for (const auto& block : plan.blocks) info.blocks.push_back(block_info(block));
-  info.derived = names_of(plan.derived);
-  for (const auto& process : plan.processes) info.processes.push_back({process.name, process.van_loan_group});
-  for (const auto& measurement : plan.measurements) info.measurements.push_back(measurement_info(plan, measurement));
+  const Catalog& catalog = composer.plan().catalog;
+  for (const auto& derived : plan.derived) info.derived.push_back(bound_info(catalog, derived, derived.derived));
+  for (const auto& process : plan.processes)
+    info.processes.push_back({bound_info(catalog, process, process.model), process.van_loan_group});
+  for (const auto& measurement : plan.measurements)
+    info.measurements.push_back(measurement_info(catalog, plan, measurement));
   for (const auto& initial : plan.initial) info.starts_when.push_back({initial.channel, initial.max_age});
 }
 
