@@ -13,11 +13,6 @@ using base::as_size;
 
 namespace {
 
-template <class Double>
-inline Double* column_at(Double* matrix, int ld, int j) {
-  return matrix + static_cast<std::ptrdiff_t>(j) * ld;
-}
-
 /// out = Σ_c coefficients[c·stride] · in(·, c) for c < count.
 void combine_neighbours(const double* in, int ld, int count, const double* coefficients, int stride,
                         double* __restrict out) {

@@ -51,10 +51,10 @@ class Estimator {
   /// Fills the rows of `measurement`, or refuses. linearize.cpp
   Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
   /// Takes linearized rows to R, S, its factor and the NIS. dt: since the last accepted sample [s]. A withheld sample
-  /// meets no noise estimator. judge.cpp
+  /// meets no noise estimator. update.cpp
   Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld);
   /// δ = K r, x ← x ⊞ δ, P by the form and then by the blocks' reset Jacobians, whole or not at all: every plugin call
-  /// comes before x and P change. correct.cpp
+  /// comes before x and P change.
   void correct(const MeasurementPlan& measurement);
   void roll_back(const MeasurementPlan& measurement);
   /// After a correction: the noise estimator sees what is left.

@@ -10,6 +10,12 @@ namespace binnacle::filter {
 inline constexpr int strip = 4;
 constexpr int padded(int n) { return (n + strip - 1) / strip * strip; }
 
+/// Column j of a matrix whose columns are ld doubles apart. Whole numbers only, so any processor runs it.
+template <class Double>
+constexpr Double* column_at(Double* matrix, int ld, int j) {
+  return matrix + static_cast<std::ptrdiff_t>(j) * ld;
+}
+
 /// What an update of m rows works with; all memory is the caller's. Matrices are column-major.
 struct UpdateWork {
   int m = 0;

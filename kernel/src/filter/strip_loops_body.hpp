@@ -28,7 +28,7 @@ inline void combine_strip(const double* in, int ld, int count, const int* column
   for (int r = 0; r < R; ++r)
     for (int k = 0; k < Strips; ++k) sum[r][k] = Lanes{};
   for (int c = 0; c < count; ++c) {
-    const double* p = in + static_cast<std::ptrdiff_t>(columns[c]) * ld;
+    const double* p = column_at(in, ld, columns[c]);
     Lanes value[Strips];
     for (int k = 0; k < Strips; ++k) value[k] = load(p + lanes * k);
     const double* a = coefficients + static_cast<std::ptrdiff_t>(c) * stride;
@@ -37,7 +37,7 @@ inline void combine_strip(const double* in, int ld, int count, const int* column
   }
 #pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Strips; ++k) store(out + lanes * k + static_cast<std::ptrdiff_t>(r) * ld, sum[r][k]);
+    for (int k = 0; k < Strips; ++k) store(column_at(out, ld, r) + lanes * k, sum[r][k]);
 }
 
 /// The same for rows first…ld−1, three strips at a time: nine sums, three values and a factor fit sixteen registers.
@@ -83,23 +83,22 @@ inline void transpose_in_registers(Tile& tile) {
 inline void transpose_tile(const double* in, int ld, double* out, int ld_out, int columns) {
   Lanes tile[lanes];
 #pragma GCC unroll 4
-  for (int j = 0; j < lanes; ++j) tile[j] = load(in + static_cast<std::ptrdiff_t>(j) * ld);
+  for (int j = 0; j < lanes; ++j) tile[j] = load(column_at(in, ld, j));
   transpose_in_registers(tile);
 #pragma GCC unroll 4
   for (int i = 0; i < lanes; ++i)
-    if (i < columns) store(out + static_cast<std::ptrdiff_t>(i) * ld_out, tile[i]);
+    if (i < columns) store(column_at(out, ld_out, i), tile[i]);
 }
 
 void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
   for (int j = 0; j < columns; j += lanes)
     for (int i = 0; i < ld; i += lanes)
-      transpose_tile(in + i + static_cast<std::ptrdiff_t>(j) * ld, ld,
-                     out + j + static_cast<std::ptrdiff_t>(i) * ld_out, ld_out, lanes);
+      transpose_tile(column_at(in, ld, j) + i, ld, column_at(out, ld_out, i) + j, ld_out, lanes);
 }
 
 void mirror(double* P, int n) {
   const int ld = padded(n);
-  const auto at = [=](int i, int j) { return P + i + static_cast<std::ptrdiff_t>(j) * ld; };
+  const auto at = [=](int i, int j) { return column_at(P, ld, j) + i; };
   for (int j = 0; j < n; j += lanes) {
     if (j + lanes > n) {
       for (int c = j; c < n; ++c)
@@ -122,7 +121,7 @@ inline void add_products_strip(double* P, int ld, int i, int c, int m, const dou
   Lanes sum[R][Strips];
 #pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Strips; ++k) sum[r][k] = load(P + i + lanes * k + static_cast<std::ptrdiff_t>(c + r) * ld);
+    for (int k = 0; k < Strips; ++k) sum[r][k] = load(column_at(P, ld, c + r) + i + lanes * k);
   const auto add = [&](const double* rows, const double* factors) {
     Lanes value[Strips];
     for (int k = 0; k < Strips; ++k) value[k] = load(rows + i + lanes * k);
@@ -130,13 +129,12 @@ inline void add_products_strip(double* P, int ld, int i, int c, int m, const dou
       for (int k = 0; k < Strips; ++k) sum[r][k] += factors[c + r] * value[k];
   };
   for (int j = 0; j < m; ++j) {
-    const auto at = static_cast<std::ptrdiff_t>(j) * ld;
-    add(K + at, U + at);
-    add(U + at, K + at);
+    add(column_at(K, ld, j), column_at(U, ld, j));
+    add(column_at(U, ld, j), column_at(K, ld, j));
   }
 #pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Strips; ++k) store(P + i + lanes * k + static_cast<std::ptrdiff_t>(c + r) * ld, sum[r][k]);
+    for (int k = 0; k < Strips; ++k) store(column_at(P, ld, c + r) + i + lanes * k, sum[r][k]);
 }
 
 template <int R>
@@ -149,12 +147,11 @@ inline void add_products(double* P, int ld, int c, int m, const double* K, const
 /// K = G S⁻¹ by forward and back substitution on the columns of G, a column of n rows at a time.
 inline void gain_columns(int n, const UpdateWork& work) {
   const int ld = padded(n), m = work.m;
-  const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
-  const auto L = [&](int i, int j) { return work.L[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
+  const auto L = [&](int i, int j) { return column_at(work.L, work.m_max, j)[i]; };
   const auto substitute = [&](int j, int first, int end) {
-    double* k = column(work.K, j);
+    double* k = column_at(work.K, ld, j);
     for (int l = first; l < end; ++l) {
-      const double* kl = column(work.K, l);
+      const double* kl = column_at(work.K, ld, l);
       const double a = l < j ? L(j, l) : L(l, j);
       for (int i = 0; i < ld; ++i) k[i] -= a * kl[i];
     }
@@ -162,7 +159,7 @@ inline void gain_columns(int n, const UpdateWork& work) {
     for (int i = 0; i < ld; ++i) k[i] *= inverse;
   };
   for (int j = 0; j < m; ++j) {
-    __builtin_memcpy(column(work.K, j), column(work.G, j), static_cast<std::size_t>(ld) * sizeof(double));
+    __builtin_memcpy(column_at(work.K, ld, j), column_at(work.G, ld, j), static_cast<std::size_t>(ld) * sizeof(double));
     substitute(j, 0, j);
   }
   for (int j = m - 1; j >= 0; --j) substitute(j, j + 1, m);
@@ -171,14 +168,13 @@ inline void gain_columns(int n, const UpdateWork& work) {
 /// P + K Uᵀ + U Kᵀ with U = ½ K S − G.
 inline void correct_lower(double* P, int n, const UpdateWork& work) {
   const int ld = padded(n), m = work.m;
-  const auto column = [ld](double* matrix, int j) { return matrix + static_cast<std::ptrdiff_t>(j) * ld; };
-  const auto S = [&](int i, int j) { return work.S[i + static_cast<std::ptrdiff_t>(j) * work.m_max]; };
+  const auto S = [&](int i, int j) { return column_at(work.S, work.m_max, j)[i]; };
   for (int j = 0; j < m; ++j) {
-    double* u = column(work.U, j);
-    const double* g = column(work.G, j);
+    double* u = column_at(work.U, ld, j);
+    const double* g = column_at(work.G, ld, j);
     for (int i = 0; i < ld; ++i) u[i] = -g[i];
     for (int l = 0; l < m; ++l) {
-      const double* k = column(work.K, l);
+      const double* k = column_at(work.K, ld, l);
       const double half = 0.5 * S(l, j);
       for (int i = 0; i < ld; ++i) u[i] += half * k[i];
     }
