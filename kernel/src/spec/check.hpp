@@ -76,8 +76,12 @@ class Reader {
   /// not: "'evaluate'", "the config".
   bool is_object(std::string_view what) const { return is_of(Json::value_t::object, "an object", what); }
   bool is_list(std::string_view what) const { return is_of(Json::value_t::array, "a list", what); }
-  std::vector<Reader> members(std::string_view what) const;
-  std::vector<Reader> elements(std::string_view what) const;
+  std::vector<Reader> members(std::string_view what) const {
+    return is_object(what) ? children() : std::vector<Reader>();
+  }
+  std::vector<Reader> elements(std::string_view what) const {
+    return is_list(what) ? children() : std::vector<Reader>();
+  }
 
   /// B012 for every key of the object that is not allowed: `unknown key of 'evaluate'; did you mean 'after'?`, with
   /// `detail` on the key that was meant. Returns the keys that were meant.

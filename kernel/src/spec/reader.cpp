@@ -51,14 +51,6 @@ bool Reader::is_of(Json::value_t type, const char* name, std::string_view what) 
   return json_ && json_->type() == type;
 }
 
-std::vector<Reader> Reader::members(std::string_view what) const {
-  return is_object(what) ? children() : std::vector<Reader>();
-}
-
-std::vector<Reader> Reader::elements(std::string_view what) const {
-  return is_list(what) ? children() : std::vector<Reader>();
-}
-
 std::set<std::string> Reader::check_keys(const std::vector<std::string>& allowed, std::string_view what,
                                          const RenamedKeys& renamed,
                                          const std::function<std::string(const std::string&)>& detail) const {
