@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // numbers.block: the laws of a manifold.
 #include <cmath>
+#include <numbers>
 
 #include "fixture.hpp"
 
@@ -33,7 +34,7 @@ void laws(Trial& trial) {
       if (!trial.expect_none(testing::check_laws(at, size * at.scale.cwiseProduct(normals(random, at.dof()))))) return;
     if (!subject.turns()) continue;
     Eigen::VectorXd delta = normals(random, 3);
-    delta *= (EIGEN_PI - 1e-3) / delta.norm();
+    delta *= (std::numbers::pi - 1e-3) / delta.norm();
     if (!trial.expect_none(testing::check_laws(at, delta, {1e-8, 1e-8}))) return;
   }
 }

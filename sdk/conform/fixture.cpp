@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Eigenvalues>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -96,7 +97,7 @@ double hostile_number(const std::string& name, std::size_t i, double ordinary) {
 double normal(std::mt19937_64& random) {
   const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
   const double radius = std::sqrt(-2 * std::log(uniform()));
-  return radius * std::cos(2 * EIGEN_PI * uniform());
+  return radius * std::cos(2 * std::numbers::pi * uniform());
 }
 Eigen::VectorXd normals(std::mt19937_64& random, Eigen::Index count) {
   Eigen::VectorXd values(count);

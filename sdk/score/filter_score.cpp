@@ -56,7 +56,7 @@ FilterScore::FilterScore(const ScorePlan& plan, int filter)
   add_references();
   for (std::size_t m = 0; m < info_.measurements.size(); ++m) {
     add_withheld(static_cast<int>(m));
-    if (info_.measurements[m].adapts_noise) add_noise(static_cast<int>(m));
+    if (info_.measurements[m].noise.object) add_noise(static_cast<int>(m));
   }
   add_subjects();
 }

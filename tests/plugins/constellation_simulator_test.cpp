@@ -28,7 +28,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double degree = EIGEN_PI / 180;
+constexpr double degree = M_PI / 180;
 const nlohmann::json no_errors = {{"pseudorange", {{"bias", 0}, {"noise", 0}}},
                                   {"range_rate", {{"noise", 0}}},
                                   {"clock", {{"S_f", 0}, {"S_g", 0}, {"bias", 0}, {"drift", 0}}}};

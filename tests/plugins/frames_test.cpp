@@ -26,7 +26,7 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr double degree = EIGEN_PI / 180;
+constexpr double degree = M_PI / 180;
 
 std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 

@@ -17,7 +17,7 @@
 
 namespace binnacle::test {
 
-inline constexpr double degree = EIGEN_PI / 180;
+inline constexpr double degree = M_PI / 180;
 
 inline std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 

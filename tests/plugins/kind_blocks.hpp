@@ -66,12 +66,12 @@ class PositionKind final : public KindBlock {
   void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
     const auto [north, east] = metres_per_radian(x);
     const double lat = x[0] + delta[0] / north, lon = x[1] + delta[1] / east, height = x[2] - delta[2];
-    result[0] = lat, result[1] = std::remainder(lon, 2 * EIGEN_PI), result[2] = height;
+    result[0] = lat, result[1] = std::remainder(lon, 2 * M_PI), result[2] = height;
   }
   void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
     const auto [north, east] = metres_per_radian(x);
     const double down = x[2] - y[2];
-    delta[0] = (y[0] - x[0]) * north, delta[1] = std::remainder(y[1] - x[1], 2 * EIGEN_PI) * east, delta[2] = down;
+    delta[0] = (y[0] - x[0]) * north, delta[1] = std::remainder(y[1] - x[1], 2 * M_PI) * east, delta[2] = down;
   }
 
  private:

@@ -29,7 +29,7 @@ TEST_CASE("blocks: kinds, and the laws from nothing to near the edge", "[navigat
     const auto q = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
     REQUIRE_NO_COMPLAINTS(check_block(*position, lla, 5e3, 1e-8));
     REQUIRE_NO_COMPLAINTS(check_block(*velocity, numbers(flight.v_n), 100.0, 1e-13));
-    REQUIRE_NO_COMPLAINTS(check_block(*attitude, q, EIGEN_PI - 1e-3, 1e-14, 1e-13));
+    REQUIRE_NO_COMPLAINTS(check_block(*attitude, q, M_PI - 1e-3, 1e-14, 1e-13));
     // The same maps as those written from the definition of the kinds.
     const double metres[3] = {1200, -800, 30}, phi[3] = {0.4, -1.1, 0.8};
     double there[3], plainly_there[3], turned[4], plainly_turned[4];
@@ -41,7 +41,7 @@ TEST_CASE("blocks: kinds, and the laws from nothing to near the edge", "[navigat
     plain_attitude.minus(turned, plainly_turned, apart);
     REQUIRE(apart.norm() < 1e-15);
   }
-  REQUIRE_NO_COMPLAINTS(check_block(*attitude, {1, 0, 0, 0}, EIGEN_PI - 1e-6, 1e-14, 1e-13));
+  REQUIRE_NO_COMPLAINTS(check_block(*attitude, {1, 0, 0, 0}, M_PI - 1e-6, 1e-14, 1e-13));
 }
 
 TEST_CASE("blocks: what write refuses, and what it wraps", "[navigation]") {

@@ -284,7 +284,7 @@ TEST_CASE("psi_error: what is lost when the position is frozen", "[psi_error]") 
   const MatrixXd true_axes = frozen(nlohmann::json::object()), computed_axes = frozen(in_computed_axes);
   const Vector3d error{0.257, 0.257, 0};
   const Vector3d apart = (true_axes - computed_axes).block<3, 3>(3, 0) * error;
-  const double mil = EIGEN_PI / 3200;
+  const double mil = M_PI / 3200;
   REQUIRE(apart.norm() < 0.008 * mil);  // W v t
   REQUIRE(apart.norm() > 0.004 * mil);
   const Matrix3d velocity = (true_axes - computed_axes).block<3, 3>(3, 3);
@@ -293,7 +293,7 @@ TEST_CASE("psi_error: what is lost when the position is frozen", "[psi_error]") 
 
 TEST_CASE("psi_error: a perfect sensor on a ship keeps its azimuth", "[psi_error]") {
   const Voyage voyage;
-  const double mil = EIGEN_PI / 3200;
+  const double mil = M_PI / 3200;
   struct Case {
     VoyageSamples::Increments increments;
     bool with_neighbour;

@@ -72,19 +72,19 @@ class Voyage {
   }
 
  private:
-  static constexpr double degree = EIGEN_PI / 180, heading = 0.7;
+  static constexpr double degree = M_PI / 180, heading = 0.7;
 
   static Vector4d product(const Vector4d& q, const Vector4d& p) { return strapdown::quaternion_product(q, p); }
   /// Three equal tones (Hz) with phases of their own.
   static double tones(double t, const std::array<double, 3>& hertz, double amplitude, int which) {
     double sum = 0;
-    for (int i = 0; i < 3; ++i) sum += amplitude * std::sin(2 * EIGEN_PI * hertz[i] * t + 1.3 * i + 2.1 * which + 0.4);
+    for (int i = 0; i < 3; ++i) sum += amplitude * std::sin(2 * M_PI * hertz[i] * t + 1.3 * i + 2.1 * which + 0.4);
     return sum;
   }
   static double tones_rate(double t, const std::array<double, 3>& hertz, double amplitude, int which) {
     double sum = 0;
     for (int i = 0; i < 3; ++i) {
-      const double omega = 2 * EIGEN_PI * hertz[i];
+      const double omega = 2 * M_PI * hertz[i];
       sum += amplitude * omega * std::cos(omega * t + 1.3 * i + 2.1 * which + 0.4);
     }
     return sum;

@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double degree = EIGEN_PI / 180, earth = 7.292115e-5, unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double degree = M_PI / 180, earth = 7.292115e-5, unknown = std::numeric_limits<double>::quiet_NaN();
 enum Channel { standing, moving, state };
 
 struct Said {
@@ -183,7 +183,7 @@ TEST_CASE("stationary detector: (12) is about the variance, after the low-pass")
   // An engine: 0.5 m/s² at 25 Hz. Two poles at 3.1 Hz leave 0.008 m/s² of it, without them it is not at rest.
   const auto engine = [](double t) {
     Motion motion;
-    motion.force[2] += 0.5 * std::sin(2 * EIGEN_PI * 25 * t);
+    motion.force[2] += 0.5 * std::sin(2 * M_PI * 25 * t);
     return motion;
   };
   Bench filtered, raw(nlohmann::json{{"cutoff", 1000}});
@@ -200,7 +200,7 @@ TEST_CASE("stationary detector: -3 dB at the cutoff") {
     Bench bench;
     bench.drive(0, 10, 400, [a = amplitude](double t) {
       Motion motion;
-      motion.force[2] += a * std::sin(2 * EIGEN_PI * 2 * t);
+      motion.force[2] += a * std::sin(2 * M_PI * 2 * t);
       return motion;
     });
     REQUIRE(bench.changes_to(expected).size() == 1);

@@ -34,7 +34,7 @@ using strapdown::quaternion_product;
 
 namespace {
 
-constexpr double degree = EIGEN_PI / 180, mil = EIGEN_PI / 3200, arcmin = degree / 60;
+constexpr double degree = M_PI / 180, mil = M_PI / 3200, arcmin = degree / 60;
 const nlohmann::json upright{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
 
 std::vector<double> values(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
@@ -161,7 +161,7 @@ TEST_CASE("mounting: kind, laws, readable angles from nominal", "[transfer_match
 }
 
 TEST_CASE("mounting: nominal as a matrix or as angles, not as both, and only rotations", "[transfer_match]") {
-  const auto by_angles = bind<MountingBlock>({{{"angles", {0, EIGEN_PI / 2, 0}}}, {}, {}});
+  const auto by_angles = bind<MountingBlock>({{{"angles", {0, M_PI / 2, 0}}}, {}, {}});
   const double nothing[3] = {0, 0, 0};
   double one[4], other[4];
   REQUIRE(by_angles->write(nothing, one));

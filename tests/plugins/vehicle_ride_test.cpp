@@ -178,7 +178,7 @@ TEST_CASE("ride: the path's point slides, heaves and rolls as asked for, and the
   REQUIRE(std::abs(rms(roll2) / 2e-3 - 1) < 0.15);
   REQUIRE(std::abs(rms(pitch2) / 2e-3 - 1) < 0.15);
   // To the right, so it slides to the left by 0.003 times the lateral acceleration times the speed.
-  const double acceleration = 15 * 2 * EIGEN_PI / 38;
+  const double acceleration = 15 * 2 * M_PI / 38;
   REQUIRE(std::abs(slide / turning / (-0.003 * acceleration * 15) - 1) < 0.1);
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("ride: the rear axle does not slip in a curve, the IMU ahead of it doe
     const double t = seconds(truth.t);
     if (t < 48 || t > 58) continue;
     has_turned = true;
-    const double turn_rate = 80 * EIGEN_PI / 180 / 18;
+    const double turn_rate = 80 * M_PI / 180 / 18;
     REQUIRE(std::abs(vehicle_velocity(truth, Matrix3d::Identity())[1] - 2 * turn_rate) < 0.02);
   }
   REQUIRE(has_turned);

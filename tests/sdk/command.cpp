@@ -55,7 +55,7 @@ Outcome Command::wait() {
   Outcome outcome;
   if (WIFEXITED(status_)) outcome.status = WEXITSTATUS(status_);
   if (WIFSIGNALED(status_)) outcome.signal = WTERMSIG(status_);
-  outcome.peak_memory = usage_.ru_maxrss * 1024.0;
+  outcome.peak_memory = static_cast<double>(usage_.ru_maxrss) * 1024.0;
   outcome.out = read_file(out_);
   outcome.err = read_file(err_);
   return outcome;
