@@ -262,8 +262,8 @@ TEST_CASE("Page of a million samples: usable") {
       " await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); return "
       "performance.now() - begin; })()");
   REQUIRE(window_of(*chromium, north)[0] == Json(50000.0));
-  WARN("a million samples: page of " << fs::file_size(page) / 1e6 << " MB, loaded in " << load << " s, zoomed in "
-                                     << zoom << " ms");
+  WARN("a million samples: page of " << static_cast<double>(fs::file_size(page)) / 1e6 << " MB, loaded in " << load
+                                     << " s, zoomed in " << zoom << " ms");
   REQUIRE(fs::file_size(page) < 6'000'000);  // what makes it usable; times are printed, and depend on the machine
   require_quiet(*chromium);
 }
