@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-
 namespace binnacle::covariance {
 
 namespace {
