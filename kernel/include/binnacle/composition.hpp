@@ -9,8 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "binnacle/binding.hpp"
 #include "binnacle/catalog.hpp"
 #include "binnacle/diagnostic.hpp"
@@ -162,8 +160,6 @@ class Composition {
 
   std::unique_ptr<compose::CompositionPlan> plan_;
   Diagnostics warnings_;
-  std::vector<FilterInfo> filters_;
-  std::vector<ChannelInfo> channels_;
 };
 
 }  // namespace binnacle

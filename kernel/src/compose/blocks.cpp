@@ -64,7 +64,7 @@ class BlockReader {
     if (initial.channel < 0 && at_["init"]["channel"]) return;
     if (initial.channel >= 0 && !initial.covariance.empty()) return;
     const auto missing = std::ranges::find_if(block_.active, [&](int i) {
-      return !sigma || (sigma.json()->is_object() && !sigma[components_[as_size(i)]]);
+      return !sigma || (sigma.is_object() && !sigma[components_[as_size(i)]]);
     });
     if (missing == block_.active.end()) return;
     const NamedUnit& component = declaration_.error[as_size(*missing)];
@@ -98,7 +98,7 @@ class BlockReader {
   static bool read_values(const Reader& place, const std::vector<std::string>& names, const std::string& what_object,
                           const std::string& what_list, const std::function<void(const Reader&, std::size_t)>& read) {
     if (!place) return true;
-    const bool is_object = place.json()->is_object(), is_list = place.json()->is_array();
+    const bool is_object = place.is_object(), is_list = place.is_list();
     if (is_object) place.check_keys(names, what_object);
     if (is_list && place.json()->size() != names.size()) {
       place.error("B013", what_list + " has " + std::to_string(names.size()) + " elements (" + listed(names) +
@@ -123,7 +123,7 @@ class BlockReader {
     const bool is_single = !init.json()->is_structured();
     if (is_single && outputs.size() != 1 && !starts_at_zero)
       return init.error("B006", "the initial value of " + what_ + " is an object with " + listed(names) +
-                                    ", or {\"channel\": …}; found " + abbreviated(*init.json()));
+                                    ", or {\"channel\": …}; found " + init.shown());
     read_values(init, names, "'init' of " + what_, "the initial value of " + what_,
                 [&](const Reader& at, std::size_t i) {
                   const auto& output = outputs[is_single ? 0 : i];

@@ -198,12 +198,7 @@ class Composer {
   // channels.cpp
   void add_sources();
   void add_transforms();
-  bool add_transform(const Reader& at);
   void add_sinks();
-  Component read_stage(Role role, const Reader& at, std::vector<NodeInput>& inputs);
-
-  // sections.cpp
-  void read_sections();
 
   std::unique_ptr<CompositionPlan> plan_;
   std::vector<std::shared_ptr<const Section>> sections_;

@@ -50,7 +50,7 @@ class MeasurementComposer {
     allowed.emplace_back("stack");
     at_.check_keys(allowed, "stack '" + plan_.name + "'");
     const auto parts = stack.members("'stack'");
-    if (parts.empty() && stack.json()->is_object()) stack.error("B010", "the stack '" + plan_.name + "' is empty");
+    if (parts.empty() && stack.is_object()) stack.error("B010", "the stack '" + plan_.name + "' is empty");
     for (const Reader& part : parts) add_part(part, {"type", "blocks", "fields", "inputs"});
   }
 
@@ -124,7 +124,7 @@ class MeasurementComposer {
     plan_.gate_limit.assign(as_size(plan_.max_rows) + 1, 0.0);
     const Reader gate = at_["gate"];
     if (!gate) return;
-    const bool is_object = gate.json()->is_object();
+    const bool is_object = gate.is_object();
     if (is_object) {
       gate.check_keys({"probability", "by"}, "'gate'");
       if (!gate.require("probability", "gate", "0 < p < 1")) return;
@@ -205,7 +205,7 @@ class MeasurementComposer {
 
   void add_withholding() {
     Reader windows = at_["withhold"];
-    if (windows && windows.json()->is_object()) {
+    if (windows.is_object()) {
       windows.check_keys({"every", "windows"}, "'withhold'");
       const auto every = windows["every"].integer(parameter::integer("every").at_least(1));
       plan_.withhold_every = static_cast<int>(every.value_or(0));

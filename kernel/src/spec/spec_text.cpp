@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a spec asks for, in words.
-#include "spec/spec_text.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "binnacle/catalog.hpp"
+#include "spec/check.hpp"
 
 namespace binnacle::spec {
 
