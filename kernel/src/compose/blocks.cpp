@@ -14,13 +14,7 @@ namespace {
 /// What the config says of one block beside its parameters.
 class BlockReader {
  public:
-  BlockReader(FilterComposer& filter, BlockPlan& block)
-      : filter_(filter),
-        block_(block),
-        declaration_(block.declaration()),
-        components_(names_of(declaration_.error)),
-        at_(filter.composer.place(block.pointer)),
-        what_("block '" + block.name + "'") {}
+  BlockReader(FilterComposer& filter, BlockPlan& block) : filter_(filter), block_(block) {}
 
   void read_uses() {
     const auto estimate = components_at(at_["estimate"]), consider = components_at(at_["consider"]);
@@ -179,10 +173,10 @@ class BlockReader {
 
   FilterComposer& filter_;
   BlockPlan& block_;
-  const StateBlockDeclaration& declaration_;
-  const std::vector<std::string> components_;
-  const Reader at_;
-  const std::string what_;
+  const StateBlockDeclaration& declaration_ = block_.declaration();
+  const std::vector<std::string> components_ = names_of(declaration_.error);
+  const Reader at_ = filter_.composer.place(block_.pointer);
+  const std::string what_ = "block '" + block_.name + "'";
 };
 
 }  // namespace

@@ -188,7 +188,6 @@ class Composer {
   // composition.cpp
   void read_head();
   bool load_plugins();
-  void begin_filters();
   void order_nodes();
   void lay_out();
   void add_subscribers();

@@ -98,13 +98,6 @@ bool Composer::load_plugins() {
   return !found.has_errors();
 }
 
-void Composer::begin_filters() {
-  const Reader filters = place("/filters");
-  if (!filters) place("").key_error("B010", "the config has no 'filters'; there is nothing to run");
-  for (const Reader& filter : filters.members("'filters'"))
-    if (filter.is_object("a filter")) filters_.emplace_back(*this, filter);
-}
-
 // Transforms and filters feed each other through channels; at one instant they work in this order.
 void Composer::order_nodes() {
   struct Work {
@@ -212,7 +205,10 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   read_head();
   if (!load_plugins()) return nullptr;
   add_sources();
-  begin_filters();
+  const Reader filters = place("/filters");
+  if (!filters) place("").key_error("B010", "the config has no 'filters'; there is nothing to run");
+  for (const Reader& filter : filters.members("'filters'"))
+    if (filter.is_object("a filter")) filters_.emplace_back(*this, filter);
   add_transforms();
   for (auto& filter : filters_) filter.finish();
   bool is_complete = !diagnostics_.has_errors();

@@ -34,9 +34,7 @@ struct NodeInput {
 
 /// A source, transform or sink.
 template <class Base>
-struct StagePlan {
-  std::string name;
-  std::string pointer;
+struct StagePlan : Planned {
   const ComponentType* type = nullptr;
   std::shared_ptr<Base> object;
   std::vector<NodeInput> inputs;

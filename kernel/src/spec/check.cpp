@@ -27,6 +27,12 @@ std::string cut(const std::string& text) {
   return text.substr(0, end) + "...";
 }
 
+/// dimension_name() without the unit in parentheses: "an angular rate".
+std::string bare_dimension_name(const Dimension& dimension) {
+  const std::string name = dimension_name(dimension);
+  return name.substr(0, name.find(" ("));
+}
+
 std::string elements_text(const Json& list) {
   return std::to_string(list.size()) + (list.size() == 1 ? " element" : " elements");
 }
@@ -313,25 +319,24 @@ struct Check {
 
 namespace {
 
-class DefectSearch {
- public:
-  explicit DefectSearch(const ComponentSpec& component) : component_(component) {}
+struct DefectSearch {
+  const ComponentSpec& component;
+  std::vector<std::string> defects = {};
 
-  std::vector<std::string> run() {
+  void run() {
     std::set<std::string> ports;
-    for (const PortSpec& port : component_.ports)
+    for (const PortSpec& port : component.ports)
       unless(ports.insert(port.name).second, "port '" + port.name + "' stands twice");
-    check_fields(component_.fields);
-    check_fields(component_.driving_rates);
-    for (const ChannelPort& input : component_.inputs) check_fields(input.fields);
-    check_parameters(component_.parameters, true);
-    if (defects_.empty()) check_defaults(component_.parameters);
-    return std::move(defects_);
+    check_fields(component.fields);
+    check_fields(component.driving_rates);
+    for (const ChannelPort& input : component.inputs) check_fields(input.fields);
+    check_parameters(component.parameters, true);
+    if (defects.empty()) check_defaults(component.parameters);
   }
 
  private:
   void unless(bool is_right, const std::string& defect) {
-    if (!is_right) defects_.push_back(defect);
+    if (!is_right) defects.push_back(defect);
   }
 
   /// A unit has to be SI; `text`: with what a port stands for filled in.
@@ -352,7 +357,7 @@ class DefectSearch {
 
   void check_quantity(const std::string& who, const ParameterSpec& spec) {
     if ((!takes_quantities(spec.type) && spec.unit.empty()) || spec.unit == "*") return;
-    const auto has = [&](const std::string& port) { return index_of(component_.ports, port, &PortSpec::name) >= 0; };
+    const auto has = [&](const std::string& port) { return index_of(component.ports, port, &PortSpec::name) >= 0; };
     unless(spec.size_of_port.empty() || has(spec.size_of_port),
            who + " is sized by the port '" + spec.size_of_port + "', which it lacks");
     const std::optional<std::string> port = port_of_unit(spec.unit);
@@ -386,17 +391,18 @@ class DefectSearch {
       const Document empty;
       Diagnostics diagnostics;
       Reader(empty, diagnostics).parameters({named}, spec.name);
-      for (const Diagnostic& item : diagnostics.items()) defects_.push_back(item.message);
+      for (const Diagnostic& item : diagnostics.items()) defects.push_back(item.message);
     }
   }
-
-  const ComponentSpec& component_;
-  std::vector<std::string> defects_;
 };
 
 }  // namespace
 
-std::vector<std::string> spec_defects(const ComponentSpec& spec) { return DefectSearch(spec).run(); }
+std::vector<std::string> spec_defects(const ComponentSpec& spec) {
+  DefectSearch search{spec};
+  search.run();
+  return std::move(search.defects);
+}
 
 // ---- kinds of blocks, part by part
 

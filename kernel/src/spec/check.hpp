@@ -70,7 +70,4 @@ std::string unit_and_range(const ParameterSpec& spec, const PortUnits& ports);
 /// "a, b"; one alone where the other is empty.
 std::string joined(const std::string& a, const std::string& b);
 
-/// dimension_name() without the unit in parentheses: "an angular rate".
-std::string bare_dimension_name(const Dimension& dimension);
-
 }  // namespace binnacle::spec

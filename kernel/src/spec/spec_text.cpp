@@ -53,11 +53,6 @@ bool in_range(const ParameterSpec& spec, double value) {
   return above && below;
 }
 
-std::string bare_dimension_name(const Dimension& dimension) {
-  const std::string name = dimension_name(dimension);
-  return name.substr(0, name.find(" ("));
-}
-
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + ", " + b; }
 
 std::string unit_and_range(const ParameterSpec& spec, const PortUnits& ports) {
