@@ -120,10 +120,16 @@ FieldMap Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_
   return map;
 }
 
-std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec) {
-  std::vector<FieldSpec> fields = spec.fields;
-  for (const auto& input : spec.inputs) fields.insert(fields.end(), input.fields.begin(), input.fields.end());
-  return fields;
+FieldMap Composer::bind_fields(Component& component, const std::vector<FieldSpec>& wanted, int channel,
+                               const Reader& channel_at, std::size_t first) {
+  const ComponentSpec& spec = component.spec();
+  // The one key "fields" may map those of its sample and of all its inputs.
+  std::vector<FieldSpec> mappable = spec.fields;
+  for (const auto& input : spec.inputs) mappable.insert(mappable.end(), input.fields.begin(), input.fields.end());
+  FieldMap map = map_fields(wanted, channel, channel_at, component.at, spec.type, mappable);
+  for (const auto* items : {&map.epoch, &map.row})
+    for (const auto& item : *items) component.fields_bound[first + as_size(item.declared)] = item.index >= 0;
+  return map;
 }
 
 std::vector<NodeInput> Composer::read_inputs(Component& component) {
@@ -132,7 +138,6 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
   const bool is_single = is_stage && spec.inputs.size() == 1;
   const Reader named = component.at["inputs"], single = component.at["input"];
   if (named.is_object("'inputs'")) named.check_keys(names_of(spec.inputs), "'inputs' of '" + spec.type + "'");
-  const std::vector<FieldSpec> mappable = mappable_fields(spec);
   std::vector<NodeInput> inputs;
   for (const auto& wanted : spec.inputs) {
     NodeInput& input = inputs.emplace_back();
@@ -143,11 +148,9 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
                                          (is_single ? "\"input\": \"CHANNEL\""
                                                     : "\"inputs\": {\"" + wanted.name + "\": \"CHANNEL\"}"));
     if (const auto name = channel_place.text()) input.channel = channel_named(*name, channel_place);
-    if (input.channel >= 0)
-      input.fields = map_fields(wanted.fields, input.channel, channel_place, component.at, spec.type, mappable);
     const auto first = component.fields_bound.size();
     component.fields_bound.resize(first + wanted.fields.size(), false);
-    component.bind_fields(input.fields, first);
+    if (input.channel >= 0) input.fields = bind_fields(component, wanted.fields, input.channel, channel_place, first);
     component.inputs_bound.push_back(input.channel >= 0);
   }
   return inputs;

@@ -98,6 +98,42 @@ bool Composer::load_plugins() {
   return !found.has_errors();
 }
 
+namespace {
+
+/// What subscribes to channels: the node, the channel, and the JSON pointer of the part of the node that reads it.
+void for_each_input(const CompositionPlan& plan, const auto& visit_all) {
+  const auto visit = [&](const Node& node, int channel, const std::string& pointer) {
+    if (channel >= 0) visit_all(node, channel, pointer);
+  };
+  const auto visit_stages = [&](Node::Kind kind, const auto& stages) {
+    for (int i = 0; i < count_of(stages); ++i)
+      for (const auto& input : stages[as_size(i)].inputs) visit({kind, i}, input.channel, stages[as_size(i)].pointer);
+  };
+  visit_stages(Node::Kind::transform, plan.transforms);
+  visit_stages(Node::Kind::sink, plan.sinks);
+  for (int i = 0; i < count_of(plan.filters); ++i) {
+    const auto& filter = plan.filters[as_size(i)];
+    const Node node{Node::Kind::filter, i};
+    const auto visit_auxiliary = [&](const auto& model) {
+      for (const int index : model.auxiliary.channels)
+        if (index >= 0) visit(node, filter.auxiliary[as_size(index)].channel, model.pointer);
+    };
+    for (const auto& process : filter.processes) {
+      if (process.uses_input) visit(node, filter.input_channel, process.pointer);
+      visit_auxiliary(process);
+    }
+    for (const auto& measurement : filter.measurements) {
+      visit(node, measurement.channel, measurement.pointer);
+      std::ranges::for_each(measurement.parts, visit_auxiliary);
+    }
+    for (const auto& block : filter.blocks)
+      if (block.initial.channel >= 0)
+        visit(node, filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
+  }
+}
+
+}  // namespace
+
 // Transforms and filters feed each other through channels; at one instant they work in this order.
 void Composer::order_nodes() {
   struct Work {
@@ -137,10 +173,6 @@ void Composer::order_nodes() {
 
 void Composer::lay_out() {
   Layout& layout = plan_->layout;
-  const auto latest = [&](LatestPlan& plan) {
-    plan.data = layout.add<double>(plan_->channels[as_size(plan.channel)].doubles());
-    plan.head = layout.add<SampleHead>(1);
-  };
   for (auto& source : plan_->sources) {
     source.memory = layout.add<std::byte>(source.object->declaration().memory_bytes);
     source.head = layout.add<SourceHead>(1);
@@ -169,7 +201,10 @@ void Composer::lay_out() {
       filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})
-      for (auto& entry : *list) latest(entry);
+      for (auto& latest : *list) {
+        latest.data = layout.add<double>(plan_->channels[as_size(latest.channel)].doubles());
+        latest.head = layout.add<SampleHead>(1);
+      }
     constexpr std::size_t most_queued = 64;
     const auto group = as_size(filter.samples_per_step) + 1;
     filter.pending = layout.add<PendingInput>(group);

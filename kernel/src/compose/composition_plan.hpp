@@ -11,7 +11,6 @@
 
 #include "base/index.hpp"
 #include "binnacle/composition.hpp"
-#include "binnacle/section.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
 #include "filter/plan.hpp"

@@ -58,16 +58,12 @@ class MeasurementComposer {
     auto part = planned<PartPlan>(at);
     Component component = composer_.read_component(Role::measurement_model, at, reserved, &filter_);
     if (!component.type) return;
-    const ComponentSpec& spec = component.spec();
     part.type = component.type->full_name();
     part.ports = component.values;
     part.driving_rates = component.driving_rates;
     if (plan_.channel >= 0) {
-      const ChannelPlan& channel = composer_.channel(plan_.channel);
-      part.fields =
-          composer_.map_fields(spec.fields, plan_.channel, at_["channel"], at, spec.type, mappable_fields(spec));
-      component.bind_fields(part.fields);
-      component.covariances = {channel.declaration.covariance};
+      part.fields = composer_.bind_fields(component, component.spec().fields, plan_.channel, at_["channel"]);
+      component.covariances = {composer_.channel(plan_.channel).declaration.covariance};
     }
     filter_.read_auxiliary(part.auxiliary, component);
     // What is wrong with the channel is reported; its missing fields are not the model's to complain of.
