@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order of composing: head, plugins, channels, filters, evaluation, arena; and what a Composition reports of itself.
+// The order of composing: head, plugins, channels, filters, sections, arena; and what is seen of it meanwhile and after.
 #include "binnacle/composition.hpp"
 
 #include <algorithm>
