@@ -138,11 +138,11 @@ class FilterText {
     return processes;
   }
 
-  Json pattern(const std::vector<BlockCoupling>& couplings, const char* row, const char* column) const {
+  Json pattern(const std::vector<Coupling>& couplings, const char* row, const char* column) const {
     Json list = Json::array();
     for (const auto& coupling : couplings)
-      list.push_back({{row, block(coupling.row)},
-                      {column, block(coupling.column)},
+      list.push_back({{row, block(coupling.to)},
+                      {column, block(coupling.from)},
                       {"structure", coupling.structure == Structure::diagonal ? "diagonal" : "dense"}});
     return list;
   }
@@ -151,8 +151,7 @@ class FilterText {
   Json couplings() const {
     Json list = Json::array();
     for (const auto& coupling : filter_.transition)
-      if (coupling.row != coupling.column)
-        list.push_back({{"to", block(coupling.row)}, {"from", block(coupling.column)}});
+      if (coupling.to != coupling.from) list.push_back({{"to", block(coupling.to)}, {"from", block(coupling.from)}});
     return list;
   }
 
@@ -160,7 +159,7 @@ class FilterText {
   Json transition() const {
     Json list = pattern(filter_.transition, "to", "from");
     std::set<int> moved;
-    for (const auto& coupling : filter_.transition) moved.insert(coupling.row);
+    for (const auto& coupling : filter_.transition) moved.insert(coupling.to);
     for (std::size_t b = 0; b < filter_.blocks.size(); ++b)
       if (const auto& info = filter_.blocks[b]; !info.active.empty() && !moved.contains(static_cast<int>(b)))
         list.push_back({{"to", info.name}, {"from", info.name}, {"structure", "identity"}});

@@ -6,7 +6,7 @@
 
 namespace binnacle::score {
 
-void read_implied_states(CompositionDraft& draft, ScorePlan& plan);
+void read_implied_states(const CompositionDraft& draft, ScorePlan& plan);
 /// After read_implied_states(), which references may be of.
 void read_references(CompositionDraft& draft, ScorePlan& plan);
 

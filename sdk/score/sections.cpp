@@ -18,85 +18,77 @@ using namespace wording;
 
 namespace {
 
-void read_end(CompositionDraft& draft, const std::string& pointer, Time& time, bool& is_relative) {
-  const auto when = draft.when(pointer);
+void read_end(const Reader& at, Time& time, bool& is_relative) {
+  const auto when = at.when();
   if (!when) return;
   time = when->time;
   is_relative = when->from_start;
 }
 
-void read_window(CompositionDraft& draft, const std::string& name, ScorePlan& plan) {
-  const std::string pointer = join_pointer("/evaluate/windows", name);
+void read_window(const CompositionDraft& draft, const Reader& at, ScorePlan& plan) {
   NamedWindow window;
-  window.name = name;
-  std::string span_pointer = pointer;
-  if (draft.kind(pointer) == CompositionDraft::Kind::object) {
-    draft.check_keys(pointer, {"filter", "span"}, "a window");
-    span_pointer = join_pointer(pointer, "span");
-    if (!draft.require_key(pointer, "span", name, "[from, to]")) return;
-    const std::string filter_pointer = join_pointer(pointer, "filter");
-    if (draft.kind(filter_pointer) != CompositionDraft::Kind::absent)
-      if (const auto filter = draft.text(filter_pointer)) {
-        const auto names = names_of(draft.filters());
-        window.filter = index_of(names, *filter);
-        if (window.filter < 0)
-          draft.error("B027", filter_pointer, "there is no filter '" + *filter + "'" + suggestion(*filter, names));
-      }
+  window.name = at.key();
+  const bool is_object = at.is_object();
+  if (is_object) {
+    at.check_keys({"filter", "span"}, "a window");
+    if (!at.require("span", window.name, "[from, to]")) return;
+    if (const auto filter = at["filter"].text()) {
+      const auto names = names_of(draft.filters());
+      window.filter = index_of(names, *filter);
+      if (window.filter < 0)
+        at["filter"].error("B027", "there is no filter '" + *filter + "'" + suggestion(*filter, names));
+    }
   }
-  if (const auto span = draft.span(span_pointer)) {
+  if (const auto span = (is_object ? at["span"] : at).span()) {
     window.span = *span;
     plan.windows.push_back(std::move(window));
   }
 }
 
-void read_evaluate(CompositionDraft& draft, ScorePlan& plan) {
-  if (draft.is_object("/evaluate", "'evaluate'")) {
-    draft.check_keys("/evaluate", {"after", "until", "windows", "metrics"}, "'evaluate'");
-    read_end(draft, "/evaluate/after", plan.span.from, plan.span.from_is_relative);
-    read_end(draft, "/evaluate/until", plan.span.to, plan.span.to_is_relative);
-    if (draft.is_object("/evaluate/windows", "'windows'"))
-      for (const auto& name : draft.keys("/evaluate/windows")) read_window(draft, name, plan);
+void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
+  const Reader evaluate = draft.at("/evaluate"), record = draft.at("/record");
+  if (evaluate.is_object("'evaluate'")) {
+    evaluate.check_keys({"after", "until", "windows", "metrics"}, "'evaluate'");
+    read_end(evaluate["after"], plan.span.from, plan.span.from_is_relative);
+    read_end(evaluate["until"], plan.span.to, plan.span.to_is_relative);
+    for (const Reader& window : evaluate["windows"].members("'windows'")) read_window(draft, window, plan);
   }
-  if (draft.is_object("/record", "'record'")) {
-    draft.check_keys("/record", {"every"}, "'record'");
-    if (const auto every = draft.time("/record/every")) plan.record_every = *every;
+  if (record.is_object("'record'")) {
+    record.check_keys({"every"}, "'record'");
+    if (const auto every = record["every"].time()) plan.record_every = *every;
   }
 }
 
 /// A name, or {"metric": name, "unit": "mil"}.
-void read_metric_at(CompositionDraft& draft, const std::string& pointer, ScorePlan& plan) {
-  const bool is_object = draft.kind(pointer) == CompositionDraft::Kind::object;
-  const std::string name_pointer = is_object ? join_pointer(pointer, "metric") : pointer;
+void read_metric_at(const CompositionDraft& draft, const Reader& at, ScorePlan& plan) {
+  const bool is_object = at.is_object();
   if (is_object) {
-    draft.check_keys(pointer, {"metric", "unit"}, "a metric");
-    if (!draft.require_key(pointer, "metric", "metric", "FILTER/BLOCK.OUTPUT/STATISTIC")) return;
+    at.check_keys({"metric", "unit"}, "a metric");
+    if (!at.require("metric", "metric", "FILTER/BLOCK.OUTPUT/STATISTIC")) return;
   }
-  const auto name = draft.text(name_pointer);
+  const Reader name_at = is_object ? at["metric"] : at;
+  const auto name = name_at.text();
   if (!name) return;
   auto metric = read_metric(plan, *name);
   if (!metric) {
     // A variant of a study may lack what others have.
     if (draft.is_patched())
-      plan.unknown_metrics.push_back({*name, name_pointer, metric.error()});
+      plan.unknown_metrics.push_back({*name, name_at.pointer(), metric.error()});
     else
-      draft.error("B027", name_pointer, metric.error());
+      name_at.error("B027", metric.error());
     return;
   }
   Metric shown = *metric;
-  const std::string unit_pointer = join_pointer(pointer, "unit");
-  if (is_object && draft.kind(unit_pointer) != CompositionDraft::Kind::absent)
-    if (const auto unit = draft.text(unit_pointer))
-      if (const auto wrong = show_in(shown, *unit); !wrong.empty())
-        draft.error(read_unit(*unit) ? "B007" : "B008", unit_pointer, wrong);
+  if (const auto unit = at["unit"].text())
+    if (const auto wrong = show_in(shown, *unit); !wrong.empty())
+      at["unit"].error(read_unit(*unit) ? "B007" : "B008", wrong);
   plan.metrics.push_back(std::move(shown));
 }
 
-void read_metrics(CompositionDraft& draft, ScorePlan& plan) {
-  const std::string all = "/evaluate/metrics";
-  const auto kind = draft.kind(all);
-  if (kind == CompositionDraft::Kind::absent) return;
-  if (kind != CompositionDraft::Kind::list) return read_metric_at(draft, all, plan);
-  for (std::size_t i = 0; i < draft.size(all); ++i) read_metric_at(draft, join_pointer(all, i), plan);
+void read_metrics(const CompositionDraft& draft, ScorePlan& plan) {
+  const Reader all = draft.at("/evaluate/metrics");
+  if (all && !all.is_list()) return read_metric_at(draft, all, plan);
+  for (const Reader& metric : all.children()) read_metric_at(draft, metric, plan);
 }
 
 class Sections final : public Section {
@@ -105,9 +97,7 @@ class Sections final : public Section {
     return {"reference", "evaluate", "record", "study", "covariance", "metrics"};
   }
   std::vector<std::string> filter_keys() const override { return {"implied_states"}; }
-  std::vector<std::pair<std::string, std::string>> renamed_keys() const override {
-    return {{"readings", "implied_states"}};
-  }
+  RenamedKeys renamed_keys() const override { return {{"readings", "implied_states"}}; }
   std::vector<std::string> patches() const override { return {"/study/variants", "/study/dimensions/*"}; }
 
   std::shared_ptr<const SectionData> read(CompositionDraft& draft) const override {

@@ -32,7 +32,7 @@ std::unique_ptr<ConingSimulator> bound(const json& config) {
   Diagnostics diagnostics;
   const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
   const ParameterValue value =
-      spec::Reader(document, diagnostics).parameters(ConingSimulator::spec().parameters, "coning_simulator");
+      Reader(document, diagnostics).parameters(ConingSimulator::spec().parameters, "coning_simulator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return std::make_unique<ConingSimulator>(Binding("coning", Parameters(value), {}, {}));

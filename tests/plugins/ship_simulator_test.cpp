@@ -37,7 +37,7 @@ constexpr double arcmin = degree / 60.0;
 ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
   const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-  ParameterValue value = spec::Reader(document, diagnostics).parameters(Sim::spec().parameters, "ship_simulator");
+  ParameterValue value = Reader(document, diagnostics).parameters(Sim::spec().parameters, "ship_simulator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return value;

@@ -31,7 +31,7 @@ inline ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
   const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
   ParameterValue value =
-      spec::Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
+      Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return value;

@@ -48,7 +48,7 @@ class Drive {
     Diagnostics diagnostics;
     const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
     const ParameterValue value =
-        spec::Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
+        Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
     INFO(diagnostics.text());
     REQUIRE(diagnostics.empty());
     source_ = std::make_unique<VehicleSimulator>(Binding("drive", Parameters(value), {}, {}));

@@ -9,8 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "binnacle/binding.hpp"
 #include "binnacle/catalog.hpp"
 #include "binnacle/diagnostic.hpp"
@@ -78,13 +76,6 @@ struct ProcessInfo : BoundInfo<ProcessModel> {
   int discretized_with = -1;  // a number in common with models which the kernel discretizes together; −1: by itself
 };
 
-/// A block of Φ or Qd that is declared other than zero; row and column count the filter's blocks.
-struct BlockCoupling {
-  int row = 0;
-  int column = 0;
-  Structure structure = Structure::dense;
-};
-
 /// A channel of which a filter needs a sample before it starts.
 struct InitialInfo {
   int channel = -1;
@@ -101,8 +92,9 @@ struct FilterInfo {
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
   std::vector<InitialInfo> starts_when;
-  std::vector<BlockCoupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is
-  std::vector<BlockCoupling> noise;       // Qd, both halves
+  // Blocks that are declared other than zero; `to` and `from` count the filter's blocks, not ports.
+  std::vector<Coupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is
+  std::vector<Coupling> noise;       // Qd, both halves
 };
 
 struct ChannelInfo {
@@ -162,8 +154,6 @@ class Composition {
 
   std::unique_ptr<compose::CompositionPlan> plan_;
   Diagnostics warnings_;
-  std::vector<FilterInfo> filters_;
-  std::vector<ChannelInfo> channels_;
 };
 
 }  // namespace binnacle

@@ -14,13 +14,7 @@ namespace {
 /// What the config says of one block beside its parameters.
 class BlockReader {
  public:
-  BlockReader(FilterComposer& filter, BlockPlan& block)
-      : filter_(filter),
-        block_(block),
-        declaration_(block.declaration()),
-        components_(names_of(declaration_.error)),
-        at_(filter.composer.place(block.pointer)),
-        what_("block '" + block.name + "'") {}
+  BlockReader(FilterComposer& filter, BlockPlan& block) : filter_(filter), block_(block) {}
 
   void read_uses() {
     const auto estimate = components_at(at_["estimate"]), consider = components_at(at_["consider"]);
@@ -64,7 +58,7 @@ class BlockReader {
     if (initial.channel < 0 && at_["init"]["channel"]) return;
     if (initial.channel >= 0 && !initial.covariance.empty()) return;
     const auto missing = std::ranges::find_if(block_.active, [&](int i) {
-      return !sigma || (sigma.json()->is_object() && !sigma[components_[as_size(i)]]);
+      return !sigma || (sigma.is_object() && !sigma[components_[as_size(i)]]);
     });
     if (missing == block_.active.end()) return;
     const NamedUnit& component = declaration_.error[as_size(*missing)];
@@ -98,7 +92,7 @@ class BlockReader {
   static bool read_values(const Reader& place, const std::vector<std::string>& names, const std::string& what_object,
                           const std::string& what_list, const std::function<void(const Reader&, std::size_t)>& read) {
     if (!place) return true;
-    const bool is_object = place.json()->is_object(), is_list = place.json()->is_array();
+    const bool is_object = place.is_object(), is_list = place.is_list();
     if (is_object) place.check_keys(names, what_object);
     if (is_list && place.json()->size() != names.size()) {
       place.error("B013", what_list + " has " + std::to_string(names.size()) + " elements (" + listed(names) +
@@ -123,7 +117,7 @@ class BlockReader {
     const bool is_single = !init.json()->is_structured();
     if (is_single && outputs.size() != 1 && !starts_at_zero)
       return init.error("B006", "the initial value of " + what_ + " is an object with " + listed(names) +
-                                    ", or {\"channel\": …}; found " + abbreviated(*init.json()));
+                                    ", or {\"channel\": …}; found " + init.shown());
     read_values(init, names, "'init' of " + what_, "the initial value of " + what_,
                 [&](const Reader& at, std::size_t i) {
                   const auto& output = outputs[is_single ? 0 : i];
@@ -179,10 +173,10 @@ class BlockReader {
 
   FilterComposer& filter_;
   BlockPlan& block_;
-  const StateBlockDeclaration& declaration_;
-  const std::vector<std::string> components_;
-  const Reader at_;
-  const std::string what_;
+  const StateBlockDeclaration& declaration_ = block_.declaration();
+  const std::vector<std::string> components_ = names_of(declaration_.error);
+  const Reader at_ = filter_.composer.place(block_.pointer);
+  const std::string what_ = "block '" + block_.name + "'";
 };
 
 }  // namespace

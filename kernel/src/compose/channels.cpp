@@ -120,10 +120,16 @@ FieldMap Composer::map_fields(const std::vector<FieldSpec>& wanted, int channel_
   return map;
 }
 
-std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec) {
-  std::vector<FieldSpec> fields = spec.fields;
-  for (const auto& input : spec.inputs) fields.insert(fields.end(), input.fields.begin(), input.fields.end());
-  return fields;
+FieldMap Composer::bind_fields(Component& component, const std::vector<FieldSpec>& wanted, int channel,
+                               const Reader& channel_at, std::size_t first) {
+  const ComponentSpec& spec = component.spec();
+  // The one key "fields" may map those of its sample and of all its inputs.
+  std::vector<FieldSpec> mappable = spec.fields;
+  for (const auto& input : spec.inputs) mappable.insert(mappable.end(), input.fields.begin(), input.fields.end());
+  FieldMap map = map_fields(wanted, channel, channel_at, component.at, spec.type, mappable);
+  for (const auto* items : {&map.epoch, &map.row})
+    for (const auto& item : *items) component.fields_bound[first + as_size(item.declared)] = item.index >= 0;
+  return map;
 }
 
 std::vector<NodeInput> Composer::read_inputs(Component& component) {
@@ -132,7 +138,6 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
   const bool is_single = is_stage && spec.inputs.size() == 1;
   const Reader named = component.at["inputs"], single = component.at["input"];
   if (named.is_object("'inputs'")) named.check_keys(names_of(spec.inputs), "'inputs' of '" + spec.type + "'");
-  const std::vector<FieldSpec> mappable = mappable_fields(spec);
   std::vector<NodeInput> inputs;
   for (const auto& wanted : spec.inputs) {
     NodeInput& input = inputs.emplace_back();
@@ -143,49 +148,45 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
                                          (is_single ? "\"input\": \"CHANNEL\""
                                                     : "\"inputs\": {\"" + wanted.name + "\": \"CHANNEL\"}"));
     if (const auto name = channel_place.text()) input.channel = channel_named(*name, channel_place);
-    if (input.channel >= 0)
-      input.fields = map_fields(wanted.fields, input.channel, channel_place, component.at, spec.type, mappable);
     const auto first = component.fields_bound.size();
     component.fields_bound.resize(first + wanted.fields.size(), false);
-    component.bind_fields(input.fields, first);
+    if (input.channel >= 0) input.fields = bind_fields(component, wanted.fields, input.channel, channel_place, first);
     component.inputs_bound.push_back(input.channel >= 0);
   }
   return inputs;
 }
 
-void Composer::add_sources() {
-  for (const Reader& at : place("/sources").members("'sources'")) {
-    auto source = planned<SourcePlan>(at);
-    const Component component = read_component(Role::source, at, {"type"});
-    source.type = component.type;
-    source.source = make<Source>(component);
-    if (source.source) source.channels = add_channels(at, source.source->declaration().channels);
-    if (component.failures != failures())
-      fail_component(source.name);
-    else
-      plan_->sources.push_back(std::move(source));
+namespace {
+
+/// False where something is wrong with it; then it is left out.
+template <class Base, class Plan>
+bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) {
+  constexpr bool has_inputs = !std::is_same_v<Base, Source>;
+  std::vector<std::string> reserved{"type"};
+  if (has_inputs) reserved.insert(reserved.end(), {"input", "inputs", "fields"});
+  auto stage = planned<Plan>(at);
+  Component component = composer.read_component(role_of<Base>(), at, reserved);
+  stage.type = component.type;
+  if (has_inputs && component.type) {
+    stage.inputs = composer.read_inputs(component);
+    component.covariances.clear();
+    for (const auto& input : stage.inputs)
+      component.covariances.push_back(input.channel < 0 ? std::vector<NamedUnit>()
+                                                        : composer.channel(input.channel).declaration.covariance);
   }
-}
-
-Component Composer::read_stage(Role role, const Reader& at, std::vector<NodeInput>& inputs) {
-  Component component = read_component(role, at, {"type", "input", "inputs", "fields"});
-  if (!component.type) return component;
-  inputs = read_inputs(component);
-  component.covariances.assign(inputs.size(), {});
-  for (std::size_t i = 0; i < inputs.size(); ++i)
-    if (inputs[i].channel >= 0) component.covariances[i] = channel(inputs[i].channel).declaration.covariance;
-  return component;
-}
-
-bool Composer::add_transform(const Reader& at) {
-  auto transform = planned<TransformPlan>(at);
-  const Component component = read_stage(Role::transform, at, transform.inputs);
-  transform.type = component.type;
-  transform.transform = make<Transform>(component);
-  if (transform.transform) transform.channels = add_channels(at, transform.transform->declaration().channels);
-  if (component.failures != failures()) return false;
-  plan_->transforms.push_back(std::move(transform));
+  stage.object = composer.make<Base>(component);
+  if constexpr (!std::is_same_v<Base, Sink>)
+    if (stage.object) stage.channels = composer.add_channels(at, stage.object->declaration().channels);
+  if (component.failures != composer.failures()) return false;
+  stages.push_back(std::move(stage));
   return true;
+}
+
+}  // namespace
+
+void Composer::add_sources() {
+  for (const Reader& at : place("/sources").members("'sources'"))
+    if (!add_stage<Source>(*this, at, plan_->sources)) fail_component(at.key());
 }
 
 void Composer::add_transforms() {
@@ -205,19 +206,13 @@ void Composer::add_transforms() {
   // A transform can be bound once the channels that it subscribes to are known.
   const auto cycle =
       in_order(transforms, "these transforms feed each other: ", is_waiting, [&](const Reader& transform) {
-        if (!add_transform(transform)) fail_component(transform.key());
+        if (!add_stage<Transform>(*this, transform, plan_->transforms)) fail_component(transform.key());
       });
   for (const auto& name : cycle) fail_component(name);
 }
 
 void Composer::add_sinks() {
-  for (const Reader& at : place("/sinks").members("'sinks'")) {
-    auto sink = planned<SinkPlan>(at);
-    const Component component = read_stage(Role::sink, at, sink.inputs);
-    sink.type = component.type;
-    sink.sink = make<Sink>(component);
-    if (sink.sink) plan_->sinks.push_back(std::move(sink));
-  }
+  for (const Reader& at : place("/sinks").members("'sinks'")) add_stage<Sink>(*this, at, plan_->sinks);
 }
 
 }  // namespace binnacle::compose

@@ -2,7 +2,6 @@
 // From a document to a CompositionPlan, reporting all that is wrong at once.
 #pragma once
 
-#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -39,11 +38,6 @@ struct Component {
   int samples_per_step = 1;
 
   const ComponentSpec& spec() const { return type->spec; }
-  /// Which fields a channel carries, of those that `first` is the first of.
-  void bind_fields(const FieldMap& map, std::size_t first = 0) {
-    for (const auto* items : {&map.epoch, &map.row})
-      for (const auto& item : *items) fields_bound[first + as_size(item.declared)] = item.index >= 0;
-  }
 };
 
 template <class Plan>
@@ -103,7 +97,6 @@ class FilterComposer {
   /// `is_whole`: all before it are.
   bool add_process(const Reader& process_at, bool is_whole);
   void read_process_input(ProcessPlan& process, Component& component);
-  void advance_blocks(const ProcessPlan& process, const Component& component);
   void add_measurements();
 };
 
@@ -159,6 +152,9 @@ class Composer {
   /// `at`: of the component, which may map them under "fields" among all that are `mappable`.
   FieldMap map_fields(const std::vector<FieldSpec>& wanted, int channel, const Reader& channel_at, const Reader& at,
                       const std::string& type, const std::vector<FieldSpec>& mappable);
+  /// The same of a component's own fields, or of an input's; `first` is the place of the first in what it has bound.
+  FieldMap bind_fields(Component& component, const std::vector<FieldSpec>& wanted, int channel,
+                       const Reader& channel_at, std::size_t first = 0);
   /// Adds each of the section's names as soon as it waits for none of the others; those that wait for each other are a
   /// cycle, which is reported and returned.
   template <class IsWaiting, class Add>
@@ -188,7 +184,6 @@ class Composer {
   // composition.cpp
   void read_head();
   bool load_plugins();
-  void begin_filters();
   void order_nodes();
   void lay_out();
   void add_subscribers();
@@ -198,12 +193,7 @@ class Composer {
   // channels.cpp
   void add_sources();
   void add_transforms();
-  bool add_transform(const Reader& at);
   void add_sinks();
-  Component read_stage(Role role, const Reader& at, std::vector<NodeInput>& inputs);
-
-  // sections.cpp
-  void read_sections();
 
   std::unique_ptr<CompositionPlan> plan_;
   std::vector<std::shared_ptr<const Section>> sections_;
@@ -216,14 +206,7 @@ class Composer {
 /// Index of the channel among those whose latest sample is kept, added if it is new.
 int latest_of(std::vector<LatestPlan>& kept, int channel);
 
-/// All fields that the one key "fields" of a component may map: of its sample and of all its inputs.
-std::vector<FieldSpec> mappable_fields(const ComponentSpec& spec);
-
 /// The structure of Φ and Qd, also as `info` has it (transition.cpp).
 void plan_transition(FilterComposer& filter);
-
-/// What subscribes to channels: the node, the channel, and the JSON pointer of the part of the node that reads it (infos.cpp).
-using VisitInput = std::function<void(const Node&, int channel, const std::string& pointer)>;
-void for_each_input(const CompositionPlan& plan, const VisitInput& visit);
 
 }  // namespace binnacle::compose

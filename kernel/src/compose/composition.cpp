@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The order of composing: head, plugins, channels, filters, evaluation, arena; and what a Composition reports of itself.
+// The order of composing: head, plugins, channels, filters, sections, arena; and what is seen of it meanwhile and after.
 #include "binnacle/composition.hpp"
 
 #include <algorithm>
@@ -59,6 +59,21 @@ Component Composer::read_component(Role role, const Reader& at, const std::vecto
   return component;
 }
 
+void Composer::check_section_keys(const Reader& at, std::vector<std::string> own, const std::string& what) {
+  const std::vector<std::string> kernels = own;
+  RenamedKeys renamed;
+  for (const auto& section : sections_) {
+    std::ranges::move(at.pointer().empty() ? section->keys() : section->filter_keys(), std::back_inserter(own));
+    std::ranges::copy_if(section->renamed_keys(), std::back_inserter(renamed),
+                         [&](const auto& names) { return index_of(own, names.second) >= 0; });
+  }
+  // Without readers the program may share its config with one that has some: only what looks misspelt is wrong.
+  if (sections_.empty())
+    for (const Reader& member : at.children())
+      if (closest(member.key(), kernels).empty()) own.push_back(member.key());
+  at.check_keys(own, what, renamed);
+}
+
 // The config's keys that the kernel reads; the composition is known by what stands under them.
 const std::vector<std::string> own_keys = {"binnacle", "title",      "description", "plugins", "vars",
                                            "sources",  "transforms", "filters",     "sinks"};
@@ -69,7 +84,7 @@ void Composer::read_head() {
   if (!version)
     place("").key_error("B028", "the config does not begin with \"binnacle\": 1 (the version of its format)");
   else if (!version.json()->is_number_integer() || version.json()->get<std::int64_t>() != 1)
-    version.error("B028", "this program reads configs of version 1; found " + abbreviated(*version.json()));
+    version.error("B028", "this program reads configs of version 1; found " + version.shown());
   plan_->title = place("/title").text().value_or("");
 }
 
@@ -83,12 +98,41 @@ bool Composer::load_plugins() {
   return !found.has_errors();
 }
 
-void Composer::begin_filters() {
-  const Reader filters = place("/filters");
-  if (!filters) place("").key_error("B010", "the config has no 'filters'; there is nothing to run");
-  for (const Reader& filter : filters.members("'filters'"))
-    if (filter.is_object("a filter")) filters_.emplace_back(*this, filter);
+namespace {
+
+/// What subscribes to channels: the node, the channel, and the JSON pointer of the part of the node that reads it.
+void for_each_input(const CompositionPlan& plan, const auto& visit_all) {
+  const auto visit = [&](const Node& node, int channel, const std::string& pointer) {
+    if (channel >= 0) visit_all(node, channel, pointer);
+  };
+  const auto visit_stages = [&](Node::Kind kind, const auto& stages) {
+    for (int i = 0; i < count_of(stages); ++i)
+      for (const auto& input : stages[as_size(i)].inputs) visit({kind, i}, input.channel, stages[as_size(i)].pointer);
+  };
+  visit_stages(Node::Kind::transform, plan.transforms);
+  visit_stages(Node::Kind::sink, plan.sinks);
+  for (int i = 0; i < count_of(plan.filters); ++i) {
+    const auto& filter = plan.filters[as_size(i)];
+    const Node node{Node::Kind::filter, i};
+    const auto visit_auxiliary = [&](const auto& model) {
+      for (const int index : model.auxiliary.channels)
+        if (index >= 0) visit(node, filter.auxiliary[as_size(index)].channel, model.pointer);
+    };
+    for (const auto& process : filter.processes) {
+      if (process.uses_input) visit(node, filter.input_channel, process.pointer);
+      visit_auxiliary(process);
+    }
+    for (const auto& measurement : filter.measurements) {
+      visit(node, measurement.channel, measurement.pointer);
+      std::ranges::for_each(measurement.parts, visit_auxiliary);
+    }
+    for (const auto& block : filter.blocks)
+      if (block.initial.channel >= 0)
+        visit(node, filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
+  }
 }
+
+}  // namespace
 
 // Transforms and filters feed each other through channels; at one instant they work in this order.
 void Composer::order_nodes() {
@@ -129,18 +173,14 @@ void Composer::order_nodes() {
 
 void Composer::lay_out() {
   Layout& layout = plan_->layout;
-  const auto latest = [&](LatestPlan& plan) {
-    plan.data = layout.add<double>(plan_->channels[as_size(plan.channel)].doubles());
-    plan.head = layout.add<SampleHead>(1);
-  };
   for (auto& source : plan_->sources) {
-    source.memory = layout.add<std::byte>(source.source->declaration().memory_bytes);
+    source.memory = layout.add<std::byte>(source.object->declaration().memory_bytes);
     source.head = layout.add<SourceHead>(1);
     for (const int channel : source.channels)
       source.slots.push_back(layout.add<double>(plan_->channels[as_size(channel)].doubles()));
   }
   for (auto& transform : plan_->transforms)
-    transform.memory = layout.add<std::byte>(transform.transform->declaration().memory_bytes);
+    transform.memory = layout.add<std::byte>(transform.object->declaration().memory_bytes);
   for (auto& filter : plan_->filters) {
     const auto n = as_size(filter.n);
     filter.head = layout.add<TimeHead>(1);
@@ -161,7 +201,10 @@ void Composer::lay_out() {
       filter.queue_doubles = std::max(filter.queue_doubles, plan_->channels[as_size(measurement.channel)].doubles());
     }
     for (auto* list : {&filter.initial, &filter.auxiliary})
-      for (auto& entry : *list) latest(entry);
+      for (auto& latest : *list) {
+        latest.data = layout.add<double>(plan_->channels[as_size(latest.channel)].doubles());
+        latest.head = layout.add<SampleHead>(1);
+      }
     constexpr std::size_t most_queued = 64;
     const auto group = as_size(filter.samples_per_step) + 1;
     filter.pending = layout.add<PendingInput>(group);
@@ -197,7 +240,10 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   read_head();
   if (!load_plugins()) return nullptr;
   add_sources();
-  begin_filters();
+  const Reader filters = place("/filters");
+  if (!filters) place("").key_error("B010", "the config has no 'filters'; there is nothing to run");
+  for (const Reader& filter : filters.members("'filters'"))
+    if (filter.is_object("a filter")) filters_.emplace_back(*this, filter);
   add_transforms();
   for (auto& filter : filters_) filter.finish();
   bool is_complete = !diagnostics_.has_errors();
@@ -210,7 +256,8 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   for (const auto& channel : plan_->channels)
     plan_->channel_infos.push_back({channel.name, &channel.declaration, channel.position, channel.pointer});
   add_sinks();
-  read_sections();
+  CompositionDraft draft(*this);
+  for (const auto& section : sections_) plan_->sections.push_back(section->read(draft));
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
@@ -227,7 +274,39 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
 
 namespace binnacle {
 
+Reader CompositionDraft::at(const std::string& pointer) const { return composer_.place(pointer); }
+bool CompositionDraft::has_errors() const { return composer_.diagnostics().has_errors(); }
+const std::vector<FilterInfo>& CompositionDraft::filters() const { return composer_.plan().filter_infos; }
+const std::vector<ChannelInfo>& CompositionDraft::channels() const { return composer_.plan().channel_infos; }
+bool CompositionDraft::is_patched() const { return composer_.plan().document.is_patched(); }
+
+int CompositionDraft::channel(const std::string& name, const Reader& at) const {
+  return composer_.channel_named(name, at);
+}
+
+bool CompositionDraft::has_failed(std::string_view filter, std::string_view value) const {
+  return std::ranges::any_of(composer_.filters(), [&](const compose::FilterComposer& composed) {
+    return composed.at.key() == filter && composed.failed_values.contains(std::string(value));
+  });
+}
+
+void CompositionDraft::subscribe(int channel, const std::string& pointer) {
+  composer_.plan().subscriptions.push_back({channel, pointer});
+}
+
 namespace {
+
+template <class Base>
+std::vector<StageInfo<Base>> stage_infos(const auto& stages) {
+  std::vector<StageInfo<Base>> infos;
+  for (const auto& stage : stages) {
+    auto& info = infos.emplace_back(BoundInfo<Base>{stage.name, stage.type, stage.object});
+    info.outputs = stage.channels;
+    for (const auto& input : stage.inputs)
+      if (input.channel >= 0) info.inputs.push_back(input.channel);
+  }
+  return infos;
+}
 
 [[noreturn]] void throw_errors(const Diagnostics& diagnostics) {
   // One wrong line in the config outweighs missing data; a plugin that cannot be loaded outweighs both.
@@ -268,15 +347,12 @@ std::shared_ptr<const Composition> Composition::parse(std::string_view text, con
 }
 
 Composition::Composition(std::unique_ptr<compose::CompositionPlan> plan, Diagnostics warnings)
-    : plan_(std::move(plan)),
-      warnings_(std::move(warnings)),
-      filters_(plan_->filter_infos),
-      channels_(plan_->channel_infos) {}
+    : plan_(std::move(plan)), warnings_(std::move(warnings)) {}
 
 Composition::~Composition() = default;
 const std::string& Composition::title() const { return plan_->title; }
-const std::vector<FilterInfo>& Composition::filters() const { return filters_; }
-const std::vector<ChannelInfo>& Composition::channels() const { return channels_; }
+const std::vector<FilterInfo>& Composition::filters() const { return plan_->filter_infos; }
+const std::vector<ChannelInfo>& Composition::channels() const { return plan_->channel_infos; }
 const std::vector<FoundInfo>& Composition::found() const { return plan_->found; }
 std::size_t Composition::arena_bytes() const { return plan_->layout.size(); }
 const Catalog& Composition::catalog() const { return plan_->catalog; }
@@ -285,21 +361,7 @@ std::uint64_t Composition::hash() const { return plan_->hash; }
 std::string Composition::config() const { return plan_->document.root().dump(); }
 const std::vector<std::shared_ptr<const SectionData>>& Composition::sections() const { return plan_->sections; }
 
-std::vector<StageInfo<Source>> Composition::sources() const {
-  std::vector<StageInfo<Source>> infos;
-  for (const auto& source : plan_->sources)
-    infos.push_back({{source.name, source.type, source.source}, {}, source.channels});
-  return infos;
-}
-
-std::vector<StageInfo<Transform>> Composition::transforms() const {
-  std::vector<StageInfo<Transform>> infos;
-  for (const auto& transform : plan_->transforms) {
-    infos.push_back({{transform.name, transform.type, transform.transform}, {}, transform.channels});
-    for (const auto& input : transform.inputs)
-      if (input.channel >= 0) infos.back().inputs.push_back(input.channel);
-  }
-  return infos;
-}
+std::vector<StageInfo<Source>> Composition::sources() const { return stage_infos<Source>(plan_->sources); }
+std::vector<StageInfo<Transform>> Composition::transforms() const { return stage_infos<Transform>(plan_->transforms); }
 
 }  // namespace binnacle

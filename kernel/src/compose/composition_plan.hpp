@@ -11,7 +11,6 @@
 
 #include "base/index.hpp"
 #include "binnacle/composition.hpp"
-#include "binnacle/section.hpp"
 #include "binnacle/source.hpp"
 #include "config/document.hpp"
 #include "filter/plan.hpp"
@@ -27,38 +26,27 @@ struct SourceHead {
   std::int32_t channel = 0;  // among the source's own
 };
 
-struct SourcePlan {
-  std::string name;
-  std::string pointer;
-  const ComponentType* type = nullptr;
-  std::shared_ptr<Source> source;
-  std::vector<int> channels;
-  Place<std::byte> memory;
-  Place<SourceHead> head;
-  std::vector<Place<double>> slots;  // per own channel
-};
-
 struct NodeInput {
   int channel = -1;  // −1: optional and left open
   FieldMap fields;
 };
 
-struct TransformPlan {
-  std::string name;
-  std::string pointer;
+/// A source, transform or sink.
+template <class Base>
+struct StagePlan : Planned {
   const ComponentType* type = nullptr;
-  std::shared_ptr<Transform> transform;
+  std::shared_ptr<Base> object;
   std::vector<NodeInput> inputs;
-  std::vector<int> channels;
+  std::vector<int> channels;  // that it emits
   Place<std::byte> memory;
 };
 
-struct SinkPlan {
-  std::string name;
-  std::string pointer;
-  const ComponentType* type = nullptr;
-  std::vector<NodeInput> inputs;
-  std::shared_ptr<Sink> sink;
+using TransformPlan = StagePlan<Transform>;
+using SinkPlan = StagePlan<Sink>;
+
+struct SourcePlan : StagePlan<Source> {
+  Place<SourceHead> head;
+  std::vector<Place<double>> slots;  // per own channel
 };
 
 /// What works on an instant's samples, in order of dependence.

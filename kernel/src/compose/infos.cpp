@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Composition shows of its filters, and who feeds whom.
-#include <algorithm>
-
+// What a Composition shows of its filters.
 #include "compose/composer.hpp"
 
 namespace binnacle::compose {
@@ -81,37 +79,6 @@ void FilterComposer::describe() {
   for (const auto& measurement : plan.measurements)
     info.measurements.push_back(measurement_info(catalog, plan, measurement));
   for (const auto& initial : plan.initial) info.starts_when.push_back({initial.channel, initial.max_age});
-}
-
-void for_each_input(const CompositionPlan& plan, const VisitInput& visit_all) {
-  const auto visit = [&](const Node& node, int channel, const std::string& pointer) {
-    if (channel >= 0) visit_all(node, channel, pointer);
-  };
-  const auto visit_stages = [&](Node::Kind kind, const auto& stages) {
-    for (int i = 0; i < count_of(stages); ++i)
-      for (const auto& input : stages[as_size(i)].inputs) visit({kind, i}, input.channel, stages[as_size(i)].pointer);
-  };
-  visit_stages(Node::Kind::transform, plan.transforms);
-  visit_stages(Node::Kind::sink, plan.sinks);
-  for (int i = 0; i < count_of(plan.filters); ++i) {
-    const auto& filter = plan.filters[as_size(i)];
-    const Node node{Node::Kind::filter, i};
-    const auto visit_auxiliary = [&](const auto& model) {
-      for (const int index : model.auxiliary.channels)
-        if (index >= 0) visit(node, filter.auxiliary[as_size(index)].channel, model.pointer);
-    };
-    for (const auto& process : filter.processes) {
-      if (process.uses_input) visit(node, filter.input_channel, process.pointer);
-      visit_auxiliary(process);
-    }
-    for (const auto& measurement : filter.measurements) {
-      visit(node, measurement.channel, measurement.pointer);
-      std::ranges::for_each(measurement.parts, visit_auxiliary);
-    }
-    for (const auto& block : filter.blocks)
-      if (block.initial.channel >= 0)
-        visit(node, filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
-  }
 }
 
 }  // namespace binnacle::compose

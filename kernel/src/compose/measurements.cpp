@@ -50,7 +50,7 @@ class MeasurementComposer {
     allowed.emplace_back("stack");
     at_.check_keys(allowed, "stack '" + plan_.name + "'");
     const auto parts = stack.members("'stack'");
-    if (parts.empty() && stack.json()->is_object()) stack.error("B010", "the stack '" + plan_.name + "' is empty");
+    if (parts.empty() && stack.is_object()) stack.error("B010", "the stack '" + plan_.name + "' is empty");
     for (const Reader& part : parts) add_part(part, {"type", "blocks", "fields", "inputs"});
   }
 
@@ -58,16 +58,12 @@ class MeasurementComposer {
     auto part = planned<PartPlan>(at);
     Component component = composer_.read_component(Role::measurement_model, at, reserved, &filter_);
     if (!component.type) return;
-    const ComponentSpec& spec = component.spec();
     part.type = component.type->full_name();
     part.ports = component.values;
     part.driving_rates = component.driving_rates;
     if (plan_.channel >= 0) {
-      const ChannelPlan& channel = composer_.channel(plan_.channel);
-      part.fields =
-          composer_.map_fields(spec.fields, plan_.channel, at_["channel"], at, spec.type, mappable_fields(spec));
-      component.bind_fields(part.fields);
-      component.covariances = {channel.declaration.covariance};
+      part.fields = composer_.bind_fields(component, component.spec().fields, plan_.channel, at_["channel"]);
+      component.covariances = {composer_.channel(plan_.channel).declaration.covariance};
     }
     filter_.read_auxiliary(part.auxiliary, component);
     // What is wrong with the channel is reported; its missing fields are not the model's to complain of.
@@ -124,7 +120,7 @@ class MeasurementComposer {
     plan_.gate_limit.assign(as_size(plan_.max_rows) + 1, 0.0);
     const Reader gate = at_["gate"];
     if (!gate) return;
-    const bool is_object = gate.json()->is_object();
+    const bool is_object = gate.is_object();
     if (is_object) {
       gate.check_keys({"probability", "by"}, "'gate'");
       if (!gate.require("probability", "gate", "0 < p < 1")) return;
@@ -205,7 +201,7 @@ class MeasurementComposer {
 
   void add_withholding() {
     Reader windows = at_["withhold"];
-    if (windows && windows.json()->is_object()) {
+    if (windows.is_object()) {
       windows.check_keys({"every", "windows"}, "'withhold'");
       const auto every = windows["every"].integer(parameter::integer("every").at_least(1));
       plan_.withhold_every = static_cast<int>(every.value_or(0));

@@ -256,30 +256,13 @@ void FilterComposer::read_process_input(ProcessPlan& process, Component& compone
   } else if (plan.input_channel < 0) {
     composer.fail();
   } else {
-    process.fields =
-        composer.map_fields(spec.fields, plan.input_channel, input, component.at, spec.type, mappable_fields(spec));
-    component.bind_fields(process.fields);
+    process.fields = composer.bind_fields(component, spec.fields, plan.input_channel, input);
     for (const auto& item : process.fields.epoch)
       if (item.index >= 0) plan.input_used[as_size(item.index)] = 1;
   }
   const auto range = parameter::integer("samples_per_step").at_least(1).at_most(16);
   component.samples_per_step = static_cast<int>(component.at["samples_per_step"].integer(range).value_or(1));
   plan.samples_per_step = std::max(plan.samples_per_step, component.samples_per_step);
-}
-
-void FilterComposer::advance_blocks(const ProcessPlan& process, const Component& component) {
-  const int index = count_of(plan.processes);
-  for (std::size_t p = 0; p < process.ports.size(); ++p) {
-    const PortSpec& port = component.spec().ports[p];
-    if (process.ports[p] < 0 || port.access == PortAccess::reads) continue;
-    auto& block = plan.blocks[as_size(process.ports[p])];
-    if (block.process >= 0)
-      component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is advanced by '" +
-                                                          plan.processes[as_size(block.process)].name +
-                                                          "' already; exactly one process model moves a block");
-    else
-      block.process = index;
-  }
 }
 
 bool FilterComposer::add_process(const Reader& process_at, bool is_whole) {
@@ -305,7 +288,17 @@ bool FilterComposer::add_process(const Reader& process_at, bool is_whole) {
                                  "' declares a coupling of ports that are open, not advanced, or of unequal dof");
     return false;
   }
-  advance_blocks(process, component);
+  for (std::size_t p = 0; p < process.ports.size(); ++p) {
+    const PortSpec& port = component.spec().ports[p];
+    if (process.ports[p] < 0 || port.access == PortAccess::reads) continue;
+    auto& block = plan.blocks[as_size(process.ports[p])];
+    if (block.process >= 0)
+      component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is advanced by '" +
+                                                          plan.processes[as_size(block.process)].name +
+                                                          "' already; exactly one process model moves a block");
+    else
+      block.process = count_of(plan.processes);
+  }
   plan.processes.push_back(std::move(process));
   return true;
 }

@@ -53,10 +53,14 @@ class Layout {
   std::size_t size_ = 0;
 };
 
-/// A channel as its samples lie in memory: per-epoch fields, per-row fields, covariance.
-struct ChannelPlan {
+/// What is made of a part of the config: by its key and JSON pointer.
+struct Planned {
   std::string name;
-  std::string pointer;  // of the component that emits it; "" for a pushed channel
+  std::string pointer;
+};
+
+/// A channel as its samples lie in memory: per-epoch fields, per-row fields, covariance.
+struct ChannelPlan : Planned {  // the pointer is of what emits it; "" for a pushed channel
   ChannelDeclaration declaration;
   std::vector<int> position;  // of each declared field among the per-epoch or the per-row fields
   int epoch_fields = 0;
@@ -102,9 +106,7 @@ struct InitialPlan {
   std::vector<double> sigma;    // per error component; NaN: from the sample's covariance
 };
 
-struct BlockPlan {
-  std::string name;
-  std::string pointer;
+struct BlockPlan : Planned {
   std::string type;
   std::shared_ptr<const StateBlock> block;
   std::vector<Use> use;     // per error component
@@ -125,7 +127,7 @@ struct BlockPlan {
 };
 
 /// Values that models bind to: state blocks first, then derived blocks in order of dependence.
-struct DerivedPlan {
+struct DerivedPlan : Planned {
   struct Dependence {
     int block = 0;
     std::size_t jacobian = 0;  // offset in the workspace: dof(derived) × dof(block), column-major
@@ -135,8 +137,6 @@ struct DerivedPlan {
     std::size_t jacobian = 0;  // offset in the workspace: dof × dof(value)
     int port = 0;
   };
-  std::string name;
-  std::string pointer;
   std::string type;
   std::shared_ptr<const DerivedBlock> derived;
   std::vector<int> ports;  // value index per port, −1 open
@@ -154,9 +154,7 @@ struct AuxiliaryPlan {
   std::vector<FieldMap> fields;
 };
 
-struct ProcessPlan {
-  std::string name;
-  std::string pointer;
+struct ProcessPlan : Planned {
   std::string type;
   std::shared_ptr<const ProcessModel> model;
   std::vector<int> ports;  // value index per port, −1 open
@@ -184,7 +182,7 @@ struct GatherPlan {
   std::size_t target = 0;  // offset in the workspace: active(to) × active(from), column-major
 };
 
-struct PartPlan {
+struct PartPlan : Planned {
   /// Where a read's Jacobian goes in the compact H: straight, or through the Jacobian of a derived value.
   struct Target {
     int block = 0;
@@ -199,8 +197,6 @@ struct PartPlan {
     std::vector<Target> targets;
     int port = 0;
   };
-  std::string name;
-  std::string pointer;
   std::string type;
   std::shared_ptr<const MeasurementModel> model;
   std::vector<int> ports;
@@ -238,13 +234,11 @@ struct LeftOut {
 /// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
 enum class GateUnit : unsigned char { sample, row, key };
 
-struct MeasurementPlan {
+struct MeasurementPlan : Planned {
   struct Inflation {
     int row = 0;
     double variance = 0;
   };
-  std::string name;
-  std::string pointer;
   int channel = 0;  // index in the composition's channels
   std::vector<PartPlan> parts;
   std::vector<int> derived;  // values to evaluate, in order
@@ -310,9 +304,7 @@ struct QueueEntry {
   std::int32_t slot = 0;  // of its data
 };
 
-struct FilterPlan {
-  std::string name;
-  std::string pointer;
+struct FilterPlan : Planned {
   std::vector<BlockPlan> blocks;
   std::vector<DerivedPlan> derived;
   std::vector<ProcessPlan> processes;

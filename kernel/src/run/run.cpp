@@ -26,7 +26,7 @@ void open_sources(const compose::CompositionPlan& plan, Diagnostics& warnings) {
   for (const auto& source : plan.sources) {
     WarningReporter reporter(warnings, source);
     try {
-      source.type->guarded("open", [&] { source.source->open(reporter); });
+      source.type->guarded("open", [&] { source.object->open(reporter); });
     } catch (const ComponentError& error) {
       if (error.is_data_error())
         errors.error(error.code(), Origin{error.file(), error.line(), 0}, source.pointer, error.what());
@@ -90,11 +90,12 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   runtime.feed_sinks(options.feeds_sinks);
   observer.begin(session);
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.sink->open(); });
+    for (const auto& sink : plan.sinks)
+      guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
   run_sources(runtime, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
-      guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.sink->close(); });
+      guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });
 
   for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
   note_failures(runtime, result.failures);

@@ -60,12 +60,12 @@ void Runtime::reset(std::uint64_t seed, int run) {
   for (const auto& source : plan_.sources) {
     *source.head.in(arena()) = SourceHead{};
     guard_call<FilterError>(plan_, source, "start", no_time, [&] {
-      source.source->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena()));
+      source.object->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena()));
     });
   }
   for (const auto& transform : plan_.transforms)
     guard_call<FilterError>(plan_, transform, "start", no_time, [&] {
-      transform.transform->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena()));
+      transform.object->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena()));
     });
   for (auto& channel : channels_) channel.is_present = false;
   std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
@@ -113,14 +113,14 @@ void Runtime::run_transform(const TransformPlan& plan) {
   TransformEmitter emitter(*this, plan);
   each_input(plan.inputs, [&](Input input, const SampleView& sample) {
     guard_call<FilterError>(plan_, plan, "on", time_, [&] {
-      plan.transform->on({input, sample, plan.memory.in(arena())}, emitter);
+      plan.object->on({input, sample, plan.memory.in(arena())}, emitter);
     });
   });
 }
 
 void Runtime::run_sink(const SinkPlan& plan) {
   each_input(plan.inputs, [&](Input input, const SampleView& sample) {
-    guard_call<DataError>(plan_, plan, "on", time_, [&] { plan.sink->on(input, sample); });
+    guard_call<DataError>(plan_, plan, "on", time_, [&] { plan.object->on(input, sample); });
   });
 }
 
@@ -187,7 +187,7 @@ void Runtime::fetch(std::size_t index) {
   const Time previous = head.sample.t;
   const char* const call = previous == no_time ? "next for its first sample" : "next";
   const SourceStatus status = guard_call<DataError>(plan_, source, call, previous, [&] {
-    return source.source->next(source.memory.in(arena()), out);
+    return source.object->next(source.memory.in(arena()), out);
   });
   const int channel = out.channel();
   const auto fault = [&](const char* code, const std::string& what) {

@@ -9,7 +9,6 @@
 
 #include "base/index.hpp"
 #include "base/text.hpp"
-#include "spec/spec_text.hpp"
 
 namespace binnacle::spec {
 
@@ -26,6 +25,12 @@ std::string cut(const std::string& text) {
   std::size_t end = longest - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a UTF-8 character
   return text.substr(0, end) + "...";
+}
+
+/// dimension_name() without the unit in parentheses: "an angular rate".
+std::string bare_dimension_name(const Dimension& dimension) {
+  const std::string name = dimension_name(dimension);
+  return name.substr(0, name.find(" ("));
 }
 
 std::string elements_text(const Json& list) {
@@ -101,7 +106,7 @@ struct Check {
   }
 
   ParameterValue wrong_type() const {
-    return error("B006", name + " must be " + expected_text(spec, ports) + "; found " + abbreviated(json()));
+    return error("B006", name + " must be " + expected_text(spec, ports) + "; found " + at.shown());
   }
 
   // -- numbers
@@ -310,52 +315,28 @@ struct Check {
 
 }  // namespace
 
-std::string abbreviated(const Json& value) {
-  switch (value.type()) {
-    case Json::value_t::string: return "the text \"" + cut(value.get_ref<const std::string&>()) + "\"";
-    case Json::value_t::object: return value.empty() ? "an empty object" : "an object";
-    case Json::value_t::array: return value.empty() ? "an empty list" : "a list of " + std::to_string(value.size());
-    case Json::value_t::number_integer:
-    case Json::value_t::number_unsigned:
-    case Json::value_t::number_float: return "the number " + cut(value.dump());
-    default: return value.dump();
-  }
-}
-
-ParameterValue Reader::value(const ParameterSpec& spec, const PortUnits& ports) const {
-  return json_ ? Check{spec, *this, ports, in_quotes(spec.name)}.value() : ParameterValue();
-}
-
-ParameterValue Reader::parameters(const std::vector<ParameterSpec>& specs, const std::string& type_name,
-                                  const std::vector<std::string>& reserved, const PortUnits& ports) const {
-  const std::string name = in_quotes(type_name);
-  if (json_ && !is_object(name)) return {};
-  return Check{parameter::object(type_name, specs), *this, ports, name}.members(reserved);
-}
-
 // ---- specs themselves
 
 namespace {
 
-class DefectSearch {
- public:
-  explicit DefectSearch(const ComponentSpec& component) : component_(component) {}
+struct DefectSearch {
+  const ComponentSpec& component;
+  std::vector<std::string> defects = {};
 
-  std::vector<std::string> run() {
+  void run() {
     std::set<std::string> ports;
-    for (const PortSpec& port : component_.ports)
+    for (const PortSpec& port : component.ports)
       unless(ports.insert(port.name).second, "port '" + port.name + "' stands twice");
-    check_fields(component_.fields);
-    check_fields(component_.driving_rates);
-    for (const ChannelPort& input : component_.inputs) check_fields(input.fields);
-    check_parameters(component_.parameters, true);
-    if (defects_.empty()) check_defaults(component_.parameters);
-    return std::move(defects_);
+    check_fields(component.fields);
+    check_fields(component.driving_rates);
+    for (const ChannelPort& input : component.inputs) check_fields(input.fields);
+    check_parameters(component.parameters, true);
+    if (defects.empty()) check_defaults(component.parameters);
   }
 
  private:
   void unless(bool is_right, const std::string& defect) {
-    if (!is_right) defects_.push_back(defect);
+    if (!is_right) defects.push_back(defect);
   }
 
   /// A unit has to be SI; `text`: with what a port stands for filled in.
@@ -376,7 +357,7 @@ class DefectSearch {
 
   void check_quantity(const std::string& who, const ParameterSpec& spec) {
     if ((!takes_quantities(spec.type) && spec.unit.empty()) || spec.unit == "*") return;
-    const auto has = [&](const std::string& port) { return index_of(component_.ports, port, &PortSpec::name) >= 0; };
+    const auto has = [&](const std::string& port) { return index_of(component.ports, port, &PortSpec::name) >= 0; };
     unless(spec.size_of_port.empty() || has(spec.size_of_port),
            who + " is sized by the port '" + spec.size_of_port + "', which it lacks");
     const std::optional<std::string> port = port_of_unit(spec.unit);
@@ -410,16 +391,92 @@ class DefectSearch {
       const Document empty;
       Diagnostics diagnostics;
       Reader(empty, diagnostics).parameters({named}, spec.name);
-      for (const Diagnostic& item : diagnostics.items()) defects_.push_back(item.message);
+      for (const Diagnostic& item : diagnostics.items()) defects.push_back(item.message);
     }
   }
-
-  const ComponentSpec& component_;
-  std::vector<std::string> defects_;
 };
 
 }  // namespace
 
-std::vector<std::string> spec_defects(const ComponentSpec& spec) { return DefectSearch(spec).run(); }
+std::vector<std::string> spec_defects(const ComponentSpec& spec) {
+  DefectSearch search{spec};
+  search.run();
+  return std::move(search.defects);
+}
+
+// ---- kinds of blocks, part by part
+
+namespace {
+
+std::vector<std::string_view> parts_of(std::string_view kind) {
+  std::vector<std::string_view> parts;
+  for (std::size_t end = kind.find(':'); end != kind.npos; end = kind.find(':')) {
+    parts.push_back(kind.substr(0, end));
+    kind.remove_prefix(end + 1);
+  }
+  parts.push_back(kind);
+  return parts;
+}
+
+bool part_matches(std::string_view pattern, std::string_view part) {
+  if (pattern == "*" || pattern == part) return true;
+  const std::optional<Unit> wanted = parse_unit(pattern);
+  const std::optional<Unit> had = parse_unit(part);
+  return wanted && had && wanted->dimension == had->dimension;
+}
+
+}  // namespace
+
+bool kind_matches(std::string_view pattern, std::string_view kind) {
+  if (pattern == "*") return true;
+  const std::vector<std::string_view> wanted = parts_of(pattern);
+  const std::vector<std::string_view> had = parts_of(kind);
+  if (wanted.size() != had.size()) return false;
+  const bool first_matches = wanted.front() == "*" || wanted.front() == had.front();
+  return first_matches && std::equal(wanted.begin() + 1, wanted.end(), had.begin() + 1, part_matches);
+}
+
+Parsed<std::string> canonical_kind(std::string_view kind) {
+  const std::vector<std::string_view> parts = parts_of(kind);
+  std::string canonical(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::optional<Unit> unit = parse_unit(parts[i]);
+    const std::string si = unit ? si_unit(unit->dimension) : std::string(parts[i]);
+    if (unit && unit->scale != 1.0)
+      return Parsed<std::string>::failure("a block's values are SI, so its unit cannot be " + in_quotes(parts[i]) +
+                                          "; write " + in_quotes(si));
+    canonical += ":" + si;
+  }
+  return canonical;
+}
 
 }  // namespace binnacle::spec
+
+namespace binnacle {
+
+std::string Reader::shown() const {
+  using Json = spec::Json;
+  const Json& value = *json_;
+  switch (value.type()) {
+    case Json::value_t::string: return "the text \"" + spec::cut(value.get_ref<const std::string&>()) + "\"";
+    case Json::value_t::object: return value.empty() ? "an empty object" : "an object";
+    case Json::value_t::array: return value.empty() ? "an empty list" : "a list of " + std::to_string(value.size());
+    case Json::value_t::number_integer:
+    case Json::value_t::number_unsigned:
+    case Json::value_t::number_float: return "the number " + spec::cut(value.dump());
+    default: return value.dump();
+  }
+}
+
+ParameterValue Reader::value(const ParameterSpec& spec, const PortUnits& ports) const {
+  return json_ ? spec::Check{spec, *this, ports, base::in_quotes(spec.name)}.value() : ParameterValue();
+}
+
+ParameterValue Reader::parameters(const std::vector<ParameterSpec>& specs, const std::string& type_name,
+                                  const std::vector<std::string>& reserved, const PortUnits& ports) const {
+  const std::string name = base::in_quotes(type_name);
+  if (json_ && !is_object(name)) return {};
+  return spec::Check{parameter::object(type_name, specs), *this, ports, name}.members(reserved);
+}
+
+}  // namespace binnacle

@@ -7,9 +7,9 @@
 #include "config/node.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle::spec {
+namespace binnacle {
 
-Reader::Reader(const Document& document, Diagnostics& diagnostics, const std::string& pointer)
+Reader::Reader(const config::Document& document, Diagnostics& diagnostics, const std::string& pointer)
     : document_(&document), diagnostics_(&diagnostics), pointer_(pointer), json_(document.value(pointer)) {
   const auto tokens = config::split_pointer(pointer);
   key_ = tokens && !tokens->empty() ? tokens->back() : pointer;
@@ -19,7 +19,7 @@ Reader Reader::operator[](std::string_view key) const {
   Reader member = *this;
   member.key_ = key;
   if (!is_default_) member.pointer_ = join_pointer(pointer_, key);
-  const bool is_there = json_ && json_->is_object() && json_->contains(key);
+  const bool is_there = is_object() && json_->contains(key);
   member.json_ = is_there ? &json_->at(member.key_) : nullptr;
   return member;
 }
@@ -36,19 +36,43 @@ std::vector<Reader> Reader::children() const {
   return all;
 }
 
-Reader Reader::with_default(const Json& json) const {
+Reader Reader::with_default(const spec::Json& json) const {
   Reader reader = *this;
   reader.json_ = &json;
   reader.is_default_ = true;
   return reader;
 }
 
+Origin Reader::origin() const { return document_->origin(pointer_); }
+Origin Reader::key_origin() const { return document_->key_origin(pointer_); }
+std::filesystem::path Reader::folder() const { return document_->base_dir(pointer_); }
+
+void Reader::error(const std::string& code, const std::string& message) const {
+  diagnostics_->error(code, origin(), pointer_, message);
+}
+void Reader::key_error(const std::string& code, const std::string& message) const {
+  diagnostics_->error(code, key_origin(), pointer_, message);
+}
+
 // ---- structure
 
-bool Reader::is_of(Json::value_t type, const char* name, std::string_view what) const {
-  if (json_ && json_->type() != type)
-    error("B006", std::string(what) + " must be " + name + "; found " + abbreviated(*json_));
-  return json_ && json_->type() == type;
+bool Reader::is_object(std::string_view what) const {
+  const bool is_it = json_ && json_->is_object();
+  if (json_ && !is_it && !what.empty()) error("B006", std::string(what) + " must be an object; found " + shown());
+  return is_it;
+}
+
+bool Reader::is_list(std::string_view what) const {
+  const bool is_it = json_ && json_->is_array();
+  if (json_ && !is_it && !what.empty()) error("B006", std::string(what) + " must be a list; found " + shown());
+  return is_it;
+}
+
+std::vector<Reader> Reader::members(std::string_view what) const {
+  return is_object(what) ? children() : std::vector<Reader>();
+}
+std::vector<Reader> Reader::elements(std::string_view what) const {
+  return is_list(what) ? children() : std::vector<Reader>();
 }
 
 std::set<std::string> Reader::check_keys(const std::vector<std::string>& allowed, std::string_view what,
@@ -56,7 +80,7 @@ std::set<std::string> Reader::check_keys(const std::vector<std::string>& allowed
                                          const std::function<std::string(const std::string&)>& detail) const {
   constexpr std::size_t most = 16;
   std::set<std::string> meant;
-  if (!json_ || !json_->is_object()) return meant;
+  if (!is_object()) return meant;
   for (const Reader& member : children()) {
     const std::string& key = member.key();
     if (std::ranges::find(allowed, key) != allowed.end()) continue;
@@ -86,6 +110,14 @@ bool Reader::require(std::string_view key, std::string_view what, std::string_vi
 
 namespace {
 
+template <class T>
+std::optional<T> read(const Reader& at, ParameterSpec spec, ParameterType type, T ParameterValue::*member) {
+  spec.type = type;
+  if (spec.name.empty()) spec.name = at.key();
+  const ParameterValue found = at.value(spec);
+  return found.type == ParameterValue::Type::absent ? std::nullopt : std::optional<T>(found.*member);
+}
+
 /// Without the prefix, if it is there, and spaces around.
 bool take(std::string_view& text, std::string_view prefix) {
   const bool is_there = text.starts_with(prefix);
@@ -96,12 +128,27 @@ bool take(std::string_view& text, std::string_view prefix) {
 
 }  // namespace
 
+std::optional<double> Reader::number(const ParameterSpec& spec) const {
+  return read(*this, spec, ParameterType::number, &ParameterValue::number);
+}
+std::optional<std::int64_t> Reader::integer(const ParameterSpec& spec) const {
+  return read(*this, spec, ParameterType::integer, &ParameterValue::integer);
+}
+std::optional<std::string> Reader::text() const { return read(*this, {}, ParameterType::text, &ParameterValue::text); }
+std::optional<std::string> Reader::path() const { return read(*this, {}, ParameterType::path, &ParameterValue::text); }
+std::optional<bool> Reader::boolean() const {
+  return read(*this, {}, ParameterType::boolean, &ParameterValue::boolean);
+}
+std::optional<Time> Reader::time() const {
+  return read(*this, parameter::time(""), ParameterType::time, &ParameterValue::integer);
+}
+
 std::optional<std::vector<std::string>> Reader::names() const {
   if (!json_) return std::nullopt;
   if (json_->is_string()) return std::vector<std::string>{json_->get<std::string>()};
-  if (json_->is_array() && std::ranges::all_of(*json_, [](const Json& item) { return item.is_string(); }))
+  if (json_->is_array() && std::ranges::all_of(*json_, [](const auto& item) { return item.is_string(); }))
     return json_->get<std::vector<std::string>>();
-  error("B006", base::in_quotes(key_) + " must be a name or a list of names; found " + abbreviated(*json_));
+  error("B006", base::in_quotes(key_) + " must be a name or a list of names; found " + shown());
   return std::nullopt;
 }
 
@@ -115,7 +162,7 @@ std::optional<When> Reader::when() const {
     if (std::abs(json_->get<double>()) < 9.2e9) return When{from_seconds(json_->get<double>()), false};
     return refuse(json_->dump() + " s is beyond 292 years");
   }
-  if (!json_->is_string()) return refuse(abbreviated(*json_) + " is no time");
+  if (!json_->is_string()) return refuse(shown() + " is no time");
   std::string_view text = json_->get_ref<const std::string&>();
   take(text, "");
   When when;
@@ -132,8 +179,8 @@ std::optional<When> Reader::when() const {
 
 std::optional<TimeSpan> Reader::span() const {
   if (!json_) return std::nullopt;
-  if (!json_->is_array() || json_->size() != 2) {
-    error("B024", "a window is [from, to], for example [\"228 s\", \"258 s\"]; found " + abbreviated(*json_));
+  if (!is_list() || json_->size() != 2) {
+    error("B024", "a window is [from, to], for example [\"228 s\", \"258 s\"]; found " + shown());
     return std::nullopt;
   }
   const std::vector<Reader> ends = children();
@@ -146,4 +193,4 @@ std::optional<TimeSpan> Reader::span() const {
   return TimeSpan{from->time, to->time, from->from_start, to->from_start};
 }
 
-}  // namespace binnacle::spec
+}  // namespace binnacle

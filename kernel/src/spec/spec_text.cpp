@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a spec asks for, in words.
-#include "spec/spec_text.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "binnacle/catalog.hpp"
+#include "spec/check.hpp"
 
 namespace binnacle::spec {
 
@@ -52,11 +51,6 @@ bool in_range(const ParameterSpec& spec, double value) {
   const bool above = spec.minimum_excluded ? value > spec.minimum : value >= spec.minimum;
   const bool below = spec.maximum_excluded ? value < spec.maximum : value <= spec.maximum;
   return above && below;
-}
-
-std::string bare_dimension_name(const Dimension& dimension) {
-  const std::string name = dimension_name(dimension);
-  return name.substr(0, name.find(" ("));
 }
 
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + ", " + b; }
