@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "binnacle/outputs.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {

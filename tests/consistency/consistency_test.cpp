@@ -149,11 +149,11 @@ Consistency monte_carlo(const std::string& title, const std::shared_ptr<const Co
     run_to_the_end(runtime, run);
     const filter::Engine& engine = runtime.engine(0);
     REQUIRE_FALSE(engine.broken());
-    const auto& ledger = engine.tally(0);
-    REQUIRE(ledger.outcomes[static_cast<int>(Outcome::accepted)] == ledger.offered);
+    const auto& ledger = engine.ledger().tally(0);
+    REQUIRE(ledger.by_outcome[static_cast<int>(Outcome::accepted)] == ledger.offered);
     nis_sum += ledger.nis_sum;
     nis_count += static_cast<double>(ledger.nis_count);
-    dof_sum += static_cast<double>(ledger.dof_sum);
+    dof_sum += static_cast<double>(ledger.rows_used);
   }
 
   Consistency found;
@@ -243,7 +243,7 @@ TEST_CASE("a run's summary has the NEES and NIS of that run") {
       CHECK(reported["dof"] == row[group].dof);
       CHECK(std::abs(reported["nees_mean"].get<double>() / row[group].mean() - 1) < 1e-9);
     }
-    const auto& ledger = runtime.engine(0).tally(0);
+    const auto& ledger = runtime.engine(0).ledger().tally(0);
     const auto& reported = summary["measurements"]["fix"];
     CHECK(reported["accepted"] == ledger.nis_count);
     CHECK(reported["nis_mean"].get<double>() == ledger.nis_sum / static_cast<double>(ledger.nis_count));

@@ -7,10 +7,9 @@
 #include <Eigen/Dense>
 
 #include "catch.hpp"
-#include "filter/covariance.hpp"
+#include "filter/estimator.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/strip_loops.hpp"
-#include "filter/van_loan.hpp"
 
 using namespace binnacle;
 using namespace binnacle::filter;

@@ -21,13 +21,13 @@ struct Fixture {
     plan.health = layout.add<Health>(1);
     for (auto& measurement : plan.measurements) {
       measurement.tally = layout.add<Tally>(1);
-      measurement.left_out = layout.add<LeftOut>(2);
+      measurement.left_out = layout.add<LeftOutRows>(2);
     }
     ledger.reset();
   }
   std::byte* bytes() { return reinterpret_cast<std::byte*>(arena.data()); }
   std::int64_t closed(int m) const {
-    const auto& outcomes = ledger.tally(m).outcomes;
+    const auto& outcomes = ledger.tally(m).by_outcome;
     return std::accumulate(std::begin(outcomes), std::end(outcomes), std::int64_t{0});
   }
 
@@ -74,9 +74,9 @@ TEST_CASE("a sample is open until it is closed, or waits and is reopened") {
 
   CHECK(f.ledger.tally(1).offered == 1);
   CHECK(f.ledger.tally(1).reached == 1);
-  CHECK(f.ledger.tally(1).outcomes[static_cast<int>(Outcome::accepted)] == 1);
+  CHECK(f.ledger.tally(1).by_outcome[static_cast<int>(Outcome::accepted)] == 1);
   CHECK(f.ledger.tally(1).nis_sum == 2.5);
-  CHECK(f.ledger.tally(1).dof_sum == 3);
+  CHECK(f.ledger.tally(1).rows_used == 3);
   CHECK(f.ledger.tally(1).last_accepted == 10);
   CHECK(f.ledger.tally(0).last_reason == std::string("too late"));
   REQUIRE(keep.records.size() == 2);

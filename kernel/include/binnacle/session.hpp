@@ -26,27 +26,12 @@ namespace runtime {
 class Runtime;
 }
 
-/// Rows of one group (of MeasurementInfo::groups; 0 where the gate is by key) and key that a gate took out of accepted
-/// samples.
-struct LeftOutRows {
-  int group = 0;
-  std::int64_t key = 0;
-  std::int64_t count = 0;
-};
-
-/// Counts of what became of a measurement's samples since the start.
-struct MeasurementCounts {
-  std::int64_t offered = 0;
-  std::int64_t by_outcome[outcome_count] = {};  // indexed by Outcome
-  std::int64_t before_start = 0;                // came before the filter had its initial values
-  std::int64_t recoveries = 0;
-  std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
-  std::int64_t rows_used = 0;      // of accepted samples
+/// What became of a measurement's samples since the start.
+struct MeasurementCounts : SampleCounts {
   std::vector<LeftOutRows> left_out = {};
-  double nis_mean = 0;         // of accepted samples; NaN when there is none
-  std::int64_t nis_count = 0;  // of them
-  double dof_mean = 0;         // rows per accepted sample
-  std::string last_reason;     // of the newest sample that was not accepted
+  double nis_mean = 0;      // of accepted samples; NaN when there is none
+  double dof_mean = 0;      // rows per accepted sample
+  std::string last_reason;  // of the newest sample that was not accepted
 };
 
 /// Counts of a filter's driving input since the start.
@@ -163,15 +148,18 @@ class Session {
   runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
 
  private:
-  struct Intake;
+  /// What came on a channel, to see what is out of order.
+  struct Intake {
+    Time newest = no_time;
+    ChannelCounts counts;
+  };
   // Checked.
   filter::Engine& engine(FilterId filter) const;
   const BlockInfo& info(BlockId block) const;
-  void room_for(const BlockInfo& block, std::span<double> outputs) const;
   const Intake& intake(ChannelId channel) const;
   void take(ChannelId channel, const SampleView& sample);
   template <class Call>
-  void guarded(BlockId block, const char* call_name, Call&& call) const;
+  void read(BlockId block, std::span<double> outputs, const char* call_name, Call&& call) const;
 
   std::shared_ptr<const Composition> composition_;
   std::unique_ptr<runtime::Runtime> runtime_;
@@ -179,5 +167,12 @@ class Session {
   Time instant_ = no_time;      // of what was added and is not committed
   mutable std::vector<double> scratch_;
 };
+
+/// Standard deviations of a block's outputs: sqrt(diag(J P Jᵀ)) with J = ∂outputs/∂δ by central differences on the block's
+/// manifold. x: the block's stored state; P: the filter's covariance, or any whose rows from block.first_row on are the
+/// block's active components.
+void output_sigmas(const BlockInfo& block, const double* x, MatrixView P, double* scratch, double* sigmas);
+/// Doubles of scratch that it needs.
+std::size_t output_sigma_scratch(const BlockInfo& block);
 
 }  // namespace binnacle

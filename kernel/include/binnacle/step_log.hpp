@@ -10,6 +10,25 @@
 
 namespace binnacle {
 
+/// Counts of what became of a measurement's samples.
+struct SampleCounts {
+  std::int64_t offered = 0;
+  std::int64_t by_outcome[outcome_count] = {};  // indexed by Outcome
+  std::int64_t before_start = 0;                // came before the filter had its initial values
+  std::int64_t recoveries = 0;
+  std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
+  std::int64_t rows_used = 0;      // of accepted samples
+  std::int64_t nis_count = 0;      // accepted samples
+};
+
+/// How often rows of one group (of MeasurementInfo::groups; 0 where the gate is by key) and key were taken out of accepted
+/// samples by a gate.
+struct LeftOutRows {
+  std::int64_t key = 0;
+  std::int64_t group = 0;
+  std::int64_t count = 0;
+};
+
 /// What a step observer wants besides times, stored states, outcomes and innovations. What it does not want is not
 /// computed, and null in the records.
 enum class Wants : unsigned {

@@ -192,7 +192,7 @@ void Composer::lay_out() {
     for (auto& measurement : filter.measurements) {
       measurement.tally = layout.add<Tally>(1);
       if (measurement.gate_unit != GateUnit::sample)
-        measurement.left_out = layout.add<LeftOut>(2 * as_size(measurement.max_rows) + 32);
+        measurement.left_out = layout.add<LeftOutRows>(2 * as_size(measurement.max_rows) + 32);
       const std::size_t begin = layout.size();
       for (auto& part : measurement.parts) part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
       measurement.memory = {begin, layout.size() - begin};

@@ -132,7 +132,6 @@ class TransitionBuilder {
     for (const int member : members)
       for (int b = 0; b < block_count(); ++b)
         if (block(b).process == member) add(b, group.advanced);
-    group.rows = group.columns;
     for (const int member : members)
       for (const Made& made : declared(process(member), &ProcessDeclaration::transition, 0)) add(made.from, group.read);
     return first;

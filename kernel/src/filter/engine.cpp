@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace binnacle::filter {
 
@@ -33,7 +35,7 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
 void Engine::reset() {
   time_.reset();
   ledger_.reset();
-  calls_.note_book().clear();
+  calls_.note_book.clear();
   for (const auto* list : {&plan_.initial, &plan_.auxiliary})
     for (const auto& latest : *list) {
       *latest.head.in(arena_) = SampleHead{};
@@ -67,7 +69,7 @@ void Engine::guarded(Act&& act) {
 }
 
 std::string Engine::thrown(const char* what) const {
-  const std::string who = calls_.is_under_way() ? calls_.text() : "an observer at " + time_text(status().t);
+  const std::string who = calls_.call() ? calls_.place_text() : "an observer at " + time_text(status().t);
   return who + " threw: " + what;
 }
 
@@ -213,6 +215,82 @@ bool Engine::write_estimates(SampleWriter& slot) {
   calls_.set_time(slot.t);
   guarded([&] { estimator_.write(slot); });
   return !broken();
+}
+
+// ---- records of what the observer wants and no more
+
+void Engine::attach(StepObserver* observer) {
+  ledger_.attach(observer);
+  if (!observer) return;
+  const auto n = as_size(plan_.n);
+  x_before_.resize(as_size(plan_.stored_size));
+  for (auto* matrix : {&P_before_, &Phi_, &Qd_, &reset_}) matrix->resize(n * n);
+  H_.resize(as_size(plan_.max_rows) * n);
+  variances_.resize(n);
+}
+
+void Engine::keep_before(Wants wanted) {
+  if (!ledger_.observer()) return;
+  std::copy_n(state(), plan_.stored_size, x_before_.data());
+  if (is_wanted(wanted)) square(P_before_).as() = covariance().as();
+}
+
+StepRecord Engine::step_record(Time t1) {
+  StepRecord record{status().t, t1, state(), estimator_.x_plus(), {}, {}, {}, {}};
+  if (is_wanted(Wants::step_covariance)) std::tie(record.P0, record.P1) = std::pair(square(P_before_), covariance());
+  if (is_wanted(Wants::transition)) {
+    record.Phi = square(Phi_);
+    record.Qd = square(Qd_);
+    expand_transition(plan_.transition, estimator_.phi(), record.Phi);
+    expand_noise(plan_.transition, estimator_.noise(), record.Qd);
+  }
+  return record;
+}
+
+UpdateRecord Engine::innovation_record(const MeasurementPlan& measurement) {
+  const SampleRows& rows = estimator_.rows();
+  UpdateRecord record;
+  record.x0 = state();
+  record.rows = rows.m;
+  record.row_keys = rows.keys.data();
+  record.row_groups = rows.groups.data();
+  record.left_out = rows.left_out;
+  record.left_out_keys = rows.left_out_keys.data();
+  record.residual = rows.r;
+  record.nis = rows.nis;
+  record.S = rows.square(rows.S);
+  record.R = rows.square(rows.R);
+  if (!is_wanted(Wants::jacobian)) return record;
+  record.H = {H_.data(), rows.m, plan_.n, rows.m};
+  record.H.as().setZero();
+  const auto& columns = measurement.columns;
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    std::copy_n(rows.H + c * as_size(rows.m_max), rows.m, H_.data() + as_size(columns[c] * rows.m));
+  return record;
+}
+
+UpdateRecord Engine::update_record(const MeasurementPlan& measurement) {
+  const SampleRows& rows = estimator_.rows();
+  UpdateRecord record = innovation_record(measurement);
+  record.K = {rows.K, plan_.n, rows.m, padded(plan_.n)};
+  record.delta = rows.delta.data();
+  record.x0 = x_before_.data();
+  record.x1 = state();
+  if (is_wanted(Wants::update_covariance)) std::tie(record.P0, record.P1) = std::pair(square(P_before_), covariance());
+  if (is_wanted(Wants::reset) && estimator_.has_reset()) {
+    record.reset = square(reset_);
+    estimator_.expand_reset(record.reset);
+  }
+  return record;
+}
+
+InflationRecord Engine::inflation_record(int measurement, Time t) {
+  std::fill(variances_.begin(), variances_.end(), 0.0);
+  for (const auto& inflation : plan_.measurements[as_size(measurement)].inflations)
+    variances_[as_size(inflation.row)] += inflation.variance;
+  InflationRecord record{measurement, t, variances_.data(), {}, {}};
+  if (is_wanted(Wants::update_covariance)) std::tie(record.P0, record.P1) = std::pair(square(P_before_), covariance());
+  return record;
 }
 
 }  // namespace binnacle::filter

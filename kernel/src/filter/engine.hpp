@@ -11,7 +11,6 @@
 #include "binnacle/sample.hpp"
 #include "binnacle/step_log.hpp"
 #include "filter/estimator.hpp"
-#include "filter/fields.hpp"
 #include "filter/ledger.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/time_line.hpp"
@@ -45,19 +44,10 @@ class Engine final : private TimeLine::Work {
   const TimeHead& status() const { return time_.head(); }
   bool started() const { return time_.is_started(); }
   bool broken() const { return ledger_.is_broken(); }
-  /// Whether a channel that initial values come from ever had a sample.
-  bool has_heard(const LatestPlan& initial) const { return initial.head.in(arena_)->t != no_time; }
-  /// "'velocity.north' has the variance -1 at 12.3 s"; empty while the filter is well.
-  const char* diagnosis() const { return ledger_.diagnosis(); }
-  /// Which plugin's call is under way, for other threads.
-  const CallSite& call_site() const { return calls_.site(); }
-  /// What its models noted.
-  const NoteBook& note_book() const { return calls_.note_book(); }
-  /// Places without a count are free.
-  std::span<const LeftOut> left_out(int measurement) const { return ledger_.left_out(measurement); }
-  const Tally& tally(int measurement) const { return ledger_.tally(measurement); }
   const double* state() const { return estimator_.state(); }
   MatrixView covariance() const { return estimator_.covariance(); }
+  const Ledger& ledger() const { return ledger_; }
+  const ModelCalls& calls() const { return calls_; }
   const FilterPlan& plan() const { return plan_; }
   /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could
   /// not be written, and the filter stops.
@@ -83,7 +73,7 @@ class Engine final : private TimeLine::Work {
   void open_covariance(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);
 
-  // Records for the observer. step_records.cpp
+  // Records for the observer
   bool is_wanted(Wants part) const { return includes(wants_, part); }
   /// Before P changes, by a step, a correction or an inflation: keeps x, and P where it is wanted.
   void keep_before(Wants wanted);

@@ -19,7 +19,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       rows_(plan),
       outlier_test_(plan.max_rows),
       workspace_(plan.workspace),
-      x_plus_(as_size(plan.stored_size)) {
+      x_plus_(as_size(plan.stored_size)),
+      x_corrected_(as_size(plan.stored_size)) {
   allocate();
   for (const auto one : plan.ones) workspace_[one] = 1.0;
   for (const auto offset : plan.transition_blocks) phi_.push_back(at(offset));
@@ -107,11 +108,6 @@ void Estimator::reset() {
   }
 }
 
-SampleView Estimator::initial_sample(const BlockPlan& block) const {
-  const auto& plan = plan_.initial[as_size(block.initial.channel)];
-  return latest(plan, channels_[as_size(plan.channel)], arena_);
-}
-
 void Estimator::start() {
   for (const auto& block : plan_.blocks) start_value(block);
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
@@ -127,7 +123,7 @@ void Estimator::start_value(const BlockPlan& block) {
     std::copy(initial.value.begin(), initial.value.end(), value.data());
     return;
   }
-  const SampleView view = initial_sample(block);
+  const SampleView view = plan_.initial[as_size(initial.channel)].in(arena_, channels_);
   const VectorView outputs(outputs_.data(), block.outputs());
   for (int i = 0; i < outputs.size(); ++i) outputs[i] = view.fields[initial.fields[as_size(i)]];
   const Result result = calls_.during(block, "write", [&] { return block.block->write(outputs, value); });
@@ -144,8 +140,9 @@ void Estimator::start_covariance(const BlockPlan& block, MatrixView P) {
       P(row, row) = sigma * sigma;
       continue;
     }
-    const SampleView view = initial_sample(block);
-    const int dof = channels_[as_size(plan_.initial[as_size(block.initial.channel)].channel)].covariance_dof;
+    const LatestPlan& kept = plan_.initial[as_size(block.initial.channel)];
+    const SampleView view = kept.in(arena_, channels_);
+    const int dof = channels_[as_size(kept.channel)].covariance_dof;
     if (!view.covariance)
       throw Stop("block '" + block.name + "' takes its initial sigma from a sample without covariance");
     for (const auto& other : plan_.blocks) {

@@ -4,22 +4,79 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "filter/fields.hpp"
+#include <Eigen/Core>
+
 #include "filter/model_calls.hpp"
-#include "filter/sample_rows.hpp"
+#include "filter/plan.hpp"
 
 namespace binnacle::filter {
+
+/// The rows of the sample at work: linearize() fills them, judge() may thin them out, correct() applies them. R is what
+/// the noise estimator makes of R_nominal.
+struct SampleRows : UpdateWork {
+  explicit SampleRows(const FilterPlan& plan);
+  SampleRows(const SampleRows&) = delete;
+  SampleRows& operator=(const SampleRows&) = delete;
+
+  /// No rows of this measurement yet.
+  void begin(const MeasurementPlan& measurement);
+  /// Lists the marked ones among those left out; and takes them out of everything but R, S and what follows from it.
+  void list_left_out(const unsigned char* marked, GateUnit unit);
+  void remove(const unsigned char* marked, int columns, int n);
+  MatrixView square(double* matrix) const { return {matrix, m, m, m_max}; }
+
+  double nis = 0;
+  int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
+  std::vector<double> R_nominal, delta;
+  std::vector<std::int64_t> keys, left_out_keys;
+  std::vector<int> groups, left_out_groups;
+
+ private:
+  std::vector<double> H_, R_, r_, G_, HPHt_, S_, L_, K_, U_, y_;
+};
+
+/// Baarda's data snooping on an innovation (Teunissen, Quality control in integrated navigation systems, 1990). With
+/// z = S⁻¹ r, leaving out the rows I lowers the NIS by
+///     T_I = z_Iᵀ [(S⁻¹)_II]⁻¹ z_I ,   χ² of |I| dof for a right sample.
+/// It holds I against what all other rows and the prediction say together, so an error that all rows share and that the
+/// filter leaves open (a receiver clock's) counts against none of them. Sized once: find() does not allocate.
+class OutlierTest {
+ public:
+  explicit OutlierTest(int max_rows);
+
+  /// Marks the rows of the unit whose T_I is largest beyond limit[|I|]: a mask over the rows; null when there is none.
+  /// Needs the factor L of S and y = L⁻¹ r.
+  const unsigned char* find(GateUnit unit, const std::vector<double>& limit, const SampleRows& rows);
+
+ private:
+  void invert(const UpdateWork& work);
+  double statistic(int count);
+
+  Eigen::MatrixXd inverse_;   // S⁻¹
+  Eigen::VectorXd z_;         // S⁻¹ r
+  Eigen::MatrixXd part_;      // (S⁻¹)_II
+  Eigen::VectorXd part_z_;    // z_I
+  std::vector<int> members_;  // I
+  std::vector<unsigned char> is_tested_, worst_;
+};
 
 /// `accepted`, `withheld`, `gated`, or `rejected` where S is not positive definite.
 struct Judgement {
   Outcome outcome = Outcome::accepted;
   const char* reason = "";
 };
+
+/// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: four such
+/// matrices. By scaling, a Taylor series to full precision, and doubling:
+/// Φ(2h) = Φ(h)², Qd(2h) = Qd(h) + Φ(h) Qd(h) Φ(h)ᵀ — the same quantities as Van Loan (1978) eq. 2.13 without the
+/// exponential of −F, which overflows for fast stable modes.
+void discretize(const double* F, const double* Q, int n, double dt, double* Phi, double* Qd, double* work);
 
 /// All of it may throw Stop, or what a plugin throws. `now`: when models are called, with the mean rates of the last
 /// driving interval in the input channel's order.
@@ -116,7 +173,6 @@ class Estimator {
 
   void start_value(const BlockPlan& block);
   void start_covariance(const BlockPlan& block, MatrixView P);
-  SampleView initial_sample(const BlockPlan& block) const;
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 
@@ -138,7 +194,6 @@ class Estimator {
                       const PartPlan::Target& by_b, MatrixView P, MatrixView into);
 
   void weigh(const MeasurementPlan& measurement, Time t, double dt);
-  bool leave_out_worst(const MeasurementPlan& measurement, int offered, bool& is_majority);
   void inject();
   void keep_reset(const BlockPlan& block, MatrixView G);
 
@@ -154,7 +209,8 @@ class Estimator {
   std::vector<double> workspace_;  // as the plan lays it out: blocks of Φ and Qd, derived values, Jacobians
   std::vector<double*> phi_, noise_;
   std::vector<const double*> values_;  // where a state block's or a derived value lies
-  std::vector<double> x_plus_;
+  std::vector<double> x_plus_;  // of the newest step: what a model leaves unwritten is its own of the step before
+  std::vector<double> x_corrected_;
   std::vector<Ports> ports_;  // per process
   std::vector<Diagonal> diagonals_;
   std::vector<const double*> port_values_;  // of the component being called, as all that follows

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "filter/fields.hpp"
-
+// How components read a channel's samples, and how the latest sample of a channel is kept.
 #include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "filter/plan.hpp"
 
 namespace binnacle::filter {
 
@@ -21,19 +21,13 @@ void convert(const FieldMap& map, const double* fields, double dt, double* conve
 SampleView convert(const FieldMap& map, const ChannelPlan& channel, const SampleView& sample, double* numbers) {
   SampleView view = sample;
   view.fields = numbers;
-  convert(map, sample.fields, interval_of(sample), numbers);
+  convert(map, sample.fields, sample.t0 == no_time ? 0.0 : seconds(sample.t - sample.t0), numbers);
   numbers += map.epoch.size();
   view.row_fields = numbers;
   for (int row = 0; row < sample.rows; ++row)
     for (const auto& item : map.row)
       *numbers++ = item.index < 0 ? not_a_number : sample.row_fields[row * channel.row_fields + item.index];
   return view;
-}
-
-bool is_complete(const FieldMap& map, const SampleView& sample) {
-  return std::ranges::all_of(map.epoch, [&](const FieldMap::Item& item) {
-    return !item.required || (item.index >= 0 && std::isfinite(sample.fields[item.index]));
-  });
 }
 
 SampleHead pack(const ChannelPlan& channel, const SampleView& sample, double* data) {

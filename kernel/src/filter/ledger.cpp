@@ -11,7 +11,7 @@ void Ledger::reset() {
   *plan_.health.in(arena_) = Health{};
   for (const auto& measurement : plan_.measurements) {
     *measurement.tally.in(arena_) = Tally{};
-    std::fill_n(measurement.left_out.in(arena_), measurement.left_out.count, LeftOut{});
+    std::fill_n(measurement.left_out.in(arena_), measurement.left_out.count, LeftOutRows{});
   }
   open_ = -1;
 }
@@ -32,11 +32,11 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
   record.outcome = outcome;
   record.reason = reason;
   Tally& tally = tally_of(record.measurement);
-  ++tally.outcomes[static_cast<int>(outcome)];
+  ++tally.by_outcome[static_cast<int>(outcome)];
   if (outcome == Outcome::accepted) {
     tally.nis_sum += record.nis;
     ++tally.nis_count;
-    tally.dof_sum += record.rows;
+    tally.rows_used += record.rows;
     tally.consecutive_gated = 0;
     tally.last_accepted = record.t;
   } else if (reason[0] != '\0') {
@@ -50,7 +50,7 @@ void Ledger::count_left_out(int measurement, std::span<const std::int64_t> keys,
   const auto& place = plan_.measurements[as_size(measurement)].left_out;
   const std::span table(place.in(arena_), place.count);
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    const auto found = std::ranges::find_if(table, [&](const LeftOut& entry) {
+    const auto found = std::ranges::find_if(table, [&](const LeftOutRows& entry) {
       return entry.count == 0 || (entry.key == keys[i] && entry.group == groups[i]);
     });
     if (found != table.end()) *found = {keys[i], groups[i], found->count + 1};

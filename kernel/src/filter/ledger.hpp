@@ -48,7 +48,7 @@ class Ledger {
 
   const Tally& tally(int measurement) const { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
   /// Places without a count are free.
-  std::span<const LeftOut> left_out(int measurement) const {
+  std::span<const LeftOutRows> left_out(int measurement) const {
     const auto& place = plan_.measurements[as_size(measurement)].left_out;
     return {place.in(arena_), place.count};
   }

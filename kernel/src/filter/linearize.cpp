@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a sample to r, H and nominal R: what models read, and the parts of a measurement, one after the other.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "filter/estimator.hpp"
@@ -53,7 +54,7 @@ const SampleView* Estimator::auxiliary(const AuxiliaryPlan& model) {
     if (model.channels[i] < 0) continue;
     const auto& kept = plan_.auxiliary[as_size(model.channels[i])];
     const auto& channel = channels_[as_size(kept.channel)];
-    auxiliary_samples_[i] = convert(model.fields[i], channel, latest(kept, channel, arena_), fields);
+    auxiliary_samples_[i] = convert(model.fields[i], channel, kept.in(arena_, channels_), fields);
     fields += model.fields[i].doubles(channel.declaration.max_rows);
   }
   return auxiliary_samples_.data();
@@ -132,7 +133,9 @@ void Estimator::roll_back(const MeasurementPlan& measurement) {
 
 Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
                            const Driving& now, int& part_rows) {
-  if (!is_complete(part.fields, sample)) return Result::invalid("a required field is not a number");
+  for (const auto& item : part.fields.epoch)
+    if (item.required && (item.index < 0 || !std::isfinite(sample.fields[item.index])))
+      return Result::invalid("a required field is not a number");
   SampleView seen = convert(part.fields, channel, sample, fields_.data());
   seen.available = true;
 

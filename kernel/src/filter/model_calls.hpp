@@ -66,44 +66,36 @@ class NoteBook {
   std::int64_t left_out_ = 0;
 };
 
-class ModelCalls {
+/// The call under way, which other threads and a handler at exit may look at, at the time of the sample or step at work.
+class ModelCalls : public CallSite {
  public:
-  /// The time of the sample or step at work; no_time: none yet.
-  void set_time(Time t) { site_.set_time(t); }
-  Time time() const { return site_.time(); }
-  bool is_under_way() const { return site_.call() != nullptr; }
+  NoteBook note_book;  // what models noted
+
   /// call_text() of the call under way.
-  std::string text() const { return call_text(*site_.component(), *pointer_, site_.call(), time()); }
-  /// Forgets a call that threw.
-  void leave() { site_.leave(); }
-  /// The call under way, for other threads and for a handler at exit.
-  const CallSite& site() const { return site_; }
-  /// What models noted.
-  NoteBook& note_book() { return note_book_; }
-  const NoteBook& note_book() const { return note_book_; }
+  std::string place_text() const { return call_text(*component(), *pointer_, call(), time()); }
 
   /// Lets a model leave notes of the call under way.
   Notes notes() {
     return {this, [](void* self, const char* text) {
               auto& calls = *static_cast<ModelCalls*>(self);
-              calls.note_book_.keep(*calls.site_.component(), *calls.pointer_, calls.site_.call(), calls.time(), text);
+              calls.note_book.keep(*calls.component(), *calls.pointer_, calls.call(), calls.time(), text);
             }};
   }
 
-  /// Calls the component of a plan. A call that returns is over; one that throws stays, to be named.
-  template <class Plan, class Call>
-  auto during(const Plan& plan, const char* name, Call&& call) {
-    return during(plan.type, plan.pointer, name, call);
+  /// Calls the component of a plan. A call that returns is over; one that throws stays until leave(), to be named.
+  template <class Plan, class Act>
+  auto during(const Plan& plan, const char* name, Act&& act) {
+    return during(plan.type, plan.pointer, name, act);
   }
-  template <class Call>
-  auto during(const std::string& type, const std::string& pointer, const char* name, Call&& call) {
+  template <class Act>
+  auto during(const std::string& type, const std::string& pointer, const char* name, Act&& act) {
     pointer_ = &pointer;
-    site_.enter(nullptr, type, name);
-    if constexpr (std::is_void_v<std::invoke_result_t<Call&>>) {
-      call();
+    enter(nullptr, type, name);
+    if constexpr (std::is_void_v<std::invoke_result_t<Act&>>) {
+      act();
       leave();
     } else {
-      const auto result = call();
+      const auto result = act();
       leave();
       return result;
     }
@@ -111,8 +103,6 @@ class ModelCalls {
 
  private:
   const std::string* pointer_ = nullptr;
-  CallSite site_;
-  NoteBook note_book_;
 };
 
 }  // namespace binnacle::filter

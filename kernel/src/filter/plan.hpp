@@ -14,11 +14,10 @@
 #include "base/index.hpp"
 #include "binnacle/derived_block.hpp"
 #include "binnacle/measurement_model.hpp"
-#include "binnacle/noise_estimator.hpp"
 #include "binnacle/process_model.hpp"
 #include "binnacle/state_block.hpp"
+#include "binnacle/step_log.hpp"
 #include "filter/covariance.hpp"
-#include "filter/van_loan.hpp"
 
 namespace binnacle::filter {
 
@@ -94,6 +93,15 @@ struct FieldMap {
 
   std::size_t doubles(int max_rows) const { return epoch.size() + row.size() * as_size(max_rows); }
 };
+
+/// Per-epoch fields of a channel as a component declared them, converted. dt: length that they belong to.
+void convert(const FieldMap& map, const double* fields, double dt, double* converted);
+/// A channel's sample as a component declared its fields; `numbers`, of FieldMap::doubles(), hold them.
+SampleView convert(const FieldMap& map, const ChannelPlan& channel, const SampleView& sample, double* numbers);
+
+/// A sample's numbers to `data`, of ChannelPlan::doubles(), and what else there is of it; and back.
+SampleHead pack(const ChannelPlan& channel, const SampleView& sample, double* data);
+SampleView unpack(const ChannelPlan& channel, const SampleHead& head, const double* data);
 
 enum class Use : unsigned char { estimated, considered, frozen };
 
@@ -182,6 +190,37 @@ struct GatherPlan {
   std::size_t target = 0;  // offset in the workspace: active(to) × active(from), column-major
 };
 
+/// Linear process models whose blocks are coupled: one F, one GQGᵀ, one matrix exponential.
+///
+/// Rows are the advanced blocks; the columns are those and, after them, blocks that the group only reads. What is read
+/// from outside the group is held over the step, so its coupling is exact for a constant and of first order else.
+struct VanLoanGroup {
+  struct Part {
+    int value = 0;  // state block or derived value
+    int first = 0;  // row and column of the group's matrices
+    int dof = 0;
+  };
+  struct Block {
+    int table = 0;  // index in the filter's table of blocks
+    int row = 0;
+    int column = 0;
+    int rows = 0;
+    int columns = 0;
+    Structure structure = Structure::dense;
+  };
+  std::vector<Part> advanced;
+  std::vector<Part> read;
+  std::vector<Block> dynamics;  // F as the models write it
+  std::vector<Block> noise;     // GQGᵀ as the models write it
+  std::vector<Block> phi;       // the discrete blocks that are made of them
+  std::vector<Block> qd;
+  int columns = 0;       // Σ dof of both
+  std::size_t work = 0;  // offset in the workspace of van_loan_matrices
+};
+
+/// In the workspace of a group, columns × columns: F, Q, Phi, Qd, and four that discretize() works with.
+inline constexpr std::size_t van_loan_matrices = 8;
+
 struct PartPlan : Planned {
   /// Where a read's Jacobian goes in the compact H: straight, or through the Jacobian of a derived value.
   struct Target {
@@ -208,27 +247,12 @@ struct PartPlan : Planned {
 };
 
 /// What became of a measurement's samples. Lies in the arena.
-struct Tally {
-  std::int64_t offered = 0;
+struct Tally : SampleCounts {
   std::int64_t reached = 0;  // by the filter's time: offered less late and waiting
-  std::int64_t outcomes[outcome_count] = {};
-  std::int64_t before_start = 0;
-  std::int64_t recoveries = 0;
   std::int64_t consecutive_gated = 0;
-  std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
   double nis_sum = 0;
-  std::int64_t nis_count = 0;
-  std::int64_t dof_sum = 0;
   Time last_accepted = no_time;
   char last_reason[96] = {};
-};
-
-/// How often rows of one group and key were left out. Lies in the arena: twice as many as a measurement may have rows, and
-/// a few more.
-struct LeftOut {
-  std::int64_t key = 0;
-  std::int64_t group = 0;  // 0 of a gate by key
-  std::int64_t count = 0;  // 0: a free place
 };
 
 /// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
@@ -256,7 +280,8 @@ struct MeasurementPlan : Planned {
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
   Place<Tally> tally;
-  Place<LeftOut> left_out;  // of a gate by row or key
+  /// Of a gate by row or key: twice as many as it may have rows, and a few more; without a count: free.
+  Place<LeftOutRows> left_out;
   Place<std::byte> memory;  // of its parts together
 };
 
@@ -266,6 +291,11 @@ struct LatestPlan {
   Time max_age = 0;    // initial values only; 0: any age
   Place<double> data;  // as ChannelPlan lays it out
   Place<SampleHead> head;
+
+  /// Not available before the first one.
+  SampleView in(const std::byte* arena, const std::vector<ChannelPlan>& channels) const {
+    return unpack(channels[as_size(channel)], *head.in(arena), data.in(arena));
+  }
 };
 
 /// When a filter is. Lies in the arena.

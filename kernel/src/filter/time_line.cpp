@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "filter/fields.hpp"
 #include "filter/model_calls.hpp"
 
 namespace binnacle::filter {

@@ -3,9 +3,125 @@
 #include <algorithm>
 #include <limits>
 
+#include <Eigen/Cholesky>
+
 #include "filter/estimator.hpp"
 
 namespace binnacle::filter {
+
+// ---- the rows, and which of them disagree with all others
+
+SampleRows::SampleRows(const FilterPlan& plan) {
+  const auto ld = as_size(padded(plan.n)), rows = as_size(plan.max_rows);
+  H_.resize(rows * as_size(plan.max_columns));
+  for (auto* square : {&R_, &HPHt_, &S_, &L_, &R_nominal}) square->resize(rows * rows);
+  for (auto* column : {&r_, &y_}) column->resize(rows);
+  for (auto* tall : {&G_, &K_, &U_}) tall->resize(ld * std::max<std::size_t>(rows, 3));
+  delta.resize(ld);
+  for (auto* list : {&keys, &left_out_keys}) list->resize(rows);
+  for (auto* list : {&groups, &left_out_groups}) list->resize(rows);
+  static_cast<UpdateWork&>(*this) = {0,         plan.max_rows, H_.data(), R_.data(), r_.data(), G_.data(), HPHt_.data(),
+                                     S_.data(), L_.data(),     K_.data(), U_.data(), y_.data()};
+}
+
+void SampleRows::begin(const MeasurementPlan& measurement) {
+  m_max = measurement.max_rows;
+  m = 0;
+  left_out = 0;
+  nis = 0;
+  std::fill_n(H, as_size(m_max) * measurement.columns.size(), 0.0);
+  std::fill_n(R_nominal.data(), m_max * m_max, 0.0);
+}
+
+void SampleRows::list_left_out(const unsigned char* marked, GateUnit unit) {
+  for (int i = 0; i < m; ++i) {
+    if (!marked[i]) continue;
+    left_out_groups[as_size(left_out)] = unit == GateUnit::key ? 0 : groups[as_size(i)];
+    left_out_keys[as_size(left_out++)] = keys[as_size(i)];
+  }
+}
+
+void SampleRows::remove(const unsigned char* marked, int columns, int n) {
+  auto rows_of_H = MatrixView{H, m, columns, m_max}.as();
+  auto columns_of_G = MatrixView{G, padded(n), m, padded(n)}.as();
+  int kept = 0;
+  for (int i = 0; i < m; ++i) {
+    if (marked[i]) continue;
+    rows_of_H.row(kept) = rows_of_H.row(i);
+    columns_of_G.col(kept) = columns_of_G.col(i);
+    for (double* matrix : {HPHt, R_nominal.data()}) {
+      auto both = square(matrix).as();
+      both.row(kept) = both.row(i);
+      both.col(kept) = both.col(i);
+    }
+    r[kept] = r[i];
+    keys[as_size(kept)] = keys[as_size(i)];
+    groups[as_size(kept)] = groups[as_size(i)];
+    ++kept;
+  }
+  m = kept;
+}
+
+OutlierTest::OutlierTest(int max_rows)
+    : inverse_(max_rows, max_rows),
+      z_(max_rows),
+      part_(max_rows, max_rows),
+      part_z_(max_rows),
+      members_(as_size(max_rows)),
+      is_tested_(as_size(max_rows)),
+      worst_(as_size(max_rows)) {}
+
+void OutlierTest::invert(const UpdateWork& work) {
+  const int m = work.m;
+  const auto L = ConstMatrixView{work.L, m, m, work.m_max}.as();
+  auto inverse = inverse_.topLeftCorner(m, m);
+  inverse.setIdentity();
+  L.triangularView<Eigen::Lower>().solveInPlace(inverse);
+  L.transpose().triangularView<Eigen::Upper>().solveInPlace(inverse);
+  auto z = z_.head(m);
+  z = Eigen::Map<const Eigen::VectorXd>(work.y, m);
+  L.transpose().triangularView<Eigen::Upper>().solveInPlace(z);
+}
+
+double OutlierTest::statistic(int count) {
+  if (count == 1) {
+    const int row = members_[0];
+    return z_[row] * z_[row] / inverse_(row, row);
+  }
+  auto A = part_.topLeftCorner(count, count);
+  auto z = part_z_.head(count);
+  for (int j = 0; j < count; ++j) {
+    z[j] = z_[members_[as_size(j)]];
+    for (int i = 0; i < count; ++i) A(i, j) = inverse_(members_[as_size(i)], members_[as_size(j)]);
+  }
+  Eigen::Ref<Eigen::MatrixXd> in_place(A);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(in_place);
+  factor.matrixL().solveInPlace(z);
+  return z.squaredNorm();
+}
+
+const unsigned char* OutlierTest::find(GateUnit unit, const std::vector<double>& limit, const SampleRows& rows) {
+  invert(rows);
+  std::fill_n(is_tested_.begin(), rows.m, 0);
+  double largest = 1.0;
+  for (int row = 0; row < rows.m; ++row) {
+    if (is_tested_[as_size(row)]) continue;
+    int count = 0;
+    for (int other = row; other < rows.m; ++other)
+      if (other == row || (unit == GateUnit::key && rows.keys[as_size(other)] == rows.keys[as_size(row)])) {
+        members_[as_size(count++)] = other;
+        is_tested_[as_size(other)] = 1;
+      }
+    const double beyond = statistic(count) / limit[as_size(count)];
+    if (!(beyond > largest)) continue;
+    largest = beyond;
+    std::fill_n(worst_.begin(), rows.m, 0);
+    for (int k = 0; k < count; ++k) worst_[as_size(members_[as_size(k)])] = 1;
+  }
+  return largest > 1.0 ? worst_.data() : nullptr;
+}
+
+// ---- the judgement
 
 Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld) {
   const auto& memory = measurement.noise_memory;
@@ -29,9 +145,11 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
     rows_.nis = normalized_innovation_squared(rows_);
     if (rows_.left_out == 0) nis_offered = rows_.nis;
     if (is_withheld || measurement.gate_unit == GateUnit::sample) break;
-    bool is_majority = true;
-    if (!leave_out_worst(measurement, offered, is_majority)) break;
-    if (!is_majority) return gated("no majority of its rows agrees with the rest");
+    const unsigned char* outliers = outlier_test_.find(measurement.gate_unit, measurement.gate_limit, rows_);
+    if (!outliers) break;
+    rows_.list_left_out(outliers, measurement.gate_unit);
+    if (2 * rows_.left_out > offered) return gated("no majority of its rows agrees with the rest");
+    rows_.remove(outliers, static_cast<int>(measurement.columns.size()), plan_.n);
     roll_back_noise();
   }
   if (is_withheld) return {Outcome::withheld, ""};
@@ -59,21 +177,6 @@ void Estimator::weigh(const MeasurementPlan& measurement, Time t, double dt) {
     throw Stop(call_text(measurement.noise_type, measurement.pointer, "estimate", t) + " gave " + flaw);
 }
 
-/// False when no unit of rows is beyond its limit. Without a majority, the rows stay as they are.
-bool Estimator::leave_out_worst(const MeasurementPlan& measurement, int offered, bool& is_majority) {
-  const unsigned char* outliers = outlier_test_.find(measurement.gate_unit, measurement.gate_limit, rows_);
-  if (!outliers) return false;
-  for (int i = 0; i < rows_.m; ++i) {
-    if (!outliers[i]) continue;
-    const auto place = as_size(rows_.left_out++);
-    rows_.left_out_groups[place] = measurement.gate_unit == GateUnit::key ? 0 : rows_.groups[as_size(i)];
-    rows_.left_out_keys[place] = rows_.keys[as_size(i)];
-  }
-  is_majority = 2 * rows_.left_out <= offered;
-  if (is_majority) rows_.leave_out(outliers, static_cast<int>(measurement.columns.size()), plan_.n);
-  return true;
-}
-
 // ---- the correction, and what the noise estimator sees of it
 
 void Estimator::correct(const MeasurementPlan& measurement) {
@@ -92,16 +195,16 @@ void Estimator::correct(const MeasurementPlan& measurement) {
     P_->project(measurement.columns, rows_);
   }
   for (const auto& reset : resets_) P_->transform(reset.jacobian, reset.first, reset.dof);
-  advance();
+  std::ranges::copy(x_corrected_, x());
 }
 
 /// x⁺ = x ⊞ δ, and the reset Jacobians.
 void Estimator::inject() {
-  std::copy_n(state(), plan_.stored_size, x_plus_.data());
+  std::copy_n(state(), plan_.stored_size, x_corrected_.data());
   resets_.clear();
   for (const auto& block : plan_.blocks) {
     if (block.active.empty()) continue;
-    const VectorView delta(block_delta_.data(), block.dof()), value = block.in(x_plus_.data());
+    const VectorView delta(block_delta_.data(), block.dof()), value = block.in(x_corrected_.data());
     delta.as().setZero();
     for (std::size_t a = 0; a < block.active.size(); ++a)
       delta[block.active[a]] = rows_.delta[as_size(block.first) + a];

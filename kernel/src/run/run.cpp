@@ -45,13 +45,13 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
     const auto& engine = runtime.engine(static_cast<int>(f));
     if (engine.broken()) {
       failures.error("B080", plan.document.key_origin(filter.pointer), filter.pointer,
-                     "filter '" + filter.name + "' broke: " + engine.diagnosis());
+                     "filter '" + filter.name + "' broke: " + engine.ledger().diagnosis());
     } else if (!engine.started()) {
       std::string wanted, silent;
       for (const auto& initial : filter.initial) {
         const std::string& name = plan.channels[as_size(initial.channel)].name;
         wanted += (wanted.empty() ? "" : ", ") + name;
-        if (!engine.has_heard(initial)) silent += (silent.empty() ? "" : ", ") + name;
+        if (initial.head.in(runtime.arena())->t == no_time) silent += (silent.empty() ? "" : ", ") + name;
       }
       failures.error("B081", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' never started: " +

@@ -54,7 +54,7 @@ Runtime::Runtime(const CompositionPlan& plan)
 void Runtime::reset(std::uint64_t seed, int run) {
   std::fill(arena_.begin(), arena_.end(), Line{});
   for (auto& engine : engines_) {
-    const CallScope scope(engine->call_site());
+    const CallScope scope(engine->calls());
     engine->reset();
   }
   for (const auto& source : plan_.sources) {
@@ -152,11 +152,11 @@ void Runtime::run_filter(int index, Time t) {
   const auto accepted = [&] {
     std::int64_t count = 0;
     for (std::size_t m = 0; m < plan.measurements.size(); ++m)
-      count += engine.tally(static_cast<int>(m)).outcomes[static_cast<int>(Outcome::accepted)];
+      count += engine.ledger().tally(static_cast<int>(m)).by_outcome[static_cast<int>(Outcome::accepted)];
     return count;
   };
   const std::int64_t before = is_heard ? accepted() : 0;
-  const CallScope scope(engine.call_site());
+  const CallScope scope(engine.calls());
   feed_filter(engine, t);
   Channel& output = channels_[as_size(plan.output_channel)];
   if (is_heard && engine.started() && !engine.broken() && accepted() != before && engine.write_estimates(output.slot))
@@ -238,7 +238,7 @@ bool Runtime::next_instant() {
 
 void Runtime::finish() {
   for (auto& engine : engines_) {
-    const CallScope scope(engine->call_site());
+    const CallScope scope(engine->calls());
     engine->finish();
   }
 }

@@ -67,14 +67,14 @@ class Runtime {
 
   void feed_sinks(bool wanted) { feeds_sinks_ = wanted; }
 
-  Engine& engine(int filter) { return *engines_[as_size(filter)]; }
-  const Engine& engine(int filter) const { return *engines_[as_size(filter)]; }
+  Engine& engine(int filter) const { return *engines_[as_size(filter)]; }
   const CompositionPlan& plan() const { return plan_; }
   Time time() const { return time_; }
   /// Seconds spent inside the filters.
   double filter_seconds(int filter) const { return filter_seconds_[as_size(filter)]; }
 
   std::byte* arena() { return arena_.data()->bytes; }
+  const std::byte* arena() const { return arena_.data()->bytes; }
   std::size_t arena_size() const { return plan_.layout.size(); }
 
  private:

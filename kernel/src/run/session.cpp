@@ -2,14 +2,16 @@
 #include "binnacle/session.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "base/index.hpp"
 #include "base/text.hpp"
-#include "binnacle/outputs.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -63,12 +65,6 @@ const auto& item_at(const auto& list, int index, const char* what) {
 
 }  // namespace
 
-/// What came on a channel, to see what is out of order.
-struct Session::Intake {
-  Time newest = no_time;
-  ChannelCounts counts;
-};
-
 Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run)
     : composition_(std::move(composition)) {
   runtime_ = std::make_unique<Runtime>(composition_->plan());
@@ -117,13 +113,6 @@ Engine& Session::engine(FilterId filter) const {
 
 const BlockInfo& Session::info(BlockId block) const {
   return item_at(item_at(composition_->filters(), block.filter.index, "filter").blocks, block.index, "block");
-}
-
-void Session::room_for(const BlockInfo& block, std::span<double> outputs) const {
-  const auto count = block.declaration->outputs.size();
-  if (outputs.size() != count)
-    throw std::invalid_argument("block '" + block.name + "' has " + std::to_string(count) +
-                                " outputs; there is room for " + std::to_string(outputs.size()));
 }
 
 const Session::Intake& Session::intake(ChannelId channel) const { return item_at(intake_, channel.index, "channel"); }
@@ -184,55 +173,55 @@ void Session::take(ChannelId channel, const SampleView& sample) {
 
 bool Session::started(FilterId filter) const { return engine(filter).started(); }
 bool Session::healthy(FilterId filter) const { return !engine(filter).broken(); }
-std::string Session::diagnosis(FilterId filter) const { return engine(filter).diagnosis(); }
+std::string Session::diagnosis(FilterId filter) const { return engine(filter).ledger().diagnosis(); }
 Time Session::start_time(FilterId filter) const { return engine(filter).status().start; }
 Time Session::time(FilterId filter) const { return engine(filter).status().t; }
 
 Diagnostics Session::notes(FilterId filter) const {
   const auto& from = engine(filter);
+  const NoteBook& book = from.calls().note_book;
   const Document& document = composition_->plan().document;
   const auto times = [](std::int64_t count) { return " (" + std::to_string(count) + " times)"; };
   Diagnostics notes;
-  for (const auto& note : from.note_book().notes())
+  for (const auto& note : book.notes())
     notes.warning("B083", document.key_origin(*note.pointer), *note.pointer,
                   filter::call_text(*note.type, *note.pointer, note.call, note.first) + " notes: " + note.text +
                       (note.count > 1 ? times(note.count) : ""));
-  if (const auto left_out = from.note_book().left_out(); left_out > 0)
+  if (const auto left_out = book.left_out(); left_out > 0)
     notes.warning("B083", document.key_origin(from.plan().pointer), from.plan().pointer,
                   "further notes of filter '" + from.plan().name + "' are left out" + times(left_out));
   return notes;
 }
 
+/// Calls a block for as many numbers as it has outputs, from its stored state.
 template <class Call>
-void Session::guarded(BlockId block, const char* call_name, Call&& call) const {
-  const auto& plan = engine(block.filter).plan().blocks[as_size(block.index)];
+void Session::read(BlockId block, std::span<double> outputs, const char* call_name, Call&& call) const {
+  const BlockInfo& of = info(block);
+  if (const auto count = of.declaration->outputs.size(); outputs.size() != count)
+    throw std::invalid_argument("block '" + of.name + "' has " + std::to_string(count) +
+                                " outputs; there is room for " + std::to_string(outputs.size()));
   CallSite site;
-  site.enter(nullptr, plan.type, call_name);
+  site.enter(nullptr, of.type, call_name);
   site.set_time(time(block.filter));
   const CallScope scope(site);
   try {
-    std::forward<Call>(call)();
+    call(of, state(block.filter).data() + of.stored_offset);
   } catch (const std::exception& error) {
-    throw FilterError(Diagnostic{Severity::error, "B045", composition_->plan().document.origin(plan.pointer),
-                                 plan.pointer, site.text() + " threw: " + error.what()});
+    const std::string& pointer = engine(block.filter).plan().blocks[as_size(block.index)].pointer;
+    throw FilterError(Diagnostic{Severity::error, "B045", composition_->plan().document.origin(pointer), pointer,
+                                 site.text() + " threw: " + error.what()});
   }
 }
 
 void Session::read(BlockId block, std::span<double> outputs) const {
-  const BlockInfo& of = info(block);
-  room_for(of, outputs);
-  guarded(block, "read", [&] {
-    of.block->read({state(block.filter).data() + of.stored_offset, of.declaration->stored_size},
-                   {outputs.data(), static_cast<int>(outputs.size())});
+  read(block, outputs, "read", [&](const BlockInfo& of, const double* x) {
+    of.block->read({x, of.declaration->stored_size}, {outputs.data(), static_cast<int>(outputs.size())});
   });
 }
 
 void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
-  const BlockInfo& of = info(block);
-  room_for(of, sigmas);
-  guarded(block, "plus and read, for its 1-sigma", [&] {
-    output_sigmas(of, state(block.filter).data() + of.stored_offset, covariance(block.filter), scratch_.data(),
-                  sigmas.data());
+  read(block, sigmas, "plus and read, for its 1-sigma", [&](const BlockInfo& of, const double* x) {
+    output_sigmas(of, x, covariance(block.filter), scratch_.data(), sigmas.data());
   });
 }
 
@@ -261,21 +250,57 @@ void Session::attach(FilterId filter, StepObserver* observer) { engine(filter).a
 MeasurementCounts Session::counts(MeasurementId measurement) const {
   const auto& filter = engine(measurement.filter);
   item_at(filter.plan().measurements, measurement.index, "measurement");
-  const auto& ledger = filter.tally(measurement.index);
-  const double n = static_cast<double>(ledger.nis_count);
-  MeasurementCounts counts{.offered = ledger.offered,
-                           .before_start = ledger.before_start,
-                           .recoveries = ledger.recoveries,
-                           .rows_left_out = ledger.rows_left_out,
-                           .rows_used = ledger.dof_sum,
-                           .nis_mean = n > 0 ? ledger.nis_sum / n : std::numeric_limits<double>::quiet_NaN(),
-                           .nis_count = ledger.nis_count,
-                           .dof_mean = n > 0 ? static_cast<double>(ledger.dof_sum) / n : 0.0,
-                           .last_reason = ledger.last_reason};
-  std::ranges::copy(ledger.outcomes, counts.by_outcome);
-  for (const auto& entry : filter.left_out(measurement.index))
-    if (entry.count > 0) counts.left_out.push_back({static_cast<int>(entry.group), entry.key, entry.count});
+  const Tally& tally = filter.ledger().tally(measurement.index);
+  const double n = static_cast<double>(tally.nis_count);
+  MeasurementCounts counts{tally, {}, 0, 0, tally.last_reason};
+  counts.nis_mean = n > 0 ? tally.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
+  counts.dof_mean = n > 0 ? static_cast<double>(tally.rows_used) / n : 0.0;
+  std::ranges::copy_if(filter.ledger().left_out(measurement.index), std::back_inserter(counts.left_out),
+                       [](const LeftOutRows& rows) { return rows.count > 0; });
   return counts;
+}
+
+std::size_t output_sigma_scratch(const BlockInfo& block) {
+  const auto outputs = block.declaration->outputs.size();
+  const auto dof = as_size(block.declaration->dof());
+  return dof + as_size(block.declaration->stored_size) + 2 * outputs + outputs * dof;
+}
+
+void output_sigmas(const BlockInfo& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
+  const auto& declaration = *block.declaration;
+  const int outputs = static_cast<int>(declaration.outputs.size());
+  const int active = static_cast<int>(block.active.size());
+  const ConstVectorView at(x, declaration.stored_size);
+  const VectorView delta(scratch, declaration.dof());
+  const VectorView moved(delta.data() + delta.size(), declaration.stored_size);
+  const VectorView above(moved.data() + moved.size(), outputs), below(above.data() + outputs, outputs);
+  double* const J = below.data() + outputs;  // outputs × active
+  delta.as().setZero();
+  for (int a = 0; a < active; ++a) {
+    const int component = block.active[as_size(a)];
+    const double sigma = std::sqrt(std::max(0.0, P(block.first_row + a, block.first_row + a)));
+    // A step of the size of the uncertainty itself, but small against the curvature of an angle.
+    const double step = std::clamp(sigma, 1e-9, 1e-4);
+    delta[component] = step;
+    block.block->plus(at, delta, moved);
+    block.block->read(moved, above);
+    delta[component] = -step;
+    block.block->plus(at, delta, moved);
+    block.block->read(moved, below);
+    delta[component] = 0;
+    for (int i = 0; i < outputs; ++i) {
+      double difference = above[i] - below[i];
+      if (declaration.outputs[as_size(i)].is_angle) difference = std::remainder(difference, 2 * std::numbers::pi);
+      J[i + a * outputs] = difference / (2 * step);
+    }
+  }
+  for (int i = 0; i < outputs; ++i) {
+    double variance = 0;
+    for (int a = 0; a < active; ++a)
+      for (int b = 0; b < active; ++b)
+        variance += J[i + a * outputs] * P(block.first_row + a, block.first_row + b) * J[i + b * outputs];
+    sigmas[i] = std::sqrt(std::max(0.0, variance));
+  }
 }
 
 // ---- snapshots
