@@ -87,7 +87,7 @@ void read_metric_at(CompositionDraft& draft, const std::string& pointer, ScorePl
   if (is_object && draft.kind(unit_pointer) != CompositionDraft::Kind::absent)
     if (const auto unit = draft.text(unit_pointer))
       if (const auto wrong = show_in(shown, *unit); !wrong.empty())
-        draft.error(read_unit(*unit) ? "B007" : "B008", unit_pointer, wrong);
+        draft.error(parse_unit(*unit) ? "B007" : "B008", unit_pointer, wrong);
   plan.metrics.push_back(std::move(shown));
 }
 

@@ -135,7 +135,7 @@ struct Check {
   std::optional<Quantity> quantity(const WantedUnit& unit, const std::string& written) const {
     Parsed<Quantity> parsed = parse_quantity(written);
     if (spec.unit == "*") {
-      const Parsed<Unit> alone = read_unit(written);
+      const Parsed<Unit> alone = parse_unit(written);
       if (alone) return Quantity{alone->scale, alone->dimension};
       if (written.find_first_of("0123456789") == std::string::npos) parsed = Parsed<Quantity>::failure(alone.error());
     }
@@ -360,7 +360,7 @@ class DefectSearch {
 
   /// A unit has to be SI; `text`: with what a port stands for filled in.
   void check_unit(const std::string& who, const std::string& written, const std::string& text) {
-    const Parsed<Unit> unit = read_unit(text);
+    const Parsed<Unit> unit = parse_unit(text);
     unless(bool(unit), who + ": " + unit.error());
     unless(!unit || unit->scale == 1.0, who + ": the unit '" + written + "' is not SI");
   }

@@ -22,8 +22,8 @@ std::vector<std::string_view> parts_of(std::string_view kind) {
 
 bool part_matches(std::string_view pattern, std::string_view part) {
   if (pattern == "*" || pattern == part) return true;
-  const std::optional<Unit> wanted = parse_unit(pattern);
-  const std::optional<Unit> had = parse_unit(part);
+  const Parsed<Unit> wanted = parse_unit(pattern);
+  const Parsed<Unit> had = parse_unit(part);
   return wanted && had && wanted->dimension == had->dimension;
 }
 
@@ -42,7 +42,7 @@ Parsed<std::string> canonical_kind(std::string_view kind) {
   const std::vector<std::string_view> parts = parts_of(kind);
   std::string canonical(parts.front());
   for (std::size_t i = 1; i < parts.size(); ++i) {
-    const std::optional<Unit> unit = parse_unit(parts[i]);
+    const Parsed<Unit> unit = parse_unit(parts[i]);
     const std::string si = unit ? si_unit(unit->dimension) : std::string(parts[i]);
     if (unit && unit->scale != 1.0) {
       return Parsed<std::string>::failure("a block's values are SI, so its unit cannot be '" + std::string(parts[i]) +
