@@ -204,7 +204,7 @@ std::string found_text(const Json& found) {
       double value = finding.at("value");
       std::string unit = finding.at("unit");
       if (unit == "rad") {
-        value = to_unit(value, *parse_unit("deg"));
+        value /= parse_unit("deg")->scale;
         unit = "deg";
       }
       table.row({at, finding.at("name"), figure(value), unit == "1" ? "" : unit});

@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "binnacle/catalog.hpp"
-#include "binnacle/load_options.hpp"
+#include "binnacle/config.hpp"
 
 namespace binnacle::command {
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "binnacle/time.hpp"
 #include "binnacle/unit.hpp"
 #include "consistency.hpp"
 #include "decimation.hpp"
@@ -131,7 +133,9 @@ class FilterPayload {
       text.erase(0, 6);
     }
     const auto parsed = parse_time(text);
-    return parsed ? std::optional(start + to_seconds(*parsed)) : std::nullopt;
+    if (!parsed) return std::nullopt;
+    constexpr std::int64_t second = nanoseconds_per_second;  // the whole ones apart, which are exact
+    return start + (static_cast<double>(*parsed / second) + static_cast<double>(*parsed % second) / 1e9);
   }
 
   void add_window(Json& list, const std::string& name, const char* kind, const Json& from_to) const {

@@ -142,7 +142,7 @@ Parsed<Metric> read_metric(const Composition& composition, std::string_view text
 }
 
 std::string show_in(Metric& metric, std::string_view text) {
-  const auto unit = read_unit(text);
+  const auto unit = parse_unit(text);
   if (!unit) return unit.error();
   const auto own = parse_unit(metric.si_unit);
   if (own && !(own->dimension == unit->dimension))

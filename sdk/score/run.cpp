@@ -60,7 +60,7 @@ class Scorer final : public binnacle::RunObserver {
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     for (const auto& metric : plan_->metrics) {
       const auto unit = parse_unit(metric.unit);
-      metrics_[metric.name] = {{"value", to_unit(value(metric).value, unit ? *unit : Unit{})}, {"unit", metric.unit}};
+      metrics_[metric.name] = {{"value", value(metric).value / (unit ? unit->scale : 1.0)}, {"unit", metric.unit}};
     }
     windows_ = across_windows(*plan_, scores_);
   }

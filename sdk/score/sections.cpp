@@ -81,7 +81,7 @@ void read_metric_at(const CompositionDraft& draft, const Reader& at, ScorePlan& 
   Metric shown = *metric;
   if (const auto unit = at["unit"].text())
     if (const auto wrong = show_in(shown, *unit); !wrong.empty())
-      at["unit"].error(read_unit(*unit) ? "B007" : "B008", wrong);
+      at["unit"].error(parse_unit(*unit) ? "B007" : "B008", wrong);
   plan.metrics.push_back(std::move(shown));
 }
 

@@ -160,7 +160,7 @@ class MetricReader {
       }
       score::Metric shown = *metric;
       std::string misfit = unit.empty() ? "" : show_in(shown, unit);
-      if (!misfit.empty() && !is_known) section_.error(read_unit(unit) ? "B007" : "B008", unit_pointer, misfit);
+      if (!misfit.empty() && !is_known) section_.error(parse_unit(unit) ? "B007" : "B008", unit_pointer, misfit);
       is_known = true;
       entry.unit = shown.unit;
       entry.si_unit = shown.si_unit;

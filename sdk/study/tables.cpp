@@ -178,7 +178,7 @@ class CellReader {
     shown.name = metric.name;
     shown.si_unit = metric.si_unit;
     if (const auto wrong = show_in(shown, *wanted); !wrong.empty())
-      report(read_unit(*wanted) ? "B007" : "B008", settings.from.at("unit"), wrong);
+      report(parse_unit(*wanted) ? "B007" : "B008", settings.from.at("unit"), wrong);
     return *wanted;
   }
 

@@ -42,7 +42,7 @@ std::unique_ptr<Estimator> make(const Json& config, const NoiseBinding& noise) {
       Reader(document, diagnostics).parameters(Estimator::spec().parameters, "estimator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
-  return std::make_unique<Estimator>(Binding("fix", Parameters(value), {}, {}), noise);
+  return std::make_unique<Estimator>(Binding({"fix", Parameters(value)}), noise);
 }
 
 /// An estimator with its memory, used as the kernel uses it.

@@ -156,10 +156,15 @@ std::unique_ptr<Component> bind(const Setup& setup = {}) {
   const ParameterValue parameters = detail::object_value(spec.parameters, setup.parameters, setup);
   std::vector<bool> inputs_bound;
   for (const ChannelPort& input : spec.inputs) inputs_bound.push_back(!contains(setup.without, input.name));
-  return std::make_unique<Component>(Binding("under_test", Parameters(parameters), detail::port_bindings(spec, setup),
-                                             detail::fields_bound(spec, setup), setup.samples_per_step,
-                                             {setup.covariance})
-                                         .of(spec, inputs_bound, true));
+  return std::make_unique<Component>(Binding({.name = "under_test",
+                                              .parameters = Parameters(parameters),
+                                              .ports = detail::port_bindings(spec, setup),
+                                              .fields_bound = detail::fields_bound(spec, setup),
+                                              .samples_per_step = setup.samples_per_step,
+                                              .covariances = {setup.covariance},
+                                              .spec = &spec,
+                                              .inputs_bound = inputs_bound,
+                                              .has_driving_rates = true}));
 }
 
 }  // namespace binnacle::test

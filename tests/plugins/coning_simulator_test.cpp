@@ -35,7 +35,7 @@ std::unique_ptr<ConingSimulator> bound(const json& config) {
       Reader(document, diagnostics).parameters(ConingSimulator::spec().parameters, "coning_simulator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
-  return std::make_unique<ConingSimulator>(Binding("coning", Parameters(value), {}, {}));
+  return std::make_unique<ConingSimulator>(Binding({"coning", Parameters(value)}));
 }
 
 struct Sample {

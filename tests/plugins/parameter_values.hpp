@@ -70,12 +70,15 @@ Binding bind_as(const ParameterValue& parameters) {
   static const ComponentSpec spec = Component::spec();
   std::size_t fields = spec.fields.size();
   for (const ChannelPort& input : spec.inputs) fields += input.fields.size();
-  return Binding("tested", Parameters(parameters), {}, std::vector<bool>(fields, true))
-      .of(spec, std::vector<bool>(spec.inputs.size(), true));
+  return Binding({.name = "tested",
+                  .parameters = Parameters(parameters),
+                  .fields_bound = std::vector<bool>(fields, true),
+                  .spec = &spec,
+                  .inputs_bound = std::vector<bool>(spec.inputs.size(), true)});
 }
 
 inline Binding bind(const ParameterValue& parameters, std::string name = "tested") {
-  return {std::move(name), Parameters(parameters), {}, {}};
+  return Binding({std::move(name), Parameters(parameters)});
 }
 
 /// Everything in a spec that documentation needs is there, down to nested parameters.

@@ -45,7 +45,7 @@ class Mutated final : public ProcessModel {
     const auto& couplings = declaration().transition;
     for (std::size_t i = 0; out.phi && i < couplings.size(); ++i) {
       if (couplings[i].to != to_ || couplings[i].from != from_) continue;
-      auto block = matrix_at<3, 3>(out.phi.pointers()[i]);
+      auto block = out.phi[PhiBlock(static_cast<int>(i), 3, 3, Structure::dense)].as<3, 3>();
       if (to_ == from_) block -= Matrix3d::Identity();
       block *= factor_;
       if (to_ == from_) block += Matrix3d::Identity();

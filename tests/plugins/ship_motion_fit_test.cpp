@@ -57,7 +57,8 @@ struct Bound {
   explicit Bound(const Json& json) {
     const ComponentSpec spec = Simulator::spec();
     const ParameterValue parameters = detail::object_value(spec.parameters, json, {});
-    simulator = std::make_unique<Simulator>(Binding("sea", Parameters(parameters), {}, {}).reporting_to(findings));
+    simulator = std::make_unique<Simulator>(
+        Binding({.name = "sea", .parameters = Parameters(parameters), .findings = &findings}));
   }
   double figure(const std::string& name) const {
     for (const auto& figure : findings.figures)

@@ -60,7 +60,7 @@ class Voyage {
  public:
   explicit Voyage(const Json& config, std::uint64_t seed = 1) {
     const ParameterValue parameters = checked(config);
-    source_ = std::make_shared<Sim>(Binding("ship", Parameters(parameters), {}, {}));
+    source_ = std::make_shared<Sim>(Binding({"ship", Parameters(parameters)}));
     restart(seed);
   }
   void restart(std::uint64_t seed) { memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed); }

@@ -60,7 +60,7 @@ class Drive {
  public:
   explicit Drive(const Json& config, std::uint64_t seed = 1) {
     const ParameterValue parameters = checked(config);
-    source_ = std::make_shared<VehicleSimulator>(Binding("drive", Parameters(parameters), {}, {}));
+    source_ = std::make_shared<VehicleSimulator>(Binding({"drive", Parameters(parameters)}));
     Quiet quiet;
     source_->open(quiet);
     restart(seed);

@@ -58,7 +58,7 @@ class Mutated final : public MeasurementModel {
   const MeasurementDeclaration& declaration() const noexcept override { return model_.declaration(); }
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override {
     const Result result = model_.linearize(in, out);
-    if (result && out.H) out.H.pointers()[declaration().read_ports[read_]].as() *= factor_;
+    if (result && out.H) out.H[Port(declaration().read_ports[read_], 1, 1)].as() *= factor_;
     return result;
   }
 

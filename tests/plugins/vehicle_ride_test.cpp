@@ -51,7 +51,7 @@ class Drive {
         Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
     INFO(diagnostics.text());
     REQUIRE(diagnostics.empty());
-    source_ = std::make_unique<VehicleSimulator>(Binding("drive", Parameters(value), {}, {}));
+    source_ = std::make_unique<VehicleSimulator>(Binding({"drive", Parameters(value)}));
     Quiet quiet;
     source_->open(quiet);
     memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed);

@@ -428,7 +428,7 @@ TEST_CASE("the declaration is complete and its example works") {
     INFO(parameter.name);
     REQUIRE((!parameter.text.empty() || parameter.name == "segment"));
     if (parameter.type == ParameterType::number || parameter.type == ParameterType::vector)
-      REQUIRE(static_cast<bool>(read_unit(parameter.unit)));
+      REQUIRE(static_cast<bool>(parse_unit(parameter.unit)));
     for (const auto& member : parameter.members) check(member);
   };
   for (const auto& parameter : spec.parameters) check(parameter);
@@ -438,7 +438,7 @@ TEST_CASE("the declaration is complete and its example works") {
     for (const auto& field : channel.fields) {
       INFO(channel.name << "." << field.name);
       REQUIRE(!field.text.empty());
-      REQUIRE(static_cast<bool>(read_unit(field.unit)));
+      REQUIRE(static_cast<bool>(parse_unit(field.unit)));
     }
   REQUIRE(drive.rest().size() > 1000);
 }

@@ -58,7 +58,7 @@ ParameterValue what(const std::string& text) {
   return object;
 }
 
-Binding binding(const ParameterValue& parameters) { return Binding("it", Parameters(parameters), {}, {}); }
+Binding binding(const ParameterValue& parameters) { return Binding({"it", Parameters(parameters)}); }
 
 /// A folder that is gone with the test.
 struct Scratch {

@@ -41,44 +41,37 @@ struct PortBinding {
   std::vector<NamedUnit> components;  // error components
 };
 
+/// What the kernel makes a Binding of.
+struct BindingParts {
+  std::string name;
+  Parameters parameters;
+  std::vector<PortBinding> ports = {};
+  std::vector<bool> fields_bound = {};  // the component's own, then those of its inputs
+  int samples_per_step = 1;
+  std::vector<std::vector<NamedUnit>> covariances = std::vector<std::vector<NamedUnit>>(1);  // by input
+  const ComponentSpec* spec = nullptr;  // has the names of fields, inputs and driving rates
+  std::vector<bool> inputs_bound = {};
+  bool has_driving_rates = false;
+  Findings* findings = nullptr;  // null: figures and notes go nowhere
+};
+
 /// Handed to a component's constructor, which keeps what it needs; references into it die with the call, handles do not.
 class Binding {
  public:
-  Binding(std::string name, Parameters parameters, std::vector<PortBinding> ports, std::vector<bool> fields_bound,
-          int samples_per_step = 1,
-          std::vector<std::vector<NamedUnit>> covariances = std::vector<std::vector<NamedUnit>>(1))
-      : name_(std::move(name)),
-        parameters_(parameters),
-        ports_(std::move(ports)),
-        fields_bound_(std::move(fields_bound)),
-        covariances_(std::move(covariances)),
-        samples_per_step_(samples_per_step) {}
-
-  /// The kernel's: names of fields, inputs and driving rates, and which of the latter two are there.
-  Binding&& of(const ComponentSpec& spec, std::vector<bool> inputs_bound = {}, bool has_driving_rates = false) && {
-    spec_ = &spec;
-    inputs_bound_ = std::move(inputs_bound);
-    has_driving_rates_ = has_driving_rates;
-    return std::move(*this);
-  }
-  /// The kernel's: where figure() and note() go; nowhere unless this is called.
-  Binding&& reporting_to(Findings& findings) && {
-    findings_ = &findings;
-    return std::move(*this);
-  }
+  explicit Binding(BindingParts parts) : parts_(std::move(parts)) {}
 
   /// The JSON key under which the component stands.
-  const std::string& name() const noexcept { return name_; }
-  const Parameters& parameters() const noexcept { return parameters_; }
-  const std::vector<PortBinding>& ports() const noexcept { return ports_; }
+  const std::string& name() const noexcept { return parts_.name; }
+  const Parameters& parameters() const noexcept { return parts_.parameters; }
+  const std::vector<PortBinding>& ports() const noexcept { return parts_.ports; }
   /// Handle of a port; throws std::logic_error for a name that the spec does not declare, as do all that follow.
   Port port(std::string_view name) const {
-    const std::size_t i = index_of(ports_, "port", name);
-    return ports_[i].bound ? Port(static_cast<int>(i), ports_[i].dof, ports_[i].stored_size)
-                           : Port(static_cast<int>(i), 0, 0);
+    const std::size_t i = index_of(parts_.ports, "port", name);
+    const PortBinding& block = parts_.ports[i];
+    return block.bound ? Port(static_cast<int>(i), block.dof, block.stored_size) : Port(static_cast<int>(i), 0, 0);
   }
   /// What is plugged in: kind and names of its components.
-  const PortBinding& block(std::string_view name) const { return ports_[index_of(ports_, "port", name)]; }
+  const PortBinding& block(std::string_view name) const { return parts_.ports[index_of(parts_.ports, "port", name)]; }
 
   /// Handle of a field with one value per sample (ComponentSpec::fields).
   Field field(std::string_view name) const { return epoch_field(spec().fields, 0, name); }
@@ -103,11 +96,12 @@ class Binding {
   /// Handle of a channel of ComponentSpec::inputs.
   Input input(std::string_view name) const {
     const std::size_t i = index_of(spec().inputs, "input", name);
-    return Input(static_cast<int>(i), i < inputs_bound_.size() && inputs_bound_[i]);
+    return Input(static_cast<int>(i), i < parts_.inputs_bound.size() && parts_.inputs_bound[i]);
   }
   /// Handle of a driving rate (ComponentSpec::driving_rates).
   DrivingRate driving_rate(std::string_view name) const {
-    return DrivingRate(static_cast<int>(index_of(spec().driving_rates, "driving rate", name)), has_driving_rates_);
+    return DrivingRate(static_cast<int>(index_of(spec().driving_rates, "driving rate", name)),
+                       parts_.has_driving_rates);
   }
   template <class... Names>
   DrivingRateVector<static_cast<int>(sizeof...(Names))> driving_rates(const Names&... names) const {
@@ -115,21 +109,21 @@ class Binding {
   }
   /// The error components of SampleView::covariance, of a measurement's channel or of a transform's input. Empty where
   /// the channel attaches none. A filter's channel calls them BLOCK.COMPONENT.
-  const std::vector<NamedUnit>& covariance() const { return covariances_.at(0); }
+  const std::vector<NamedUnit>& covariance() const { return parts_.covariances.at(0); }
   const std::vector<NamedUnit>& covariance(Input input) const {
-    return covariances_.at(static_cast<std::size_t>(input.index()));
+    return parts_.covariances.at(static_cast<std::size_t>(input.index()));
   }
   /// Process model: the samples that a step hands it unless a measurement cuts the group short. A filter's steps are
   /// those of its process model that asks for most.
-  int samples_per_step() const noexcept { return samples_per_step_; }
+  int samples_per_step() const noexcept { return parts_.samples_per_step; }
 
   /// A figure that the component found out itself, in SI, for people: what a fit came to. `binnacle explain` shows it.
   void figure(std::string name, double value, std::string unit) const {
-    if (findings_) findings_->figures.push_back({std::move(name), value, std::move(unit)});
+    if (parts_.findings) parts_.findings->figures.push_back({std::move(name), value, std::move(unit)});
   }
   /// Something suspicious that is no error, one line: a poor fit. It becomes a warning at the component.
   void note(std::string message) const {
-    if (findings_) findings_->notes.push_back(std::move(message));
+    if (parts_.findings) parts_.findings->notes.push_back(std::move(message));
   }
 
  private:
@@ -140,19 +134,19 @@ class Binding {
     throw std::logic_error(std::string(what) + " '" + std::string(name) + "' is not declared in the spec");
   }
   const ComponentSpec& spec() const {
-    if (!spec_) throw std::logic_error("this binding knows no spec");
-    return *spec_;
+    if (!parts_.spec) throw std::logic_error("this binding knows no spec");
+    return *parts_.spec;
   }
   const std::vector<FieldSpec>& fields_of(Input input) const {
     return spec().inputs.at(static_cast<std::size_t>(input.index())).fields;
   }
-  /// Of an input's fields in fields_bound_, where they follow the component's own.
+  /// Of an input's fields in fields_bound, where they follow the component's own.
   std::size_t first_field_of(Input input) const {
     std::size_t first = spec().fields.size();
     for (int i = 0; i < input.index(); ++i) first += spec().inputs[static_cast<std::size_t>(i)].fields.size();
     return first;
   }
-  /// Among the declared fields that are per row, or those that are not; `first`: the place of the first in fields_bound_.
+  /// Among the declared fields that are per row, or those that are not; `first`: where the first is in fields_bound.
   RowField find(const std::vector<FieldSpec>& declared, std::size_t first, std::string_view name,
                 bool is_per_row) const {
     int index = -1, width = 0;
@@ -160,7 +154,7 @@ class Binding {
     for (std::size_t i = 0; i < declared.size(); ++i) {
       if (declared[i].is_per_row != is_per_row) continue;
       if (declared[i].name == name)
-        index = width, is_there = first + i < fields_bound_.size() && fields_bound_[first + i];
+        index = width, is_there = first + i < parts_.fields_bound.size() && parts_.fields_bound[first + i];
       ++width;
     }
     if (index < 0)
@@ -173,16 +167,7 @@ class Binding {
     return Field(found.index(), found.is_bound());
   }
 
-  std::string name_;
-  Parameters parameters_;
-  std::vector<PortBinding> ports_;
-  std::vector<bool> fields_bound_;
-  std::vector<std::vector<NamedUnit>> covariances_;
-  int samples_per_step_;
-  Findings* findings_ = nullptr;
-  const ComponentSpec* spec_ = nullptr;
-  std::vector<bool> inputs_bound_;
-  bool has_driving_rates_ = false;
+  BindingParts parts_;
 };
 
 }  // namespace binnacle

@@ -41,7 +41,6 @@ class ComponentType {
   ComponentSpec spec;
   std::string plugin;          // "core"
   std::string plugin_version;  // "1.0.0"
-  std::filesystem::path file;  // the library it came from
 
   /// "core/vector"
   std::string full_name() const { return plugin + "/" + spec.type; }

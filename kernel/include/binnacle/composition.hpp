@@ -11,8 +11,8 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/catalog.hpp"
+#include "binnacle/config.hpp"
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/load_options.hpp"
 #include "binnacle/process_model.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/section.hpp"

@@ -48,19 +48,11 @@ struct DerivedOutput {
 };
 
 /// y = g(x, u) with J = ∂(g(x ⊞ δ) ⊟ g(x))/∂δ per port, ⊟ being that of the kind it yields. The kernel multiplies the
-/// Jacobians through to the state blocks. Immutable; never throws, never allocates.
-///
-/// The constructor takes its handles from the Binding and fills `declaration_`.
-class DerivedBlock {
+/// Jacobians through to the state blocks.
+class DerivedBlock : public Declared<DerivedDeclaration> {
  public:
-  virtual ~DerivedBlock() = default;
-
-  virtual const DerivedDeclaration& declaration() const noexcept { return declaration_; }
   /// The value, and J where it is wanted; without it the value is the same to the bit.
   virtual Result evaluate(const DerivedInput& in, DerivedOutput& out) const = 0;
-
- protected:
-  DerivedDeclaration declaration_;
 };
 
 }  // namespace binnacle

@@ -13,37 +13,24 @@
 
 namespace binnacle {
 
-/// The stored values of the ports: `x[port]` has Port::stored_size() doubles and is null for an open port.
-class PortValues {
+/// Stored values by port: `x[port]` has Port::stored_size() doubles, and is null for an open port.
+template <class Double>
+class PortVectors {
  public:
-  constexpr PortValues() = default;
-  constexpr PortValues(const double* const* by_port) noexcept : by_port_(by_port) {}
+  constexpr PortVectors() = default;
+  constexpr PortVectors(Double* const* by_port) noexcept : by_port_(by_port) {}
 
-  ConstVectorView operator[](Port port) const noexcept {
-    return port.is_bound() ? ConstVectorView(by_port_[port.index()], port.stored_size()) : ConstVectorView();
+  VectorViewOf<Double> operator[](Port port) const noexcept {
+    Double* const data = port.is_bound() ? by_port_[port.index()] : nullptr;
+    return data ? VectorViewOf<Double>(data, port.stored_size()) : VectorViewOf<Double>();
   }
-  /// The kernel's: by port index.
-  const double* const* pointers() const noexcept { return by_port_; }
 
  private:
-  const double* const* by_port_ = nullptr;
+  Double* const* by_port_ = nullptr;
 };
-
-/// Where values of ports are written: null for open ports and for those that are only read.
-class PortOutputs {
- public:
-  constexpr PortOutputs() = default;
-  constexpr PortOutputs(double* const* by_port) noexcept : by_port_(by_port) {}
-
-  VectorView operator[](Port port) const noexcept {
-    return port.is_bound() && by_port_[port.index()] ? VectorView(by_port_[port.index()], port.stored_size())
-                                                     : VectorView();
-  }
-  double* const* pointers() const noexcept { return by_port_; }
-
- private:
-  double* const* by_port_ = nullptr;
-};
+using PortValues = PortVectors<const double>;
+/// Where they are written; null, too, for ports that are only read.
+using PortOutputs = PortVectors<double>;
 
 /// Jacobians by port (H of a measurement, J of a derived block): `H[port]` is rows × Port::dof(), zeroed by the kernel.
 /// Null for ports that are open or whose Jacobian is not declared, and for all when only values are wanted.
@@ -57,7 +44,6 @@ class PortJacobians {
   }
   /// Whether any are wanted.
   constexpr explicit operator bool() const noexcept { return by_port_ != nullptr; }
-  const MatrixView* pointers() const noexcept { return by_port_; }
 
  private:
   const MatrixView* by_port_ = nullptr;
@@ -103,7 +89,6 @@ class AuxiliarySamples {
     assert(by_input_);
     return by_input_[input.index()];
   }
-  const SampleView* pointers() const noexcept { return by_input_; }
 
  private:
   const SampleView* by_input_ = nullptr;

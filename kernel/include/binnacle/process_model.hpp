@@ -39,7 +39,6 @@ class BlockView {
   constexpr double* data() const noexcept { return data_; }
   constexpr int rows() const noexcept { return rows_; }
   constexpr int cols() const noexcept { return cols_; }
-  constexpr Structure structure() const noexcept { return structure_; }
 
   /// All of a dense block: `phi.as<3, 3>()`, or `phi.as()` where the size is known at run time only.
   template <int Rows, int Cols>
@@ -78,6 +77,7 @@ class BlockView {
 };
 
 /// A block that a ProcessDeclaration lists.
+template <class Of>
 class BlockHandle {
  public:
   constexpr BlockHandle() = default;
@@ -99,13 +99,9 @@ class BlockHandle {
 };
 
 /// Handle of a block of Φ (of F in linearized()), from ProcessDeclaration::couples().
-class PhiBlock : public BlockHandle {
-  using BlockHandle::BlockHandle;
-};
+using PhiBlock = BlockHandle<struct OfPhi>;
 /// Handle of a block of Qd (of GQGᵀ in linearized()), from ProcessDeclaration::adds_noise().
-class QBlock : public BlockHandle {
-  using BlockHandle::BlockHandle;
-};
+using QBlock = BlockHandle<struct OfQ>;
 
 /// Blocks by handle: `phi[phi_pv]`.
 template <class Handle>
@@ -117,7 +113,6 @@ class BlockTable {
   BlockView operator[](Handle handle) const noexcept { return handle.in(by_index_); }
   /// Whether they are wanted.
   constexpr explicit operator bool() const noexcept { return by_index_ != nullptr; }
-  double* const* pointers() const noexcept { return by_index_; }
 
  private:
   double* const* by_index_ = nullptr;

@@ -50,9 +50,9 @@ struct ChannelDeclaration {
   /// Several that are written as one vector.
   template <std::size_t N>
   OutputFields<static_cast<int>(N)> carries(std::array<FieldSpec, N> together) {
-    const int first = count(false);
-    for (FieldSpec& field : together) carries(std::move(field));
-    return OutputFields<static_cast<int>(N)>(first);
+    OutputFields<static_cast<int>(N)> handles;
+    for (std::size_t i = 0; i < N; ++i) handles.each[i] = carries(std::move(together[i]));
+    return handles;
   }
   template <class... More>
   OutputFields<static_cast<int>(2 + sizeof...(More))> carries(FieldSpec first, FieldSpec second, More... more) {
@@ -121,8 +121,8 @@ struct SampleWriter {
   }
   template <int N>
   MapOf<N> operator[](OutputFields<N> several) const noexcept {
-    assert(fields && several.first() + N <= field_count);
-    return MapOf<N>(fields + several.first());
+    assert(fields && several[0].index() + N <= field_count);
+    return MapOf<N>(fields + several[0].index());
   }
   double& operator()(int row, OutputRowField field) const noexcept { return row_view(row)[field.index()]; }
   /// All per-epoch fields, in the order of the declaration.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "binnacle/binding.hpp"
-#include "binnacle/memory.hpp"
+#include "binnacle/declaration.hpp"
 #include "binnacle/sample.hpp"
 
 namespace binnacle {
@@ -60,25 +60,11 @@ class SourceOutput {
 /// The constructor fills `declaration_`. It must be cheap and check what can be checked without reading everything (the
 /// file exists, its header has the columns), so that `binnacle check` can use it. open() reads; it is called once before
 /// the first next() and may throw ComponentError::in_data.
-class Source {
+class Source : public DeclaredModel<SourceDeclaration, std::uint64_t> {
  public:
-  virtual ~Source() = default;
-
-  const SourceDeclaration& declaration() const noexcept { return declaration_; }
   virtual void open(Reporter& /*reporter*/) {}
-  /// Memory at the start of a run. `seed` is unique to (study seed, run, this component); equal seeds give equal samples.
-  void start(std::uint64_t seed, MemoryView memory) const {
-    declaration_.write_initial(memory.data());
-    initialise(seed, memory);
-  }
   /// The next sample. Times never decrease. `wait`: nothing yet (live input).
   virtual SourceStatus next(const MemoryView& memory, SourceOutput& out) const = 0;
-
- protected:
-  /// For memory whose first value depends on the seed or a parameter.
-  virtual void initialise(std::uint64_t /*seed*/, const MemoryView& /*memory*/) const {}
-
-  SourceDeclaration declaration_;
 };
 
 /// Receives what a transform makes of a sample.
@@ -97,22 +83,9 @@ struct TransformInput {
 };
 
 /// Makes samples of samples: detectors, coarse alignment, rotations. Immutable. The constructor fills `declaration_`.
-class Transform {
+class Transform : public DeclaredModel<StreamDeclaration, std::uint64_t> {
  public:
-  virtual ~Transform() = default;
-
-  const StreamDeclaration& declaration() const noexcept { return declaration_; }
-  /// As Source::start().
-  void start(std::uint64_t seed, MemoryView memory) const {
-    declaration_.write_initial(memory.data());
-    initialise(seed, memory);
-  }
   virtual void on(const TransformInput& in, Emitter& out) const = 0;
-
- protected:
-  virtual void initialise(std::uint64_t /*seed*/, const MemoryView& /*memory*/) const {}
-
-  StreamDeclaration declaration_;
 };
 
 /// Takes samples out of the composition: recorders, live output. The one component with a life outside the arena.

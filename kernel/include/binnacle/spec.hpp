@@ -13,16 +13,12 @@
 
 namespace binnacle {
 
-namespace spec_detail {
-
 /// Sets a member of a spec that is being written.
 template <class Spec, class T>
-Spec&& with(Spec& spec, T Spec::*member, std::type_identity_t<T> value) {
-  spec.*member = std::move(value);
+Spec&& with(Spec& spec, T& member, std::type_identity_t<T> value) {
+  member = std::move(value);
   return std::move(spec);
 }
-
-}  // namespace spec_detail
 
 enum class ParameterType { number, integer, boolean, text, choice, path, vector, matrix, time, list, map, object };
 
@@ -56,41 +52,37 @@ struct ParameterSpec {
   std::vector<ParameterSpec> members;  // object: its keys. list, map: exactly one, the element
 
   /// The key that this parameter had in an earlier version: under it a config gets an error that states the new one.
-  ParameterSpec&& formerly(std::string key) && {
-    return spec_detail::with(*this, &ParameterSpec::former_name, std::move(key));
-  }
-  ParameterSpec&& required() && { return spec_detail::with(*this, &ParameterSpec::is_required, true); }
-  ParameterSpec&& defaults(std::string json) && {
-    return spec_detail::with(*this, &ParameterSpec::default_json, std::move(json));
-  }
-  ParameterSpec&& about(std::string line) && { return spec_detail::with(*this, &ParameterSpec::text, std::move(line)); }
+  ParameterSpec&& formerly(std::string key) && { return with(*this, former_name, std::move(key)); }
+  ParameterSpec&& required() && { return with(*this, is_required, true); }
+  ParameterSpec&& defaults(std::string json) && { return with(*this, default_json, std::move(json)); }
+  ParameterSpec&& about(std::string line) && { return with(*this, text, std::move(line)); }
   ParameterSpec&& above(double bound) && { return from(bound, true); }
   ParameterSpec&& at_least(double bound) && { return from(bound, false); }
   ParameterSpec&& below(double bound) && { return to(bound, true); }
   ParameterSpec&& at_most(double bound) && { return to(bound, false); }
   /// As many elements (rows and columns for a matrix) as the block on `port` has error dof; one number stands for all.
-  ParameterSpec&& sized_by(std::string port) && {
-    return spec_detail::with(*this, &ParameterSpec::size_of_port, std::move(port));
-  }
+  ParameterSpec&& sized_by(std::string port) && { return with(*this, size_of_port, std::move(port)); }
 
  private:
   ParameterSpec&& from(double bound, bool is_excluded) {
     minimum_excluded = is_excluded;
-    return spec_detail::with(*this, &ParameterSpec::minimum, bound);
+    return with(*this, minimum, bound);
   }
   ParameterSpec&& to(double bound, bool is_excluded) {
     maximum_excluded = is_excluded;
-    return spec_detail::with(*this, &ParameterSpec::maximum, bound);
+    return with(*this, maximum, bound);
   }
 };
 
 namespace parameter {
 
-inline ParameterSpec of(std::string name, ParameterType type, std::string unit = {}) {
+inline ParameterSpec of(std::string name, ParameterType type, std::string unit = {},
+                        std::vector<ParameterSpec> members = {}) {
   ParameterSpec spec;
   spec.name = std::move(name);
   spec.type = type;
   spec.unit = std::move(unit);
+  spec.members = std::move(members);
   return spec;
 }
 inline ParameterSpec number(std::string name, std::string unit) {
@@ -123,21 +115,15 @@ inline ParameterSpec matrix(std::string name, std::string unit, int rows = Param
   return spec;
 }
 inline ParameterSpec object(std::string name, std::vector<ParameterSpec> members) {
-  auto spec = of(std::move(name), ParameterType::object);
-  spec.members = std::move(members);
-  return spec;
+  return of(std::move(name), ParameterType::object, {}, std::move(members));
 }
 /// A JSON array, each element as `element` says.
 inline ParameterSpec list(std::string name, ParameterSpec element) {
-  auto spec = of(std::move(name), ParameterType::list);
-  spec.members.push_back(std::move(element));
-  return spec;
+  return of(std::move(name), ParameterType::list, {}, {std::move(element)});
 }
 /// A JSON object with free keys, each value as `element` says.
 inline ParameterSpec map(std::string name, ParameterSpec element) {
-  auto spec = of(std::move(name), ParameterType::map);
-  spec.members.push_back(std::move(element));
-  return spec;
+  return of(std::move(name), ParameterType::map, {}, {std::move(element)});
 }
 
 }  // namespace parameter
@@ -159,10 +145,10 @@ struct PortSpec {
   std::string text;
   std::string former_name = {};  // "" = it was never renamed
 
-  PortSpec&& optional() && { return spec_detail::with(*this, &PortSpec::is_optional, true); }
-  PortSpec&& about(std::string line) && { return spec_detail::with(*this, &PortSpec::text, std::move(line)); }
+  PortSpec&& optional() && { return with(*this, is_optional, true); }
+  PortSpec&& about(std::string line) && { return with(*this, text, std::move(line)); }
   /// The name that this port had in an earlier version: under it a config gets an error that states the new one.
-  PortSpec&& formerly(std::string port) && { return spec_detail::with(*this, &PortSpec::former_name, std::move(port)); }
+  PortSpec&& formerly(std::string port) && { return with(*this, former_name, std::move(port)); }
 };
 
 inline PortSpec advances(std::string name, std::string kind, std::string text = {}) {
@@ -189,23 +175,23 @@ struct FieldSpec {
   FieldKind kind = FieldKind::level;
   bool is_optional = false;
   bool is_per_row = false;  // one value per row of the sample instead of one per sample
-  std::string text;
+  std::string text = {};
 
-  FieldSpec&& optional() && { return spec_detail::with(*this, &FieldSpec::is_optional, true); }
-  FieldSpec&& per_row() && { return spec_detail::with(*this, &FieldSpec::is_per_row, true); }
-  FieldSpec&& about(std::string line) && { return spec_detail::with(*this, &FieldSpec::text, std::move(line)); }
+  FieldSpec&& optional() && { return with(*this, is_optional, true); }
+  FieldSpec&& per_row() && { return with(*this, is_per_row, true); }
+  FieldSpec&& about(std::string line) && { return with(*this, text, std::move(line)); }
 };
 
 namespace field {
 
 inline FieldSpec level(std::string name, std::string unit) {
-  return {std::move(name), std::move(unit), FieldKind::level, false, false, {}};
+  return {std::move(name), std::move(unit), FieldKind::level};
 }
 inline FieldSpec rate(std::string name, std::string unit) {
-  return {std::move(name), std::move(unit), FieldKind::rate, false, false, {}};
+  return {std::move(name), std::move(unit), FieldKind::rate};
 }
 inline FieldSpec increment(std::string name, std::string unit) {
-  return {std::move(name), std::move(unit), FieldKind::increment, false, false, {}};
+  return {std::move(name), std::move(unit), FieldKind::increment};
 }
 
 }  // namespace field
@@ -218,14 +204,14 @@ struct ChannelPort {
   std::string name;
   std::vector<FieldSpec> fields;
   bool is_optional = false;
-  std::string text;
+  std::string text = {};
 
-  ChannelPort&& optional() && { return spec_detail::with(*this, &ChannelPort::is_optional, true); }
-  ChannelPort&& about(std::string line) && { return spec_detail::with(*this, &ChannelPort::text, std::move(line)); }
+  ChannelPort&& optional() && { return with(*this, is_optional, true); }
+  ChannelPort&& about(std::string line) && { return with(*this, text, std::move(line)); }
 };
 
 inline ChannelPort input(std::string name, std::vector<FieldSpec> fields) {
-  return {std::move(name), std::move(fields), false, {}};
+  return {std::move(name), std::move(fields)};
 }
 
 /// What a component type says of itself. Filled by its static `spec()`, never changed afterwards.

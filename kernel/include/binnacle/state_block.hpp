@@ -17,23 +17,19 @@ namespace binnacle {
 ///     output("lat", "rad").shown_in("deg").angle().unscored().about("geodetic latitude, WGS-84")
 struct Output {
   std::string name;
-  std::string unit;          // SI
-  std::string display_unit;  // for tables: "deg"; "" = unit
-  bool is_angle = false;     // differences wrap to (−π, π]
-  bool is_scored = true;     // false: its error is better given by an error component (lat by north)
-  std::string text;          // one line, with the frame
+  std::string unit;               // SI
+  std::string display_unit = {};  // for tables: "deg"; "" = unit
+  bool is_angle = false;          // differences wrap to (−π, π]
+  bool is_scored = true;          // false: its error is better given by an error component (lat by north)
+  std::string text = {};          // one line, with the frame
 
-  Output&& shown_in(std::string unit_of_tables) && {
-    return spec_detail::with(*this, &Output::display_unit, std::move(unit_of_tables));
-  }
-  Output&& angle() && { return spec_detail::with(*this, &Output::is_angle, true); }
-  Output&& unscored() && { return spec_detail::with(*this, &Output::is_scored, false); }
-  Output&& about(std::string line) && { return spec_detail::with(*this, &Output::text, std::move(line)); }
+  Output&& shown_in(std::string unit_of_tables) && { return with(*this, display_unit, std::move(unit_of_tables)); }
+  Output&& angle() && { return with(*this, is_angle, true); }
+  Output&& unscored() && { return with(*this, is_scored, false); }
+  Output&& about(std::string line) && { return with(*this, text, std::move(line)); }
 };
 
-inline Output output(std::string name, std::string unit) {
-  return {std::move(name), std::move(unit), {}, false, true, {}};
-}
+inline Output output(std::string name, std::string unit) { return {std::move(name), std::move(unit)}; }
 
 /// The length of some error components taken together: horizontal = {north, east}.
 struct Norm {

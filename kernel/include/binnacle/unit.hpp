@@ -66,11 +66,8 @@ class Parsed {
 /// Units: m s min h day Hz rad deg arcmin arcsec mil (1/6400 of a turn) gon g (9.80665 m/s^2, so `mg` and
 /// `ug` are accelerations) Gal kg kn nmi ft ppm ppb % K A Pa T V N 1, with prefixes n u m c h k M G where
 /// they make sense. Grammar: `*` or `.` multiply, `/` divides (from left to right: m/s/h = (m/s)/h), `^2`,
-/// `^-1`, `sqrt(...)`, `(...)`. Nothing where the text is no unit.
-std::optional<Unit> parse_unit(std::string_view text);
-
-/// As parse_unit, saying what is wrong: `unknown unit 'deg/hr'; did you mean 'deg/h'?`
-Parsed<Unit> read_unit(std::string_view text);
+/// `^-1`, `sqrt(...)`, `(...)`. What is wrong reads like `unknown unit 'deg/hr'; did you mean 'deg/h'?`
+Parsed<Unit> parse_unit(std::string_view text);
 
 /// "0.2 deg/h" in SI. The space is optional, the number is in the C locale and finite; without a unit it is
 /// dimensionless.
@@ -87,11 +84,6 @@ std::string dimension_name(const Dimension& dimension);
 /// further.
 Parsed<std::int64_t> parse_time(std::string_view text);
 
-/// Seconds of a time in nanoseconds. Inline, like from_seconds, since plugins link no kernel library.
-inline double to_seconds(std::int64_t nanoseconds) {
-  return static_cast<double>(nanoseconds / 1'000'000'000) + static_cast<double>(nanoseconds % 1'000'000'000) / 1e9;
-}
-
 /// The nearest nanosecond, the whole seconds exactly. Throws std::out_of_range beyond int64 (292 years) or
 /// for NaN.
 inline std::int64_t from_seconds(double seconds) {
@@ -99,7 +91,5 @@ inline std::int64_t from_seconds(double seconds) {
   const double whole = std::floor(seconds);
   return static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((seconds - whole) * 1e9);
 }
-
-inline double to_unit(double si, const Unit& unit) { return si / unit.scale; }
 
 }  // namespace binnacle

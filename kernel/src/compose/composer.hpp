@@ -129,13 +129,17 @@ class Composer {
     if (component.failures != failures()) return nullptr;
     Findings findings;
     try {
-      auto object = component.type->create<Base>(Binding(component.name, Parameters(component.parameters),
-                                                         component.ports, component.fields_bound,
-                                                         component.samples_per_step, component.covariances)
-                                                     .of(component.spec(), component.inputs_bound,
-                                                         !component.driving_rates.empty())
-                                                     .reporting_to(findings),
-                                                 noise);
+      const Binding binding({.name = component.name,
+                             .parameters = Parameters(component.parameters),
+                             .ports = component.ports,
+                             .fields_bound = component.fields_bound,
+                             .samples_per_step = component.samples_per_step,
+                             .covariances = component.covariances,
+                             .spec = &component.spec(),
+                             .inputs_bound = component.inputs_bound,
+                             .has_driving_rates = !component.driving_rates.empty(),
+                             .findings = &findings});
+      auto object = component.type->create<Base>(binding, noise);
       keep(std::move(findings), component.at);
       return object;
     } catch (const ComponentError& error) {

@@ -292,15 +292,10 @@ std::optional<Written<Number>> split(std::string_view text) {
 
 }  // namespace
 
-Parsed<Unit> read_unit(std::string_view text) {
+Parsed<Unit> parse_unit(std::string_view text) {
   const Parsed<Measure> measure = read_measure(text);
   if (!measure) return Parsed<Unit>::failure(measure.error());
   return Unit{static_cast<double>(measure->scale), measure->dimension};
-}
-
-std::optional<Unit> parse_unit(std::string_view text) {
-  const Parsed<Unit> unit = read_unit(text);
-  return unit ? std::optional<Unit>(*unit) : std::nullopt;
 }
 
 Parsed<Quantity> parse_quantity(std::string_view text) {

@@ -90,7 +90,6 @@ class PluginRegistry final : public Registry {
     type.spec = std::move(spec);
     type.plugin = info_.name;
     type.plugin_version = info_.version;
-    type.file = info_.file;
     type.factory_ = factory;
     type.library_ = library_;
   }

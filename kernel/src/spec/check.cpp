@@ -140,7 +140,7 @@ struct Check {
   std::optional<Quantity> quantity(const WantedUnit& unit, const std::string& written) const {
     Parsed<Quantity> parsed = parse_quantity(written);
     if (spec.unit == "*") {
-      const Parsed<Unit> alone = read_unit(written);
+      const Parsed<Unit> alone = parse_unit(written);
       if (alone) return Quantity{alone->scale, alone->dimension};
       if (written.find_first_of("0123456789") == std::string::npos) parsed = Parsed<Quantity>::failure(alone.error());
     }
@@ -341,7 +341,7 @@ struct DefectSearch {
 
   /// A unit has to be SI; `text`: with what a port stands for filled in.
   void check_unit(const std::string& who, const std::string& written, const std::string& text) {
-    const Parsed<Unit> unit = read_unit(text);
+    const Parsed<Unit> unit = parse_unit(text);
     unless(bool(unit), who + ": " + unit.error());
     unless(!unit || unit->scale == 1.0, who + ": the unit '" + written + "' is not SI");
   }
@@ -420,8 +420,8 @@ std::vector<std::string_view> parts_of(std::string_view kind) {
 
 bool part_matches(std::string_view pattern, std::string_view part) {
   if (pattern == "*" || pattern == part) return true;
-  const std::optional<Unit> wanted = parse_unit(pattern);
-  const std::optional<Unit> had = parse_unit(part);
+  const Parsed<Unit> wanted = parse_unit(pattern);
+  const Parsed<Unit> had = parse_unit(part);
   return wanted && had && wanted->dimension == had->dimension;
 }
 
@@ -440,7 +440,7 @@ Parsed<std::string> canonical_kind(std::string_view kind) {
   const std::vector<std::string_view> parts = parts_of(kind);
   std::string canonical(parts.front());
   for (std::size_t i = 1; i < parts.size(); ++i) {
-    const std::optional<Unit> unit = parse_unit(parts[i]);
+    const Parsed<Unit> unit = parse_unit(parts[i]);
     const std::string si = unit ? si_unit(unit->dimension) : std::string(parts[i]);
     if (unit && unit->scale != 1.0)
       return Parsed<std::string>::failure("a block's values are SI, so its unit cannot be " + in_quotes(parts[i]) +

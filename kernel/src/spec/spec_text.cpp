@@ -25,7 +25,7 @@ WantedUnit wanted_unit(const ParameterSpec& spec, const PortUnits& ports) {
     if (!measure) return {std::nullopt, "unit of " + spec.unit.substr(1)};
     text = "(" + si_unit(measure->dimension) + ")" + spec.unit.substr(1 + port->size());
   }
-  const std::optional<Unit> unit = parse_unit(text);
+  const Parsed<Unit> unit = parse_unit(text);
   return unit ? WantedUnit{unit->dimension, si_unit(unit->dimension)} : WantedUnit{std::nullopt, spec.unit};
 }
 

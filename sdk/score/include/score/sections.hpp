@@ -7,7 +7,6 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
-#include "binnacle/load_options.hpp"
 
 namespace binnacle::score {
 
