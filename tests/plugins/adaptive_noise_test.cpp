@@ -38,8 +38,7 @@ template <class Estimator>
 std::unique_ptr<Estimator> make(const Json& config, const NoiseBinding& noise) {
   Diagnostics diagnostics;
   const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-  const ParameterValue value =
-      Reader(document, diagnostics).parameters(Estimator::spec().parameters, "estimator");
+  const ParameterValue value = Reader(document, diagnostics).parameters(Estimator::spec().parameters, "estimator");
   INFO(diagnostics.text());
   REQUIRE(diagnostics.empty());
   return std::make_unique<Estimator>(Binding({"fix", Parameters(value)}), noise);
