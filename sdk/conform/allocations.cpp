@@ -19,7 +19,10 @@
 #endif
 
 #if defined(BINNACLE_SANITIZER_COUNTS)
-#include <sanitizer/allocator_interface.h>
+#include <cstddef>
+// As sanitizer/allocator_interface.h has it, which GCC does not install.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
+                                                         void (*on_free)(const volatile void*));
 #elif defined(__GLIBC__)
 #define BINNACLE_REPLACES_MALLOC
 #endif
