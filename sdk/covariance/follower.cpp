@@ -103,7 +103,6 @@ void Follower::add_subject(const std::string& name) {
   const Component component = *component_named(*subject.block->declaration, named.component);
   subject.components = component.errors;
   subject.output = component.output;
-  if (subject.output >= 0) subject.manifold = subject.block->block;
   const auto& active = subject.block->active;
   for (const int c : subject.components)
     if (std::find(active.begin(), active.end(), c) == active.end())
@@ -233,11 +232,11 @@ VectorXd Follower::output_row(const Subject& subject) const {
   VectorXd delta = VectorXd::Zero(declaration.dof()), row = delta;
   for (Index i = 0; i < delta.size(); ++i) {
     delta[i] = step;
-    subject.manifold->plus(x, delta, moved);
-    subject.manifold->read(moved, above);
+    subject.block->block->plus(x, delta, moved);
+    subject.block->block->read(moved, above);
     delta[i] = -step;
-    subject.manifold->plus(x, delta, moved);
-    subject.manifold->read(moved, below);
+    subject.block->block->plus(x, delta, moved);
+    subject.block->block->read(moved, below);
     delta[i] = 0;
     const double difference =
         above[static_cast<std::size_t>(subject.output)] - below[static_cast<std::size_t>(subject.output)];

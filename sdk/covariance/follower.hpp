@@ -29,12 +29,11 @@ struct Point {
 /// What is recorded over time: an error component, a readable output, a norm, or an implied state.
 struct Subject {
   std::string name;
-  std::string measurement;                     // of an implied state; else ""
-  const BlockInfo* block = nullptr;            // of the filter
-  const BlockInfo* true_block = nullptr;       // null: the truth has none
-  std::vector<int> components;                 // of the block's error; several: their norm
-  int output = -1;                             // >= 0: of the block's readable outputs, instead of components
-  std::shared_ptr<const StateBlock> manifold;  // of an output
+  std::string measurement;                // of an implied state; else ""
+  const BlockInfo* block = nullptr;       // of the filter
+  const BlockInfo* true_block = nullptr;  // null: the truth has none
+  std::vector<int> components;            // of the block's error; several: their norm
+  int output = -1;                        // >= 0: of the block's readable outputs, instead of components
   std::vector<Point> points;
   Eigen::VectorXd parts;           // the newest variance by source
   std::vector<std::string> names;  // of the sources then

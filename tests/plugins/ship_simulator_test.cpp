@@ -3,90 +3,33 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <nlohmann/json.hpp>
 
-#include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "config/document.hpp"
 #include "ship_simulator/simulator.hpp"
-#include "spec/check.hpp"
+#include "simulation.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
 
 using namespace binnacle;
 using namespace binnacle::ship_simulator;
+using namespace binnacle::simulation;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Sim = ShipSimulator;
+using Voyage = Simulation<Sim>;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double arcmin = degree / 60.0;
-
-ParameterValue checked(const Json& config) {
-  Diagnostics diagnostics;
-  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-  ParameterValue value = Reader(document, diagnostics).parameters(Sim::spec().parameters, "ship_simulator");
-  INFO(diagnostics.text());
-  REQUIRE(diagnostics.empty());
-  return value;
-}
-
-struct Emitted {
-  int channel;
-  Time t, t0;
-  std::vector<double> fields, covariance;
-
-  bool operator==(const Emitted& other) const {
-    return channel == other.channel && t == other.t && t0 == other.t0 && fields == other.fields &&
-           covariance == other.covariance;
-  }
-  Vector3d triple(std::size_t first) const { return {fields[first], fields[first + 1], fields[first + 2]}; }
-  Vector4d attitude(std::size_t first) const { return strapdown::quaternion_from_euler(triple(first)); }
-};
-
-class Voyage {
- public:
-  explicit Voyage(const Json& config, std::uint64_t seed = 1) {
-    const ParameterValue parameters = checked(config);
-    source_ = std::make_shared<Sim>(Binding({"ship", Parameters(parameters)}));
-    restart(seed);
-  }
-  void restart(std::uint64_t seed) { memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed); }
-  std::optional<Emitted> next() {
-    const auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
-    REQUIRE(next.damage.empty());
-    if (next.status == SourceStatus::end) return std::nullopt;
-    return Emitted{next.sample.channel, next.sample.t, next.sample.t0, next.sample.fields, next.sample.covariance};
-  }
-  std::vector<Emitted> rest() {
-    std::vector<Emitted> all;
-    while (auto sample = next()) all.push_back(std::move(*sample));
-    return all;
-  }
-  std::vector<Emitted> of(int channel) {
-    std::vector<Emitted> chosen;
-    while (auto sample = next())
-      if (sample->channel == channel) chosen.push_back(std::move(*sample));
-    return chosen;
-  }
-  std::vector<std::byte>& memory() { return memory_; }
-
- private:
-  std::shared_ptr<Sim> source_;
-  std::vector<std::byte> memory_;
-};
 
 Json paper() { return {{"start", {{"lat", "36.4 deg"}, {"lon", "127.4 deg"}, {"heading", "30 deg"}}}}; }
 
@@ -107,7 +50,7 @@ Json stormy() {
 }
 
 ShipMotion motion_of(const Json& config) {
-  const ParameterValue value = checked(config);
+  const ParameterValue value = checked<Sim>(config);
   const Parameters p(value), start = p.object("start"), waves = p.object("motion");
   std::array<std::vector<Tone>, freedoms> tones;
   for (std::size_t k = 0; k < freedoms; ++k) tones[k] = read_freedom(waves.object(freedom_name[k]), "");

@@ -2,19 +2,10 @@
 // A simulated drive for tests: the vehicle simulator with parameters from JSON, sample by sample.
 #pragma once
 
-#include "binnacle/testing.hpp"
-
-#include <memory>
 #include <numbers>
-#include <optional>
-#include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "catch.hpp"
-#include "config/document.hpp"
-#include "spec/check.hpp"
+#include "simulation.hpp"
 #include "strapdown/earth.hpp"
 #include "vehicle_simulator/simulator.hpp"
 
@@ -22,82 +13,13 @@ namespace binnacle::simulated_drive {
 
 using namespace binnacle::vehicle_simulator;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
+using namespace binnacle::simulation;
+using Drive = Simulation<VehicleSimulator>;
+
 constexpr double degree = std::numbers::pi / 180.0;
 
-// ---- parameters from JSON, checked by the kernel
-
-inline ParameterValue checked(const Json& config) {
-  Diagnostics diagnostics;
-  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-  ParameterValue value =
-      Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
-  INFO(diagnostics.text());
-  REQUIRE(diagnostics.empty());
-  return value;
-}
-
-// ---- running it
-
-struct Quiet final : Reporter {
-  void warn(const std::string&, const std::string&, int, const std::string&) override {}
-};
-
-struct Emitted {
-  int channel;
-  Time t, t0;
-  std::vector<double> fields;
-  std::vector<double> covariance;
-
-  bool operator==(const Emitted& other) const {
-    return channel == other.channel && t == other.t && t0 == other.t0 && fields == other.fields &&
-           covariance == other.covariance;
-  }
-  Vector3d triple(std::size_t first) const { return {fields[first], fields[first + 1], fields[first + 2]}; }
-};
-
-class Drive {
- public:
-  explicit Drive(const Json& config, std::uint64_t seed = 1) {
-    const ParameterValue parameters = checked(config);
-    source_ = std::make_shared<VehicleSimulator>(Binding({"drive", Parameters(parameters)}));
-    Quiet quiet;
-    source_->open(quiet);
-    restart(seed);
-  }
-
-  void restart(std::uint64_t seed) { memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed); }
-
-  std::optional<Emitted> next() {
-    const auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
-    REQUIRE(next.damage.empty());
-    if (next.status == SourceStatus::end) return std::nullopt;
-    return Emitted{next.sample.channel, next.sample.t, next.sample.t0, next.sample.fields, next.sample.covariance};
-  }
-
-  std::vector<Emitted> rest() {
-    std::vector<Emitted> all;
-    while (auto sample = next()) all.push_back(std::move(*sample));
-    return all;
-  }
-
-  std::vector<Emitted> of(int channel) {
-    std::vector<Emitted> chosen;
-    while (auto sample = next())
-      if (sample->channel == channel) chosen.push_back(std::move(*sample));
-    return chosen;
-  }
-
-  std::vector<std::byte>& memory() { return memory_; }
-  const std::vector<ChannelDeclaration>& channels() const { return source_->declaration().channels; }
-
- private:
-  std::shared_ptr<VehicleSimulator> source_;
-  std::vector<std::byte> memory_;
-};
-
 inline Trajectory trajectory_of(const Json& config) {
-  const ParameterValue value = checked(config);
+  const ParameterValue value = checked<VehicleSimulator>(config);
   const Parameters p(value);
   const Parameters start = p.object("start");
   return Trajectory({{start.number("lat"), start.number("lon"), start.number("height")}}, read_segments(p),

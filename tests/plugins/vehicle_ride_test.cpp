@@ -3,16 +3,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "binnacle/testing.hpp"
 #include "catch.hpp"
-#include "config/document.hpp"
-#include "spec/check.hpp"
+#include "simulation.hpp"
 #include "strapdown/earth.hpp"
 #include "strapdown/mechanization.hpp"
 #include "strapdown/rotation.hpp"
@@ -20,59 +15,17 @@
 #include "vehicle_simulator/spline_noise.hpp"
 
 using namespace binnacle;
+using namespace binnacle::simulation;
 using namespace binnacle::vehicle_simulator;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-struct Quiet final : Reporter {
-  void warn(const std::string&, const std::string&, int, const std::string&) override {}
-};
-
-struct Emitted {
-  int channel;
-  Time t, t0;
-  std::vector<double> fields;
-  Vector3d triple(std::size_t first) const { return {fields[first], fields[first + 1], fields[first + 2]}; }
-};
+using Drive = Simulation<VehicleSimulator>;
 
 // Fields of truth.
 constexpr std::size_t lla = 0, v_n = 3, angles = 6, mount = 21, speed = 24, standing = 25;
-
-class Drive {
- public:
-  explicit Drive(const Json& config, std::uint64_t seed = 1) {
-    Diagnostics diagnostics;
-    const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
-    const ParameterValue value =
-        Reader(document, diagnostics).parameters(VehicleSimulator::spec().parameters, "vehicle_simulator");
-    INFO(diagnostics.text());
-    REQUIRE(diagnostics.empty());
-    source_ = std::make_unique<VehicleSimulator>(Binding({"drive", Parameters(value)}));
-    Quiet quiet;
-    source_->open(quiet);
-    memory_ = binnacle::testing::SourceCaller(*source_).fresh_memory(seed);
-  }
-  std::optional<Emitted> next() {
-    const auto next = binnacle::testing::SourceCaller(*source_).next(memory_.data());
-    REQUIRE(next.damage.empty());
-    if (next.status == SourceStatus::end) return std::nullopt;
-    return Emitted{next.sample.channel, next.sample.t, next.sample.t0, next.sample.fields};
-  }
-  std::vector<Emitted> of(int channel) {
-    std::vector<Emitted> all;
-    while (auto sample = next())
-      if (sample->channel == channel) all.push_back(*sample);
-    return all;
-  }
-
- private:
-  std::unique_ptr<VehicleSimulator> source_;
-  std::vector<std::byte> memory_;
-};
 
 Json quiet_drive() {
   return {{"start", {{"lat", "36 deg"}, {"lon", "127 deg"}, {"height", 60}, {"heading", "30 deg"}}},

@@ -172,7 +172,7 @@ TEST_CASE("velocity, attitude and their derivatives belong together") {
 TEST_CASE("manoeuvres end where they are specified to") {
   const auto config = lively_drive(1);
   const Trajectory trajectory = trajectory_of(config);
-  const ParameterValue value = checked(config);
+  const ParameterValue value = checked<VehicleSimulator>(config);
   const auto segments = read_segments(Parameters(value));
   const auto at_end = [&](std::size_t i) {
     return trajectory.motion(seconds(segments[i].begin + segments[i].duration));

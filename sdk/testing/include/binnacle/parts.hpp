@@ -38,7 +38,7 @@ struct NoisePart {
 namespace detail {
 
 template <class Infos>
-auto named(const Infos& infos, std::string_view name) {
+const auto& named(const Infos& infos, std::string_view name) {
   for (const auto& info : infos)
     if (info.name == name) return info;
   throw std::out_of_range("the composition has no part '" + std::string(name) + "'");
@@ -71,30 +71,32 @@ inline Value block(const Composition& composition, std::string_view filter, std:
   return detail::value_of(detail::named(detail::named(composition.filters(), filter).blocks, name));
 }
 inline Part<ProcessModel> process(const Composition& composition, std::string_view filter, std::string_view name) {
-  const FilterInfo info = detail::named(composition.filters(), filter);
+  const FilterInfo& info = detail::named(composition.filters(), filter);
   return detail::part_of<ProcessModel>(detail::named(info.processes, name), &info);
 }
 inline Part<DerivedBlock> derived(const Composition& composition, std::string_view filter, std::string_view name) {
-  const FilterInfo info = detail::named(composition.filters(), filter);
+  const FilterInfo& info = detail::named(composition.filters(), filter);
   return detail::part_of(detail::named(info.derived, name), &info);
 }
 /// `part`: of a stack; "" where the measurement is none.
 inline Part<MeasurementModel> measurement(const Composition& composition, std::string_view filter,
                                           std::string_view name, std::string_view part = {}) {
-  const FilterInfo info = detail::named(composition.filters(), filter);
-  const auto parts = detail::named(info.measurements, name).parts;
+  const FilterInfo& info = detail::named(composition.filters(), filter);
+  const auto& parts = detail::named(info.measurements, name).parts;
   return detail::part_of(part.empty() ? parts.front() : detail::named(parts, part), &info);
 }
 inline NoisePart noise(const Composition& composition, std::string_view filter, std::string_view measurement) {
-  const auto info = detail::named(detail::named(composition.filters(), filter).measurements, measurement);
+  const auto& info = detail::named(detail::named(composition.filters(), filter).measurements, measurement);
   if (!info.noise.object) throw std::out_of_range("'" + info.name + "' has no noise estimator");
   return {info.noise.type, info.noise.object, info.max_rows};
 }
 inline Part<Source> source(const Composition& composition, std::string_view name) {
-  return detail::part_of<Source>(detail::named(composition.sources(), name));
+  const auto sources = composition.sources();
+  return detail::part_of<Source>(detail::named(sources, name));
 }
 inline Part<Transform> transform(const Composition& composition, std::string_view name) {
-  return detail::part_of<Transform>(detail::named(composition.transforms(), name));
+  const auto transforms = composition.transforms();
+  return detail::part_of<Transform>(detail::named(transforms, name));
 }
 
 }  // namespace binnacle::parts
