@@ -22,11 +22,11 @@ using testing::PortState;
 using testing::PortStates;
 using testing::unwritten;
 
-/// What a call gave: a verdict, and every number and byte of memory it wrote.
+/// What a call gave: a verdict, and every number it wrote. Of its memory counts what later calls make of it: its bytes may
+/// have padding, whose value nobody promises.
 struct Answer {
   Result result;
   std::vector<double> numbers;
-  std::vector<std::byte> memory;
   std::string damage;  // what was written that should not be, or not written that should; "" when nothing
 
   bool is_finite() const;

@@ -44,14 +44,13 @@ void repeatable(Trial& trial) {
   const auto subject = fixture_of_example(trial);
   const auto another = fixture_of_example(trial);
   auto first = subject->fresh_memory(), again = subject->fresh_memory(), other = another->fresh_memory();
-  if (!trial.expect(first == again, "start() initialises memory differently each time")) return;
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
   for (std::uint64_t k = 0; k < turns; ++k) {
     const Answer a = subject->turn(k, first.data(), unwritten());
     const Answer b = subject->turn(k, again.data(), unwritten());
     const Answer c = another->turn(k, other.data(), unwritten());
     if (!trial.expect(a == b, "call ", k,
-                      " made twice with the same input and memory gives two answers: it has a state of its own"))
+                      " made twice from the same start gives two answers: a state of its own, or start() that differs"))
       return;
     if (!trial.expect(a == c, "call ", k, " on a second object with the same settings gives another answer")) return;
   }
@@ -107,8 +106,8 @@ void defaults(Trial& trial) {
   const auto implied = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));
   const auto given = fixture(trial, compose(trial, miniature(trial, type, catalog, spelled)));
   auto a = implied->fresh_memory(), b = given->fresh_memory();
-  trial.expect(a == b, "with its defaults spelled out, memory starts differently");
-  for (std::uint64_t k = 0; k < 5; ++k)
+  const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
+  for (std::uint64_t k = 0; k < turns; ++k)
     if (!trial.expect(implied->turn(k, a.data(), unwritten()) == given->turn(k, b.data(), unwritten()),
                       "with its defaults spelled out, it gives another answer"))
       return;

@@ -207,7 +207,7 @@ std::vector<std::byte> copied(const std::byte* memory, std::size_t bytes) { retu
 template <class Called>
 Answer answer_of(const Called& called, std::byte* memory) {
   std::copy(called.memory.begin(), called.memory.end(), memory);
-  return {called.result, called.numbers, called.memory, called.damage};
+  return {called.result, called.numbers, called.damage};
 }
 
 class CallsProcess final : public Fixture {

@@ -46,7 +46,6 @@ class CallsNoise final : public Fixture {
     Answer answer;
     answer.damage = estimated.damage;
     answer.numbers.assign(estimated.R.data(), estimated.R.data() + estimated.R.size());
-    answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }
   Trial& trial_;
@@ -86,7 +85,6 @@ class CallsSource final : public Fixture {
     answer.damage = next.damage;
     answer.numbers.push_back(static_cast<double>(next.status));
     if (next.status == SourceStatus::sample && next.damage.empty()) append_sample(next.sample, answer.numbers);
-    answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }
 
@@ -141,7 +139,6 @@ class CallsTransform final : public Fixture {
     Answer answer;
     answer.damage = made.damage;
     for (const auto& emitted : made.samples) append_sample(emitted, answer.numbers);
-    answer.memory.assign(memory, memory + memory_bytes());
     return answer;
   }
   Trial& trial_;

@@ -194,11 +194,7 @@ void add_of_channel(CompositionDraft& draft, const Reader& at, ScorePlan& plan) 
   ReferencePlan common;
   common.channel = draft.channel(*channel_name, at["channel"]);
   if (common.channel < 0) return;
-  const Reader invalid = at["invalid"];
-  if (invalid && invalid.json()->is_number())
-    common.invalid = invalid.json()->get<double>();
-  else if (invalid)
-    invalid.error("B006", "'invalid' is a number; found " + invalid.shown());
+  if (const auto invalid = at["invalid"].number(parameter::number("", "1"))) common.invalid = *invalid;
   for (const Reader& block_at : at["blocks"].members("'blocks'")) {
     ReferencePlan reference = common;
     if (!find_scored_block(draft, plan, block_at, reference)) continue;

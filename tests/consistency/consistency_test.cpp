@@ -63,7 +63,7 @@ struct Average {
 /// NEES of each block and of all together at the picked instants.
 class Nees {
  public:
-  Nees(runtime::Runtime& runtime, const Composition& composition)
+  Nees(internal::runtime::Runtime& runtime, const Composition& composition)
       : runtime_(runtime),
         scored_(score::plan_of(composition)),
         plan_(runtime.plan().filters.front()),
@@ -91,7 +91,7 @@ class Nees {
       if (truth.t == nanoseconds(instants[i])) add(figures_[i], channel, truth);
   }
   void add(std::vector<Average>& row, int channel, const SampleView& truth) {
-    filter::Engine& engine = runtime_.engine(0);
+    internal::filter::Engine& engine = runtime_.engine(0);
     REQUIRE(engine.status().t == truth.t);
     const Eigen::MatrixXd P = engine.covariance().as();
     Eigen::VectorXd delta = Eigen::VectorXd::Constant(plan_.n, std::numeric_limits<double>::quiet_NaN());
@@ -118,9 +118,9 @@ class Nees {
     return delta.dot(factor.solve(delta));
   }
 
-  runtime::Runtime& runtime_;
+  internal::runtime::Runtime& runtime_;
   std::shared_ptr<const score::ScorePlan> scored_;
-  const filter::FilterPlan& plan_;
+  const internal::filter::FilterPlan& plan_;
   std::vector<std::vector<Average>> figures_;
 };
 
@@ -133,7 +133,7 @@ struct Consistency {
   bool nis_is_inside = false;
 };
 
-void run_to_the_end(runtime::Runtime& runtime, int run) {
+void run_to_the_end(internal::runtime::Runtime& runtime, int run) {
   runtime.reset(seed, run);
   while (runtime.next_instant()) {
   }
@@ -142,12 +142,12 @@ void run_to_the_end(runtime::Runtime& runtime, int run) {
 
 Consistency monte_carlo(const std::string& title, const std::shared_ptr<const Composition>& composition) {
   score::run(composition);  // opens its sources
-  runtime::Runtime runtime(composition->plan());
+  internal::runtime::Runtime runtime(composition->plan());
   Nees nees(runtime, *composition);
   double nis_sum = 0, nis_count = 0, dof_sum = 0;
   for (int run = 0; run < runs; ++run) {
     run_to_the_end(runtime, run);
-    const filter::Engine& engine = runtime.engine(0);
+    const internal::filter::Engine& engine = runtime.engine(0);
     REQUIRE_FALSE(engine.broken());
     const auto& ledger = engine.ledger().tally(0);
     REQUIRE(ledger.by_outcome[static_cast<int>(Outcome::accepted)] == ledger.offered);
@@ -232,7 +232,7 @@ TEST_CASE("a run's summary has the NEES and NIS of that run") {
     const auto composition = load("matched.json", {"/evaluate/after=" + std::to_string(t - 0.5),
                                                    "/evaluate/until=" + std::to_string(t + 0.5)});
     const auto summary = score::run(composition, {seed, 7}).summary["filters"]["ins"];
-    runtime::Runtime runtime(composition->plan());
+    internal::runtime::Runtime runtime(composition->plan());
     const Nees nees(runtime, *composition);
     run_to_the_end(runtime, 7);
     const auto& row = nees.figures()[i];

@@ -51,7 +51,7 @@ class Samples {
   Samples(const std::shared_ptr<const Composition>& composition, score::RunOptions options)
       : plan_(composition->plan()) {
     score::run(composition, options);  // opens the sources
-    runtime::Runtime runtime(plan_);
+    internal::runtime::Runtime runtime(plan_);
     runtime.subscribe([this](int channel, const SampleView& sample) { take(channel, sample); });
     runtime.reset(options.seed, options.run);
     while (runtime.next_instant()) {
@@ -79,7 +79,7 @@ class Samples {
     for (std::size_t i = 0; i < channel.declaration.fields.size(); ++i)
       values_[channel.name + " " + channel.declaration.fields[i].name].push_back(sample.fields[channel.position[i]]);
   }
-  const compose::CompositionPlan& plan_;
+  const internal::compose::CompositionPlan& plan_;
   std::map<std::string, std::vector<double>> values_;
 };
 

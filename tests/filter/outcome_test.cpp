@@ -25,7 +25,7 @@ struct Faults {
 
 /// A value that moves by a measured speed and is seen through a derived block; started by a sample where there is a
 /// channel for it, else by the input.
-std::string config_text(bool starts_by_sample, const Faults& faults = {}) {
+std::string config(bool starts_by_sample, const Faults& faults = {}) {
   const std::string init = starts_by_sample ? R"("init": {"channel": "first"})" : R"("init": {"a": 1, "b": 2})";
   return R"({"binnacle": 1,
     "sources": {
@@ -140,7 +140,7 @@ std::string call_of(const std::string& diagnosis) {
 TEST_CASE("every offered sample has exactly one outcome, whatever throws, wherever") {
   std::set<std::string> calls;
   for (const bool starts_by_sample : {false, true}) {
-    const auto composition = composition_of(config_text(starts_by_sample));
+    const auto composition = composition_of(config(starts_by_sample));
     constexpr long never = 1'000'000;
     long used = 0;
     {
@@ -175,7 +175,7 @@ TEST_CASE("every offered sample has exactly one outcome, whatever throws, wherev
 
 TEST_CASE("what cannot be noise or is not finite is named at once, with plugin, component, call and sample") {
   const auto diagnosis = [](const Faults& faults) {
-    Session session(composition_of(config_text(false, faults)));
+    Session session(composition_of(config(false, faults)));
     const ChannelId v = session.channel("v"), z = session.channel("z");
     const double speed = 0, seen = 3;
     for (int i = 0; i < 30; ++i) {

@@ -20,7 +20,7 @@ using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// Position, velocity, attitude (whose injection turns the remaining error), considered accelerometer biases; a pair of
 /// numbers seen by rows, one of which may be left out; and a number that is known exactly and measured exactly.
-const std::string config_text = R"({"binnacle": 1,
+const std::string config = R"({"binnacle": 1,
   "sources": {
     "imu": {"type": "pushed", "fields": {
       "wx": {"unit": "rad/s", "kind": "rate"}, "wy": {"unit": "rad/s", "kind": "rate"}, "wz": {"unit": "rad/s", "kind": "rate"},
@@ -181,7 +181,7 @@ void drive(Session& session) {
 }  // namespace
 
 TEST_CASE("a dense replay from the start and the step log alone gives every P") {
-  const auto composition = filter_tests::composition_of(config_text);
+  const auto composition = filter_tests::composition_of(config);
   Session session(composition);
   Replay replay(composition->filters()[0]);
   session.attach(FilterId{0}, &replay);

@@ -30,7 +30,7 @@ namespace {
 /// As the kernel does it, units of defaults included.
 std::unique_ptr<ConingSimulator> bound(const json& config) {
   Diagnostics diagnostics;
-  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
+  const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
   const ParameterValue value =
       Reader(document, diagnostics).parameters(ConingSimulator::spec().parameters, "coning_simulator");
   INFO(diagnostics.text());

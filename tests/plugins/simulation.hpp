@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 template <class Simulator>
 ParameterValue checked(const Json& config) {
   Diagnostics diagnostics;
-  const auto document = config::Document::load("test.json", {}, diagnostics, config.dump());
+  const auto document = internal::config::Document::load("test.json", {}, diagnostics, config.dump());
   const ComponentSpec spec = Simulator::spec();
   ParameterValue value = Reader(document, diagnostics).parameters(spec.parameters, spec.type);
   INFO(diagnostics.text());

@@ -423,7 +423,7 @@ TEST_CASE("the declaration is complete and its example works") {
   const ComponentSpec spec = VehicleSimulator::spec();
   REQUIRE(!spec.summary.empty());
   REQUIRE(!spec.source.empty());
-  REQUIRE(spec::spec_defects(spec).empty());
+  REQUIRE(internal::spec::spec_defects(spec).empty());
   const std::function<void(const ParameterSpec&)> check = [&](const ParameterSpec& parameter) {
     INFO(parameter.name);
     REQUIRE((!parameter.text.empty() || parameter.name == "segment"));

@@ -12,7 +12,7 @@
 #include "filter/strip_loops.hpp"
 
 using namespace binnacle;
-using namespace binnacle::filter;
+using namespace binnacle::internal::filter;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 

@@ -14,7 +14,7 @@
 #include "catch.hpp"
 
 using namespace binnacle;
-using config::Document;
+using internal::config::Document;
 namespace fs = std::filesystem;
 
 namespace {

@@ -15,7 +15,7 @@
 #include "compose/composition_plan.hpp"
 
 using namespace binnacle;
-using namespace binnacle::filter;
+using namespace binnacle::internal::filter;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 

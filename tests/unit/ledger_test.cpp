@@ -10,7 +10,7 @@
 #include "catch.hpp"
 
 using namespace binnacle;
-using namespace binnacle::filter;
+using namespace binnacle::internal::filter;
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include "filter/model_calls.hpp"
 
 using namespace binnacle;
-using filter::NoteBook;
+using internal::filter::NoteBook;
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "catch.hpp"
 
 using namespace binnacle;
-using namespace binnacle::spec;
+using namespace binnacle::internal::spec;
 using Lines = std::vector<std::string>;
 
 namespace {
@@ -62,7 +62,7 @@ ParameterValue value_of(ParameterSpec spec, const std::string& value) {
   return checked.value.members[0].second;
 }
 
-using namespace binnacle::parameter;
+using namespace binnacle::internal::parameter;
 
 }  // namespace
 

@@ -13,7 +13,7 @@
 #include "filter/model_calls.hpp"
 
 using namespace binnacle;
-using namespace binnacle::filter;
+using namespace binnacle::internal::filter;
 
 namespace {
 

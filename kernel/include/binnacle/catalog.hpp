@@ -19,7 +19,7 @@
 
 namespace binnacle {
 
-namespace plugin {
+namespace internal::plugin {
 class PluginRegistry;
 }
 
@@ -76,7 +76,7 @@ class ComponentType {
   }
 
  private:
-  friend class plugin::PluginRegistry;
+  friend class internal::plugin::PluginRegistry;
 
   [[noreturn]] static void rethrow_as_component_error(const CallSite& site);
 

@@ -20,7 +20,7 @@
 
 namespace binnacle {
 
-namespace compose {
+namespace internal::compose {
 struct CompositionPlan;
 }
 
@@ -147,12 +147,12 @@ class Composition {
   /// What all that a run keeps takes; a snapshot is a little more.
   std::size_t arena_bytes() const;
 
-  const compose::CompositionPlan& plan() const { return *plan_; }  // the kernel's own
+  const internal::compose::CompositionPlan& plan() const { return *plan_; }  // the kernel's own
 
  private:
-  explicit Composition(std::unique_ptr<compose::CompositionPlan> plan, Diagnostics warnings);
+  explicit Composition(std::unique_ptr<internal::compose::CompositionPlan> plan, Diagnostics warnings);
 
-  std::unique_ptr<compose::CompositionPlan> plan_;
+  std::unique_ptr<internal::compose::CompositionPlan> plan_;
   Diagnostics warnings_;
 };
 

@@ -13,8 +13,9 @@
 
 namespace binnacle {
 
-namespace config {
+namespace internal::config {
 class Document;
+struct JsonOf;
 }
 class Section;
 
@@ -42,7 +43,7 @@ class Config {
   Origin key_origin(std::string_view pointer) const;
 
  private:
-  std::shared_ptr<const config::Document> document_;
+  std::shared_ptr<const internal::config::Document> document_;
 };
 
 /// pointer + "/" + token, its `~` and `/` escaped.

@@ -16,8 +16,7 @@ namespace binnacle {
 /// What the estimator is bound to: the largest row count, and the groups of rows (the parts of a stack, or one).
 struct NoiseBinding {
   int max_rows = 0;
-  std::vector<int> group_first_row;  // of a sample that has all of its rows; else see Innovation::row_groups
-  std::vector<NamedUnit> groups;     // name and unit of its rows
+  std::vector<NamedUnit> groups;  // name and unit of its rows
 };
 
 /// What a bound noise estimator remembers, and whether it looks back:

@@ -9,9 +9,8 @@
 
 namespace binnacle::random {
 
-/// The keyed bijection of J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as
-/// easy as 1, 2, 3", SC'11, section 3.3, doi:10.1145/2063384.2063405, with ten rounds. Integers only: the
-/// same everywhere.
+/// The keyed bijection of J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1,
+/// 2, 3", SC'11, section 3.3, doi:10.1145/2063384.2063405, with ten rounds. Integers only: the same everywhere.
 constexpr std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
                                                      std::array<std::uint32_t, 2> key) noexcept {
   for (int round = 0; round < 10; ++round) {
@@ -77,8 +76,7 @@ constexpr std::uint64_t stream_number(std::string_view name) noexcept {
   return hash;
 }
 
-/// The stream called `name` of `seed`, from its beginning. What is drawn from it changes with no other
-/// stream's use.
+/// The stream called `name` of `seed`, from its beginning. What is drawn from it changes with no other stream's use.
 constexpr Philox stream(std::uint64_t seed, std::string_view name) noexcept {
   return {seed, stream_number(name), 0, 0};
 }

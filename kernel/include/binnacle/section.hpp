@@ -14,8 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "binnacle/config.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/parameters.hpp"
 #include "binnacle/spec.hpp"
@@ -24,11 +23,8 @@
 
 namespace binnacle {
 
-namespace compose {
+namespace internal::compose {
 class Composer;
-}
-namespace config {
-class Document;
 }
 struct ChannelInfo;
 struct FilterInfo;
@@ -52,17 +48,14 @@ using RenamedKeys = std::vector<std::pair<std::string, std::string>>;
 ///       sigma = fix["sigma"].number(parameter::number("sigma", "m").at_least(0));
 class Reader {
  public:
-  Reader(const config::Document& document, Diagnostics& diagnostics, const std::string& pointer = {});
+  Reader(const internal::config::Document& document, Diagnostics& diagnostics, const std::string& pointer = {});
 
   /// The place of a member, whether it is there or not.
   Reader operator[](std::string_view key) const;
   /// The places of all members or elements.
   std::vector<Reader> children() const;
-  /// The same place with a default of the component that stands here: it has no place of its own, nor has what is in it.
-  Reader with_default(const nlohmann::ordered_json& json) const;
 
   explicit operator bool() const { return json_ != nullptr; }
-  const nlohmann::ordered_json* json() const { return json_; }
   /// What stands here, in messages: `the text "abc"`, `an object`, `the number 3.5`; cut where it is long.
   std::string shown() const;
   const std::string& pointer() const { return pointer_; }
@@ -117,18 +110,19 @@ class Reader {
   std::optional<TimeSpan> span() const;
 
  private:
-  const config::Document* document_;
+  friend struct internal::config::JsonOf;
+  const internal::config::Document* document_;
   Diagnostics* diagnostics_;
   std::string pointer_;
   std::string key_;
-  const nlohmann::ordered_json* json_;
+  const void* json_;
   bool is_default_ = false;
 };
 
 /// A composition under way, as the reader of a section sees it: the config, and what has been composed of it.
 class CompositionDraft {
  public:
-  explicit CompositionDraft(compose::Composer& composer) : composer_(composer) {}
+  explicit CompositionDraft(internal::compose::Composer& composer) : composer_(composer) {}
 
   /// The place with this JSON pointer.
   Reader at(const std::string& pointer) const;
@@ -146,7 +140,7 @@ class CompositionDraft {
   void subscribe(int channel, const std::string& pointer);
 
  private:
-  compose::Composer& composer_;
+  internal::compose::Composer& composer_;
 };
 
 /// What a section became: kept by the composition for whoever runs it.

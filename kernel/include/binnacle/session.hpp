@@ -19,10 +19,10 @@
 
 namespace binnacle {
 
-namespace filter {
+namespace internal::filter {
 class Engine;
 }
-namespace runtime {
+namespace internal::runtime {
 class Runtime;
 }
 
@@ -145,7 +145,7 @@ class Session {
   void reset(std::uint64_t seed = 0, int run = 0);
 
   const Composition& composition() const { return *composition_; }
-  runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
+  internal::runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
 
  private:
   /// What came on a channel, to see what is out of order.
@@ -154,7 +154,7 @@ class Session {
     ChannelCounts counts;
   };
   // Checked.
-  filter::Engine& engine(FilterId filter) const;
+  internal::filter::Engine& engine(FilterId filter) const;
   const BlockInfo& info(BlockId block) const;
   const Intake& intake(ChannelId channel) const;
   void take(ChannelId channel, const SampleView& sample);
@@ -162,7 +162,7 @@ class Session {
   void read(BlockId block, std::span<double> outputs, const char* call_name, Call&& call) const;
 
   std::shared_ptr<const Composition> composition_;
-  std::unique_ptr<runtime::Runtime> runtime_;
+  std::unique_ptr<internal::runtime::Runtime> runtime_;
   std::vector<Intake> intake_;  // by channel
   Time instant_ = no_time;      // of what was added and is not committed
   mutable std::vector<double> scratch_;

@@ -73,19 +73,16 @@ Parsed<Unit> parse_unit(std::string_view text);
 /// dimensionless.
 Parsed<Quantity> parse_quantity(std::string_view text);
 
-/// Canonical text of a dimension's SI unit: "rad/s", "m/s^2", "rad/sqrt(s)", "1". parse_unit reads it with
-/// scale 1.
+/// Canonical text of a dimension's SI unit: "rad/s", "m/s^2", "rad/sqrt(s)", "1". parse_unit reads it with scale 1.
 std::string si_unit(const Dimension& dimension);
 
 /// For messages: "an angular rate (rad/s)"; a dimension without a name is "a quantity in m^3/kg".
 std::string dimension_name(const Dimension& dimension);
 
-/// "228 s", "1.5 h", "20 ms" in nanoseconds: exact for decimals, rounded to the nearest where digits go
-/// further.
+/// "228 s", "1.5 h", "20 ms" in nanoseconds: exact for decimals, rounded to the nearest where digits go further.
 Parsed<std::int64_t> parse_time(std::string_view text);
 
-/// The nearest nanosecond, the whole seconds exactly. Throws std::out_of_range beyond int64 (292 years) or
-/// for NaN.
+/// The nearest nanosecond, the whole seconds exactly. Throws std::out_of_range beyond int64 (292 years) or for NaN.
 inline std::int64_t from_seconds(double seconds) {
   if (!(std::abs(seconds) < 9.2e9)) throw std::out_of_range("time does not fit into int64 nanoseconds");
   const double whole = std::floor(seconds);

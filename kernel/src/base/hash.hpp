@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace binnacle::base {
+namespace binnacle::internal::base {
 
 /// FNV-1a of bytes, 64 bits.
 class Fnv1a {
@@ -38,4 +38,4 @@ constexpr std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_vie
   return number ^ (number >> 31);
 }
 
-}  // namespace binnacle::base
+}  // namespace binnacle::internal::base

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace binnacle::base {
+namespace binnacle::internal::base {
 
 constexpr std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
@@ -23,4 +23,4 @@ constexpr int index_of(const Items& items, const Wanted& wanted, Projection proj
   return found == items.end() ? -1 : static_cast<int>(found - items.begin());
 }
 
-}  // namespace binnacle::base
+}  // namespace binnacle::internal::base

@@ -8,7 +8,7 @@
 
 #include "binnacle/diagnostic.hpp"
 
-namespace binnacle::base {
+namespace binnacle::internal::base {
 
 inline std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
@@ -54,4 +54,4 @@ std::vector<std::string> names_of(const Items& items) {
   return names;
 }
 
-}  // namespace binnacle::base
+}  // namespace binnacle::internal::base

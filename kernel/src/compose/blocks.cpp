@@ -7,7 +7,7 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 namespace {
 
@@ -73,8 +73,8 @@ class BlockReader {
   std::optional<std::vector<int>> components_at(const Reader& place) const {
     if (!place) return std::nullopt;
     std::vector<int> found;
-    if (place.json()->is_boolean()) {
-      if (place.json()->get<bool>()) found.resize(components_.size());
+    if (config::JsonOf::at(place).is_boolean()) {
+      if (config::JsonOf::at(place).get<bool>()) found.resize(components_.size());
       std::iota(found.begin(), found.end(), 0);
       return found;
     }
@@ -94,9 +94,9 @@ class BlockReader {
     if (!place) return true;
     const bool is_object = place.is_object(), is_list = place.is_list();
     if (is_object) place.check_keys(names, what_object);
-    if (is_list && place.json()->size() != names.size()) {
+    if (is_list && config::JsonOf::at(place).size() != names.size()) {
       place.error("B013", what_list + " has " + std::to_string(names.size()) + " elements (" + listed(names) +
-                              "); found " + std::to_string(place.json()->size()));
+                              "); found " + std::to_string(config::JsonOf::at(place).size()));
       return false;
     }
     const std::vector<Reader> elements = is_list ? place.children() : std::vector<Reader>();
@@ -114,7 +114,7 @@ class BlockReader {
                                   (names.empty() ? "…" : names.front()) + "\": …} or {\"channel\": …}");
       return;
     }
-    const bool is_single = !init.json()->is_structured();
+    const bool is_single = !config::JsonOf::at(init).is_structured();
     if (is_single && outputs.size() != 1 && !starts_at_zero)
       return init.error("B006", "the initial value of " + what_ + " is an object with " + listed(names) +
                                     ", or {\"channel\": …}; found " + init.shown());
@@ -238,4 +238,4 @@ void FilterComposer::read_initial_values() {
   }
 }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

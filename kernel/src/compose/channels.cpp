@@ -4,7 +4,7 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 namespace {
 
@@ -196,8 +196,8 @@ void Composer::add_transforms() {
     std::vector<Reader> wanted = transform["inputs"].children();
     for (const char* key : {"input", "inputs"}) wanted.push_back(transform[key]);
     return std::ranges::any_of(wanted, [&](const Reader& place) {
-      if (!place || !place.json()->is_string()) return false;
-      const auto& channel = place.json()->get_ref<const std::string&>();
+      if (!place || !config::JsonOf::at(place).is_string()) return false;
+      const auto& channel = config::JsonOf::at(place).get_ref<const std::string&>();
       return plan_->channel(channel) < 0 && std::ranges::any_of(open, [&](const std::string& other) {
                return is_of(channel, other) || channel == transform.key();
              });
@@ -215,4 +215,4 @@ void Composer::add_sinks() {
   for (const Reader& at : place("/sinks").members("'sinks'")) add_stage<Sink>(*this, at, plan_->sinks);
 }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

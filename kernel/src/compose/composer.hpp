@@ -12,7 +12,7 @@
 #include "compose/composition_plan.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 using namespace spec;
 using base::as_size;
@@ -213,4 +213,4 @@ int latest_of(std::vector<LatestPlan>& kept, int channel);
 /// The structure of Φ and Qd, also as `info` has it (transition.cpp).
 void plan_transition(FilterComposer& filter);
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

@@ -8,7 +8,7 @@
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 Composer::Composer(Document document, const LoadOptions& options, Diagnostics& diagnostics)
     : plan_(std::make_unique<CompositionPlan>()), sections_(options.sections), diagnostics_(diagnostics) {
@@ -83,7 +83,7 @@ void Composer::read_head() {
   const Reader version = place("/binnacle");
   if (!version)
     place("").key_error("B028", "the config does not begin with \"binnacle\": 1 (the version of its format)");
-  else if (!version.json()->is_number_integer() || version.json()->get<std::int64_t>() != 1)
+  else if (!config::JsonOf::at(version).is_number_integer() || config::JsonOf::at(version).get<std::int64_t>() != 1)
     version.error("B028", "this program reads configs of version 1; found " + version.shown());
   plan_->title = place("/title").text().value_or("");
 }
@@ -270,9 +270,11 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   return std::move(plan_);
 }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose
 
 namespace binnacle {
+
+using namespace internal;
 
 Reader CompositionDraft::at(const std::string& pointer) const { return composer_.place(pointer); }
 bool CompositionDraft::has_errors() const { return composer_.diagnostics().has_errors(); }

@@ -15,7 +15,7 @@
 #include "config/document.hpp"
 #include "filter/plan.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 using namespace filter;
 using config::Document;
@@ -91,4 +91,4 @@ struct CompositionPlan {
   int channel(std::string_view name) const { return base::index_of(channels, name, &ChannelPlan::name); }
 };
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

@@ -2,7 +2,7 @@
 // What a Composition shows of its filters.
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 namespace {
 
@@ -81,4 +81,4 @@ void FilterComposer::describe() {
   for (const auto& initial : plan.initial) info.starts_when.push_back({initial.channel, initial.max_age});
 }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

@@ -7,7 +7,7 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 namespace {
 
@@ -148,21 +148,15 @@ class MeasurementComposer {
     if (!component.type) return filter_.fail();
     NoiseBinding binding;
     binding.max_rows = plan_.max_rows;
-    int first = 0;
     for (const auto& part : plan_.parts) {
       const auto& declaration = part.model->declaration();
       for (const auto& group : declaration.groups) {
-        binding.group_first_row.push_back(first + group.first_row);
         const std::string& unit = group.unit.empty() && group.port >= 0
                                       ? filter_.values[as_size(part.ports[as_size(group.port)])].components.front().unit
                                       : group.unit;
         binding.groups.push_back({plan_.parts.size() > 1 ? part.name + "." + group.name : group.name, unit});
       }
-      if (declaration.groups.empty()) {
-        binding.group_first_row.push_back(first);
-        binding.groups.push_back({part.name, ""});
-      }
-      first += declaration.max_rows;
+      if (declaration.groups.empty()) binding.groups.push_back({part.name, ""});
     }
     plan_.noise_type = component.type->full_name();
     plan_.noise = composer_.make<NoiseEstimator>(component, binding);
@@ -224,4 +218,4 @@ void FilterComposer::add_measurements() {
     if (!MeasurementComposer(*this, measurement).compose()) is_complete = false;
 }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

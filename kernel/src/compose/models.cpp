@@ -4,7 +4,7 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 namespace {
 
@@ -217,7 +217,7 @@ void FilterComposer::add_derived() {
       item.key_error("B002", "a block is called '" + item.key() + "' already");
   const auto is_waiting = [&](const Reader& item, const std::vector<std::string>& open) {
     return std::ranges::any_of(item["blocks"].children(), [&](const Reader& port) {
-      return port.json()->is_string() && !is_known(*port.text()) && index_of(open, *port.text()) >= 0;
+      return config::JsonOf::at(port).is_string() && !is_known(*port.text()) && index_of(open, *port.text()) >= 0;
     });
   };
   const auto fail_derived = [&](const std::string& name) {
@@ -320,4 +320,4 @@ void FilterComposer::add_processes() {
   plan.process_derived = derived_closure(ports);
 }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

@@ -7,7 +7,7 @@
 
 #include "compose/composer.hpp"
 
-namespace binnacle::compose {
+namespace binnacle::internal::compose {
 
 namespace {
 
@@ -294,4 +294,4 @@ class TransitionBuilder {
 
 void plan_transition(FilterComposer& filter) { TransitionBuilder(filter).run(); }
 
-}  // namespace binnacle::compose
+}  // namespace binnacle::internal::compose

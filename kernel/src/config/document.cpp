@@ -11,7 +11,7 @@
 #include "binnacle/section.hpp"
 #include "config/node.hpp"
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 namespace fs = std::filesystem;
 
@@ -173,14 +173,15 @@ std::uint64_t Document::hash(const std::vector<std::string>& keys) const {
   return hash.value();
 }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::internal::config
 
 namespace binnacle {
 
 Config Config::load(const std::filesystem::path& path, const LoadOptions& options) {
   Diagnostics diagnostics;
   Config config;
-  config.document_ = std::make_shared<const config::Document>(config::Document::load(path, options, diagnostics));
+  config.document_ =
+      std::make_shared<const internal::config::Document>(internal::config::Document::load(path, options, diagnostics));
   if (diagnostics.has_errors()) throw ConfigError(diagnostics);
   return config;
 }

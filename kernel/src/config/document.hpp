@@ -12,9 +12,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "binnacle/config.hpp"
+#include "binnacle/section.hpp"
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 struct Node;
 
@@ -37,9 +37,8 @@ class Document {
   Origin origin(std::string_view pointer) const { return place(pointer).value; }
   /// Where its key stands; elements of arrays, which have none, give the value's place.
   Origin key_origin(std::string_view pointer) const { return place(pointer).key; }
-  /// Folder from which a relative path starts: that of the file which named the value; for a string which
-  /// begins with a variable, of the file which gave the variable; the current one for what came from the
-  /// command line. Absolute.
+  /// Folder from which a relative path starts: that of the file which named the value; for a string which begins with a
+  /// variable, of the file which gave the variable; the current one for what came from the command line. Absolute.
   std::filesystem::path base_dir(std::string_view pointer) const { return place(pointer).folder; }
 
   /// Whether some of its own patches were merged over it.
@@ -63,4 +62,17 @@ class Document {
   bool is_patched_ = false;
 };
 
-}  // namespace binnacle::config
+/// The JSON behind a Reader, which public headers do not name: something stands there.
+struct JsonOf {
+  static const nlohmann::ordered_json& at(const Reader& place) {
+    return *static_cast<const nlohmann::ordered_json*>(place.json_);
+  }
+  /// A default of the component that stands there: it has no place of its own, nor has what is in it.
+  static Reader as_default(Reader place, const nlohmann::ordered_json& json) {
+    place.json_ = &json;
+    place.is_default_ = true;
+    return place;
+  }
+};
+
+}  // namespace binnacle::internal::config

@@ -12,7 +12,7 @@
 #include "base/text.hpp"
 #include "config/node.hpp"
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 namespace fs = std::filesystem;
 
@@ -215,4 +215,4 @@ std::optional<Node> resolve_extends(const fs::path& path, std::optional<std::str
   return Extends(diagnostics).resolve(path, text);
 }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::internal::config

@@ -6,7 +6,7 @@
 #include "base/text.hpp"
 #include "config/node.hpp"
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 namespace {
 
@@ -248,4 +248,4 @@ bool is_utf8(std::string_view text) {
   }
 }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::internal::config

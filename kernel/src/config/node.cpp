@@ -8,7 +8,7 @@
 namespace binnacle {
 
 std::string join_pointer(std::string_view pointer, std::string_view token) {
-  return std::string(pointer) + (config::Json::json_pointer() / std::string(token)).to_string();
+  return std::string(pointer) + (internal::config::Json::json_pointer() / std::string(token)).to_string();
 }
 
 std::string join_pointer(std::string_view pointer, std::size_t index) {
@@ -17,7 +17,7 @@ std::string join_pointer(std::string_view pointer, std::size_t index) {
 
 }  // namespace binnacle
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 std::optional<Tokens> split_pointer(std::string_view pointer) {
   try {
@@ -89,4 +89,4 @@ void drop_nulls(Node& node, const std::vector<Tokens>& patches, std::size_t dept
   }
 }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::internal::config

@@ -15,7 +15,7 @@
 #include "binnacle/config.hpp"
 #include "binnacle/diagnostic.hpp"
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 using Json = nlohmann::ordered_json;
 using Folder = std::shared_ptr<const std::filesystem::path>;
@@ -69,8 +69,7 @@ std::optional<Tokens> split_pointer(std::string_view pointer);
 std::optional<Node> read_json(std::string_view text, const std::string& file_name, const Folder& folder,
                               Diagnostics& diagnostics);
 
-/// A single value without comments, as given to --set; nothing if the text is not JSON. Its places have no
-/// line.
+/// A single value without comments, as given to --set; nothing if the text is not JSON. Its places have no line.
 std::optional<Node> read_json_value(std::string_view text, const std::string& origin_name, const Folder& folder);
 
 bool is_utf8(std::string_view text);
@@ -79,9 +78,8 @@ bool is_utf8(std::string_view text);
 
 /// The file, or the text in its place, with everything that it extends; deleted members are still there as null.
 ///
-/// An object that extends "other.json#/a/b" is what resolving other.json gives at /a/b, merged over by the
-/// object. Only what is asked for is resolved, so one part of a file may extend another part of the same
-/// file.
+/// An object that extends "other.json#/a/b" is what resolving other.json gives at /a/b, merged over by the object. Only
+/// what is asked for is resolved, so one part of a file may extend another part of the same file.
 std::optional<Node> resolve_extends(const std::filesystem::path& path, std::optional<std::string_view> text,
                                     Diagnostics& diagnostics);
 
@@ -91,4 +89,4 @@ std::optional<Node> resolve_extends(const std::filesystem::path& path, std::opti
 void fill_in_variables(Node& root, const std::map<std::string, std::string>& given, const Folder& current_folder,
                        Diagnostics& diagnostics);
 
-}  // namespace binnacle::config
+}  // namespace binnacle::internal::config

@@ -109,11 +109,11 @@ std::optional<Measure> find_measure(std::string_view name) {
   return std::nullopt;
 }
 
-using base::in_quotes;
-using base::is_digit;
+using internal::base::in_quotes;
+using internal::base::is_digit;
 
 bool is_name_character(char c) {
-  return (base::is_word(c, "%_") && !is_digit(c)) || static_cast<unsigned char>(c) >= 0x80;
+  return (internal::base::is_word(c, "%_") && !is_digit(c)) || static_cast<unsigned char>(c) >= 0x80;
 }
 
 /// What is wrong with a unit: an unknown name and where it stands, or `why`, to be read after the unit's own text.
@@ -220,7 +220,7 @@ struct UnitParser {
 std::string meant_name(std::string_view name) {
   for (const auto& [other, ours] : other_spellings)
     if (other == name) return std::string(ours);
-  std::vector<std::string> names = base::names_of(named_units);
+  std::vector<std::string> names = internal::base::names_of(named_units);
   for (const NamedUnit& unit : named_units)
     for (const char prefix : unit.prefixes) names.push_back(prefix + std::string(unit.name));
   return closest(name, names);

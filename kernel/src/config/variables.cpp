@@ -7,7 +7,7 @@
 #include "base/text.hpp"
 #include "config/node.hpp"
 
-namespace binnacle::config {
+namespace binnacle::internal::config {
 
 namespace {
 
@@ -155,4 +155,4 @@ void fill_in_variables(Node& root, const std::map<std::string, std::string>& giv
   variables.fill_in_all(root);
 }
 
-}  // namespace binnacle::config
+}  // namespace binnacle::internal::config

@@ -7,7 +7,7 @@
 
 #include "base/index.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 using base::as_size;
 
@@ -262,4 +262,4 @@ void gain_times_residual(int n, const UpdateWork& work, double* delta) {
   combine_neighbours(work.K, padded(n), work.m, work.r, 1, delta);
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

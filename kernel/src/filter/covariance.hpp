@@ -9,7 +9,7 @@
 #include "binnacle/view.hpp"
 #include "filter/strip_loops.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 /// A few rows of Φ (or H) that share their non-zero columns. `coefficients` of column c of the list begin at
 /// `block[c.block] + c.offset`, one per row of the group.
@@ -133,4 +133,4 @@ class Joseph final : public CovarianceForm {
   std::vector<double> transformed_;   // ld × most_dof
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

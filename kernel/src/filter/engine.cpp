@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 namespace {
 
@@ -293,4 +293,4 @@ InflationRecord Engine::inflation_record(int measurement, Time t) {
   return record;
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -15,7 +15,7 @@
 #include "filter/model_calls.hpp"
 #include "filter/time_line.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 /// What throws inside, or gives what may not be, stops the filter with a diagnosis that names it; nothing leaves.
 class Engine final : private TimeLine::Work {
@@ -96,4 +96,4 @@ class Engine final : private TimeLine::Work {
   std::vector<double> x_before_, P_before_, Phi_, Qd_, H_, reset_, variances_;
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 constexpr double largest_variance = 1e30;
 
@@ -198,4 +198,4 @@ void Estimator::write(SampleWriter& slot) {
   slot.attach_covariance().as() = covariance().as();
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -15,7 +15,7 @@
 #include "filter/model_calls.hpp"
 #include "filter/plan.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 /// The rows of the sample at work: linearize() fills them, judge() may thin them out, correct() applies them. R is what
 /// the noise estimator makes of R_nominal.
@@ -72,10 +72,9 @@ struct Judgement {
   const char* reason = "";
 };
 
-/// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: four such
-/// matrices. By scaling, a Taylor series to full precision, and doubling:
-/// Φ(2h) = Φ(h)², Qd(2h) = Qd(h) + Φ(h) Qd(h) Φ(h)ᵀ — the same quantities as Van Loan (1978) eq. 2.13 without the
-/// exponential of −F, which overflows for fast stable modes.
+/// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: four such matrices.
+/// By scaling, a Taylor series to full precision, and doubling: Φ(2h) = Φ(h)², Qd(2h) = Qd(h) + Φ(h) Qd(h) Φ(h)ᵀ — the
+/// same quantities as Van Loan (1978) eq. 2.13 without the exponential of −F, which overflows for fast stable modes.
 void discretize(const double* F, const double* Q, int n, double dt, double* Phi, double* Qd, double* work);
 
 /// All of it may throw Stop, or what a plugin throws. `now`: when models are called, with the mean rates of the last
@@ -225,4 +224,4 @@ class Estimator {
   std::vector<std::byte> memory_backup_, noise_backup_;  // of a measurement's models and noise estimator
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

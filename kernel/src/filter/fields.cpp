@@ -5,7 +5,7 @@
 
 #include "filter/plan.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -44,4 +44,4 @@ SampleView unpack(const ChannelPlan& channel, const SampleHead& head, const doub
   return {head.t, head.t0, head.rows, data, row_fields, head.has_covariance ? covariance : nullptr, head.t != no_time};
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

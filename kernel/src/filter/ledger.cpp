@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 void Ledger::reset() {
   *plan_.health.in(arena_) = Health{};
@@ -74,4 +74,4 @@ void Ledger::stop(const std::string& diagnosis) {
   health.is_broken = 1;
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -10,7 +10,7 @@
 #include "binnacle/step_log.hpp"
 #include "filter/plan.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 /// An offered sample is open until it is closed with its outcome or waits in the queue; at most one is open. So
 ///     offered = Σ outcomes + waiting + open.
@@ -63,4 +63,4 @@ class Ledger {
   Time open_t_ = no_time;
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

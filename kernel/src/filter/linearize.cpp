@@ -6,7 +6,7 @@
 
 #include "filter/estimator.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 namespace {
 
@@ -233,4 +233,4 @@ void Estimator::add_covariance(const PartPlan::Read& a, const PartPlan::Target& 
     }
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 namespace {
 
@@ -61,4 +61,4 @@ void NoteBook::keep(const std::string& type, const std::string& pointer, const c
   std::strncpy(notes_.back().text, text, longest);
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

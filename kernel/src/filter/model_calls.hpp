@@ -13,7 +13,7 @@
 #include "binnacle/plugin_call.hpp"
 #include "binnacle/view.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 /// A filter cannot go on: what() is its diagnosis.
 struct Stop : std::runtime_error {
@@ -105,4 +105,4 @@ class ModelCalls : public CallSite {
   const std::string* pointer_ = nullptr;
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

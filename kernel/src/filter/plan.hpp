@@ -19,7 +19,7 @@
 #include "binnacle/step_log.hpp"
 #include "filter/covariance.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 using base::as_size;
 
@@ -389,4 +389,4 @@ struct FilterPlan : Planned {
   }
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -7,7 +7,7 @@
 
 #include "filter/estimator.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 namespace {
 
@@ -278,4 +278,4 @@ void Estimator::hold_frozen() {
   }
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 /// Columns of P are this many doubles apart: n rounded up to whole SIMD strips. Padding rows stay zero.
 inline constexpr int strip = 4;
@@ -61,4 +61,4 @@ inline bool runs_avx2() {
 }
 inline const StripLoops& strip_loops() { return runs_avx2() ? avx2_strip_loops : base_strip_loops; }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -3,9 +3,9 @@
 #ifdef __AVX2__
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = loops;
+const binnacle::internal::filter::StripLoops binnacle::internal::filter::avx2_strip_loops = loops;
 #else
 #include "filter/strip_loops.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::avx2_strip_loops = {};
+const binnacle::internal::filter::StripLoops binnacle::internal::filter::avx2_strip_loops = {};
 #endif

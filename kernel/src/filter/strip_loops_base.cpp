@@ -2,4 +2,4 @@
 // StripLoops for every processor that this program was built for.
 #include "filter/strip_loops_body.hpp"
 
-const binnacle::filter::StripLoops binnacle::filter::base_strip_loops = loops;
+const binnacle::internal::filter::StripLoops binnacle::internal::filter::base_strip_loops = loops;

@@ -4,7 +4,7 @@
 // linker could hand a function made for one processor to another.
 #include "filter/strip_loops.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 namespace {
 
 #ifdef __AVX2__
@@ -187,4 +187,4 @@ inline void correct_lower(double* P, int n, const UpdateWork& work) {
 constexpr StripLoops loops = {combine, transpose, mirror, gain_columns, correct_lower};
 
 }  // namespace
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

@@ -7,7 +7,7 @@
 
 #include "filter/model_calls.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 TimeLine::TimeLine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena, Work& work)
     : plan_(plan),
@@ -207,4 +207,4 @@ void TimeLine::step(Time t1, int samples) {
   work_.stepped();
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

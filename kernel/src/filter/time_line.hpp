@@ -11,7 +11,7 @@
 #include "binnacle/sample.hpp"
 #include "filter/plan.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 class TimeLine {
  public:
@@ -84,4 +84,4 @@ class TimeLine {
   std::vector<double> sample_fields_;  // theirs, raw
 };
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

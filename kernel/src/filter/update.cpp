@@ -7,7 +7,7 @@
 
 #include "filter/estimator.hpp"
 
-namespace binnacle::filter {
+namespace binnacle::internal::filter {
 
 // ---- the rows, and which of them disagree with all others
 
@@ -240,4 +240,4 @@ void Estimator::learn(const MeasurementPlan& measurement) {
   calls_.during(measurement.noise_type, measurement.pointer, "after", [&] { measurement.noise->after(in); });
 }
 
-}  // namespace binnacle::filter
+}  // namespace binnacle::internal::filter

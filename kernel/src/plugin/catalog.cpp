@@ -16,6 +16,7 @@
 
 namespace binnacle {
 
+using namespace internal;
 namespace fs = std::filesystem;
 
 const char* role_name(Role role) {

@@ -48,7 +48,7 @@ std::string text_of(const char (&text)[N]) {
 
 }  // namespace binnacle::abi
 
-namespace binnacle::plugin {
+namespace binnacle::internal::plugin {
 
 inline constexpr const char* guard_symbol = "binnacle_guard_v1";
 inline constexpr const char* register_symbol = "binnacle_register_v1";
@@ -69,4 +69,4 @@ LibraryFile inspect_library(const std::filesystem::path& file);
 void load_plugin(const std::filesystem::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
                  Diagnostics& diagnostics);
 
-}  // namespace binnacle::plugin
+}  // namespace binnacle::internal::plugin

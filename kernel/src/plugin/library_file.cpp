@@ -9,7 +9,7 @@
 
 #include "plugin/library.hpp"
 
-namespace binnacle::plugin {
+namespace binnacle::internal::plugin {
 
 namespace {
 
@@ -118,4 +118,4 @@ LibraryFile inspect_library(const std::filesystem::path& file) {
   return result;
 }
 
-}  // namespace binnacle::plugin
+}  // namespace binnacle::internal::plugin

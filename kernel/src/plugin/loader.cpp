@@ -14,7 +14,7 @@
 #include "plugin/library.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle::plugin {
+namespace binnacle::internal::plugin {
 
 namespace fs = std::filesystem;
 
@@ -159,7 +159,7 @@ void load_plugin(const fs::path& file, std::vector<PluginInfo>& plugins, std::de
   PluginRegistry(file, diagnostics).load(plugins, types);
 }
 
-}  // namespace binnacle::plugin
+}  // namespace binnacle::internal::plugin
 
 namespace binnacle {
 
@@ -170,7 +170,7 @@ void ComponentType::rethrow_as_component_error(const CallSite& site) {
   } catch (const ComponentError& error) {
     throw ComponentError(error);
   } catch (...) {
-    throw ComponentError(site.text() + " threw: " + plugin::what_was_thrown());
+    throw ComponentError(site.text() + " threw: " + internal::plugin::what_was_thrown());
   }
 }
 

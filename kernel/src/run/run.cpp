@@ -7,6 +7,7 @@ namespace binnacle {
 
 namespace {
 
+using namespace internal;
 using namespace runtime;
 
 class WarningReporter : public Reporter {

@@ -8,7 +8,7 @@
 
 #include "base/hash.hpp"
 
-namespace binnacle::runtime {
+namespace binnacle::internal::runtime {
 
 namespace {
 
@@ -243,4 +243,4 @@ void Runtime::finish() {
   }
 }
 
-}  // namespace binnacle::runtime
+}  // namespace binnacle::internal::runtime

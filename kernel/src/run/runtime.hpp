@@ -13,7 +13,7 @@
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
 
-namespace binnacle::runtime {
+namespace binnacle::internal::runtime {
 
 using namespace compose;
 
@@ -119,4 +119,4 @@ class Runtime {
   bool feeds_sinks_ = true;
 };
 
-}  // namespace binnacle::runtime
+}  // namespace binnacle::internal::runtime

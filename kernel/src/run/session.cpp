@@ -18,6 +18,7 @@ namespace binnacle {
 
 namespace {
 
+using namespace internal;
 using namespace runtime;
 
 using base::as_size;

@@ -10,7 +10,7 @@
 #include "base/index.hpp"
 #include "base/text.hpp"
 
-namespace binnacle::spec {
+namespace binnacle::internal::spec {
 
 namespace {
 
@@ -97,7 +97,7 @@ struct Check {
   }
 
  private:
-  const Json& json() const { return *at.json(); }
+  const Json& json() const { return JsonOf::at(at); }
 
   /// Nothing, as the value is then.
   ParameterValue error(const char* code, const std::string& message) const {
@@ -239,9 +239,9 @@ struct Check {
     const std::size_t rows = json().size(), cols = json().front().size();
     const std::vector<Reader> places = at.children();
     for (const Reader& row : places)
-      if (row.json()->size() != cols)
+      if (JsonOf::at(row).size() != cols)
         return Check{spec, row, ports, name}.error("B013", "row " + row.key() + " of " + name + " has " +
-                                                               elements_text(*row.json()) + ", the first has " +
+                                                               elements_text(JsonOf::at(row)) + ", the first has " +
                                                                std::to_string(cols));
     if (wanted_size(spec.size).value_or(rows) != rows || wanted_size(spec.cols).value_or(cols) != cols)
       return error("B013", name + " is " + std::to_string(rows) + " by " + std::to_string(cols) + "; it takes " +
@@ -302,7 +302,7 @@ struct Check {
     if (const Reader place = at[member.name]) return Check{member, place, ports, label}.value();
     if (!member.default_json.empty()) {
       const Json json = Json::parse(member.default_json, nullptr, false);
-      const Reader place = at.with_default(json);
+      const Reader place = JsonOf::as_default(at, json);
       const Check check{member, place, ports, label};
       return json.is_discarded() ? check.error("B001", "no JSON: " + member.default_json) : check.value();
     }
@@ -450,13 +450,15 @@ Parsed<std::string> canonical_kind(std::string_view kind) {
   return canonical;
 }
 
-}  // namespace binnacle::spec
+}  // namespace binnacle::internal::spec
 
 namespace binnacle {
 
+using namespace internal;
+
 std::string Reader::shown() const {
   using Json = spec::Json;
-  const Json& value = *json_;
+  const Json& value = JsonOf::at(*this);
   switch (value.type()) {
     case Json::value_t::string: return "the text \"" + spec::cut(value.get_ref<const std::string&>()) + "\"";
     case Json::value_t::object: return value.empty() ? "an empty object" : "an object";

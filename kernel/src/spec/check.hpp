@@ -12,9 +12,10 @@
 #include "binnacle/section.hpp"
 #include "config/document.hpp"
 
-namespace binnacle::spec {
+namespace binnacle::internal::spec {
 
 using config::Document;
+using config::JsonOf;
 using Json = nlohmann::ordered_json;
 
 /// Whether a component takes the field whatever unit the channel has for it.
@@ -70,4 +71,4 @@ std::string unit_and_range(const ParameterSpec& spec, const PortUnits& ports);
 /// "a, b"; one alone where the other is empty.
 std::string joined(const std::string& a, const std::string& b);
 
-}  // namespace binnacle::spec
+}  // namespace binnacle::internal::spec

@@ -9,6 +9,9 @@
 
 namespace binnacle {
 
+using namespace internal;
+using config::JsonOf;
+
 Reader::Reader(const config::Document& document, Diagnostics& diagnostics, const std::string& pointer)
     : document_(&document), diagnostics_(&diagnostics), pointer_(pointer), json_(document.value(pointer)) {
   const auto tokens = config::split_pointer(pointer);
@@ -19,28 +22,21 @@ Reader Reader::operator[](std::string_view key) const {
   Reader member = *this;
   member.key_ = key;
   if (!is_default_) member.pointer_ = join_pointer(pointer_, key);
-  const bool is_there = is_object() && json_->contains(key);
-  member.json_ = is_there ? &json_->at(member.key_) : nullptr;
+  const bool is_there = is_object() && JsonOf::at(*this).contains(key);
+  member.json_ = is_there ? &JsonOf::at(*this).at(member.key_) : nullptr;
   return member;
 }
 
 std::vector<Reader> Reader::children() const {
   std::vector<Reader> all;
-  if (!json_ || !json_->is_structured()) return all;
-  for (const auto& item : json_->items()) {
+  if (!json_ || !JsonOf::at(*this).is_structured()) return all;
+  for (const auto& item : JsonOf::at(*this).items()) {
     Reader& child = all.emplace_back(*this);
     child.key_ = item.key();
     if (!is_default_) child.pointer_ = join_pointer(pointer_, child.key_);
     child.json_ = &item.value();
   }
   return all;
-}
-
-Reader Reader::with_default(const spec::Json& json) const {
-  Reader reader = *this;
-  reader.json_ = &json;
-  reader.is_default_ = true;
-  return reader;
 }
 
 Origin Reader::origin() const { return document_->origin(pointer_); }
@@ -57,13 +53,13 @@ void Reader::key_error(const std::string& code, const std::string& message) cons
 // ---- structure
 
 bool Reader::is_object(std::string_view what) const {
-  const bool is_it = json_ && json_->is_object();
+  const bool is_it = json_ && JsonOf::at(*this).is_object();
   if (json_ && !is_it && !what.empty()) error("B006", std::string(what) + " must be an object; found " + shown());
   return is_it;
 }
 
 bool Reader::is_list(std::string_view what) const {
-  const bool is_it = json_ && json_->is_array();
+  const bool is_it = json_ && JsonOf::at(*this).is_array();
   if (json_ && !is_it && !what.empty()) error("B006", std::string(what) + " must be a list; found " + shown());
   return is_it;
 }
@@ -145,32 +141,34 @@ std::optional<Time> Reader::time() const {
 
 std::optional<std::vector<std::string>> Reader::names() const {
   if (!json_) return std::nullopt;
-  if (json_->is_string()) return std::vector<std::string>{json_->get<std::string>()};
-  if (json_->is_array() && std::ranges::all_of(*json_, [](const auto& item) { return item.is_string(); }))
-    return json_->get<std::vector<std::string>>();
+  const spec::Json& json = JsonOf::at(*this);
+  if (json.is_string()) return std::vector<std::string>{json.get<std::string>()};
+  if (json.is_array() && std::ranges::all_of(json, [](const auto& item) { return item.is_string(); }))
+    return json.get<std::vector<std::string>>();
   error("B006", base::in_quotes(key_) + " must be a name or a list of names; found " + shown());
   return std::nullopt;
 }
 
 std::optional<When> Reader::when() const {
   if (!json_) return std::nullopt;
+  const spec::Json& json = JsonOf::at(*this);
   const auto refuse = [&](const std::string& why) {
     error("B024", why + "; write \"228 s\" or \"start+60 s\"");
     return std::nullopt;
   };
-  if (json_->is_number()) {
-    if (std::abs(json_->get<double>()) < 9.2e9) return When{from_seconds(json_->get<double>()), false};
-    return refuse(json_->dump() + " s is beyond 292 years");
+  if (json.is_number()) {
+    if (std::abs(json.get<double>()) < 9.2e9) return When{from_seconds(json.get<double>()), false};
+    return refuse(json.dump() + " s is beyond 292 years");
   }
-  if (!json_->is_string()) return refuse(shown() + " is no time");
-  std::string_view text = json_->get_ref<const std::string&>();
+  if (!json.is_string()) return refuse(shown() + " is no time");
+  std::string_view text = json.get_ref<const std::string&>();
   take(text, "");
   When when;
   when.from_start = take(text, "start");
   if (when.from_start && text.empty()) return when;
   const bool is_negative = take(text, "-");
   if (!is_negative && !take(text, "+") && when.from_start)
-    return refuse(base::in_quotes(json_->get<std::string>()) + " is no time");
+    return refuse(base::in_quotes(json.get<std::string>()) + " is no time");
   const Parsed<std::int64_t> time = parse_time(text);
   if (!time) return refuse(time.error());
   when.time = is_negative ? -*time : *time;
@@ -179,7 +177,7 @@ std::optional<When> Reader::when() const {
 
 std::optional<TimeSpan> Reader::span() const {
   if (!json_) return std::nullopt;
-  if (!is_list() || json_->size() != 2) {
+  if (!is_list() || JsonOf::at(*this).size() != 2) {
     error("B024", "a window is [from, to], for example [\"228 s\", \"258 s\"]; found " + shown());
     return std::nullopt;
   }

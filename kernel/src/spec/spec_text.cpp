@@ -9,7 +9,7 @@
 #include "binnacle/catalog.hpp"
 #include "spec/check.hpp"
 
-namespace binnacle::spec {
+namespace binnacle::internal::spec {
 
 std::optional<std::string> port_of_unit(std::string_view unit) {
   if (!unit.starts_with('@')) return std::nullopt;
@@ -187,11 +187,11 @@ std::string expected_text(const ParameterSpec& spec, const PortUnits& ports) {
   return is_number || is_time ? text + ", for example " + example_of(spec, ports) : text;
 }
 
-}  // namespace binnacle::spec
+}  // namespace binnacle::internal::spec
 
 namespace binnacle {
 
-std::string requirement_text(const ParameterSpec& spec) { return spec::describe_short(spec); }
-std::string example_text(const ParameterSpec& spec) { return spec::example_of(spec); }
+std::string requirement_text(const ParameterSpec& spec) { return internal::spec::describe_short(spec); }
+std::string example_text(const ParameterSpec& spec) { return internal::spec::example_of(spec); }
 
 }  // namespace binnacle
