@@ -300,7 +300,7 @@ class CallsDerived final : public Fixture {
   Answer turn(std::uint64_t k, std::byte*, double fill) const override {
     auto random = trial_.random(4000 + k);
     const auto evaluated = derived_.caller.evaluate(derived_.ports(random, 0.3), derived_.u(), true, fill);
-    return {evaluated.result, evaluated.numbers, {}, evaluated.damage};
+    return {evaluated.result, evaluated.numbers, evaluated.damage};
   }
 
  private:

@@ -62,7 +62,7 @@ ParameterValue value_of(ParameterSpec spec, const std::string& value) {
   return checked.value.members[0].second;
 }
 
-using namespace binnacle::internal::parameter;
+using namespace binnacle::parameter;
 
 }  // namespace
 

@@ -458,7 +458,7 @@ using namespace internal;
 
 std::string Reader::shown() const {
   using Json = spec::Json;
-  const Json& value = JsonOf::at(*this);
+  const Json& value = config::JsonOf::at(*this);
   switch (value.type()) {
     case Json::value_t::string: return "the text \"" + spec::cut(value.get_ref<const std::string&>()) + "\"";
     case Json::value_t::object: return value.empty() ? "an empty object" : "an object";
