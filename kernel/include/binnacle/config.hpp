@@ -16,7 +16,7 @@ namespace binnacle {
 namespace internal::config {
 class Document;
 struct JsonOf;
-}
+}  // namespace internal::config
 class Section;
 
 /// What the command line adds to a config.

@@ -209,7 +209,7 @@ void FilterComposer::add_block(const Reader& block_at) {
   values.push_back({block.name, true, *kind, declaration.dof(), declaration.stored_size, declaration.error});
   BlockReader(*this, block).read_uses();
   block.stored_offset = plan.stored_size;
-  plan.stored_size += declaration.stored_size;
+  plan.stored_size += block.stored_size = declaration.stored_size;
   block.first = plan.n;
   plan.n += count_of(block.active);
   plan.blocks.push_back(std::move(block));

@@ -13,14 +13,6 @@ using base::as_size;
 
 namespace {
 
-/// out = Σ_c coefficients[c·stride] · in(·, c) for c < count.
-void combine_neighbours(const double* in, int ld, int count, const double* coefficients, int stride,
-                        double* __restrict out) {
-  std::fill_n(out, ld, 0.0);
-  for (int c = 0; c < count; ++c)
-    for (int i = 0; i < ld; ++i) out[i] += coefficients[c * stride] * column_at(in, ld, c)[i];
-}
-
 /// The group's coefficients in one run of memory; returns its end.
 template <int R>
 inline double* collect_rows(const RowGroup& group, const double* const* phi, double* to) {
@@ -86,6 +78,7 @@ Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
   Mt_.resize(M_.size());
   PAA_.resize(as_size(ld_coupled_) * as_size(ld_coupled_));
   transformed_.resize(as_size(ld_) * as_size(most_dof));
+  for (int row = 0; row < plan.n; ++row) rows_.push_back(row);
 }
 
 /// M = P Φ_Aᵀ and P'_AA = Φ_A M.
@@ -186,13 +179,14 @@ void Joseph::correct(const UpdateWork& work) {
 
 void Joseph::transform(const double* T, int first, int d) {
   double* const PTt = transformed_.data();  // P Tᵀ in the block's columns
-  for (int r = 0; r < d; ++r) combine_neighbours(column_at(P_, ld_, first), ld_, d, T + r, d, column_at(PTt, ld_, r));
+  for (int r = 0; r < d; r += 3)
+    strip_loops().combine(std::min(3, d - r), P_, ld_, 0, d, rows_.data() + first, T + r, d, column_at(PTt, ld_, r));
   // Outside the block that is P'; inside it still wants T from the left.
   for (int r = 0; r < d; ++r) {
     const double* in = column_at(PTt, ld_, r);
     std::copy_n(in, ld_, column_at(P_, ld_, first + r));
-    for (int i = 0; i < plan_.n; ++i)
-      if (i < first || i >= first + d) column_at(P_, ld_, i)[first + r] = in[i];
+    for (int i = 0; i < first; ++i) column_at(P_, ld_, i)[first + r] = in[i];
+    for (int i = first + d; i < plan_.n; ++i) column_at(P_, ld_, i)[first + r] = in[i];
   }
   for (int r = 0; r < d; ++r)
     for (int s = r; s < d; ++s) {
@@ -258,8 +252,10 @@ void gain(const std::vector<unsigned char>& corrected, int n, const UpdateWork& 
       if (!corrected[as_size(i)]) column_at(work.K, padded(n), j)[i] = 0;
 }
 
-void gain_times_residual(int n, const UpdateWork& work, double* delta) {
-  combine_neighbours(work.K, padded(n), work.m, work.r, 1, delta);
+void gain_times_residual(int n, const UpdateWork& work, double* __restrict delta) {
+  std::fill_n(delta, padded(n), 0.0);
+  for (int j = 0; j < work.m; ++j)
+    for (int i = 0; i < padded(n); ++i) delta[i] += work.r[j] * column_at(work.K, padded(n), j)[i];
 }
 
 }  // namespace binnacle::internal::filter

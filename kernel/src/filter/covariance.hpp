@@ -131,6 +131,7 @@ class Joseph final : public CovarianceForm {
   std::vector<double> d_;             // ld: diagonal of Φ, 1 for coupled rows
   std::vector<double> coefficients_;  // of all groups, one after the other
   std::vector<double> transformed_;   // ld × most_dof
+  std::vector<int> rows_;             // 0, 1, 2, …
 };
 
 }  // namespace binnacle::internal::filter

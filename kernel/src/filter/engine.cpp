@@ -250,14 +250,15 @@ StepRecord Engine::step_record(Time t1) {
 UpdateRecord Engine::innovation_record(const MeasurementPlan& measurement) {
   const SampleRows& rows = estimator_.rows();
   UpdateRecord record;
-  record.x0 = state();
   record.rows = rows.m;
+  record.nis = rows.nis;
+  if (!ledger_.observer()) return record;
+  record.x0 = state();
   record.row_keys = rows.keys.data();
   record.row_groups = rows.groups.data();
   record.left_out = rows.left_out;
   record.left_out_keys = rows.left_out_keys.data();
   record.residual = rows.r;
-  record.nis = rows.nis;
   record.S = rows.square(rows.S);
   record.R = rows.square(rows.R);
   if (!is_wanted(Wants::jacobian)) return record;

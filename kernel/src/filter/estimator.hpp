@@ -195,6 +195,7 @@ class Estimator {
   void weigh(const MeasurementPlan& measurement, Time t, double dt);
   void inject();
   void keep_reset(const BlockPlan& block, MatrixView G);
+  double* kept_jacobian(const BlockPlan& block) { return reset_jacobians_.data() + block.first * plan_.n; }
 
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;

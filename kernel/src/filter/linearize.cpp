@@ -66,7 +66,7 @@ const MatrixView* Estimator::zeroed_jacobians(const Component& component, int ro
   std::fill_n(jacobians_.begin(), component.ports.size(), MatrixView{});
   for (const auto& read : component.reads) {
     const MatrixView J = jacobians_[as_size(read.port)] = {at(read.jacobian), rows, plan_.dof(read.value), rows};
-    J.as().setZero();
+    std::fill_n(J.data, J.rows * J.cols, 0.0);
   }
   return jacobians_.data();
 }
@@ -158,8 +158,8 @@ Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const
   if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
   part_rows = out.rows;
   // What a model wrote beyond its rows is not the next part's.
-  out.R.as().rightCols(most - part_rows).setZero();
-  out.R.as().bottomRows(most - part_rows).setZero();
+  for (int j = 0; j < most && part_rows < most; ++j)
+    for (int i = j < part_rows ? part_rows : 0; i < most; ++i) out.R(i, j) = 0;
   const MatrixView R = out.R.block(0, 0, part_rows, part_rows);
   // What is not finite may come from the sample: that is invalid, see linearize().
   if (const std::string flaw = is_finite(R) ? flaw_of_noise(R) : ""; !flaw.empty())

@@ -34,15 +34,15 @@ std::string call_text(const std::string& type, const std::string& pointer, const
 
 std::string flaw_of_noise(ConstMatrixView R) {
   for (int j = 0; j < R.cols; ++j)
-    for (int i = 0; i < R.rows; ++i)
-      if (!std::isfinite(R(i, j))) return element(i, j, R(i, j)) + ", which is not finite";
-  for (int i = 0; i < R.rows; ++i)
-    if (R(i, i) < 0) return element(i, i, R(i, i)) + ", which is no variance";
-  for (int j = 0; j < R.cols; ++j)
-    for (int i = 0; i < j; ++i)
-      if (const double difference = R(i, j) - R(j, i);
-          difference * difference > rounding * rounding * R(i, i) * R(j, j))
-        return element(i, j, R(i, j)) + " but " + element(j, i, R(j, i)) + ", which is not symmetric";
+    for (int i = 0; i <= j; ++i) {
+      const double above = R(i, j), below = R(j, i), difference = above - below;
+      if (difference == 0 && (i < j || above >= 0)) continue;  // both finite
+      if (!std::isfinite(above)) return element(i, j, above) + ", which is not finite";
+      if (!std::isfinite(below)) return element(j, i, below) + ", which is not finite";
+      if (i == j) return element(i, i, above) + ", which is no variance";
+      if (difference * difference > rounding * rounding * R(i, i) * R(j, j))
+        return element(i, j, above) + " but " + element(j, i, below) + ", which is not symmetric";
+    }
   return "";
 }
 

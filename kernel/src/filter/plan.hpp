@@ -121,17 +121,18 @@ struct BlockPlan : Planned {
   std::vector<int> active;  // error components with a place in P
   int first = 0;            // row of the first of them in P
   int stored_offset = 0;    // in the filter's stored state, doubles
+  int stored_size = 0;
   int process = -1;
   bool holds_frozen = false;
   InitialPlan initial;
 
   const StateBlockDeclaration& declaration() const { return block->declaration(); }
-  int dof() const { return declaration().dof(); }
+  int dof() const { return static_cast<int>(use.size()); }
   int outputs() const { return static_cast<int>(declaration().outputs.size()); }
   bool is_whole() const { return static_cast<int>(active.size()) == dof(); }
   /// Its value in the stored state.
-  VectorView in(double* x) const { return {x + stored_offset, declaration().stored_size}; }
-  ConstVectorView in(const double* x) const { return {x + stored_offset, declaration().stored_size}; }
+  VectorView in(double* x) const { return {x + stored_offset, stored_size}; }
+  ConstVectorView in(const double* x) const { return {x + stored_offset, stored_size}; }
 };
 
 /// Values that models bind to: state blocks first, then derived blocks in order of dependence.
