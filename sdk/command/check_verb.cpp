@@ -2,6 +2,7 @@
 // check: every error of every config, or nothing.
 #include "binnacle/composition.hpp"
 #include "covariance/analysis.hpp"
+#include "interrupt.hpp"
 #include "output.hpp"
 #include "score/sections.hpp"
 #include "study/study.hpp"
@@ -39,6 +40,7 @@ Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
 }
 
 int check(const Options& options) {
+  watch_signals("the check is not over");
   const LoadOptions load_options = options.config.load_options();
   Diagnostics found;
   int status = ok;
@@ -51,6 +53,8 @@ int check(const Options& options) {
       status = heavier(status, error.exit_status());
     }
   }
+  stand_down();
+  if (interrupted_by() != 0) die_of_signal();
   if (options.json)
     print_json(to_json(found));
   else

@@ -8,7 +8,9 @@
 
 #include "atomic_file.hpp"
 #include "covariance/analysis.hpp"
+#include "interrupt.hpp"
 #include "output.hpp"
+#include "sentinel.hpp"
 #include "study_text.hpp"
 #include "table.hpp"
 #include "verbs.hpp"
@@ -66,11 +68,19 @@ int tell_failures(const Json& summary) {
 
 int analyse(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
+  watch_signals("nothing was written");
   const LoadOptions load = options.config.load_options();
   const auto study = covariance::load(options.config_path, load);
   std::unique_ptr<AtomicFile> file;
   if (!options.summary.empty()) file = std::make_unique<AtomicFile>(options.summary);
+  watch_exit();  // again, now that the plugins are loaded
   Json summary = covariance::analyse(study, options.config_path, load);
+  stand_down();
+  if (interrupted_by() != 0) {
+    file.reset();
+    print_error("interrupted; nothing was written");
+    die_of_signal();
+  }
   summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (file) {
     file->write(summary.dump(2) + "\n");

@@ -59,7 +59,6 @@ void start_watchdog(const std::string& left) {
 }  // namespace
 
 void watch_signals(const std::string& left) {
-  watch_exit();  // again, now that the plugins are loaded
   watch = Watch::on;
   start_watchdog(left);
   struct sigaction action = {};

@@ -126,6 +126,9 @@ int guarded_main(int argc, char** argv) {
   } catch (const std::exception& error) {
     print_error(std::string("internal: ") + error.what());
     return failed;
+  } catch (...) {
+    print_error("internal: something was thrown that is no std::exception");
+    return failed;
   }
 }
 

@@ -13,6 +13,7 @@
 #include "provenance.hpp"
 #include "report_file.hpp"
 #include "run_recorder.hpp"
+#include "sentinel.hpp"
 #include "study/study.hpp"
 #include "summary_text.hpp"
 #include "verbs.hpp"
@@ -128,10 +129,11 @@ void tell_warnings(const Composition& composition, const score::RunResult& resul
 }
 
 int run_config(const Options& options) {
+  watch_signals("nothing was written");
   const LoadOptions load_options = options.config.load_options(options.config_path);
   const auto composition = score::load(options.config_path, load_options);
+  watch_exit();  // again, now that the plugins are loaded
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
-  watch_signals("nothing was written");
   auto outputs = std::make_unique<Outputs>(options, *composition);
   const score::RunResult result = watched_run(composition, options, outputs->recorder.get());
   stand_down();

@@ -18,6 +18,7 @@
 #include "report_file.hpp"
 #include "results/study_writer.hpp"
 #include "score/sections.hpp"
+#include "sentinel.hpp"
 #include "study/coordinator.hpp"
 #include "study/journal.hpp"
 #include "study/study.hpp"
@@ -251,9 +252,10 @@ int run_study(const Options& options) {
   if (team && team->rank() > 0) return serve(*team, options, jobs);
   std::optional<study::Coordinator> coordinator;
   if (team) coordinator.emplace(*team);
-  const auto study = load(options);
-  study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
   watch_signals(left(options));
+  const auto study = load(options);
+  watch_exit();  // again, now that the plugins are loaded
+  study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
   std::optional<Outputs> outputs;
   bool is_complete = false;
   try {

@@ -86,6 +86,8 @@ double quantile(double dof, double p);
 class AuxiliaryNumbers {
  public:
   AuxiliaryNumbers(Trial& trial, const ComponentSpec& spec, const Json& settings);
+  /// See number_rows() of samples.
+  void number_rows(const ComponentSpec& spec);
   AuxiliaryNumbers(const AuxiliaryNumbers&) = delete;
   const std::vector<SampleView>& views() const { return views_; }
 
@@ -149,9 +151,11 @@ class MeasurementFixture {
  private:
   Eigen::VectorXd residual(const PortStates& ports, const SampleNumbers& sample) const;
   SampleNumbers first_guess(const PortStates& ports, std::mt19937_64& random) const;
+  SampleNumbers first_sample(const PortStates& ports, std::mt19937_64& random) const;
 
   Surroundings around_;
   AuxiliaryNumbers auxiliary_;
+  bool numbers_rows_ = false;  // of samples and auxiliary samples: else it takes none
   std::vector<double> driving_rates_;
   std::vector<double> covariance_;  // of its samples, where the miniature's channel attaches one
 };

@@ -74,6 +74,14 @@ AuxiliaryNumbers::AuxiliaryNumbers(Trial& trial, const ComponentSpec& spec, cons
   for (const auto& numbers : numbers_) views_.push_back(numbers.view());
 }
 
+void AuxiliaryNumbers::number_rows(const ComponentSpec& spec) {
+  const Surroundings around(spec);
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    conform::number_rows(numbers_[i], spec.inputs[i].fields, around.input(spec.inputs[i].name));
+    views_[i] = numbers_[i].view();
+  }
+}
+
 // ---- process models
 
 DrivenStep::DrivenStep(double dt, std::vector<double> fields, bool takes_input) : fields_(std::move(fields)) {
@@ -125,6 +133,11 @@ MeasurementFixture::MeasurementFixture(Trial& trial, const Composition& composit
   driving_rates_ = driving_rates_of(part.type->spec, random);
   has_field = fields_carried(composition, part.type->spec, settings_in(composition, "measurements"));
   covariance_ = covariance_carried(composition, settings_in(composition, "measurements"));
+  const PortStates states = ports(random, 0.1);
+  if (!part.type->spec.inputs.empty() && residual(states, first_sample(states, random)).size() == 0) {
+    numbers_rows_ = true;
+    auxiliary_.number_rows(part.type->spec);
+  }
 }
 
 testing::Given MeasurementFixture::given(const SampleNumbers& sample) const {
@@ -155,13 +168,21 @@ SampleNumbers MeasurementFixture::first_guess(const PortStates& ports, std::mt19
         if (outputs[o].name == specs[i].name) given[specs[i].name] = read[o];
     }
   SampleNumbers guess = made_up(specs, has_field, given, around_.time(), random);
+  if (numbers_rows_) number_rows(guess, specs, given);
   guess.covariance = covariance_;
   return guess;
 }
 
+/// A guess that the model takes, if one is found: a range that is negative is none.
+SampleNumbers MeasurementFixture::first_sample(const PortStates& ports, std::mt19937_64& random) const {
+  SampleNumbers z = first_guess(ports, random);
+  for (int attempt = 0; attempt < 8 && residual(ports, z).size() == 0; ++attempt) z = first_guess(ports, random);
+  return z;
+}
+
 SampleNumbers MeasurementFixture::sample(const PortStates& ports, std::mt19937_64& random,
                                          const Eigen::VectorXd& wanted) const {
-  SampleNumbers z = first_guess(ports, random);
+  SampleNumbers z = first_sample(ports, random);
   if (z.count() == 0) return z;  // a model that is given nothing but the time
   // Gauss and Newton over the fields: r(z) = wanted.
   for (int iteration = 0; iteration < 12; ++iteration) {

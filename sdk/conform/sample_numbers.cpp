@@ -130,4 +130,17 @@ SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bo
   return numbers;
 }
 
+void number_rows(SampleNumbers& numbers, const std::vector<FieldSpec>& fields, const Json& given) {
+  const auto width = static_cast<std::size_t>(
+      std::count_if(fields.begin(), fields.end(), [](const FieldSpec& field) { return field.is_per_row; }));
+  std::size_t column = 0;
+  for (const FieldSpec& field : fields) {
+    if (!field.is_per_row) continue;
+    if (field.unit == "1" && !given.contains(field.name))
+      for (std::size_t row = 0; row < static_cast<std::size_t>(numbers.rows); ++row)
+        numbers.row[row * width + column] = static_cast<double>(row + 1);
+    ++column;
+  }
+}
+
 }  // namespace binnacle::conform

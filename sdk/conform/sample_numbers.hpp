@@ -56,5 +56,7 @@ double scale_of(const std::string& unit);
 /// other. spread: of the made-up numbers, in plausible sizes of their units.
 SampleNumbers made_up(const std::vector<FieldSpec>& fields, const std::vector<bool>& has, const Json& given, Time t,
                       std::mt19937_64& random, double spread = 0.1);
+/// Rows by which a model may find others: plain numbers per row that nobody gave become 1, 2, 3, …
+void number_rows(SampleNumbers& numbers, const std::vector<FieldSpec>& fields, const Json& given);
 
 }  // namespace binnacle::conform

@@ -8,6 +8,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "score/block_call.hpp"
+
 namespace binnacle::covariance {
 
 namespace {
@@ -231,12 +233,15 @@ VectorXd Follower::output_row(const Subject& subject) const {
       below = above;
   VectorXd delta = VectorXd::Zero(declaration.dof()), row = delta;
   for (Index i = 0; i < delta.size(); ++i) {
-    delta[i] = step;
-    subject.block->block->plus(x, delta, moved);
-    subject.block->block->read(moved, above);
-    delta[i] = -step;
-    subject.block->block->plus(x, delta, moved);
-    subject.block->block->read(moved, below);
+    const auto read_at = [&](double by, std::vector<double>& outputs) {
+      delta[i] = by;
+      score::call_block(*subject.block, "plus and read", no_time, [&] {
+        subject.block->block->plus(x, delta, moved);
+        subject.block->block->read(moved, outputs);
+      });
+    };
+    read_at(step, above);
+    read_at(-step, below);
     delta[i] = 0;
     const double difference =
         above[static_cast<std::size_t>(subject.output)] - below[static_cast<std::size_t>(subject.output)];

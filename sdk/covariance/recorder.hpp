@@ -32,7 +32,7 @@ class Recorder final : public StepObserver {
   Recorder(const FilterInfo& info, Take take) : info_(info), take_(std::move(take)) {}
 
   Wants wants() const override { return Wants::step_covariance | Wants::transition | Wants::jacobian; }
-  void started(Time t, const double* x, MatrixView P) override {
+  void started(Time t, const double* x, ConstMatrixView P) override {
     Event event = event_of(Event::started, t, x);
     event.P1 = P.as();
     take_(std::move(event));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "score/block_call.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -220,7 +221,7 @@ void FilterScore::reference(int channel, const SampleView& sample) {
   }
 }
 
-void FilterScore::started(Time t, const double* x, MatrixView P) {
+void FilterScore::started(Time t, const double* x, ConstMatrixView P) {
   if (next_) next_->started(t, x, P);
 }
 
@@ -238,9 +239,9 @@ void FilterScore::stepped(const StepRecord& record) {
     const ConstVectorView x0(record.x0 + block.stored_offset, stored), x1(record.x1 + block.stored_offset, stored);
     const VectorView delta(delta_.data(), block.declaration->dof()), between(between_.data(), stored);
     const double fraction = seconds(pending_[i].t - record.t0) / seconds(record.t1 - record.t0);
-    block.block->minus(x1, x0, delta);
+    call_block(block, "minus", pending_[i].t, [&] { block.block->minus(x1, x0, delta); });
     delta.as() *= fraction;
-    block.block->plus(x0, delta, between);
+    call_block(block, "plus", pending_[i].t, [&] { block.block->plus(x0, delta, between); });
     score_block(pending_[i], between.data(), record.P0);
   }
   pending_.resize(kept);
@@ -307,7 +308,7 @@ void FilterScore::score_implied_state(int index) {
 }
 
 /// P: a posteriori at the last update before the reference, or at its very time.
-void FilterScore::score_block(const Pending& pending, const double* estimate, MatrixView P) {
+void FilterScore::score_block(const Pending& pending, const double* estimate, ConstMatrixView P) {
   auto& reference = references_[as_size(pending.reference)];
   const auto& block = *reference.block;
   const auto& declaration = *block.declaration;
@@ -315,14 +316,17 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Ma
   const ConstVectorView at(estimate, declaration.stored_size);
   if (reference.is_whole) {
     const VectorView truth(truth_.data(), declaration.stored_size);
-    if (!block.block->write(pending.values, truth)) return;
-    block.block->minus(truth, at, {delta_.data(), declaration.dof()});
+    if (!call_block(block, "write", pending.t, [&] { return block.block->write(pending.values, truth); })) return;
+    call_block(block, "minus", pending.t, [&] { block.block->minus(truth, at, {delta_.data(), declaration.dof()}); });
     push_errors(reference.series, declaration, pending.t, delta_.data());
     if (keeps_sigmas) push_error_sigmas(reference, P);
     score_consistency(reference, pending.t, P);
   }
-  block.block->read(at, {outputs_.data(), static_cast<int>(declaration.outputs.size())});
-  if (keeps_sigmas) output_sigmas(block, estimate, P, sigma_scratch_.data(), sigmas_.data());
+  const VectorView outputs(outputs_.data(), static_cast<int>(declaration.outputs.size()));
+  call_block(block, "read", pending.t, [&] { block.block->read(at, outputs); });
+  if (keeps_sigmas)
+    call_block(block, "plus and read, for its 1-sigma", pending.t,
+               [&] { output_sigmas(block, estimate, P, sigma_scratch_.data(), sigmas_.data()); });
   for (std::size_t i = 0; i < declaration.outputs.size(); ++i) {
     if (reference.output_series[i] < 0) continue;
     const auto series = as_size(reference.output_series[i]);
@@ -334,7 +338,7 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Ma
 }
 
 /// The 1-σ of errors and norms, in the order of push_errors(). The variance of a norm is the sum of its components'.
-void FilterScore::push_error_sigmas(Reference& reference, MatrixView P) {
+void FilterScore::push_error_sigmas(Reference& reference, ConstMatrixView P) {
   const BlockInfo& block = *reference.block;
   std::vector<double> variances(block.declaration->error.size(), 0.0);
   for (std::size_t a = 0; a < block.active.size(); ++a) {
@@ -351,7 +355,7 @@ void FilterScore::push_error_sigmas(Reference& reference, MatrixView P) {
 }
 
 /// NEES of the active components: δᵀ P⁻¹ δ by Cholesky; left out where P is singular.
-void FilterScore::score_consistency(Reference& reference, Time t, MatrixView P) {
+void FilterScore::score_consistency(Reference& reference, Time t, ConstMatrixView P) {
   const BlockInfo& block = *reference.block;
   const int n = static_cast<int>(block.active.size());
   if (n == 0) return;
@@ -398,8 +402,10 @@ void FilterScore::latest_implied_states(Time t, double* values) {
     const auto count = value.declaration->outputs.size();
     if (implied_state.t() == t) {
       std::vector<double> scratch(output_sigma_scratch(value));
-      value.block->read({implied_state.value(), value.declaration->stored_size}, {values, static_cast<int>(count)});
-      output_sigmas(value, implied_state.value(), implied_state.covariance(), scratch.data(), values + count);
+      call_block(value, "plus and read", t, [&] {
+        value.block->read({implied_state.value(), value.declaration->stored_size}, {values, static_cast<int>(count)});
+        output_sigmas(value, implied_state.value(), implied_state.covariance(), scratch.data(), values + count);
+      });
     } else {
       std::fill_n(values, 2 * count, not_a_number);
     }

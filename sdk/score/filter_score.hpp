@@ -55,8 +55,8 @@ class FilterScore : public StepObserver {
     if (!implied_states_.empty()) all = all | Wants::jacobian | Wants::update_covariance;
     return all;
   }
-  void started(Time t, const double* x, MatrixView P) override;
-  void restored(Time t, const double* x, MatrixView P) override {
+  void started(Time t, const double* x, ConstMatrixView P) override;
+  void restored(Time t, const double* x, ConstMatrixView P) override {
     if (next_) next_->restored(t, x, P);
   }
   void inflated(const InflationRecord& record) override {
@@ -131,11 +131,11 @@ class FilterScore : public StepObserver {
 
   void score(const Pending& pending, const double* state);
   void score_implied_state(int index);
-  void score_block(const Pending& pending, const double* estimate, MatrixView P);
-  void score_consistency(Reference& reference, Time t, MatrixView P);
+  void score_block(const Pending& pending, const double* estimate, ConstMatrixView P);
+  void score_consistency(Reference& reference, Time t, ConstMatrixView P);
   void score_withheld(const UpdateRecord& record);
   void keep_noise(const UpdateRecord& record);
-  static void push_error_sigmas(Reference& reference, MatrixView P);
+  static void push_error_sigmas(Reference& reference, ConstMatrixView P);
 
   nlohmann::ordered_json figures(const TimeSpan& span) const;
   nlohmann::ordered_json withheld_figures() const;

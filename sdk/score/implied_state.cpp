@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "score/block_call.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -43,7 +44,7 @@ ImpliedState::ImpliedState(const ImpliedStatePlan& plan, const BlockInfo& block)
       covariance_(block.active.size() * block.active.size()),
       delta_(as_size(block.declaration->dof())) {}
 
-bool ImpliedState::take(const UpdateRecord& record, MatrixView P) {
+bool ImpliedState::take(const UpdateRecord& record, ConstMatrixView P) {
   if (record.measurement != plan_.measurement || !record.H) return false;
   if (record.outcome != Outcome::accepted && record.outcome != Outcome::withheld) return false;
   const MatrixXd H = record.H.as();
@@ -53,7 +54,8 @@ bool ImpliedState::take(const UpdateRecord& record, MatrixView P) {
   std::fill(delta_.begin(), delta_.end(), 0.0);
   for (std::size_t a = 0; a < block_.active.size(); ++a)
     delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];
-  block_.block->plus({record.x0 + block_.stored_offset, block_.declaration->stored_size}, delta_, value_);
+  const ConstVectorView x(record.x0 + block_.stored_offset, block_.declaration->stored_size);
+  call_block(block_, "plus", record.t, [&] { block_.block->plus(x, delta_, value_); });
   MatrixXd E = -B * H;
   E.middleCols(block_.first_row, rows_) += MatrixXd::Identity(rows_, rows_);
   covariance().as() = E * P.as() * E.transpose() + B * record.R.as() * B.transpose();

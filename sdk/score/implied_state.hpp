@@ -18,7 +18,7 @@ class ImpliedState {
   ImpliedState(const ImpliedStatePlan& plan, const BlockInfo& block);
 
   /// P: a priori. False where the sample gives nothing of the block, or has not become part of the estimate.
-  bool take(const UpdateRecord& record, MatrixView P);
+  bool take(const UpdateRecord& record, ConstMatrixView P);
 
   const ImpliedStatePlan& plan() const { return plan_; }
   Time t() const { return t_; }  // no_time: none yet

@@ -75,6 +75,8 @@ Complaints check_derived(const DerivedCaller& derived, const StateBlock& yields,
 Complaints check_derived_value(const DerivedCaller& derived, const PortStates& ports, const Driving& u) {
   Complaints out;
   const Evaluated with = derived.evaluate(ports, u, true), without = derived.evaluate(ports, u, false);
+  if (!without.damage.empty()) out.add("without Jacobians: ", without.damage);
+  if (with.result.refusal != without.result.refusal) out.add("without Jacobians it refuses otherwise");
   if (with.value.size() != without.value.size() ||
       !std::equal(with.value.begin(), with.value.end(), without.value.begin(), same_bits))
     out.add("the value is another one when no Jacobian is wanted");

@@ -150,20 +150,29 @@ Complaints check_measurement(const MeasurementCaller& measurement, const Given& 
   return out;
 }
 
+namespace {
+
+bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && std::equal(a.data(), a.data() + a.size(), b.data(), same_bits);
+}
+
+}  // namespace
+
 Complaints check_values(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
                         const std::vector<std::byte>& memory) {
   Complaints out;
   const Measured with = measurement.linearize(given, ports, memory);
   const Measured without = measurement.linearize(given, ports, memory, unwritten(), false);
-  const auto same = [](const auto& a, const auto& b) {
-    return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data(), same_bits);
-  };
   if (!without.damage.empty()) out.add("without H: ", without.damage);
   if (with.result.refusal != without.result.refusal) out.add("without H it refuses otherwise");
   if (!same(with.residual, without.residual)) out.add("the residual is another one when no H is wanted");
   if (!same(with.R, without.R)) out.add("R is another one when no H is wanted");
   if (with.keys != without.keys) out.add("the keys of the rows are others when no H is wanted");
-  if (with.memory != without.memory) out.add("its memory is another one when no H is wanted");
+  // Of its memory counts what the next call makes of it: bytes of padding may differ.
+  const Measured next = measurement.linearize(given, ports, with.memory);
+  const Measured other = measurement.linearize(given, ports, without.memory);
+  if (next.result.refusal != other.result.refusal || !same(next.residual, other.residual) || !same(next.R, other.R))
+    out.add("its memory is another one when no H is wanted: the next call gives another answer");
   return out;
 }
 

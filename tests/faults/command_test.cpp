@@ -31,13 +31,17 @@ void write_config(const Workbench& bench, const std::string& sick, const std::st
   "transforms": { "pass": { "type": "passing", "input": "tick")" +
                                of("pass") + R"( } },
   "filters": { "f": {
-    "blocks": { "x": { "type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1 } },
+    "blocks": { "x": { "type": )" +
+                               (sick == "x" ? "\"resting\"" + of("x")
+                                            : std::string(R"("vector", "size": 1, "unit": "m", "init": 0)")) +
+                               R"(, "sigma": 1 } },
     "process": { "move": { "type": "moving", "blocks": { "x": "x" })" +
                                of("move") + R"( } },
     "measurements": { "z": { "type": "linear_measurement", "channel": "pass", "blocks": { "x": "x" }, "sigma": [1] } }
   } },
   "sinks": { "sink": { "type": "sinking", "input": "pass")" +
                                of("sink") + R"( } },
+  "reference": [{ "channel": "tick", "blocks": { "f/x": ["z0"] } }],
   "study": { "runs": 2, "metrics": ["f/z/nis"] }
 }
 )");
@@ -178,6 +182,34 @@ TEST_CASE("a study in which a plugin loops keeps its finished runs") {
   const std::string journal = read_file(bench.path("out/study.journal"));
   CHECK(std::count(journal.begin(), journal.end(), '\n') == 2);  // its head and the first run, of "well"
   CHECK_FALSE(fs::exists(bench.path("out/study.json")));
+}
+
+TEST_CASE("a block that fails while it is scored is named with its call") {
+  const Workbench bench;
+  const std::string who = "plugin 'sick', component 'resting': minus at 1 s";
+  write_config(bench, "x", "throw", "minus", "0 s");
+  const auto thrown = run(bench);
+  INFO(thrown.err);
+  CHECK(thrown.status == 1);
+  CHECK(thrown.err.find(who + " for block 'x' threw: lost my marbles") != std::string::npos);
+  write_config(bench, "x", "exit", "minus", "0 s");
+  const auto ended = run(bench);
+  CHECK(ended.status == 1);
+  CHECK(ended.err == "error: " + who + " ended the program by exit()\n");
+}
+
+TEST_CASE("a constructor that loops is ended by the first signal, in run, check and study") {
+  for (const char* verb : {"run", "check", "study"}) {
+    const Workbench bench;
+    write_config(bench, "tick", "loop", "constructor");
+    Command command(bench, {verb, "sick.json"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    command.signal(SIGTERM);
+    const auto outcome = command.wait();
+    INFO(verb << " " << outcome.err);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.err.find("under way: plugin 'sick', component 'ticking': its constructor") != std::string::npos);
+  }
 }
 
 TEST_CASE("what a source, transform or sink throws names plugin, component, call and sample") {

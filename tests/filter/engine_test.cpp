@@ -21,7 +21,7 @@ using filter_tests::session_of;
 
 namespace {
 
-MatrixXd dense(MatrixView view) { return view.as(); }
+MatrixXd dense(ConstMatrixView view) { return view.as(); }
 
 /// The same filter, dense.
 struct DenseLine {

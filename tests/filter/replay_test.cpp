@@ -63,7 +63,7 @@ class Replay final : public StepObserver {
   explicit Replay(const FilterInfo& info) : info_(info) {}
   Wants wants() const override { return Wants::everything; }
 
-  void started(Time, const double*, MatrixView P) override {
+  void started(Time, const double*, ConstMatrixView P) override {
     total_ = last_ = P.as().cast<long double>();
     ++events["started"];
   }
@@ -102,10 +102,10 @@ class Replay final : public StepObserver {
   bool is_gapless = true;
 
  private:
-  static Matrix wide(MatrixView view) { return view.as().cast<long double>(); }
+  static Matrix wide(ConstMatrixView view) { return view.as().cast<long double>(); }
 
   template <class Change>
-  void follow(const char* event, MatrixView P0, MatrixView P1, Change&& change) {
+  void follow(const char* event, ConstMatrixView P0, ConstMatrixView P1, Change&& change) {
     ++events[event];
     is_gapless = is_gapless && (wide(P0).array() == last_.array()).all();
     const Matrix P = wide(P1);

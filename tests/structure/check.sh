@@ -35,7 +35,7 @@ state() {
 kernel_words() {
   {
     grep -rnIwiE "${sources[@]}" 'stud(y|ies)|attitude|implied_states?|metrics?|random_constant|strapdown' kernel/src || true
-    grep -rnIE "${sources[@]}" '"vector"|"/(covariance|reference|evaluate|record|metrics)' kernel/src || true
+    grep -rnIE "${sources[@]}" '"vector"|vector:[0-9*]|"/(covariance|reference|evaluate|record|metrics)' kernel/src || true
   } | sort -u | sed 's/^\([^:]*:[0-9]*\):\(.*\)/\1: no word of the kernel:\2/'
 }
 

@@ -109,9 +109,17 @@ def name_in(head):
     return re.sub(r"^def ", "", found.group(1) if found else head)
 
 
+def is_python(path):
+    """By its name, or of a command without a suffix by its first line."""
+    if path.suffix or not path.is_file():
+        return path.suffix in PYTHON
+    with path.open("rb") as file:
+        return re.match(rb"#!.*python", file.readline()) is not None
+
+
 def functions_of(path):
     text = path.read_text(encoding="utf-8")
-    if path.suffix in PYTHON:
+    if is_python(path):
         return list(python_functions(text))
     tokens = CPP_TOKENS if path.suffix in CPP else JAVASCRIPT_TOKENS
     code = tokens.sub(lambda match: blanked(match.group()), text)
@@ -122,7 +130,8 @@ def own_files(root):
     for folder in OWN:
         for path in sorted((root / folder).rglob("*")):
             parts = path.relative_to(root).parts
-            if path.suffix in CPP | PYTHON | JAVASCRIPT and path.is_file() and not NOT_OWN & set(parts):
+            is_own = path.suffix in CPP | JAVASCRIPT or is_python(path)
+            if is_own and path.is_file() and not NOT_OWN & set(parts):
                 yield path
 
 

@@ -22,7 +22,7 @@ TABLE = [
     ("has to say", r"\bha(s|ve|d) to say\b", "reports, specifies", []),
     ("mend", r"\bmend(s|ed|ing)?\b", "fix, remedy", []),
     ("moved on", r"\b(moved|moves) on\b", "propagated, advanced", []),
-    ("worked off", r"\bwork(s|ed|ing)? off\b", "propagated, advanced", []),
+    ("worked off", r"\bwork(s|ed|ing)?( (it|them|these|all))? off\b", "propagated, advanced", []),
     ("hear", r"\b(hears?|heard|hearing)\b", "subscribes to, receives", []),
     ("listen", r"\blisten(s|ed|ing|ers?)?\b", "subscribes to, subscriber", [r"\bview\.listeners\b", r"\b(const )?listener( of view|\(| of)", r"listeners: \[\]"]),
     ("ear", r"\bears?\b", "subscriber, collector", []),

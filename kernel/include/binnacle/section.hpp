@@ -160,7 +160,7 @@ class Section {
   virtual std::vector<std::string> filter_keys() const { return {}; }
   /// Former names of such keys, and what they are called now.
   virtual RenamedKeys renamed_keys() const { return {}; }
-  /// Where objects of merge patches stand, which keep their nulls until they are merged: "/study/variants", with `*` for
+  /// Where objects of merge patches stand, which keep their nulls until they are merged: "/variants", with `*` for
   /// any key.
   virtual std::vector<std::string> patches() const { return {}; }
 

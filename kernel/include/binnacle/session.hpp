@@ -125,9 +125,9 @@ class Session {
   /// Standard deviations of those outputs, to first order [SI]; the span has as many.
   void read_sigma(BlockId block, std::span<double> sigmas) const;
   /// The block's part of P: one row and column per estimated or considered error component.
-  MatrixView covariance(BlockId block) const;
+  ConstMatrixView covariance(BlockId block) const;
   /// The whole P of a filter, rows as FilterInfo gives them.
-  MatrixView covariance(FilterId filter) const;
+  ConstMatrixView covariance(FilterId filter) const;
   /// The filter's stored state, laid out as FilterInfo gives it.
   std::span<const double> state(FilterId filter) const;
 
@@ -171,7 +171,7 @@ class Session {
 /// Standard deviations of a block's outputs: sqrt(diag(J P Jᵀ)) with J = ∂outputs/∂δ by central differences on the block's
 /// manifold. x: the block's stored state; P: the filter's covariance, or any whose rows from block.first_row on are the
 /// block's active components.
-void output_sigmas(const BlockInfo& block, const double* x, MatrixView P, double* scratch, double* sigmas);
+void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, double* scratch, double* sigmas);
 /// Doubles of scratch that it needs.
 std::size_t output_sigma_scratch(const BlockInfo& block);
 

@@ -61,10 +61,10 @@ struct StepRecord {
   Time t1 = no_time;
   const double* x0 = nullptr;  // a posteriori at t0
   const double* x1 = nullptr;  // a priori at t1
-  MatrixView P0;
-  MatrixView P1;
-  MatrixView Phi;  // dense, n×n
-  MatrixView Qd;   // dense, n×n, symmetric to the bit
+  ConstMatrixView P0;
+  ConstMatrixView P1;
+  ConstMatrixView Phi;  // dense, n×n
+  ConstMatrixView Qd;   // dense, n×n, symmetric to the bit
 };
 
 /// What became of one offered sample. residual, S, R and H are there when the model was linearized; delta, K, x1 and P1
@@ -81,16 +81,16 @@ struct UpdateRecord {
   int left_out = 0;  // rows that a gate by row or key took out before `rows` were left, and their keys
   const std::int64_t* left_out_keys = nullptr;
   double nis = 0;                 // NaN where S is not positive definite
-  MatrixView S;                   // H P⁻ Hᵀ + R
-  MatrixView R;                   // as the noise estimator returned it
-  MatrixView K;                   // n×rows; rows of considered components are zero
+  ConstMatrixView S;              // H P⁻ Hᵀ + R
+  ConstMatrixView R;              // as the noise estimator returned it
+  ConstMatrixView K;              // n×rows; rows of considered components are zero
   const double* delta = nullptr;  // injected error K r, n
   const double* x0 = nullptr;
   const double* x1 = nullptr;
-  MatrixView P0;
-  MatrixView P1;     // after the reset
-  MatrixView H;      // rows×n
-  MatrixView reset;  // n×n, the reset Jacobians of the blocks; null where they are all the identity
+  ConstMatrixView P0;
+  ConstMatrixView P1;     // after the reset
+  ConstMatrixView H;      // rows×n
+  ConstMatrixView reset;  // n×n, the reset Jacobians of the blocks; null where they are all the identity
 };
 
 /// P was opened because one measurement's samples kept being gated.
@@ -98,8 +98,8 @@ struct InflationRecord {
   int measurement = 0;
   Time t = no_time;                   // of the last sample that was gated
   const double* variances = nullptr;  // n: added to the diagonal of P
-  MatrixView P0;
-  MatrixView P1;
+  ConstMatrixView P0;
+  ConstMatrixView P1;
 };
 
 /// Subscribe with Session::attach(). Called inside the run loop: must not throw; what it costs, the loop costs.
@@ -109,9 +109,9 @@ class StepObserver {
   /// Asked before each step and each sample: the answer may change.
   virtual Wants wants() const { return Wants::nothing; }
   /// The filter has just started: x and P are its initial values.
-  virtual void started(Time /*t*/, const double* /*x*/, MatrixView /*P*/) {}
+  virtual void started(Time /*t*/, const double* /*x*/, ConstMatrixView /*P*/) {}
   /// The filter was put back to a snapshot.
-  virtual void restored(Time /*t*/, const double* /*x*/, MatrixView /*P*/) {}
+  virtual void restored(Time /*t*/, const double* /*x*/, ConstMatrixView /*P*/) {}
   virtual void stepped(const StepRecord& /*record*/) {}
   virtual void offered(const UpdateRecord& /*record*/) {}
   virtual void inflated(const InflationRecord& /*record*/) {}

@@ -87,7 +87,7 @@ class CovarianceForm {
   virtual ~CovarianceForm() = default;
 
   /// P: n×n.
-  virtual void set(MatrixView P) = 0;
+  virtual void set(ConstMatrixView P) = 0;
   /// P ← Φ P Φᵀ + Qd, by tables of block pointers.
   virtual void predict(const double* const* phi, const double* const* noise) = 0;
   /// work.G = P Hᵀ and work.HPHt = H G; `columns` of P are those of work.H.
@@ -99,7 +99,7 @@ class CovarianceForm {
   /// Adds a variance to one component.
   virtual void inflate(int row, double variance) = 0;
   /// P to be read until it changes.
-  virtual MatrixView view() const = 0;
+  virtual ConstMatrixView view() const = 0;
 };
 
 /// P itself, symmetric to the bit, updated by Joseph's form.
@@ -108,15 +108,16 @@ class Joseph final : public CovarianceForm {
   /// P: padded(n)×n, column-major. `most_dof`: of a block that is transformed.
   Joseph(const TransitionPlan& plan, int most_dof, double* P);
 
-  void set(MatrixView P) override { view().as() = P.as(); }
+  void set(ConstMatrixView P) override { matrix().as() = P.as(); }
   void predict(const double* const* phi, const double* const* noise) override;
   void project(const std::vector<int>& columns, const UpdateWork& work) const override;
   void correct(const UpdateWork& work) override;
   void transform(const double* T, int first, int d) override;
-  void inflate(int row, double variance) override { view()(row, row) += variance; }
-  MatrixView view() const override { return {P_, plan_.n, plan_.n, ld_}; }
+  void inflate(int row, double variance) override { matrix()(row, row) += variance; }
+  ConstMatrixView view() const override { return matrix(); }
 
  private:
+  MatrixView matrix() const { return {P_, plan_.n, plan_.n, ld_}; }
   void predict_coupled(const double* const* phi);
   void store_coupled();
   void scale_uncoupled();

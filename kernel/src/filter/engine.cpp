@@ -241,8 +241,8 @@ StepRecord Engine::step_record(Time t1) {
   if (is_wanted(Wants::transition)) {
     record.Phi = square(Phi_);
     record.Qd = square(Qd_);
-    expand_transition(plan_.transition, estimator_.phi(), record.Phi);
-    expand_noise(plan_.transition, estimator_.noise(), record.Qd);
+    expand_transition(plan_.transition, estimator_.phi(), square(Phi_));
+    expand_noise(plan_.transition, estimator_.noise(), square(Qd_));
   }
   return record;
 }
@@ -263,7 +263,7 @@ UpdateRecord Engine::innovation_record(const MeasurementPlan& measurement) {
   record.R = rows.square(rows.R);
   if (!is_wanted(Wants::jacobian)) return record;
   record.H = {H_.data(), rows.m, plan_.n, rows.m};
-  record.H.as().setZero();
+  std::fill_n(H_.data(), rows.m * plan_.n, 0.0);
   const auto& columns = measurement.columns;
   for (std::size_t c = 0; c < columns.size(); ++c)
     std::copy_n(rows.H + c * as_size(rows.m_max), rows.m, H_.data() + as_size(columns[c] * rows.m));
@@ -280,7 +280,7 @@ UpdateRecord Engine::update_record(const MeasurementPlan& measurement) {
   if (is_wanted(Wants::update_covariance)) std::tie(record.P0, record.P1) = std::pair(square(P_before_), covariance());
   if (is_wanted(Wants::reset) && estimator_.has_reset()) {
     record.reset = square(reset_);
-    estimator_.expand_reset(record.reset);
+    estimator_.expand_reset(square(reset_));
   }
   return record;
 }

@@ -45,7 +45,7 @@ class Engine final : private TimeLine::Work {
   bool started() const { return time_.is_started(); }
   bool broken() const { return ledger_.is_broken(); }
   const double* state() const { return estimator_.state(); }
-  MatrixView covariance() const { return estimator_.covariance(); }
+  ConstMatrixView covariance() const { return estimator_.covariance(); }
   const Ledger& ledger() const { return ledger_; }
   const ModelCalls& calls() const { return calls_; }
   const FilterPlan& plan() const { return plan_; }

@@ -164,7 +164,7 @@ void Estimator::inflate(const MeasurementPlan& measurement) {
 // ---- health
 
 bool Estimator::is_sound() const {
-  const MatrixView P = covariance();
+  const ConstMatrixView P = covariance();
   for (int i = 0; i < P.rows; ++i)
     if (!(P(i, i) >= 0 && P(i, i) < largest_variance)) return false;
   return is_finite(ConstVectorView(state(), plan_.stored_size));

@@ -132,7 +132,7 @@ class Estimator {
   }
 
   const double* state() const { return plan_.state.in(arena_); }
-  MatrixView covariance() const { return P_->view(); }
+  ConstMatrixView covariance() const { return P_->view(); }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
   void write(SampleWriter& slot);
 
@@ -190,12 +190,12 @@ class Estimator {
   void assemble(const PartPlan& part, int part_rows);
   PortCovariance covariance_of(const PartPlan& part);
   void add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
-                      const PartPlan::Target& by_b, MatrixView P, MatrixView into);
+                      const PartPlan::Target& by_b, ConstMatrixView P, MatrixView into);
 
   void weigh(const MeasurementPlan& measurement, Time t, double dt);
   void inject();
   void keep_reset(const BlockPlan& block, MatrixView G);
-  double* kept_jacobian(const BlockPlan& block) { return reset_jacobians_.data() + block.first * plan_.n; }
+  double* kept_G(const BlockPlan& block) { return reset_jacobians_.data() + block.first * plan_.n; }
 
   const FilterPlan& plan_;
   const std::vector<ChannelPlan>& channels_;

@@ -198,20 +198,20 @@ PortCovariance Estimator::covariance_of(const PartPlan& part) {
     first_row_[as_size(read.port)] = rows;
     rows += read.dof;
   }
-  const MatrixView sum{port_covariance_.data(), rows, rows, rows}, P = covariance();
+  const MatrixView sum{port_covariance_.data(), rows, rows, rows};
   sum.as().setZero();
   for (const auto& a : part.reads)
     for (const auto& b : part.reads)
       for (const auto& by_a : a.targets)
         for (const auto& by_b : b.targets)
-          add_covariance(a, by_a, b, by_b, P,
+          add_covariance(a, by_a, b, by_b, covariance(),
                          sum.block(first_row_[as_size(a.port)], first_row_[as_size(b.port)], a.dof, b.dof));
   return {port_covariance_.data(), rows, first_row_.data()};
 }
 
 /// What P between two state blocks contributes to the covariance between two reads.
 void Estimator::add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
-                               const PartPlan::Target& by_b, MatrixView P, MatrixView into) {
+                               const PartPlan::Target& by_b, ConstMatrixView P, MatrixView into) {
   // C of one read, all components of the target's block counted.
   const auto coefficient = [&](const PartPlan::Read& read, const PartPlan::Target& target, int row, int component) {
     if (target.is_direct) return row == component ? 1.0 : 0.0;

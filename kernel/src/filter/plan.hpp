@@ -151,7 +151,7 @@ struct DerivedPlan : Planned {
   std::vector<int> ports;  // value index per port, −1 open
   std::vector<Read> reads;
   std::vector<Dependence> dependences;  // on state blocks, ascending
-  std::vector<int> driving_rates;       // index of each drive field in the input channel
+  std::vector<int> driving_rates;       // index of each in the input channel
   std::size_t value = 0;                // offset in the workspace
 
   int dof() const { return derived->declaration().dof(); }

@@ -205,13 +205,12 @@ void Estimator::inject() {
   for (const auto& block : plan_.blocks) {
     if (block.active.empty()) continue;
     const bool is_whole = block.is_whole();  // then δ and G need no copies with zeros for what is frozen
-    const int dof = block.dof();
     double* const own = rows_.delta.data() + block.first;
-    const VectorView delta(is_whole ? own : block_delta_.data(), dof), value = block.in(x_corrected_.data());
-    if (!is_whole) std::fill_n(delta.data(), dof, 0.0);
+    const VectorView delta(is_whole ? own : block_delta_.data(), block.dof()), value = block.in(x_corrected_.data());
+    if (!is_whole) std::fill_n(delta.data(), delta.size(), 0.0);
     for (std::size_t a = 0; a < block.active.size() && !is_whole; ++a) delta[block.active[a]] = own[a];
     calls_.during(block, "plus", [&] { block.block->plus(value, delta, value); });
-    const MatrixView G{is_whole ? kept_jacobian(block) : block_jacobian_.data(), dof, dof, dof};
+    const MatrixView G{is_whole ? kept_G(block) : block_jacobian_.data(), delta.size(), delta.size(), delta.size()};
     if (calls_.during(block, "reset_jacobian",
                       [&] { return block.block->reset_jacobian(block.in(state()), delta, G); }))
       keep_reset(block, G);
@@ -221,7 +220,7 @@ void Estimator::inject() {
 /// The active rows and columns of a block's reset Jacobian.
 void Estimator::keep_reset(const BlockPlan& block, MatrixView G) {
   const int dof = static_cast<int>(block.active.size());
-  const MatrixView kept{kept_jacobian(block), dof, dof, dof};
+  const MatrixView kept{kept_G(block), dof, dof, dof};
   for (int c = 0; c < dof && G.data != kept.data; ++c)
     for (int r = 0; r < dof; ++r) kept(r, c) = G(block.active[as_size(r)], block.active[as_size(c)]);
   resets_.push_back({block.first, dof, kept.data});

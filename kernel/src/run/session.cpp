@@ -226,14 +226,14 @@ void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
   });
 }
 
-MatrixView Session::covariance(BlockId block) const {
+ConstMatrixView Session::covariance(BlockId block) const {
   const BlockInfo& of = info(block);
-  const MatrixView P = covariance(block.filter);
+  const ConstMatrixView P = covariance(block.filter);
   const int active = static_cast<int>(of.active.size());
   return {P.data + of.first_row + static_cast<std::ptrdiff_t>(of.first_row) * P.stride, active, active, P.stride};
 }
 
-MatrixView Session::covariance(FilterId filter) const { return engine(filter).covariance(); }
+ConstMatrixView Session::covariance(FilterId filter) const { return engine(filter).covariance(); }
 
 std::span<const double> Session::state(FilterId filter) const {
   return {engine(filter).state(), as_size(engine(filter).plan().stored_size)};
@@ -267,7 +267,7 @@ std::size_t output_sigma_scratch(const BlockInfo& block) {
   return dof + as_size(block.declaration->stored_size) + 2 * outputs + outputs * dof;
 }
 
-void output_sigmas(const BlockInfo& block, const double* x, MatrixView P, double* scratch, double* sigmas) {
+void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, double* scratch, double* sigmas) {
   const auto& declaration = *block.declaration;
   const int outputs = static_cast<int>(declaration.outputs.size());
   const int active = static_cast<int>(block.active.size());

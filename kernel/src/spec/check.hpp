@@ -25,11 +25,11 @@ inline bool takes_any_unit(const FieldSpec& field) { return field.unit.empty() |
 /// twice. One line each.
 std::vector<std::string> spec_defects(const ComponentSpec& spec);
 
-/// Block kinds, "velocity.ned" or "vector:3:rad/s", against a port's pattern: part by part between colons, `*` for any, a
-/// lone `*` for every kind; units by dimension: "vector:*:deg" matches "vector:3:rad".
+/// Block kinds, "velocity.ned" or "rates:3:rad/s", against a port's pattern: part by part between colons, `*` for any, a
+/// lone `*` for every kind; units by dimension: "rates:*:deg/s" matches "rates:3:rad/s".
 bool kind_matches(std::string_view pattern, std::string_view kind);
 
-/// The kind with its units in canonical SI text ("vector:3:1/s*rad" is "vector:3:rad/s"), or a refusal of a unit that
+/// The kind with its units in canonical SI text ("rates:3:1/s*rad" is "rates:3:rad/s"), or a refusal of a unit that
 /// is not SI. The first part is never a unit.
 Parsed<std::string> canonical_kind(std::string_view kind);
 

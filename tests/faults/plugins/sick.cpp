@@ -150,6 +150,44 @@ class Moving final : public ProcessModel {
   Sickness sickness_;
 };
 
+/// One number, which stays.
+class Resting final : public StateBlock {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "resting";
+    spec.summary = "One number.";
+    spec.parameters = Sickness::parameters();
+    spec.kind = "vector:1:m";
+    spec.example = R"({"sigma": 1})";
+    return spec;
+  }
+  explicit Resting(const Binding& binding) : sickness_(binding.parameters()) {
+    declared_.kind = "vector:1:m";
+    declared_.stored_size = 1;
+    declared_.error = {{"a", "m"}};
+    declared_.outputs.push_back({"a", "m", "", false, false, "it"});
+  }
+  const StateBlockDeclaration& declaration() const noexcept override { return declared_; }
+  void plus(ConstVectorView x, ConstVectorView delta, VectorView result) const override {
+    sickness_.in("plus", 0);
+    result[0] = x[0] + delta[0];
+  }
+  void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override {
+    sickness_.in("minus", 0);
+    delta[0] = y[0] - x[0];
+  }
+  void read(ConstVectorView x, VectorView outputs) const override { outputs[0] = x[0]; }
+  Result write(ConstVectorView outputs, VectorView x) const override {
+    x[0] = outputs[0];
+    return Result::ok();
+  }
+
+ private:
+  StateBlockDeclaration declared_;
+  Sickness sickness_;
+};
+
 }  // namespace
 
 BINNACLE_PLUGIN("sick", "1.0.0", registry) {
@@ -157,4 +195,5 @@ BINNACLE_PLUGIN("sick", "1.0.0", registry) {
   registry.add<Passing>();
   registry.add<Sinking>();
   registry.add<Moving>();
+  registry.add<Resting>();
 }

@@ -165,7 +165,7 @@ Complaints check_transition(const ProcessCaller& process, const PortStates& port
 /// The greatest difference between Φ and the differences of x⁺, in units of the scales; shows its order in dt.
 double transition_error(const ProcessCaller& process, const PortStates& ports, const Step& step,
                         const std::vector<std::byte>& memory);
-/// x⁺ and memory are the same to the bit when neither Φ nor Qd is wanted.
+/// x⁺ is the same to the bit when neither Φ nor Qd is wanted, and so is what the next call makes of the memory.
 Complaints check_values(const ProcessCaller& process, const PortStates& ports, const Step& step,
                         const std::vector<std::byte>& memory);
 /// dt = 0: x⁺ = x, Φ = I, Qd = 0, each to `rounding` of the scales (Qd: of `ordinary`, a Qd over an ordinary dt).
@@ -245,7 +245,8 @@ class MeasurementCaller {
 /// |numeric − H|_ij ≤ (relative · Σ_k |H_ik| scale_k + neglected · √R_ii + 8 · resolution / step) / scale_j.
 Complaints check_measurement(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
                              const std::vector<std::byte>& memory, const Tolerance& tolerance, double resolution = 0);
-/// Residual, R, keys and memory are the same to the bit when no H is wanted.
+/// Residual, R and keys are the same to the bit when no H is wanted, and so is what the next call makes of the memory. With
+/// a residual of zero a wrong factor does not show.
 Complaints check_values(const MeasurementCaller& measurement, const Given& given, const PortStates& ports,
                         const std::vector<std::byte>& memory);
 /// R is symmetric and positive semidefinite.

@@ -144,12 +144,12 @@ class Block : public StateBlock {
     ComponentSpec spec;
     spec.type = "block";
     spec.summary = "a rotation";
-    spec.kind = "zoo_rotation";
+    spec.kind = "faulty_rotation";
     spec.example = R"({"init": {"a": 0.1, "b": 0.2, "c": 0.3}, "sigma": 0.1})";
     return spec;
   }
   explicit Block(const Binding&) {
-    declared.kind = "zoo_rotation";
+    declared.kind = "faulty_rotation";
     declared.stored_size = 4;
     declared.error = {{"x", "rad"}, {"y", "rad"}, {"z", "rad"}};
     for (const char* name : {"a", "b", "c"})
