@@ -159,7 +159,7 @@ class Resting final : public StateBlock {
     spec.summary = "One number.";
     spec.parameters = Sickness::parameters();
     spec.kind = "vector:1:m";
-    spec.example = R"({"sigma": 1})";
+    spec.example = R"({"init": 0, "sigma": 1})";
     return spec;
   }
   explicit Resting(const Binding& binding) : sickness_(binding.parameters()) {
