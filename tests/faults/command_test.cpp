@@ -203,7 +203,7 @@ TEST_CASE("a constructor that loops is ended by the first signal, in run, check 
     const Workbench bench;
     write_config(bench, "tick", "loop", "constructor");
     Command command(bench, {verb, "sick.json"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    std::this_thread::sleep_for(std::chrono::seconds(2));  // it has no file to wait for
     command.signal(SIGTERM);
     const auto outcome = command.wait();
     INFO(verb << " " << outcome.err);
