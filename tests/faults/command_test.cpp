@@ -191,11 +191,22 @@ TEST_CASE("a block that fails while it is scored is named with its call") {
   const auto thrown = run(bench);
   INFO(thrown.err);
   CHECK(thrown.status == 1);
-  CHECK(thrown.err.find(who + " for block 'x' threw: lost my marbles") != std::string::npos);
+  CHECK(thrown.err.find("block 'x': " + who + " threw: lost my marbles") != std::string::npos);
   write_config(bench, "x", "exit", "minus", "0 s");
   const auto ended = run(bench);
   CHECK(ended.status == 1);
   CHECK(ended.err.starts_with("error: " + who + " ended the program by exit()"));
+}
+
+TEST_CASE("a block that fails while its initial value is written is named with its place") {
+  const Workbench bench;
+  write_config(bench, "x", "throw", "write", "0 s");
+  const auto thrown = run(bench);
+  INFO(thrown.err);
+  CHECK(thrown.status == 4);
+  CHECK(thrown.err.find(
+            "sick.json:9:69: error [B045] plugin 'sick', component 'resting': write threw: lost my marbles") !=
+        std::string::npos);
 }
 
 TEST_CASE("a constructor that loops is ended by the first signal, in run, check and study") {

@@ -192,7 +192,8 @@ TEST_CASE("what cannot be noise or is not finite is named at once, with plugin, 
   const std::string see = "plugin 'fickle', component 'fickle_see' (/filters/f/measurements/see): linearize at 1.25 s";
   CHECK(diagnosis({"", "negative", ""}) == see + " gave R(1, 1) = -1, which is no variance");
   CHECK(diagnosis({"", "asymmetric", ""}) == see + " gave R(0, 1) = 0.001 but R(1, 0) = 0, which is not symmetric");
-  CHECK(diagnosis({"", "nan", ""}) == "the residual, its Jacobian or its noise is not finite");
+  CHECK(diagnosis({"", "no rows", ""}) == "the model says that it wrote a negative number of rows");
+  CHECK(diagnosis({"", "nan", ""}) == "the noise of the residual is not finite");
 
   const std::string trust =
       "plugin 'fickle', component 'fickle_trust' (/filters/f/measurements/see): estimate at 1.25 s";

@@ -105,6 +105,7 @@ TEST_CASE("an interval that does not end after it began is refused, and changes 
   CHECK_THROWS_AS(session.push(z, no_time, no_time, one), std::invalid_argument);
   const double two[] = {1, 2};
   CHECK_THROWS_AS(session.push(z, no_time, 2 * second, two), std::invalid_argument);
+  CHECK_THROWS_AS(session.push(z, SampleView{.t = 2 * second, .available = true}), std::invalid_argument);  // no fields
   CHECK(session.time({0}) == before);
   CHECK(session.counts(rate).pushed == 0);
   CHECK(session.counts(z).pushed == 1);

@@ -64,21 +64,13 @@ class ComponentType {
   /// of the host. Meanwhile plugin_call_under_way() names it; `t`: of the sample at work.
   template <class Call>
   auto guarded(const char* call_name, Call&& call, Time t = no_time) const {
-    CallSite site;
-    site.enter(&plugin, spec.type, call_name);
-    site.set_time(t);
-    const CallScope scope(site);
-    try {
-      return std::forward<Call>(call)();
-    } catch (...) {
-      rethrow_as_component_error(site);
-    }
+    return call_plugin(&plugin, spec.type, call_name, t, std::forward<Call>(call), component_error);
   }
 
  private:
   friend class internal::plugin::PluginRegistry;
 
-  [[noreturn]] static void rethrow_as_component_error(const CallSite& site);
+  static ComponentError component_error(const std::string& text);
 
   AnyFactory factory_ = nullptr;  // of the role's signature
   std::shared_ptr<const void> library_;

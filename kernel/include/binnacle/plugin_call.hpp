@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "binnacle/time.hpp"
@@ -29,8 +31,8 @@ class CallSite {
   const char* call() const noexcept { return call_.load(std::memory_order_acquire); }
   Time time() const noexcept { return t_.load(std::memory_order_relaxed); }
 
-  /// "plugin 'csv', component 'csv': next at 12.3 s"; empty when no call is under way.
-  std::string text() const;
+  /// "plugin 'csv', component 'csv' (/sources/imu): next at 12.3 s"; empty when no call is under way.
+  std::string text(std::string_view pointer = "") const;
 
  private:
   std::atomic<const std::string*> plugin_{nullptr};
@@ -55,5 +57,24 @@ class CallScope {
 std::string plugin_call_under_way();
 /// The same of every thread that is in one.
 std::vector<std::string> plugin_calls_under_way();
+
+/// Of the exception that is being handled; nothing of the plugin's is referred to.
+std::string what_was_thrown();
+
+/// Runs `call` as the plugin call that is under way (arguments as of CallSite). What escapes becomes what `error` makes of
+/// "plugin 'csv', component 'csv': next at 12.3 s threw: …".
+template <class Call, class Error>
+auto call_plugin(const std::string* plugin, const std::string& component, const char* name, Time t, Call&& call,
+                 Error&& error) {
+  CallSite site;
+  site.enter(plugin, component, name);
+  site.set_time(t);
+  const CallScope scope(site);
+  try {
+    return std::forward<Call>(call)();
+  } catch (...) {
+    throw std::forward<Error>(error)(site.text() + " threw: " + what_was_thrown());
+  }
+}
 
 }  // namespace binnacle

@@ -39,8 +39,15 @@ class BlockReader {
     read_initial_values(init, values);
     if (filter_.composer.failures() != failures) return;
     block_.initial.value.assign(as_size(declaration_.stored_size), 0.0);
-    const Result result = block_.block->write(values, block_.initial.value);
-    if (!result) init.error("B030", what_ + " refuses its initial value: " + result.reason);
+    try {
+      const auto error = [](const std::string& text) { return ComponentError(text); };
+      const Result result = call_plugin(
+          nullptr, block_.type, "write", no_time, [&] { return block_.block->write(values, block_.initial.value); },
+          error);
+      if (!result) init.error("B030", what_ + " refuses its initial value: " + result.reason);
+    } catch (const ComponentError& error) {
+      init.error("B045", error.what());
+    }
   }
 
   void read_sigma() {

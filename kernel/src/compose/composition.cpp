@@ -302,7 +302,9 @@ template <class Base>
 std::vector<StageInfo<Base>> stage_infos(const auto& stages) {
   std::vector<StageInfo<Base>> infos;
   for (const auto& stage : stages) {
-    auto& info = infos.emplace_back(BoundInfo<Base>{stage.name, stage.type, stage.object});
+    // Named, since clang 14 makes no aggregate from emplace_back's arguments.
+    auto& info = infos.emplace_back();
+    static_cast<BoundInfo<Base>&>(info) = {stage.name, stage.type, stage.object};
     info.outputs = stage.channels;
     for (const auto& input : stage.inputs)
       if (input.channel >= 0) info.inputs.push_back(input.channel);

@@ -98,8 +98,10 @@ class CovarianceForm {
   virtual void transform(const double* T, int first, int d) = 0;
   /// Adds a variance to one component.
   virtual void inflate(int row, double variance) = 0;
-  /// P to be read until it changes.
-  virtual ConstMatrixView view() const = 0;
+  /// Of one component.
+  virtual double variance(int row) const = 0;
+  /// P, whole, to be read until it changes.
+  virtual ConstMatrixView expand() const = 0;
 };
 
 /// P itself, symmetric to the bit, updated by Joseph's form.
@@ -114,7 +116,8 @@ class Joseph final : public CovarianceForm {
   void correct(const UpdateWork& work) override;
   void transform(const double* T, int first, int d) override;
   void inflate(int row, double variance) override { matrix()(row, row) += variance; }
-  ConstMatrixView view() const override { return matrix(); }
+  double variance(int row) const override { return matrix()(row, row); }
+  ConstMatrixView expand() const override { return matrix(); }
 
  private:
   MatrixView matrix() const { return {P_, plan_.n, plan_.n, ld_}; }

@@ -80,8 +80,6 @@ void Engine::stop(const std::string& diagnosis, const char* reason) {
   time_.flush(Outcome::rejected, broken_reason);
 }
 
-// ---- samples
-
 void Engine::push_auxiliary(int auxiliary, const SampleView& sample) {
   keep_latest(plan_.auxiliary[as_size(auxiliary)], sample);
 }
@@ -123,8 +121,6 @@ void Engine::finish() {
   guarded([&] { time_.flush(Outcome::unsupported, "no input up to its time"); });
 }
 
-// ---- the start
-
 void Engine::try_start(Time t) {
   if (started() || broken() || plan_.initial.empty()) return;
   for (const auto& initial : plan_.initial) {
@@ -141,8 +137,6 @@ void Engine::start(Time t) {
   estimator_.check_update(t);
   if (ledger_.observer()) ledger_.observer()->started(t, state(), covariance());
 }
-
-// ---- a step
 
 void Engine::step(Time t1, std::span<const InputSample> samples) {
   calls_.set_time(t1);

@@ -176,7 +176,7 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
     if (!is_finite(block.in(state()))) throw Stop("block '" + block.name + "' is not finite at " + time_text(t) + why);
     for (std::size_t a = 0; a < block.active.size(); ++a) {
       const int row = block.first + static_cast<int>(a);
-      const double variance = covariance()(row, row);
+      const double variance = P_->variance(row);
       if (variance >= 0 && variance < largest_variance) continue;
       char text[64];
       std::snprintf(text, sizeof text, " has the variance %.3g at ", variance);

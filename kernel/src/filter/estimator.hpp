@@ -132,7 +132,7 @@ class Estimator {
   }
 
   const double* state() const { return plan_.state.in(arena_); }
-  ConstMatrixView covariance() const { return P_->view(); }
+  ConstMatrixView covariance() const { return P_->expand(); }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
   void write(SampleWriter& slot);
 

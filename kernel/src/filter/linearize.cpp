@@ -103,8 +103,6 @@ void Estimator::chain(const DerivedPlan& derived) {
   }
 }
 
-// ---- a sample
-
 Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now) {
   std::copy_n(measurement.memory.in(arena_), measurement.memory.count, memory_backup_.data());
   rows_.begin(measurement);
@@ -121,9 +119,9 @@ Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView
   }
   if (rows_.m == 0) return Result::unsupported("no rows");
   const int columns = static_cast<int>(measurement.columns.size());
-  if (!is_finite(rows_.square(rows_.R_nominal.data())) || !is_finite(ConstVectorView(rows_.r, rows_.m)) ||
+  if (!is_finite(ConstVectorView(rows_.r, rows_.m)) ||
       !is_finite(ConstMatrixView{rows_.H, rows_.m, columns, rows_.m_max}))
-    return Result::invalid("the residual, its Jacobian or its noise is not finite");
+    return Result::invalid("the residual or its Jacobian is not finite");
   return Result::ok();
 }
 
@@ -155,14 +153,16 @@ Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const
                             calls_.notes()};
   const Result result = calls_.during(part, "linearize", [&] { return part.model->linearize(in, out); });
   if (!result) return result;
-  if (out.rows < 0 || out.rows > most) return Result::failed("the model wrote more rows than it declared");
+  if (out.rows < 0) return Result::failed("the model says that it wrote a negative number of rows");
+  if (out.rows > most) return Result::failed("the model wrote more rows than it declared");
   part_rows = out.rows;
   // What a model wrote beyond its rows is not the next part's.
   for (int j = 0; j < most && part_rows < most; ++j)
     for (int i = j < part_rows ? part_rows : 0; i < most; ++i) out.R(i, j) = 0;
   const MatrixView R = out.R.block(0, 0, part_rows, part_rows);
-  // What is not finite may come from the sample: that is invalid, see linearize().
-  if (const std::string flaw = is_finite(R) ? flaw_of_noise(R) : ""; !flaw.empty())
+  // It may come from the sample, as a residual does.
+  if (!is_finite(R)) return Result::invalid("the noise of the residual is not finite");
+  if (const std::string flaw = flaw_of_noise(R); !flaw.empty())
     throw Stop(call_text(part, "linearize", calls_.time()) + " gave " + flaw);
   return result;
 }

@@ -26,10 +26,10 @@ std::string time_text(Time t) {
 }
 
 std::string call_text(const std::string& type, const std::string& pointer, const char* call, Time t) {
-  const auto slash = type.find('/');
-  const std::string component = slash == std::string::npos ? type : type.substr(slash + 1);
-  return "plugin '" + type.substr(0, slash) + "', component '" + component + "' (" + pointer + "): " + call +
-         (t == no_time ? "" : " at " + time_text(t));
+  CallSite site;
+  site.enter(nullptr, type, call);
+  site.set_time(t);
+  return site.text(pointer);
 }
 
 std::string flaw_of_noise(ConstMatrixView R) {

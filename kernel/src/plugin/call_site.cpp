@@ -45,7 +45,7 @@ std::string text_at(const ThreadSite& thread) {
 
 }  // namespace
 
-std::string CallSite::text() const {
+std::string CallSite::text(std::string_view pointer) const {
   const char* const call = call_.load(std::memory_order_acquire);
   const std::string* const component = component_.load(std::memory_order_relaxed);
   if (!call || !component) return "";
@@ -58,6 +58,7 @@ std::string CallSite::text() const {
   }
   std::string text = "plugin '" + std::string(plugin) + "'";
   if (!type.empty()) text += ", component '" + std::string(type) + "'";
+  if (!pointer.empty()) text += " (" + std::string(pointer) + ")";
   text += std::string(": ") + call;
   const Time t = t_.load(std::memory_order_relaxed);
   if (t != no_time) {
@@ -84,6 +85,16 @@ std::vector<std::string> plugin_calls_under_way() {
   for (const ThreadSite* site : threads().sites)
     if (std::string text = text_at(*site); !text.empty()) texts.push_back(std::move(text));
   return texts;
+}
+
+std::string what_was_thrown() {
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "something that is no std::exception";
+  }
 }
 
 }  // namespace binnacle

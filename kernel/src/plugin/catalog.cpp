@@ -40,8 +40,6 @@ std::string in_a_line(const Diagnostics& diagnostics) {
 
 }  // namespace
 
-// ---- where
-
 void Catalog::load(const fs::path& file, Diagnostics& diagnostics) {
   std::error_code error;
   fs::path canonical = fs::canonical(file, error);
@@ -88,8 +86,6 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
   const fs::path program = boost::dll::program_location(error);
   if (!error) load_folder((program.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
 }
-
-// ---- names
 
 namespace {
 

@@ -20,17 +20,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of an exception that is being handled; nothing of the plugin's is referred to.
-std::string what_was_thrown() {
-  try {
-    throw;
-  } catch (const std::exception& error) {
-    return error.what();
-  } catch (...) {
-    return "something that is no std::exception";
-  }
-}
-
 bool is_name(const std::string& text) {
   const auto allowed = [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; };
   return !text.empty() && std::islower(static_cast<unsigned char>(text.front())) && std::ranges::all_of(text, allowed);
@@ -163,14 +152,14 @@ void load_plugin(const fs::path& file, std::vector<PluginInfo>& plugins, std::de
 
 namespace binnacle {
 
-void ComponentType::rethrow_as_component_error(const CallSite& site) {
-  // Copies: the plugin's own exception object may not outlive its library.
+ComponentError ComponentType::component_error(const std::string& text) {
+  // A copy: the plugin's own exception object may not outlive its library.
   try {
     throw;
   } catch (const ComponentError& error) {
-    throw ComponentError(error);
+    return error;
   } catch (...) {
-    throw ComponentError(site.text() + " threw: " + internal::plugin::what_was_thrown());
+    return ComponentError(text);
   }
 }
 

@@ -85,8 +85,6 @@ void Session::reset(std::uint64_t seed, int run) {
   instant_ = no_time;
 }
 
-// ---- names
-
 ChannelId Session::channel(std::string_view name) const {
   return {find(base::names_of(composition_->channels()), name, "B020", "channel")};
 }
@@ -117,8 +115,6 @@ const BlockInfo& Session::info(BlockId block) const {
 }
 
 const Session::Intake& Session::intake(ChannelId channel) const { return item_at(intake_, channel.index, "channel"); }
-
-// ---- samples
 
 void Session::push(ChannelId channel, Time t0, Time t, std::span<const double> fields) {
   intake(channel);
@@ -158,6 +154,8 @@ void Session::take(ChannelId channel, const SampleView& sample) {
     throw std::invalid_argument("channel '" + plan.name + "' takes at most " +
                                 std::to_string(plan.declaration.max_rows) + " rows; got " +
                                 std::to_string(sample.rows));
+  if ((!sample.fields && plan.epoch_fields > 0) || (!sample.row_fields && sample.rows * plan.row_fields > 0))
+    throw std::invalid_argument("a sample on channel '" + plan.name + "' has no fields");
   if (sample.t == no_time) throw std::invalid_argument("a sample on channel '" + plan.name + "' has no time");
   if (sample.t0 != no_time && sample.t0 >= sample.t)
     throw std::invalid_argument("a sample on channel '" + plan.name + "' begins at " + std::to_string(sample.t0) +
@@ -169,8 +167,6 @@ void Session::take(ChannelId channel, const SampleView& sample) {
     taken.newest = sample.t;
   runtime_->deliver(channel.index, sample);
 }
-
-// ---- estimates
 
 bool Session::started(FilterId filter) const { return engine(filter).started(); }
 bool Session::healthy(FilterId filter) const { return !engine(filter).broken(); }
@@ -201,17 +197,14 @@ void Session::read(BlockId block, std::span<double> outputs, const char* call_na
   if (const auto count = of.declaration->outputs.size(); outputs.size() != count)
     throw std::invalid_argument("block '" + of.name + "' has " + std::to_string(count) +
                                 " outputs; there is room for " + std::to_string(outputs.size()));
-  CallSite site;
-  site.enter(nullptr, of.type, call_name);
-  site.set_time(time(block.filter));
-  const CallScope scope(site);
-  try {
-    call(of, state(block.filter).data() + of.stored_offset);
-  } catch (const std::exception& error) {
+  const auto error = [&](const std::string& text) {
     const std::string& pointer = engine(block.filter).plan().blocks[as_size(block.index)].pointer;
-    throw FilterError(Diagnostic{Severity::error, "B045", composition_->plan().document.origin(pointer), pointer,
-                                 site.text() + " threw: " + error.what()});
-  }
+    return FilterError(
+        Diagnostic{Severity::error, "B045", composition_->plan().document.origin(pointer), pointer, text});
+  };
+  call_plugin(
+      nullptr, of.type, call_name, time(block.filter), [&] { call(of, state(block.filter).data() + of.stored_offset); },
+      error);
 }
 
 void Session::read(BlockId block, std::span<double> outputs) const {
@@ -303,8 +296,6 @@ void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, d
     sigmas[i] = std::sqrt(std::max(0.0, variance));
   }
 }
-
-// ---- snapshots
 
 std::size_t Session::snapshot_size() const { return sizeof(SnapshotHead) + runtime_->arena_size(); }
 

@@ -33,8 +33,6 @@ bool kind_matches(std::string_view pattern, std::string_view kind);
 /// is not SI. The first part is never a unit.
 Parsed<std::string> canonical_kind(std::string_view kind);
 
-// ---- words
-
 /// The unit that a spec asks for. No dimension: any will do ("*", or a port that is open).
 struct WantedUnit {
   std::optional<Dimension> dimension;

@@ -50,8 +50,6 @@ void Reader::key_error(const std::string& code, const std::string& message) cons
   diagnostics_->error(code, key_origin(), pointer_, message);
 }
 
-// ---- structure
-
 bool Reader::is_object(std::string_view what) const {
   const bool is_it = json_ && JsonOf::at(*this).is_object();
   if (json_ && !is_it && !what.empty()) error("B006", std::string(what) + " must be an object; found " + shown());
@@ -101,8 +99,6 @@ bool Reader::require(std::string_view key, std::string_view what, std::string_vi
                     (expected.empty() ? "" : ": " + std::string(expected)));
   return false;
 }
-
-// ---- values
 
 namespace {
 

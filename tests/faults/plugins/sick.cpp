@@ -179,6 +179,7 @@ class Resting final : public StateBlock {
   }
   void read(ConstVectorView x, VectorView outputs) const override { outputs[0] = x[0]; }
   Result write(ConstVectorView outputs, VectorView x) const override {
+    sickness_.in("write", 0);
     x[0] = outputs[0];
     return Result::ok();
   }

@@ -185,8 +185,8 @@ class See final : public MeasurementModel {
     ComponentSpec spec;
     spec.type = "fickle_see";
     spec.summary = "Sees a number; any call may throw.";
-    spec.parameters = {
-        parameter::text("gives").defaults("\"\"").about("'negative', 'nan' or 'asymmetric' noise after 1 s")};
+    spec.parameters = {parameter::text("gives").defaults("\"\"").about(
+        "'negative', 'nan' or 'asymmetric' noise or 'no rows', not even none, after 1 s")};
     spec.ports = {reads("x", "vector:1:m", "what is seen")};
     spec.fields = {{"z", "m", FieldKind::level, false, false, "as measured"}};
     spec.example = R"({"channel": "z", "blocks": {"x": "x"}})";
@@ -208,6 +208,7 @@ class See final : public MeasurementModel {
     }
     if (in.sample.t <= nanoseconds(1)) return Result::ok();
     if (gives_ == "negative") out.R(1, 1) = -1;
+    if (gives_ == "no rows") out.rows = -1;
     if (gives_ == "nan") out.R(1, 1) = std::nan("");
     if (gives_ == "asymmetric") out.R(0, 1) = 1e-3;
     return Result::ok();

@@ -16,21 +16,10 @@ namespace binnacle::score {
 /// FilterError (B045) that names plugin, component, block, call and time.
 template <class Act>
 auto call_block(const BlockInfo& block, const char* call, Time t, Act&& act) {
-  CallSite site;
-  site.enter(nullptr, block.type, call);
-  site.set_time(t);
-  const CallScope scope(site);
-  const auto thrown = [&](const char* what) {
-    return FilterError(
-        Diagnostic{Severity::error, "B045", {}, "", site.text() + " for block '" + block.name + "' threw: " + what});
-  };
-  try {
-    return act();
-  } catch (const std::exception& error) {
-    throw thrown(error.what());
-  } catch (...) {
-    throw thrown("something that is no std::exception");
-  }
+  return call_plugin(nullptr, block.type, call, t, std::forward<Act>(act), [&](std::string text) {
+    // "… threw: what": the block goes between.
+    return FilterError(Diagnostic{Severity::error, "B045", {}, "", "block '" + block.name + "': " + text});
+  });
 }
 
 }  // namespace binnacle::score
