@@ -343,7 +343,7 @@ TEST_CASE("Joseph's form keeps P in the memory that it is given, and gives it ba
   MatrixXd expected = P;
   expected(2, 2) += 0.5;
   expected = (T * expected * T.transpose()).eval();
-  const MatrixXd given_back = form.view().as();
+  const MatrixXd given_back = form.expand().as();
   CHECK((given_back - expected).norm() < 1e-12 * expected.norm());
 }
 
