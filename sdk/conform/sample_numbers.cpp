@@ -26,7 +26,7 @@ std::string wrong_numbers(const Json& given, const std::vector<FieldSpec>& field
   if (!given.is_object()) return where + " is no object of fields and numbers, but " + given.dump();
   std::size_t rows = 0;
   for (const auto& [name, value] : given.items()) {
-    const auto field = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.name == name; });
+    const auto field = std::ranges::find(fields, name, &FieldSpec::name);
     const std::string at = where + "." + name;
     if (field == fields.end()) return at + ": the spec has no such field";
     if (value.is_number()) continue;
@@ -95,8 +95,7 @@ std::string wrong_shape(const ComponentSpec& spec) {
   if (!all.contains("inputs")) return "";
   if (!all.at("inputs").is_object()) return "its surroundings: inputs is no object of inputs and their fields";
   for (const auto& [name, given] : all.at("inputs").items()) {
-    const auto input =
-        std::find_if(spec.inputs.begin(), spec.inputs.end(), [&](const auto& i) { return i.name == name; });
+    const auto input = std::ranges::find(spec.inputs, name, &InputSpec::name);
     if (input == spec.inputs.end()) return "its surroundings: inputs." + name + ": the spec has no such input";
     if (auto wrong = wrong_numbers(given, input->fields, "its surroundings: inputs." + name); !wrong.empty())
       return wrong;

@@ -81,8 +81,8 @@ inline ParameterValue value(const ParameterSpec& spec, const Json& json, const S
       break;
     case ParameterType::matrix:
       v.type = Type::matrix, v.rows = static_cast<int>(json.size()), v.cols = static_cast<int>(json.at(0).size());
-      for (int j = 0; j < v.cols; ++j)
-        for (int i = 0; i < v.rows; ++i) v.numbers.push_back(json.at(i).at(j).get<double>());
+      for (std::size_t j = 0; j < json.at(0).size(); ++j)
+        for (const auto& row : json) v.numbers.push_back(row.at(j).get<double>());
       break;
     case ParameterType::list:
       v.type = Type::list;

@@ -291,17 +291,17 @@ TEST_CASE("a simulated motion begins in its steady state", "[ship_motion]") {
   Bound sea(
       {{"omega", {0.5, 0.9}}, {"zeta", {0.1, 0.2}}, {"sigma", 0.03}, {"noise", 0}, {"interval", 2}, {"duration", 2}});
   const int runs = 4000;
-  double square[2] = {}, rate = 0, lagged = 0;
+  double square[2] = {}, speed = 0, lagged = 0;
   for (int run = 0; run < runs; ++run) {
     const Played played = played_by(*sea.simulator, static_cast<std::uint64_t>(run));
-    for (const std::size_t i : {0, 1}) square[i] += played.truth[i][0] * played.truth[i][0] / runs;
-    rate += played.truth[0][1] * played.truth[0][1] / runs;
+    for (const std::size_t i : {0U, 1U}) square[i] += played.truth[i][0] * played.truth[i][0] / runs;
+    speed += played.truth[0][1] * played.truth[0][1] / runs;
     lagged += played.truth[0][0] * played.truth[1][0] / runs;
   }
   // Of a variance from so many runs the standard error is 2.2 %.
   const VectorXd r = filter.autocovariance(2, 2);
   for (const double of_angle : square) REQUIRE(is_near(of_angle, r[0], 0.08));
-  REQUIRE(is_near(rate, filter.steady_covariance()(1, 1), 0.08));
+  REQUIRE(is_near(speed, filter.steady_covariance()(1, 1), 0.08));
   REQUIRE(std::abs(lagged - r[1]) < 0.08 * r[0]);
 }
 

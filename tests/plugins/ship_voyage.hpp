@@ -75,17 +75,18 @@ class Voyage {
   static constexpr double degree = M_PI / 180, heading = 0.7;
 
   static Vector4d product(const Vector4d& q, const Vector4d& p) { return strapdown::quaternion_product(q, p); }
+  static double phase(std::size_t tone, int which) { return 1.3 * static_cast<double>(tone) + 2.1 * which + 0.4; }
   /// Three equal tones (Hz) with phases of their own.
   static double tones(double t, const std::array<double, 3>& hertz, double amplitude, int which) {
     double sum = 0;
-    for (int i = 0; i < 3; ++i) sum += amplitude * std::sin(2 * M_PI * hertz[i] * t + 1.3 * i + 2.1 * which + 0.4);
+    for (std::size_t i = 0; i < 3; ++i) sum += amplitude * std::sin(2 * M_PI * hertz[i] * t + phase(i, which));
     return sum;
   }
   static double tones_rate(double t, const std::array<double, 3>& hertz, double amplitude, int which) {
     double sum = 0;
-    for (int i = 0; i < 3; ++i) {
+    for (std::size_t i = 0; i < 3; ++i) {
       const double omega = 2 * M_PI * hertz[i];
-      sum += amplitude * omega * std::cos(omega * t + 1.3 * i + 2.1 * which + 0.4);
+      sum += amplitude * omega * std::cos(omega * t + phase(i, which));
     }
     return sum;
   }

@@ -213,7 +213,7 @@ TEST_CASE("dcm_match: H against differences, for large residuals too", "[transfe
     const auto fields = values(at.master);
     REQUIRE_NO_COMPLAINTS(
         check_measurement(*bench.model, DcmMatch::spec(), sample_of(fields), bench.ports(at), {}, {1e-8}, 1e-15));
-    for (const std::size_t read : {0, 1})
+    for (const std::size_t read : {0U, 1U})
       REQUIRE_FALSE(check_measurement(Mutated(*bench.model, read, -1), DcmMatch::spec(), sample_of(fields),
                                       bench.ports(at), {}, {1e-8}, 1e-15)
                         .empty());

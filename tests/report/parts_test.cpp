@@ -54,7 +54,7 @@ TEST_CASE("Decimation: no more than asked for, in order, ends and every peak the
   REQUIRE(kept.size() > 15'000);
   REQUIRE(std::is_sorted(kept.begin(), kept.end()));
   REQUIRE(std::adjacent_find(kept.begin(), kept.end()) == kept.end());
-  for (const std::size_t index : {0, 123'457, 400'001, 777'777, 999'999}) REQUIRE(has(kept, index));
+  for (const std::size_t index : {0U, 123'457U, 400'001U, 777'777U, 999'999U}) REQUIRE(has(kept, index));
 }
 
 TEST_CASE("Decimation: NaN is passed over, a stretch of nothing but NaN is left out") {
