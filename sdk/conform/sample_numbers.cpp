@@ -95,7 +95,7 @@ std::string wrong_shape(const ComponentSpec& spec) {
   if (!all.contains("inputs")) return "";
   if (!all.at("inputs").is_object()) return "its surroundings: inputs is no object of inputs and their fields";
   for (const auto& [name, given] : all.at("inputs").items()) {
-    const auto input = std::ranges::find(spec.inputs, name, &InputSpec::name);
+    const auto input = std::ranges::find(spec.inputs, name, &ChannelPort::name);
     if (input == spec.inputs.end()) return "its surroundings: inputs." + name + ": the spec has no such input";
     if (auto wrong = wrong_numbers(given, input->fields, "its surroundings: inputs." + name); !wrong.empty())
       return wrong;

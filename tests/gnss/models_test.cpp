@@ -56,7 +56,6 @@ struct Scene {
   std::vector<double> clock_state() const { return {bias * gnss::speed_of_light, drift * gnss::speed_of_light}; }
 };
 
-const std::vector<const StateBlock*> no_blocks;
 const AdditiveKind ecef_position("position.ecef", 3, "m"), ecef_velocity("velocity.ecef", 3, "m/s"),
     ned_velocity("velocity.ned", 3, "m/s"), receiver_clock("receiver_clock", 2, "m"), galileo(1, "m");
 const PositionKind geodetic;
