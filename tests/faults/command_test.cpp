@@ -204,9 +204,9 @@ TEST_CASE("a block that fails while its initial value is written is named with i
   const auto thrown = run(bench);
   INFO(thrown.err);
   CHECK(thrown.status == 4);
-  CHECK(thrown.err.find(
-            "sick.json:9:69: error [B045] plugin 'sick', component 'resting': write threw: lost my marbles") !=
-        std::string::npos);
+  CHECK(
+      thrown.err.find("sick.json:7:51: error[B045] /filters/f/blocks/x/init: plugin 'sick', component 'resting': write "
+                      "threw: lost my marbles") != std::string::npos);
 }
 
 TEST_CASE("a constructor that loops is ended by the first signal, in run, check and study") {
