@@ -38,7 +38,7 @@ if(BINNACLE_SANITIZE)
   add_link_options(-fsanitize=${BINNACLE_SANITIZE})
   if(BINNACLE_SANITIZE MATCHES "undefined")
     # In Eigen's expressions these two double the time of a build and of its tests. A null pointer ends the program anyway;
-    # the kernel, which places objects in its arena, keeps the check of alignment (kernel/CMakeLists.txt).
+    # what runs of the kernel, on objects in its arena, keeps the check of alignment (kernel/CMakeLists.txt).
     add_compile_options(-fno-sanitize=null,alignment)
   endif()
 endif()

@@ -61,14 +61,12 @@ void Engine::guarded(Act&& act) {
     act();
   } catch (const Stop& stopped) {
     stop(stopped.what(), broken_reason);
-  } catch (const std::exception& error) {
-    stop(thrown(error.what()), thrown_reason);
   } catch (...) {
-    stop(thrown("something that is no std::exception"), thrown_reason);
+    stop(thrown(what_was_thrown()), thrown_reason);
   }
 }
 
-std::string Engine::thrown(const char* what) const {
+std::string Engine::thrown(const std::string& what) const {
   const std::string who = calls_.call() ? calls_.place_text() : "an observer at " + time_text(status().t);
   return who + " threw: " + what;
 }

@@ -64,7 +64,7 @@ class Engine final : private TimeLine::Work {
 
   template <class Act>
   void guarded(Act&& act);
-  std::string thrown(const char* what) const;
+  std::string thrown(const std::string& what) const;
   void stop(const std::string& diagnosis, const char* reason);
 
   Driving moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
