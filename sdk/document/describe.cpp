@@ -109,7 +109,7 @@ std::string describe(const ComponentType& type) {
     const bool is_model = type.role == Role::process_model || type.role == Role::measurement_model;
     const std::string title = (is_model ? "Auxiliary channel '" : "Input '") + input.name + "'" +
                               (input.is_optional ? " (optional)" : "") + (input.text.empty() ? "" : ": " + input.text);
-    const std::vector<Row> rows = field_rows(input.fields);
+    const std::vector<Row> rows = input.is_whole ? std::vector<Row>() : field_rows(input.fields);
     text += rows.empty() ? "\n" + title + "\n" : table(title, rows);
   }
   std::vector<Row> parameters;
@@ -176,7 +176,7 @@ Json describe_json(const ComponentType& type) {
     json["inputs"].push_back({{"name", input.name},
                               {"required", !input.is_optional},
                               {"text", input.text},
-                              {"fields", fields_json(input.fields)}});
+                              {"fields", input.is_whole ? Json("all") : fields_json(input.fields)}});
   }
   if (!spec.example.empty()) json["example"] = Json::parse(spec.example, nullptr, false, true);
   if (json.contains("example") && json["example"].is_discarded()) json["example"] = spec.example;

@@ -64,6 +64,7 @@ class Collector final : public Emitter {
     else if (count_ < channels_.size())
       channels_[count_++] = channel.index();
   }
+  void emit_again(OutputChannel channel) override { emit(channel); }
   TransformCaller::Made made() const {
     TransformCaller::Made all;
     for (std::size_t i = 0; i < count_; ++i) all.samples.push_back(writers_.emitted(channels_[i]));

@@ -14,6 +14,8 @@
 
 namespace binnacle {
 
+struct ChannelDeclaration;
+
 /// One error component of a block, one output, one row of a residual: a name and its SI unit.
 struct NamedUnit {
   std::string name;
@@ -51,6 +53,7 @@ struct BindingParts {
   std::vector<std::vector<NamedUnit>> covariances = std::vector<std::vector<NamedUnit>>(1);  // by input
   const ComponentSpec* spec = nullptr;  // has the names of fields, inputs and driving rates
   std::vector<bool> inputs_bound = {};
+  std::vector<const ChannelDeclaration*> channels = {};  // by input, of transforms and sinks; null: open
   bool has_driving_rates = false;
   Findings* findings = nullptr;  // null: figures and notes go nowhere
 };
@@ -112,6 +115,12 @@ class Binding {
   const std::vector<NamedUnit>& covariance() const { return parts_.covariances.at(0); }
   const std::vector<NamedUnit>& covariance(Input input) const {
     return parts_.covariances.at(static_cast<std::size_t>(input.index()));
+  }
+  /// What the channel on a whole input declares (ChannelPort::whole()).
+  const ChannelDeclaration& channel(Input input) const {
+    const auto i = static_cast<std::size_t>(input.index());
+    if (i >= parts_.channels.size() || !parts_.channels[i]) throw std::logic_error("no channel is on this input");
+    return *parts_.channels[i];
   }
   /// Process model: the samples that a step hands it unless a measurement cuts the group short. A filter's steps are
   /// those of its process model that asks for most.

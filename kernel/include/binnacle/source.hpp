@@ -74,6 +74,8 @@ class Emitter {
   /// A sample on this channel, cleared to NaN; fill it and call emit(). One per channel and call of Transform::on().
   virtual SampleWriter& on(OutputChannel channel) = 0;
   virtual void emit(OutputChannel channel) = 0;
+  /// What was emitted comes once more, after all that this instant brings about.
+  virtual void emit_again(OutputChannel channel) = 0;
 };
 
 struct TransformInput {

@@ -204,9 +204,13 @@ struct ChannelPort {
   std::string name;
   std::vector<FieldSpec> fields;
   bool is_optional = false;
+  bool is_whole = false;
   std::string text = {};
 
   ChannelPort&& optional() && { return with(*this, is_optional, true); }
+  /// Of transforms and sinks: any channel, all of its fields in its own order and kinds; Binding::channel() gives its
+  /// declaration. `fields` are then an example, with which the conformance suite tries the component.
+  ChannelPort&& whole() && { return with(*this, is_whole, true); }
   ChannelPort&& about(std::string line) && { return with(*this, text, std::move(line)); }
 };
 

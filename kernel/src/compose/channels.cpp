@@ -132,6 +132,18 @@ FieldMap Composer::bind_fields(Component& component, const std::vector<FieldSpec
   return map;
 }
 
+namespace {
+
+/// As they stand.
+FieldMap all_fields(const ChannelPlan& channel) {
+  FieldMap map;
+  for (std::size_t i = 0; i < channel.position.size(); ++i)
+    (channel.declaration.fields[i].is_per_row ? map.row : map.epoch).push_back({.index = channel.position[i]});
+  return map;
+}
+
+}  // namespace
+
 std::vector<NodeInput> Composer::read_inputs(Component& component) {
   const ComponentSpec& spec = component.spec();
   const bool is_stage = component.type->role == Role::transform || component.type->role == Role::sink;
@@ -150,7 +162,9 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
     if (const auto name = channel_place.text()) input.channel = channel_named(*name, channel_place);
     const auto first = component.fields_bound.size();
     component.fields_bound.resize(first + wanted.fields.size(), false);
-    if (input.channel >= 0) input.fields = bind_fields(component, wanted.fields, input.channel, channel_place, first);
+    if (input.channel >= 0)
+      input.fields = wanted.is_whole ? all_fields(channel(input.channel))
+                                     : bind_fields(component, wanted.fields, input.channel, channel_place, first);
     component.inputs_bound.push_back(input.channel >= 0);
   }
   return inputs;
@@ -170,9 +184,11 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
   if (has_inputs && component.type) {
     stage.inputs = composer.read_inputs(component);
     component.covariances.clear();
-    for (const auto& input : stage.inputs)
-      component.covariances.push_back(input.channel < 0 ? std::vector<NamedUnit>()
-                                                        : composer.channel(input.channel).declaration.covariance);
+    for (const auto& input : stage.inputs) {
+      const auto* declaration = input.channel < 0 ? nullptr : &composer.channel(input.channel).declaration;
+      component.channels.push_back(declaration);
+      component.covariances.push_back(declaration ? declaration->covariance : std::vector<NamedUnit>());
+    }
   }
   stage.object = composer.make<Base>(component);
   if constexpr (!std::is_same_v<Base, Sink>)

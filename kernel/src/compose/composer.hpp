@@ -34,6 +34,7 @@ struct Component {
   std::vector<int> driving_rates = {};  // index of each in the driving input
   std::vector<bool> fields_bound = {};  // its own, then those of its inputs
   std::vector<bool> inputs_bound = {};
+  std::vector<const ChannelDeclaration*> channels = {};  // by input
   std::vector<std::vector<NamedUnit>> covariances = {{}};
   int samples_per_step = 1;
 
@@ -137,6 +138,7 @@ class Composer {
                              .covariances = component.covariances,
                              .spec = &component.spec(),
                              .inputs_bound = component.inputs_bound,
+                             .channels = component.channels,
                              .has_driving_rates = !component.driving_rates.empty(),
                              .findings = &findings});
       auto object = component.type->create<Base>(binding, noise);

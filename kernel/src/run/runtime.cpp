@@ -90,6 +90,7 @@ class Runtime::TransformEmitter : public Emitter {
     return slot;
   }
   void emit(OutputChannel channel) override { output(channel).publish(); }
+  void emit_again(OutputChannel channel) override { output(channel).is_repeated = true; }
 
  private:
   Channel& output(OutputChannel channel) {
@@ -166,9 +167,22 @@ void Runtime::run_filter(int index, Time t) {
 
 void Runtime::end_instant(Time t) {
   time_ = t;
+  do work_on_instant();
+  while (repeat());
+}
+
+/// Whether samples of this instant come once more.
+bool Runtime::repeat() {
+  bool is_any = false;
+  for (auto& channel : channels_)
+    if (std::exchange(channel.is_repeated, false)) channel.is_present = is_any = true;
+  return is_any;
+}
+
+void Runtime::work_on_instant() {
   for (const auto& node : plan_.nodes) switch (node.kind) {
       case Node::Kind::transform: run_transform(plan_.transforms[as_size(node.index)]); break;
-      case Node::Kind::filter: run_filter(node.index, t); break;
+      case Node::Kind::filter: run_filter(node.index, time_); break;
       case Node::Kind::sink:
         if (feeds_sinks_) run_sink(plan_.sinks[as_size(node.index)]);
         break;

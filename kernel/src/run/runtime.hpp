@@ -86,7 +86,8 @@ class Runtime {
     std::vector<double> storage;
     SampleWriter slot;  // over the storage
     SampleView view;
-    bool is_present = false;  // in this instant
+    bool is_present = false;   // in this instant
+    bool is_repeated = false;  // it comes once more
     bool is_subscribed = false;
 
     /// What was written to the slot is the sample of this instant.
@@ -103,6 +104,8 @@ class Runtime {
   void feed_filter(Engine& engine, Time t);
   void run_transform(const TransformPlan& plan);
   void run_sink(const SinkPlan& plan);
+  void work_on_instant();
+  bool repeat();
   /// Reads what is present in this instant.
   template <class Call>
   void each_input(const std::vector<NodeInput>& inputs, Call&& call);
