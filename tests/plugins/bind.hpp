@@ -68,6 +68,7 @@ inline ParameterValue value(const ParameterSpec& spec, const Json& json, const S
         v.number = unit.scale, v.text = si_unit(unit.dimension);
       } else {
         v.number = quantity(json);
+        v.text = spec.unit == "*" ? "1" : spec.unit;
       }
       break;
     case ParameterType::integer: v.type = Type::integer, v.integer = json.get<std::int64_t>(); break;
