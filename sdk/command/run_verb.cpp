@@ -30,6 +30,7 @@ struct Options {
   score::RunOptions run;
   bool json = false;
   bool quiet = false;
+  bool strict = false;
 };
 
 /// One line on a terminal, rewritten: how far the data are, and how fast they go by.
@@ -149,8 +150,10 @@ int run_config(const Options& options) {
     print_json(result.summary);
   else if (!options.quiet)
     print(summary_text(result.summary, *composition));
+  print_diagnostics(result.doubts);
   print_diagnostics(result.failures);
-  return result.failures.empty() ? ok : failed;
+  const Verdict worst = options.strict ? Verdict::ok : Verdict::doubtful;  // that passes
+  return result.failures.empty() && result.verdict <= worst ? ok : failed;
 }
 
 }  // namespace
@@ -170,7 +173,8 @@ Verb run_verb(CLI::App& command) {
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   app->add_flag("--json", options->json, "The summary as JSON on stdout");
-  app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or summary");
+  app->add_flag("--quiet", options->quiet, "Errors and reasons against trust only: no progress, warnings or summary");
+  app->add_flag("--strict", options->strict, "Exit status 1 where a filter is doubtful too, not only where it is lost");
   return {app, [options] { return run_config(*options); }};
 }
 

@@ -62,6 +62,20 @@ std::string metric_text(const Json& variants, const study::StudyMetric& metric) 
   return table.text() + "\n";
 }
 
+/// Runs that do not end `ok`, by variant; empty where there is none.
+std::string verdicts_text(const Json& variants) {
+  Table table("lrrr");
+  table.row({"verdicts", "ok", "doubtful", "lost"});
+  bool is_empty = true;
+  for (const auto& [name, variant] : variants.items()) {
+    const Json& counts = variant.at("verdicts");
+    if (counts["doubtful"] == 0 && counts["lost"] == 0) continue;
+    is_empty = false;
+    table.row({name, counts["ok"].dump(), counts["doubtful"].dump(), counts["lost"].dump()});
+  }
+  return is_empty ? "" : table.text() + "\n";
+}
+
 /// The unit of all cells that are not empty; "" where they differ.
 std::string common_unit(const Json& units, std::size_t first_column, std::size_t last_column) {
   std::string unit;
@@ -124,7 +138,7 @@ std::string table_text(const Json& plan, bool shows_errors) {
 std::string study_text(const Json& summary, const study::Study& study) {
   std::string text = study.title().empty() ? "" : study.title() + "\n\n";
   for (const auto& metric : study.metrics()) text += metric_text(summary.at("variants"), metric);
-  return text + tables_text(summary, study);
+  return text + verdicts_text(summary.at("variants")) + tables_text(summary, study);
 }
 
 std::string tables_text(const Json& summary, const study::Study& study) {

@@ -44,6 +44,7 @@ struct Options {
   std::string out;
   bool json = false;
   bool quiet = false;
+  bool strict = false;
 };
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
@@ -167,6 +168,13 @@ std::string repeated_by(const Options& options, const study::Study& study, const
   return line + options.config.as_typed();
 }
 
+bool any_lost(const study::Study& study, const study::Results& results) {
+  for (std::size_t v = 0; v < study.variants().size(); ++v)
+    for (std::size_t run = 0; run < results.runs(); ++run)
+      if (results.at(v, run).verdict == Verdict::lost) return true;
+  return false;
+}
+
 /// Runs that broke: the first few by name and number, then how many there are.
 std::size_t tell_failures(const Options& options, const study::Study& study, const study::Results& results) {
   constexpr std::size_t most_shown = 10;
@@ -285,7 +293,8 @@ int run_study(const Options& options) {
     print(study_text(figures, study) + fmt::format("{}, seed {}, wall time {}\n",
                                                    counted(study.variants().size() * results.runs(), "run"),
                                                    study.seed(), duration(timed["wall_s"].get<double>())));
-  return tell_failures(options, study, results) == 0 ? ok : failed;
+  const bool is_lost = options.strict && any_lost(study, results);
+  return tell_failures(options, study, results) == 0 && !is_lost ? ok : failed;
 }
 
 }  // namespace
@@ -310,6 +319,7 @@ Verb study_verb(CLI::App& command) {
       ->type_name("DIR");
   app->add_flag("--json", options->json, "The figures as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors only: no progress, warnings or tables");
+  app->add_flag("--strict", options->strict, "Exit status 1 where a run is lost");
   return {app, [options] { return run_study(*options); }};
 }
 

@@ -165,10 +165,23 @@ std::string across_table(const Json& across) {
 
 // ---- measurements, consistency
 
-/// Of enough samples to say so.
-bool is_mostly_gated(const Json& entry) {
-  const double offered = number_at(entry, "offered");
-  return offered >= 10 && 2 * number_at(entry, "gated") > offered;
+/// Innovations of each row, and the standard deviation that would make them consistent.
+std::string innovation_table(const Json& measurements) {
+  Table table("lrrrrrrrl");
+  table.row({"innovations", "used", "refused", "mean/S", "RMS/S", "lag 1", "sigma", "fitting", "unit"});
+  constexpr std::size_t most = 12;
+  bool is_empty = true;
+  for (const auto& [name, entry] : measurements.items()) {
+    if (!entry.contains("innovations") || entry["innovations"].size() > most) continue;
+    for (const auto& row : entry["innovations"]) {
+      is_empty = false;
+      table.row({fmt::format("{} {} {}", name, row["part"] == name ? "" : row["part"].get<std::string>(), row["row"].dump()),
+                 count_at(row, "used"), count_at(row, "refused"), figure(number_at(row, "mean")),
+                 figure(number_at(row, "rms")), figure(number_at(row, "correlation")), figure(number_at(row, "sigma")),
+                 figure(number_at(row, "fitting_sigma")), row["unit"].get<std::string>()});
+    }
+  }
+  return is_empty ? "" : "\n" + table.text();
 }
 
 std::string measurement_table(const Json& measurements) {
@@ -195,11 +208,6 @@ std::string measurement_table(const Json& measurements) {
       reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name,
                              entry["left_out"]["rows"].dump(), entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
-    if (is_mostly_gated(entry))
-      reasons += fmt::format(
-          "  {}: most of it was gated: the filter is lost, or clocks, axes, units or signs are not what "
-          "the config says\n",
-          name);
     if (entry.contains("last_reason"))
       reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
   }
@@ -244,7 +252,7 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
         text += error_table(fmt::format("withheld '{}'", measurement), figures, norms);
   if (filter.contains("windows")) text += window_table(filter.at("windows"), norms);
   if (filter.contains("consistency")) text += consistency_table(filter.at("consistency"));
-  return text + measurement_table(filter.at("measurements"));
+  return text + measurement_table(filter.at("measurements")) + innovation_table(filter.at("measurements"));
 }
 
 }  // namespace
@@ -254,7 +262,10 @@ std::string summary_text(const Json& summary, const Composition& composition) {
   for (const auto& filter : composition.filters())
     text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
   if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));
-  return text + fmt::format("wall time {}\n", duration(number_at(summary, "wall_s")));
+  text += fmt::format("wall time {}\nverdict:", duration(number_at(summary, "wall_s")));
+  for (const auto& [name, filter] : summary.at("filters").items())
+    text += fmt::format(" {} {}", name, filter.at("verdict").at("state").get<std::string>());
+  return text + "\n";
 }
 
 }  // namespace binnacle::command

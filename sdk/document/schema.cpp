@@ -352,14 +352,38 @@ void add_measurement_definitions(Json& definitions) {
                                 {"else", ref("lone_measurement")}};
 }
 
+/// Limits of a filter's monitors.
+void add_trust_definition(Json& definitions) {
+  const Json off{{"const", false}}, on{{"type", "boolean"}}, name{{"type", "string"}};
+  const auto limit = [&](const char* unit, const char* about) {
+    return described(about, {{"anyOf", {off, quantity_schema(parameter::number("", unit))}}});
+  };
+  definitions["trust"] = {
+      {"description", "limits of the filter's monitors, from which its verdict follows; false: no monitor speaks"},
+      {"anyOf",
+       {off, closed_object(
+                 {{"false_alarm", limit("1", "probability that innovations of a right filter fail, in ten minutes")},
+                  {"nis", described("whether NIS is tested", on)},
+                  {"bias", described("whether the mean of innovations is tested", on)},
+                  {"correlation", described("whether innovations are tested for correlation in time", on)},
+                  {"beyond_reason", limit("1", "NIS over its rows beyond which a filter is lost")},
+                  {"after", limit("1", "refusals in a row that are a lock-out")},
+                  {"refused", limit("1", "share of a measurement's rows beyond which a filter is lost")},
+                  {"hole", limit("s", "hole in the driving input beyond which a filter is doubtful")},
+                  {"except", described("measurements that are not watched", {{"anyOf", {name, list_of(name)}}})}},
+                 {})}}};
+}
+
 void add_filter_definitions(Json& definitions) {
   const Json name = {{"type", "string"}};
+  add_trust_definition(definitions);
   definitions["filter"] = or_patch(closed_object(
       {{"blocks", described("what is estimated", some_named(ref("state_block")))},
        {"derived",
         described("values computed from blocks, which models bind to as to blocks", named(ref("derived_block")))},
        {"process", described("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
+       {"trust", ref("trust")},
        {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
                                     "filter; scored and recorded",
                                     named(or_patch(closed_object({{"measurement", described("whose samples", name)},

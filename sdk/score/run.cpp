@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "score/run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -55,7 +56,10 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& score : scores_) score->show_errors(observer_);
     for (std::size_t f = 0; f < scores_.size(); ++f) {
       auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
-      figures.update(run_figures(*session_, {static_cast<int>(f)}));
+      const FilterId filter{static_cast<int>(f)};
+      figures.update(run_figures(*session_, filter));
+      doubts_.merge(session_->doubts(filter));
+      verdict_ = std::max(verdict_, session_->verdict(filter));
     }
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     for (const auto& metric : plan_->metrics) {
@@ -66,13 +70,16 @@ class Scorer final : public binnacle::RunObserver {
   }
 
   std::vector<MetricValue> values() const { return values_; }
+  Verdict verdict() const { return verdict_; }
+  const Diagnostics& doubts() const { return doubts_; }
 
   Json summary(const Diagnostics& warnings) const {
     Json summary{{"filters", filters_}};
     if (!metrics_.empty()) summary["metrics"] = metrics_;
     if (!windows_.empty()) summary["windows"] = windows_;
     summary["warnings"] = Json::array();
-    for (const auto& warning : warnings.items()) summary["warnings"].push_back(to_string(warning));
+    for (const auto* list : {&doubts_, &warnings})
+      for (const auto& warning : list->items()) summary["warnings"].push_back(to_string(warning));
     summary["seed"] = options_.seed;
     return summary;
   }
@@ -89,6 +96,8 @@ class Scorer final : public binnacle::RunObserver {
   bool records_ = false;
   Json filters_ = Json::object(), metrics_ = Json::object(), windows_ = Json::object();
   std::vector<MetricValue> values_;
+  Verdict verdict_ = Verdict::ok;
+  Diagnostics doubts_;
   const Session* session_ = nullptr;  // of the run under way
 };
 
@@ -105,7 +114,8 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   binnacle::RunResult result = binnacle::run(composition, run_options);
   Json summary = scorer.summary(result.warnings);
   summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return {std::move(summary), scorer.values(), std::move(result.warnings), std::move(result.failures)};
+  return {std::move(summary),          scorer.values(),  std::move(result.warnings),
+          std::move(result.failures), scorer.verdict(), scorer.doubts()};
 }
 
 }  // namespace binnacle::score

@@ -8,17 +8,63 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::string row_name(const MeasurementInfo& info, const RowFigures& row) {
+  const std::string key = std::to_string(row.key);
+  return info.groups.size() > 1 ? info.groups[static_cast<std::size_t>(row.group)].name + " " + key : key;
+}
+
 /// Rows that a gate by row or key took out of accepted samples: in all, and which.
 Json left_out(const MeasurementInfo& info, const MeasurementCounts& counts) {
-  const bool names_group = info.gate.by == "row" && info.groups.size() > 1;
   Json by_key = Json::object();
-  for (const auto& entry : counts.left_out) {
-    const std::string key = std::to_string(entry.key);
-    by_key[names_group ? info.groups[static_cast<std::size_t>(entry.group)].name + " " + key : key] = entry.count;
+  for (const auto& row : counts.rows) {
+    if (row.left_out == 0) continue;
+    Json& count = by_key[info.gate.by == "row" ? row_name(info, row) : std::to_string(row.key)];
+    count = row.left_out + (count.is_null() ? 0 : count.get<std::int64_t>());
   }
   return {{"rows", counts.rows_left_out},
           {"of", counts.rows_used + counts.rows_left_out},
           {"by_key", std::move(by_key)}};
+}
+
+/// How the innovations of each row were distributed.
+Json innovations(const MeasurementInfo& info, const MeasurementCounts& counts) {
+  Json rows = Json::array();
+  for (const auto& row : counts.rows)
+    rows.push_back({{"part", info.groups[static_cast<std::size_t>(row.group)].name},
+                    {"row", row.key},
+                    {"used", row.used},
+                    {"refused", row.refused},
+                    {"mean", row.mean},
+                    {"rms", row.rms},
+                    {"correlation", row.correlation},
+                    {"sigma", row.sigma},
+                    {"fitting_sigma", row.fitting_sigma},
+                    {"unit", info.groups[static_cast<std::size_t>(row.group)].unit}});
+  return rows;
+}
+
+/// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }] }
+Json verdict(const Session& session, FilterId filter) {
+  const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
+  const Diagnostics doubts = session.doubts(filter);
+  std::vector<TrustReason> reasons(doubts.items().size());
+  session.reasons(filter, reasons);
+  Json list = Json::array();
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    Json entry{{"code", doubts.items()[i].code}, {"verdict", verdict_name(reasons[i].verdict)}};
+    if (reasons[i].measurement >= 0) {
+      const auto& measurement = info.measurements[static_cast<std::size_t>(reasons[i].measurement)];
+      entry["measurement"] = measurement.name;
+      if (reasons[i].group >= 0) {
+        entry["part"] = measurement.groups[static_cast<std::size_t>(reasons[i].group)].name;
+        entry["rows"] = Json::array({reasons[i].key});
+      }
+    }
+    if (reasons[i].since != no_time) entry["since_s"] = seconds(reasons[i].since);
+    entry["text"] = doubts.items()[i].message;
+    list.push_back(std::move(entry));
+  }
+  return {{"state", verdict_name(session.verdict(filter))}, {"reasons", std::move(list)}};
 }
 
 Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& counts) {
@@ -37,6 +83,7 @@ Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& c
     figures["nis_mean"] = nullptr;
     figures["dof"] = info.max_rows;
   }
+  if (!counts.rows.empty()) figures["innovations"] = innovations(info, counts);
   if (!counts.last_reason.empty()) figures["last_reason"] = counts.last_reason;
   return figures;
 }
@@ -57,6 +104,7 @@ Json run_figures(const Session& session, FilterId filter) {
   figures["steps"] = counts.steps;
   if (counts.input_gaps > 0) figures["input_gaps"] = counts.input_gaps;
   figures["filter_s"] = counts.seconds;
+  figures["verdict"] = verdict(session, filter);
   if (!session.healthy(filter)) figures["broken"] = session.diagnosis(filter);
   return figures;
 }

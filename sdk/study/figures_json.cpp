@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "figures_json.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace binnacle::study {
@@ -16,9 +18,16 @@ std::optional<Figures> figures_of(const Json& json, std::size_t metrics) {
     figures.failure = json.get<std::string>();
     return figures;
   }
-  if (!json.is_array() || json.size() != metrics) return std::nullopt;
+  // The verdict's name stands behind the values.
+  constexpr std::array verdicts{Verdict::ok, Verdict::doubtful, Verdict::lost};
+  if (!json.is_array() || json.size() != metrics + 1) return std::nullopt;
+  const auto verdict =
+      std::ranges::find_if(verdicts, [&](Verdict candidate) { return json.back() == verdict_name(candidate); });
+  if (verdict == verdicts.end()) return std::nullopt;
+  figures.verdict = *verdict;
   const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); };
-  for (const auto& value : json) {
+  for (std::size_t m = 0; m < metrics; ++m) {
+    const Json& value = json[m];
     if (!value.is_array() || value.size() != 3) return std::nullopt;
     figures.values.push_back({number(value[0]), number(value[1]), number(value[2])});
   }
@@ -36,6 +45,7 @@ Json entry_of(RunKey key, const Figures& figures) {
   }
   Json values = Json::array();
   for (const auto& value : figures.values) values.push_back({value.value, value.dof, value.n});  // NaN becomes null
+  values.push_back(verdict_name(figures.verdict));
   entry.push_back(std::move(values));
   return entry;
 }

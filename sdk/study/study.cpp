@@ -309,6 +309,7 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
       return broke("there is nothing to make metric " + in_quotes(metrics_[i].name) + " of");
   }
   figures.state = Figures::State::finished;
+  figures.verdict = result.verdict;
   return figures;
 }
 

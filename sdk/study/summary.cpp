@@ -61,12 +61,23 @@ Json metric_entry(const Study& study, const Results& results, std::size_t varian
   return entry;
 }
 
+/// How many of the finished runs ended with each verdict.
+Json verdicts_of(const Results& results, std::size_t variant) {
+  Json counts{{"ok", 0}, {"doubtful", 0}, {"lost", 0}};
+  for (std::size_t run = 0; run < results.runs(); ++run)
+    if (const auto& figures = results.at(variant, run); figures.state == State::finished) {
+      Json& count = counts[verdict_name(figures.verdict)];
+      count = count.get<int>() + 1;
+    }
+  return counts;
+}
+
 Json variant_entry(const Study& study, const Results& results, std::size_t variant) {
   Json failures = Json::array();
   for (std::size_t run = 0; run < results.runs(); ++run)
     if (results.at(variant, run).state == State::failed)
       failures.push_back({{"run", run}, {"reason", results.at(variant, run).failure}});
-  Json entry{{"runs", results.runs()}, {"failed", failures.size()}};
+  Json entry{{"runs", results.runs()}, {"failed", failures.size()}, {"verdicts", verdicts_of(results, variant)}};
   Json metrics = Json::object();
   for (std::size_t m = 0; m < study.metrics().size(); ++m)
     if (study.variants()[variant].position[m] >= 0)

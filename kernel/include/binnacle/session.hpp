@@ -15,6 +15,7 @@
 #include "binnacle/noise_estimator.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/step_log.hpp"
+#include "binnacle/trust.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle {
@@ -28,7 +29,7 @@ class Runtime;
 
 /// What became of a measurement's samples since the start.
 struct MeasurementCounts : SampleCounts {
-  std::vector<LeftOutRows> left_out = {};
+  std::vector<RowFigures> rows = {};
   double nis_mean = 0;      // of accepted samples; NaN when there is none
   double dof_mean = 0;      // rows per accepted sample
   std::string last_reason;  // of the newest sample that was not accepted
@@ -130,6 +131,13 @@ class Session {
   ConstMatrixView covariance(FilterId filter) const;
   /// The filter's stored state, laid out as FilterInfo gives it.
   std::span<const double> state(FilterId filter) const;
+
+  /// Whether the filter's estimates hold so far, by the limits of its "trust". Allocates nothing.
+  Verdict verdict(FilterId filter) const;
+  /// Why it is not `ok`: writes as many reasons as there is room for, returns how many there are. Allocates nothing.
+  std::size_t reasons(FilterId filter, std::span<TrustReason> into) const;
+  /// The same reasons in the same order as warnings (B100 to B107), with their places in the config.
+  Diagnostics doubts(FilterId filter) const;
 
   MeasurementCounts counts(MeasurementId measurement) const;
   FilterCounts counts(FilterId filter) const;

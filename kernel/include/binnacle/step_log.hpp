@@ -21,14 +21,6 @@ struct SampleCounts {
   std::int64_t nis_count = 0;      // accepted samples
 };
 
-/// How often rows of one group (of MeasurementInfo::groups; 0 where the gate is by key) and key were taken out of accepted
-/// samples by a gate.
-struct LeftOutRows {
-  std::int64_t key = 0;
-  std::int64_t group = 0;
-  std::int64_t count = 0;
-};
-
 /// What a step observer wants besides times, stored states, outcomes and innovations. What it does not want is not
 /// computed, and null in the records.
 enum class Wants : unsigned {

@@ -99,6 +99,7 @@ class FilterComposer {
   bool add_process(const Reader& process_at, bool is_whole);
   void read_process_input(ProcessPlan& process, Component& component);
   void add_measurements();
+  void read_trust();  // trust.cpp
 };
 
 class Composer {

@@ -191,8 +191,9 @@ void Composer::lay_out() {
       process.memory = layout.add<std::byte>(process.model->declaration().memory_bytes);
     for (auto& measurement : filter.measurements) {
       measurement.tally = layout.add<Tally>(1);
-      if (measurement.gate_unit != GateUnit::sample)
-        measurement.left_out = layout.add<LeftOutRows>(2 * as_size(measurement.max_rows) + 32);
+      measurement.nis = layout.add<NisMonitor>(1);
+      const std::size_t further = measurement.gate_unit == GateUnit::sample ? 0 : 32;
+      measurement.rows = layout.add<RowMonitor>(2 * as_size(measurement.max_rows) + further);
       const std::size_t begin = layout.size();
       for (auto& part : measurement.parts) part.memory = layout.add<std::byte>(part.model->declaration().memory_bytes);
       measurement.memory = {begin, layout.size() - begin};

@@ -53,6 +53,7 @@ void FilterComposer::finish() {
   add_derived();
   add_processes();
   add_measurements();
+  read_trust();
   if (composer.failures() != failures) is_complete = false;
   if (is_complete) plan_transition(*this);
 }

@@ -180,6 +180,11 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   estimator_.roll_back(plan);
+  const SampleRows& rows = estimator_.rows();
+  if (judged.outcome == Outcome::gated) {
+    ledger_.refuse({rows.keys.data(), as_size(rows.m)}, rows.groups.data());
+    ledger_.refuse({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
+  }
   ledger_.close(judged.outcome, judged.reason, innovation_record(plan));
   if (judged.outcome == Outcome::gated && ledger_.is_recovery_due(measurement)) open_covariance(measurement, sample.t);
 }
@@ -189,7 +194,9 @@ void Engine::correct(int measurement, Time t) {
   keep_before(Wants::update_covariance);
   estimator_.correct(plan);
   const SampleRows& rows = estimator_.rows();
-  ledger_.count_left_out(measurement, {rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
+  ledger_.use({{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r,
+               rows.square(rows.R), rows.square(rows.S)}, rows.nis);
+  ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));
   estimator_.learn(plan);
   estimator_.check_update(t);

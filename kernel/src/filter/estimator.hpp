@@ -27,7 +27,7 @@ struct SampleRows : UpdateWork {
   /// No rows of this measurement yet.
   void begin(const MeasurementPlan& measurement);
   /// Lists the marked ones among those left out; and takes them out of everything but R, S and what follows from it.
-  void list_left_out(const unsigned char* marked, GateUnit unit);
+  void list_left_out(const unsigned char* marked);
   void remove(const unsigned char* marked, int columns, int n);
   MatrixView square(double* matrix) const { return {matrix, m, m, m_max}; }
 

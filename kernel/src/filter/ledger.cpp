@@ -11,7 +11,8 @@ void Ledger::reset() {
   *plan_.health.in(arena_) = Health{};
   for (const auto& measurement : plan_.measurements) {
     *measurement.tally.in(arena_) = Tally{};
-    std::fill_n(measurement.left_out.in(arena_), measurement.left_out.count, LeftOutRows{});
+    *measurement.nis.in(arena_) = NisMonitor{};
+    std::fill_n(measurement.rows.in(arena_), measurement.rows.count, RowMonitor{});
   }
   open_ = -1;
 }
@@ -37,32 +38,46 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
     tally.nis_sum += record.nis;
     ++tally.nis_count;
     tally.rows_used += record.rows;
-    tally.consecutive_gated = 0;
+    tally.gated.end();
     tally.last_accepted = record.t;
-  } else if (reason[0] != '\0') {
-    std::strncpy(tally.last_reason, reason, sizeof tally.last_reason - 1);
+  } else {
+    if (outcome == Outcome::gated) tally.gated.refuse(record.t);
+    if (reason[0] != '\0') std::strncpy(tally.last_reason, reason, sizeof tally.last_reason - 1);
   }
   if (observer_) observer_->offered(record);  // at last: it must not throw but might
 }
 
-void Ledger::count_left_out(int measurement, std::span<const std::int64_t> keys, const int* groups) {
-  tally_of(measurement).rows_left_out += static_cast<std::int64_t>(keys.size());
-  const auto& place = plan_.measurements[as_size(measurement)].left_out;
-  const std::span table(place.in(arena_), place.count);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const auto found = std::ranges::find_if(table, [&](const LeftOutRows& entry) {
-      return entry.count == 0 || (entry.key == keys[i] && entry.group == groups[i]);
-    });
-    if (found != table.end()) *found = {keys[i], groups[i], found->count + 1};
-  }
+template <class Act>
+void Ledger::for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act) {
+  const auto table = rows_of(open_);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (RowMonitor* const row = find_row(table, groups[i], keys[i], i)) act(*row, static_cast<int>(i));
+}
+
+void Ledger::use(const UsedRows& rows, double nis) {
+  for_each_row(rows.keys, rows.groups, [&](RowMonitor& row, int i) {
+    row.use(open_t_, rows.r[i], rows.R(i, i), rows.S(i, i));
+  });
+  plan_.measurements[as_size(open_)].nis.in(arena_)->use(open_t_, nis, static_cast<int>(rows.keys.size()));
+}
+
+void Ledger::leave_out(std::span<const std::int64_t> keys, const int* groups) {
+  tally_of(open_).rows_left_out += static_cast<std::int64_t>(keys.size());
+  for_each_row(keys, groups, [](RowMonitor& row, int) { ++row.left_out; });
+  refuse(keys, groups);
+}
+
+void Ledger::refuse(std::span<const std::int64_t> keys, const int* groups) {
+  for_each_row(keys, groups, [&](RowMonitor& row, int) {
+    ++row.refused;
+    row.streak.refuse(open_t_);
+  });
 }
 
 bool Ledger::is_recovery_due(int measurement) {
   Tally& tally = tally_of(measurement);
   const int after = plan_.measurements[as_size(measurement)].recover_after;
-  ++tally.consecutive_gated;
-  if (after == 0 || tally.consecutive_gated < after) return false;
-  tally.consecutive_gated = 0;
+  if (after == 0 || tally.gated.count % after != 0) return false;
   ++tally.recoveries;
   return true;
 }

@@ -35,8 +35,11 @@ class Ledger {
   /// `record` holds what is known of it beside measurement, time, outcome and reason; the observer sees it.
   void close(Outcome outcome, const char* reason, UpdateRecord record = {});
 
-  /// Rows of an accepted sample that a gate by row or key left out: their keys and groups.
-  void count_left_out(int measurement, std::span<const std::int64_t> keys, const int* groups);
+  /// Rows of the open sample, which is accepted: those that were used, and those that a gate by row or key left out.
+  void use(const UsedRows& rows, double nis);
+  void leave_out(std::span<const std::int64_t> keys, const int* groups);
+  /// All rows of the open sample are gated with it.
+  void refuse(std::span<const std::int64_t> keys, const int* groups);
   /// The newest sample of a measurement was gated: whether it is time to open the covariance, which is counted then.
   bool is_recovery_due(int measurement);
 
@@ -47,13 +50,21 @@ class Ledger {
   const char* diagnosis() const { return plan_.health.in(arena_)->diagnosis; }
 
   const Tally& tally(int measurement) const { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
-  /// Places without a count are free.
-  std::span<const LeftOutRows> left_out(int measurement) const {
-    const auto& place = plan_.measurements[as_size(measurement)].left_out;
-    return {place.in(arena_), place.count};
-  }
+  const NisMonitor& nis(int measurement) const { return *plan_.measurements[as_size(measurement)].nis.in(arena_); }
+  /// Free places among them.
+  std::span<const RowMonitor> rows(int measurement) const { return rows_of(measurement); }
+
+  /// What the monitors make of it so far. Writes as many reasons as there is room for; returns how many there are.
+  Verdict verdict() const;
+  std::size_t reasons(std::span<TrustReason> into) const;
 
  private:
+  std::span<RowMonitor> rows_of(int measurement) const {
+    const auto& place = plan_.measurements[as_size(measurement)].rows;
+    return {place.in(arena_), place.count};
+  }
+  template <class Act>
+  void for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act);
   Tally& tally_of(int measurement) { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
 
   const FilterPlan& plan_;

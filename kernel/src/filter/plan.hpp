@@ -18,6 +18,7 @@
 #include "binnacle/state_block.hpp"
 #include "binnacle/step_log.hpp"
 #include "filter/covariance.hpp"
+#include "filter/monitor.hpp"
 
 namespace binnacle::internal::filter {
 
@@ -250,7 +251,7 @@ struct PartPlan : Planned {
 /// What became of a measurement's samples. Lies in the arena.
 struct Tally : SampleCounts {
   std::int64_t reached = 0;  // by the filter's time: offered less late and waiting
-  std::int64_t consecutive_gated = 0;
+  Streak gated;  // in a row
   double nis_sum = 0;
   Time last_accepted = no_time;
   char last_reason[96] = {};
@@ -281,9 +282,20 @@ struct MeasurementPlan : Planned {
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
   Place<Tally> tally;
-  /// Of a gate by row or key: twice as many as it may have rows, and a few more; without a count: free.
-  Place<LeftOutRows> left_out;
+  Place<NisMonitor> nis;
+  Place<RowMonitor> rows;  // as many as it may have, and for keys that come and go a few more
+  bool is_watched = true;  // its monitors speak against the filter
   Place<std::byte> memory;  // of its parts together
+};
+
+/// The limits of a filter's monitors, "trust" in the config. What is 0 is not looked at.
+struct TrustPlan {
+  double false_alarm = 1e-3;  // probability that the tests of innovations together fail a right filter, in ten minutes
+  bool tests_nis = true, tests_bias = true, tests_correlation = true;
+  std::int64_t after = 5;   // refusals in a row that are a lock-out, and samples without an accepted one
+  double refused = 0.5;     // share of rows
+  double nis = 25;          // NIS over its rows that is beyond all reason
+  Time hole = 500'000'000;  // bridged
 };
 
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
@@ -312,6 +324,8 @@ struct TimeHead {
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
   std::int32_t bridged = 0;       // the last driving interval bridged a hole
+  Time longest_hole = 0;          // that was bridged, and where it began
+  Time longest_hole_at = no_time;
 };
 
 /// Whether it goes on. Lies in the arena.
@@ -342,6 +356,7 @@ struct FilterPlan : Planned {
   std::vector<MeasurementPlan> measurements;
   std::vector<LatestPlan> initial;  // channels that initial values come from
   std::vector<LatestPlan> auxiliary;
+  TrustPlan trust;
 
   int input_channel = -1;  // index in the composition's channels
   int input_fields = 0;

@@ -76,6 +76,10 @@ void TimeLine::bridge(Time until, const SampleView& sample) {
   if (head_.pending > 0) step_pending(head_.pending);
   const bool rates_only = std::ranges::find(plan_.input_kinds, FieldKind::increment) == plan_.input_kinds.end();
   const double hole = seconds(until - head_.input_end);
+  if (until - head_.input_end > head_.longest_hole) {
+    head_.longest_hole = until - head_.input_end;
+    head_.longest_hole_at = head_.input_end;
+  }
   if (!rates_only && !head_.driving_rates_known)
     throw Stop("the first input sample after the start has no interval, so its increments have no rate");
   for (int i = 0; i < plan_.input_fields && !rates_only; ++i)

@@ -33,10 +33,10 @@ void SampleRows::begin(const MeasurementPlan& measurement) {
   std::fill_n(R_nominal.data(), m_max * m_max, 0.0);
 }
 
-void SampleRows::list_left_out(const unsigned char* marked, GateUnit unit) {
+void SampleRows::list_left_out(const unsigned char* marked) {
   for (int i = 0; i < m; ++i) {
     if (!marked[i]) continue;
-    left_out_groups[as_size(left_out)] = unit == GateUnit::key ? 0 : groups[as_size(i)];
+    left_out_groups[as_size(left_out)] = groups[as_size(i)];
     left_out_keys[as_size(left_out++)] = keys[as_size(i)];
   }
 }
@@ -147,7 +147,7 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
     if (is_withheld || measurement.gate_unit == GateUnit::sample) break;
     const unsigned char* outliers = outlier_test_.find(measurement.gate_unit, measurement.gate_limit, rows_);
     if (!outliers) break;
-    rows_.list_left_out(outliers, measurement.gate_unit);
+    rows_.list_left_out(outliers);
     if (2 * rows_.left_out > offered) return gated("no majority of its rows agrees with the rest");
     rows_.remove(outliers, static_cast<int>(measurement.columns.size()), plan_.n);
     roll_back_noise();

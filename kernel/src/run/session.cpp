@@ -241,6 +241,12 @@ ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).
 
 void Session::attach(FilterId filter, StepObserver* observer) { engine(filter).attach(observer); }
 
+Verdict Session::verdict(FilterId filter) const { return engine(filter).ledger().verdict(); }
+
+std::size_t Session::reasons(FilterId filter, std::span<TrustReason> into) const {
+  return engine(filter).ledger().reasons(into);
+}
+
 MeasurementCounts Session::counts(MeasurementId measurement) const {
   const auto& filter = engine(measurement.filter);
   item_at(filter.plan().measurements, measurement.index, "measurement");
@@ -249,8 +255,8 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   MeasurementCounts counts{tally, {}, 0, 0, tally.last_reason};
   counts.nis_mean = n > 0 ? tally.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(tally.rows_used) / n : 0.0;
-  std::ranges::copy_if(filter.ledger().left_out(measurement.index), std::back_inserter(counts.left_out),
-                       [](const LeftOutRows& rows) { return rows.count > 0; });
+  for (const auto& row : filter.ledger().rows(measurement.index))
+    if (row.is_in_use) counts.rows.push_back(internal::filter::figures_of(row));
   return counts;
 }
 

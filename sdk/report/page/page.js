@@ -214,13 +214,20 @@ function filterSections(filter, summary, path) {
 
 // ---- the whole
 
+/// Whether each filter's estimates can be trusted, and why not.
+function verdicts() {
+  const filters = Object.entries((payload.run && payload.run.summary.filters) || {}).filter(([, filter]) => filter.verdict);
+  return filters.length ? el('dl', { class: 'verdicts' }, filters.flatMap(([name, { verdict }]) => [el('dt', { class: verdict.state }, `${name}: ${verdict.state}`),
+    ...verdict.reasons.map((reason) => el('dd', {}, `${reason.code} ${reason.text}`))])) : null;
+}
+
 function header(kind, provenance) {
   const facts = [];
   if (provenance.created) facts.push(String(provenance.created).replace('T', ' ').replace(/\.\d+/, '').replace('Z', ' UTC'));
   if (provenance.version) facts.push(`Binnacle ${provenance.version}`);
   if (provenance.seed !== undefined && provenance.seed !== null) facts.push(`seed ${provenance.seed}` + (provenance.run !== undefined && String(provenance.run) !== '0' ? `, run ${provenance.run}` : ''));
   return el('header', {}, el('div', { class: 'kind' }, kind), el('h1', {}, payload.title || kind), payload.description && el('p', { class: 'lead' }, payload.description),
-    el('p', { class: 'facts' }, facts.map((fact) => el('span', {}, fact))), provenance.command && el('pre', { class: 'command' }, provenance.command));
+    el('p', { class: 'facts' }, facts.map((fact) => el('span', {}, fact))), provenance.command && el('pre', { class: 'command' }, provenance.command), verdicts());
 }
 
 function originSection(config, provenance) {

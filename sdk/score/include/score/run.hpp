@@ -14,6 +14,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/step_log.hpp"
+#include "binnacle/trust.hpp"
 #include "score/metric.hpp"
 #include "score/sections.hpp"
 
@@ -64,11 +65,13 @@ struct RunOptions {
 
 struct RunResult {
   /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
-  ///   "steps", "filter_s" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
+  ///   "steps", "filter_s", "verdict" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
   nlohmann::ordered_json summary;
   std::vector<MetricValue> metrics;  // those of RunOptions, in their order
   Diagnostics warnings;              // gaps and repairs in the data
   Diagnostics failures;              // B080 broken, B081 never started; empty when all went well
+  Verdict verdict = Verdict::ok;     // the worst of all filters'
+  Diagnostics doubts;                // why it is not ok: B100 to B107
 };
 
 /// As binnacle::run(), of a composition loaded with sections(), whose references and metrics are scored.

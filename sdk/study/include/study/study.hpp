@@ -81,6 +81,7 @@ struct Figures {
   enum class State { open, finished, failed } state = State::open;
   std::vector<score::MetricValue> values;  // per metric of the study, NaN where the variant does not have it
   std::string failure;                     // one line
+  Verdict verdict = Verdict::ok;           // of a finished run
 };
 
 /// By (variant, run).

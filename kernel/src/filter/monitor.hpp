@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Monitors of a measurement, kept while the filter runs: what the gate did to each row, and how innovations were
+// distributed, over the whole run and over windows of at least 50 uses and 10 s.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "binnacle/time.hpp"
+#include "binnacle/trust.hpp"
+#include "binnacle/view.hpp"
+
+namespace binnacle::internal::filter {
+
+/// The rows of an accepted sample as they were used.
+struct UsedRows {
+  std::span<const std::int64_t> keys;
+  const int* groups = nullptr;
+  const double* r = nullptr;
+  ConstMatrixView R, S;  // S = H P⁻ Hᵀ + R
+};
+
+/// Of a statistic that is N(0, 1) in each window of a right filter: the window farthest out.
+struct Extreme {
+  double score = 0;   // in its own standard deviations
+  double figure = 0;  // as the user reads it
+  double size = 0;    // how many numbers it is of
+  Time since = no_time;
+  void see(double new_score, double new_figure, double new_size, Time from) {
+    if (new_score > score) *this = {new_score, new_figure, new_size, from};
+  }
+};
+
+/// Refusals in a row.
+struct Streak {
+  std::int64_t count = 0;
+  Time since = no_time;
+  void refuse(Time t) {
+    if (count++ == 0) since = t;
+  }
+  void end() { count = 0; }
+};
+
+struct Window {
+  static constexpr std::int64_t least = 50;
+  static constexpr Time shortest = 10 * nanoseconds_per_second;
+  std::int64_t count = 0;
+  Time since = no_time;
+  void use(Time t) {
+    if (count++ == 0) since = t;
+  }
+  bool is_full(Time t) const { return count >= least && t - since >= shortest; }
+};
+
+/// One row, by group and key. Lies in the arena.
+struct RowMonitor {
+  std::int64_t key = 0;
+  std::int32_t group = 0;
+  std::int32_t is_in_use = 0;
+  std::int64_t used = 0, left_out = 0, refused = 0;
+  Streak streak;
+  double z = 0, zz = 0, lag = 0, rr = 0, HPHt = 0, R = 0;  // sums over all uses; lag: z_k z_{k−1}
+  double previous = 0;                                    // z
+  Window window;
+  double window_z = 0, window_lag = 0;
+  std::int64_t windows = 0;
+  Extreme bias, correlation;
+
+  void use(Time t, double r, double its_R, double S);
+};
+
+/// The NIS of accepted samples. Lies in the arena.
+struct NisMonitor {
+  Window window;
+  double nis = 0;  // sums over the window
+  std::int64_t rows = 0;
+  std::int64_t windows = 0;
+  double newest = 0;  // NIS over rows in the last full window
+  Extreme worst;
+
+  void use(Time t, double its_nis, int its_rows);
+};
+
+/// χ²/d of d degrees of freedom as a normal number, and back.
+double normal_score(double ratio, double d);
+double ratio_of(double score, double d);
+
+/// The place of a row in a table; a free place becomes its own. `hint`: where to look first. Null when the table is full.
+RowMonitor* find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint);
+
+/// What the user reads of it.
+RowFigures figures_of(const RowMonitor& row);
+
+}  // namespace binnacle::internal::filter

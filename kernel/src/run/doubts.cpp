@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reasons against a filter's estimates as a user reads them.
+#include <cstdio>
+
+#include "binnacle/session.hpp"
+#include "run/runtime.hpp"
+
+namespace binnacle {
+
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string since(const TrustReason& reason) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.1f s", seconds(reason.since));
+  return text;
+}
+
+/// "'fix'", or "'fix', row velocity 2".
+std::string subject(const TrustReason& reason, const MeasurementInfo& measurement) {
+  std::string text = "'" + measurement.name + "'";
+  if (reason.group < 0) return text;
+  return text + ", row " + measurement.groups[internal::base::as_size(reason.group)].name + " " + std::to_string(reason.key);
+}
+
+/// `last_refusal`: why the newest refused sample was.
+std::string text_of(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
+  const std::string figure = number(reason.figure), limit = number(reason.limit);
+  if (reason.doubt == Doubt::bridged)
+    return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " + limit +
+           " s); what the vehicle did meanwhile is not known";
+  const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
+  switch (reason.doubt) {
+    case Doubt::locked_out:
+      return who + " is locked out: refused " + figure + " times in a row since " + since(reason) + ", up to the end";
+    case Doubt::never_accepted: 
+      return who + " was never accepted: " + figure + " samples, all of them refused, the last because " + last_refusal;
+    case Doubt::mostly_refused:
+      return who + " was mostly refused: " + number(100 * reason.figure) + " % of its rows; the estimate is wrong, or " +
+             "clock, axes, units or signs of this measurement are not what the config says";
+    case Doubt::nis:
+      return who + " has innovations larger than its noise: NIS over rows is " + figure + " in the window from " +
+             since(reason) + " (limit " + limit + ")";
+    case Doubt::bias:
+      return who + " has biased innovations: their mean is " + figure + " of their 1-sigma in the window from " +
+             since(reason) + " (limit " + limit + ")";
+    case Doubt::correlation:
+      return who + " has innovations that are correlated in time: " + figure + " of their variance in the window from " +
+             since(reason) + " (limit " + limit + ")";
+    case Doubt::recovered: return who + " had to be recovered " + figure + " times: it was refused again and again";
+    case Doubt::bridged: break;
+  }
+  return who;
+}
+
+const char* code_of(Doubt doubt) {
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107"};
+  return codes[static_cast<int>(doubt)];
+}
+
+}  // namespace
+
+Diagnostics Session::doubts(FilterId filter) const {
+  std::vector<TrustReason> reasons(this->reasons(filter, {}));
+  this->reasons(filter, reasons);
+  const auto& plan = engine(filter).plan();
+  const auto& document = composition_->plan().document;
+  Diagnostics doubts;
+  for (const auto& reason : reasons) {
+    const std::string& pointer =
+        reason.measurement < 0 ? plan.pointer : plan.measurements[internal::base::as_size(reason.measurement)].pointer;
+    const std::string last_refusal =
+        reason.measurement < 0 ? "" : engine(filter).ledger().tally(reason.measurement).last_reason;
+    doubts.warning(code_of(reason.doubt), document.key_origin(pointer), pointer,
+                   text_of(reason, composition_->filters()[internal::base::as_size(filter.index)], last_refusal));
+  }
+  return doubts;
+}
+
+}  // namespace binnacle
