@@ -175,10 +175,11 @@ std::string innovation_table(const Json& measurements) {
     if (!entry.contains("innovations") || entry["innovations"].size() > most) continue;
     for (const auto& row : entry["innovations"]) {
       is_empty = false;
-      table.row({fmt::format("{} {} {}", name, row["part"] == name ? "" : row["part"].get<std::string>(), row["row"].dump()),
-                 count_at(row, "used"), count_at(row, "refused"), figure(number_at(row, "mean")),
-                 figure(number_at(row, "rms")), figure(number_at(row, "correlation")), figure(number_at(row, "sigma")),
-                 figure(number_at(row, "fitting_sigma")), row["unit"].get<std::string>()});
+      table.row(
+          {fmt::format("{} {} {}", name, row["part"] == name ? "" : row["part"].get<std::string>(), row["row"].dump()),
+           count_at(row, "used"), count_at(row, "refused"), figure(number_at(row, "mean")),
+           figure(number_at(row, "rms")), figure(number_at(row, "correlation")), figure(number_at(row, "sigma")),
+           figure(number_at(row, "fitting_sigma")), row["unit"].get<std::string>()});
     }
   }
   return is_empty ? "" : "\n" + table.text();

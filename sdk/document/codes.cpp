@@ -143,9 +143,11 @@ constexpr CodeEntry entries[] = {
      "A noise estimator learns from residuals, and covariances alone have none.",
      "Take the `noise` out of the measurement in what is analysed, or run a study."},
     {"B100", "locked out",
-     "A measurement, or a row or key that its gate tests, was refused several times in a row and still was at the end. The "
+     "A measurement, or a row or key that its gate tests, was refused several times in a row and still was at the end. "
+     "The "
      "filter is `lost` when it is the measurement or most of its rows; when others pass it is `doubtful`.",
-     "Either the estimate is wrong (look at the start, at holes and at other reasons) or the measurement: its clock, axes, "
+     "Either the estimate is wrong (look at the start, at holes and at other reasons) or the measurement: its clock, "
+     "axes, "
      "units, lever arm or standard deviations."},
     {"B101", "never accepted", "Samples of a measurement came, and the filter refused each of them.",
      "Look at `last_reason` in the summary: standard deviations of 0, units, axes, or a start far from the truth."},
@@ -153,7 +155,8 @@ constexpr CodeEntry entries[] = {
      "Compare the innovations' RMS in the summary with 1: standard deviations may be too small by that much; or the "
      "estimate is wrong."},
     {"B103", "innovations larger than their noise",
-     "Over a window of at least 50 samples and 10 s the mean of NIS over its rows is more than noise as specified can make "
+     "Over a window of at least 50 samples and 10 s the mean of NIS over its rows is more than noise as specified can "
+     "make "
      "it. `lost` when the newest window is beyond all reason.",
      "The summary gives for each row the standard deviation that would fit. A wrong model, lever arm or clock makes "
      "innovations grow with motion."},
@@ -163,11 +166,16 @@ constexpr CodeEntry entries[] = {
      "receiver that is off."},
     {"B105", "correlated innovations",
      "Over a window a row's innovations depend on those before them more than white noise can.",
-     "The measurement's errors are correlated in time (a receiver's own filter, multipath), or the process noise is too "
+     "The measurement's errors are correlated in time (a receiver's own filter, multipath), or the process noise is "
+     "too "
      "small."},
     {"B106", "recovered", "A measurement was locked out, and the covariance was opened until it passed again.",
      "Look at what came before: the estimates from the first refusal to the recovery are wrong."},
-    {"B107", "hole in the input", "The driving input had a hole that the filter bridged.",
+    {"B107", "locked out for a while",
+     "A measurement, or a row or key, was refused several times in a row, and passes again.",
+     "Look at the time that the message names: a receiver that jumps, freezes or is spoofed, or an estimate that was "
+     "wrong for a while."},
+    {"B108", "hole in the input", "The driving input had a hole that the filter bridged.",
      "Look for lost data. The estimates after it are as good as the rates before and after it tell."},
 };
 

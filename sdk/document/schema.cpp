@@ -331,9 +331,14 @@ void add_measurement_definitions(Json& definitions) {
                                          {"probability"})}}};
   definitions["noise"] = described("a noise estimator: R from what the residuals were", ref("noise_estimator"));
   definitions["recover"] = described(
-      "reopens a filter that locks the measurement out: after so many gated samples in a row these 1-sigma are set",
-      closed_object({{"after", {{"type", "integer"}, {"minimum", 1}}}, {"inflate", named(quantity)}},
-                    {"after", "inflate"}));
+      "how a filter that locks the measurement out is opened again: after so many refusals in a row, or after a time "
+      "where "
+      "others contradict it; along what the measurement sees, or by these 1-sigma; false: never",
+      {{"anyOf",
+        {{{"const", false}},
+         closed_object(
+             {{"after", {{"type", "integer"}, {"minimum", 1}}}, {"against", ref("time")}, {"inflate", named(quantity)}},
+             {})}}});
   const Json windows = list_of(ref("window"));
   definitions["withhold"] = {
       {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},

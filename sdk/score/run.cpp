@@ -114,7 +114,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   binnacle::RunResult result = binnacle::run(composition, run_options);
   Json summary = scorer.summary(result.warnings);
   summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return {std::move(summary),          scorer.values(),  std::move(result.warnings),
+  return {std::move(summary),         scorer.values(),  std::move(result.warnings),
           std::move(result.failures), scorer.verdict(), scorer.doubts()};
 }
 

@@ -25,6 +25,7 @@ enum class Doubt : unsigned char {
   bias,            ///< mean of z = r / √S over a window; `limit` as above
   correlation,     ///< mean of z_k z_{k−1} over a window; `limit` as above
   recovered,       ///< the covariance was opened `figure` times since samples kept being refused
+  was_locked_out,  ///< refused `figure` times in a row, at least `limit`; it passes again
   bridged,         ///< the longest hole in the driving input [s], longer than `limit`
 };
 

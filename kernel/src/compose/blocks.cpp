@@ -190,7 +190,8 @@ class BlockReader {
 
 FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
-  composer.check_section_keys(at, {"blocks", "derived", "process", "measurements", "trust"}, "filter '" + plan.name + "'");
+  composer.check_section_keys(at, {"blocks", "derived", "process", "measurements", "trust"},
+                              "filter '" + plan.name + "'");
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
     at.key_error("B010", "filter '" + plan.name + "' has no 'blocks'");

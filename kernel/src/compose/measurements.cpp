@@ -162,16 +162,20 @@ class MeasurementComposer {
     plan_.noise = composer_.make<NoiseEstimator>(component, binding);
   }
 
+  /// On by default where there is a gate; `false` turns it off.
   void add_recovery() {
     const Reader recover = at_["recover"];
-    if (!recover.is_object("'recover'")) return;
-    recover.check_keys({"after", "inflate"}, "'recover'");
-    if (!recover.require("after", "recover", "samples gated in a row") ||
-        !recover.require("inflate", "recover", "{\"block.component\": sigma}"))
+    if (plan_.gate <= 0) plan_.recover_after = 0;
+    if (recover && config::JsonOf::at(recover) == false) {
+      plan_.recover_after = 0;
       return;
+    }
+    if (!recover.is_object("'recover'")) return;
+    recover.check_keys({"after", "against", "inflate"}, "'recover'");
     if (plan_.gate <= 0) recover.error("B010", "'recover' needs a 'gate': without one no sample is ever gated");
     const auto after = recover["after"].integer(parameter::integer("after").at_least(1));
-    plan_.recover_after = static_cast<int>(after.value_or(0));
+    plan_.recover_after = static_cast<int>(after.value_or(plan_.recover_after));
+    plan_.recover_against = recover["against"].time().value_or(plan_.recover_against);
     for (const Reader& inflation : recover["inflate"].members("'inflate'")) add_inflation(inflation);
   }
 

@@ -22,6 +22,19 @@ Outcome outcome_of(Refusal refusal) {
   }
 }
 
+/// Asks the ledger about rows of the sample at work.
+struct LockedOut {
+  const Ledger& ledger;
+  int measurement;
+  LockOutTest test() {
+    return {this, [](void* self, const SampleRows& rows, const unsigned char* marked) {
+              const auto& its = *static_cast<LockedOut*>(self);
+              return its.ledger.is_locked_out(its.measurement, {rows.keys.data(), as_size(rows.m)}, rows.groups.data(),
+                                              marked);
+            }};
+  }
+};
+
 }  // namespace
 
 Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, std::byte* arena)
@@ -174,7 +187,13 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   const double dt = tally.last_accepted == no_time ? 0.0 : seconds(sample.t - tally.last_accepted);
-  const Judgement judged = estimator_.judge(plan, sample.t, dt, is_withheld(plan, tally.reached, sample.t));
+  const bool withheld = is_withheld(plan, tally.reached, sample.t);
+  LockedOut locked_out{ledger_, measurement};
+  Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
+  if (judged.locked_out > 0) {
+    open_covariance(measurement, sample.t, judged.locked_out);
+    judged = estimator_.judge(plan, sample.t, dt, withheld, {});
+  }
   if (judged.outcome == Outcome::accepted) {
     correct(measurement, sample.t);
     return;
@@ -186,7 +205,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
     ledger_.refuse({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   }
   ledger_.close(judged.outcome, judged.reason, innovation_record(plan));
-  if (judged.outcome == Outcome::gated && ledger_.is_recovery_due(measurement)) open_covariance(measurement, sample.t);
+  if (judged.outcome == Outcome::gated && ledger_.is_inflation_due(measurement)) inflate(measurement, sample.t);
 }
 
 void Engine::correct(int measurement, Time t) {
@@ -194,18 +213,32 @@ void Engine::correct(int measurement, Time t) {
   keep_before(Wants::update_covariance);
   estimator_.correct(plan);
   const SampleRows& rows = estimator_.rows();
-  ledger_.use({{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r,
-               rows.square(rows.R), rows.square(rows.S)}, rows.nis);
+  ledger_.use(
+      {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.square(rows.R), rows.square(rows.S)},
+      rows.nis);
   ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));
   estimator_.learn(plan);
   estimator_.check_update(t);
 }
 
-void Engine::open_covariance(int measurement, Time t) {
+void Engine::open_covariance(int measurement, Time t, double aim) {
+  keep_before(Wants::update_covariance);
+  if (!estimator_.open(aim)) return;
+  ledger_.count_recovery(measurement);
+  if (ledger_.observer())
+    ledger_.observer()->inflated(inflation_record({measurement, t, nullptr, estimator_.opened(), {}, {}}));
+}
+
+void Engine::inflate(int measurement, Time t) {
   keep_before(Wants::update_covariance);
   estimator_.inflate(plan_.measurements[as_size(measurement)]);
-  if (ledger_.observer()) ledger_.observer()->inflated(inflation_record(measurement, t));
+  ledger_.count_recovery(measurement);
+  if (!ledger_.observer()) return;
+  std::fill(variances_.begin(), variances_.end(), 0.0);
+  for (const auto& inflation : plan_.measurements[as_size(measurement)].inflations)
+    variances_[as_size(inflation.row)] += inflation.variance;
+  ledger_.observer()->inflated(inflation_record({measurement, t, variances_.data(), nullptr, {}, {}}));
 }
 
 bool Engine::write_estimates(SampleWriter& slot) {
@@ -284,11 +317,7 @@ UpdateRecord Engine::update_record(const MeasurementPlan& measurement) {
   return record;
 }
 
-InflationRecord Engine::inflation_record(int measurement, Time t) {
-  std::fill(variances_.begin(), variances_.end(), 0.0);
-  for (const auto& inflation : plan_.measurements[as_size(measurement)].inflations)
-    variances_[as_size(inflation.row)] += inflation.variance;
-  InflationRecord record{measurement, t, variances_.data(), {}, {}};
+InflationRecord Engine::inflation_record(InflationRecord record) {
   if (is_wanted(Wants::update_covariance)) std::tie(record.P0, record.P1) = std::pair(square(P_before_), covariance());
   return record;
 }

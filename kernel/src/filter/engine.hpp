@@ -70,7 +70,8 @@ class Engine final : private TimeLine::Work {
   Driving moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
   void correct(int measurement, Time t);
-  void open_covariance(int measurement, Time t);
+  void open_covariance(int measurement, Time t, double aim);
+  void inflate(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);
 
   // Records for the observer
@@ -82,7 +83,7 @@ class Engine final : private TimeLine::Work {
   UpdateRecord innovation_record(const MeasurementPlan& measurement);
   /// Of one that was accepted and has corrected.
   UpdateRecord update_record(const MeasurementPlan& measurement);
-  InflationRecord inflation_record(int measurement, Time t);
+  InflationRecord inflation_record(InflationRecord record);
   MatrixView square(std::vector<double>& matrix) const { return {matrix.data(), plan_.n, plan_.n, plan_.n}; }
 
   const FilterPlan& plan_;

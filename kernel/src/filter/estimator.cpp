@@ -18,6 +18,7 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       P_(std::make_unique<Joseph>(plan.transition, plan.most_dof(), plan.covariance.in(arena))),
       rows_(plan),
       outlier_test_(plan.max_rows),
+      opening_(plan.n, plan.max_rows),
       workspace_(plan.workspace),
       x_plus_(as_size(plan.stored_size)),
       x_corrected_(as_size(plan.stored_size)) {

@@ -66,10 +66,35 @@ class OutlierTest {
   std::vector<unsigned char> is_tested_, worst_;
 };
 
+/// The direction along which a lock-out opens P. Sized once: find() does not allocate.
+class Opening {
+ public:
+  Opening(int n, int max_rows);
+
+  /// Makes `direction` d such that with P + d dᵀ the NIS of the rows is near `aim`; false where there is none. Needs G.
+  bool find(const SampleRows& rows, int n, double aim);
+
+  std::vector<double> direction;  // padded(n)
+
+ private:
+  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd weights_, s_, whitened_;
+};
+
 /// `accepted`, `withheld`, `gated`, or `rejected` where S is not positive definite.
 struct Judgement {
   Outcome outcome = Outcome::accepted;
   const char* reason = "";
+  int locked_out = 0;  // > 0: nothing is decided; so many rows are locked out and P is to be opened for them
+};
+
+/// Whether the marked rows of the sample at work (null: all of them), refused once more, are locked out for good.
+struct LockOutTest {
+  void* self = nullptr;
+  bool (*is_due)(void* self, const SampleRows& rows, const unsigned char* marked) = nullptr;
+  bool operator()(const SampleRows& rows, const unsigned char* marked) const {
+    return self && is_due(self, rows, marked);
+  }
 };
 
 /// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: four such matrices.
@@ -108,7 +133,7 @@ class Estimator {
   Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
   /// Takes linearized rows to R, S, its factor and the NIS. dt: since the last accepted sample [s]. A withheld sample
   /// meets no noise estimator. update.cpp
-  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld);
+  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld, LockOutTest is_locked_out);
   /// δ = K r, x ← x ⊞ δ, P by the form and then by the blocks' reset Jacobians, whole or not at all: every plugin call
   /// comes before x and P change.
   void correct(const MeasurementPlan& measurement);
@@ -120,6 +145,9 @@ class Estimator {
   bool has_reset() const { return !resets_.empty(); }
   void expand_reset(MatrixView T) const;
 
+  /// P ← P + d dᵀ along what the rows see, so that their NIS becomes `aim`; false where that cannot be. recovery.cpp
+  bool open(double aim);
+  const double* opened() const { return opening_.direction.data(); }
   /// Adds a measurement's named variances to P.
   void inflate(const MeasurementPlan& measurement);
 
@@ -204,6 +232,7 @@ class Estimator {
   std::unique_ptr<CovarianceForm> P_;
   SampleRows rows_;
   OutlierTest outlier_test_;
+  Opening opening_;
 
   // Scratch
   std::vector<double> workspace_;  // as the plan lays it out: blocks of Φ and Qd, derived values, Jacobians

@@ -55,9 +55,8 @@ void Ledger::for_each_row(std::span<const std::int64_t> keys, const int* groups,
 }
 
 void Ledger::use(const UsedRows& rows, double nis) {
-  for_each_row(rows.keys, rows.groups, [&](RowMonitor& row, int i) {
-    row.use(open_t_, rows.r[i], rows.R(i, i), rows.S(i, i));
-  });
+  for_each_row(rows.keys, rows.groups,
+               [&](RowMonitor& row, int i) { row.use(open_t_, rows.r[i], rows.R(i, i), rows.S(i, i)); });
   plan_.measurements[as_size(open_)].nis.in(arena_)->use(open_t_, nis, static_cast<int>(rows.keys.size()));
 }
 
@@ -70,16 +69,37 @@ void Ledger::leave_out(std::span<const std::int64_t> keys, const int* groups) {
 void Ledger::refuse(std::span<const std::int64_t> keys, const int* groups) {
   for_each_row(keys, groups, [&](RowMonitor& row, int) {
     ++row.refused;
+    row.last = open_t_;
     row.streak.refuse(open_t_);
   });
 }
 
-bool Ledger::is_recovery_due(int measurement) {
-  Tally& tally = tally_of(measurement);
-  const int after = plan_.measurements[as_size(measurement)].recover_after;
-  if (after == 0 || tally.gated.count % after != 0) return false;
-  ++tally.recoveries;
-  return true;
+bool Ledger::is_locked_out(int measurement, std::span<const std::int64_t> keys, const int* groups,
+                           const unsigned char* marked) const {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  if (plan.recover_after == 0 || !plan.inflations.empty()) return false;
+  const auto is_due = [&](const Streak& streak) { return (streak.count + 1) % plan.recover_after == 0; };
+  Time since = no_time;
+  if (!marked && is_due(tally(measurement).gated)) since = tally(measurement).gated.since;
+  for (std::size_t i = 0; marked && i < keys.size() && since == no_time; ++i) {
+    const RowMonitor* const row = marked[i] ? known_row(rows_of(measurement), groups[i], keys[i]) : nullptr;
+    if (row && is_due(row->streak)) since = row->streak.since;
+  }
+  if (since == no_time) return false;
+  std::int64_t refused = 0, all = 0;
+  for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
+    for (const RowMonitor& row : rows_of(m)) {
+      if (!row.is_in_use || row.last < since) continue;
+      ++all;
+      // The row at work is not counted yet.
+      refused += row.streak.count + (m == measurement) >= plan.recover_after;
+    }
+  return 2 * refused > all || open_t_ - since >= plan.recover_against;
+}
+
+bool Ledger::is_inflation_due(int measurement) const {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  return plan.recover_after > 0 && !plan.inflations.empty() && tally(measurement).gated.count % plan.recover_after == 0;
 }
 
 void Ledger::stop(const std::string& diagnosis) {

@@ -40,8 +40,14 @@ class Ledger {
   void leave_out(std::span<const std::int64_t> keys, const int* groups);
   /// All rows of the open sample are gated with it.
   void refuse(std::span<const std::int64_t> keys, const int* groups);
-  /// The newest sample of a measurement was gated: whether it is time to open the covariance, which is counted then.
-  bool is_recovery_due(int measurement);
+  /// Whether rows of the open sample (null: all), refused once more, are to be recovered: when most of what came since
+  /// their first refusal is locked out too, the state is wrong; when most of it passes, the measurement is, and only after
+  /// `against` the state is believed to be.
+  bool is_locked_out(int measurement, std::span<const std::int64_t> keys, const int* groups,
+                     const unsigned char* marked) const;
+  /// The newest sample of a measurement was gated: whether the variances that its config names are due.
+  bool is_inflation_due(int measurement) const;
+  void count_recovery(int measurement) { ++tally_of(measurement).recoveries; }
 
   /// The filter stops.
   void stop(const std::string& diagnosis);

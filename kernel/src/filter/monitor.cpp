@@ -14,6 +14,7 @@ double ratio_of(double score, double d) { return std::pow(1 - 2 / (9 * d) + scor
 void RowMonitor::use(Time t, double r, double its_R, double S) {
   const double now = r / std::sqrt(S), product = used > 0 ? now * previous : 0.0;
   ++used;
+  last = t;
   streak.end();
   z += now;
   zz += now * now;
@@ -51,8 +52,7 @@ void NisMonitor::use(Time t, double its_nis, int its_rows) {
 RowMonitor* find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint) {
   const auto is_it = [&](const RowMonitor& row) { return row.is_in_use && row.group == group && row.key == key; };
   if (hint < table.size() && is_it(table[hint])) return &table[hint];
-  const auto found =
-      std::ranges::find_if(table, [&](const RowMonitor& row) { return !row.is_in_use || is_it(row); });
+  const auto found = std::ranges::find_if(table, [&](const RowMonitor& row) { return !row.is_in_use || is_it(row); });
   if (found == table.end()) return nullptr;
   if (!found->is_in_use) {
     found->group = group;
@@ -60,6 +60,13 @@ RowMonitor* find_row(std::span<RowMonitor> table, int group, std::int64_t key, s
     found->is_in_use = 1;
   }
   return &*found;
+}
+
+const RowMonitor* known_row(std::span<const RowMonitor> table, int group, std::int64_t key) {
+  const auto found = std::ranges::find_if(table, [&](const RowMonitor& row) {
+    return row.is_in_use && row.group == group && row.key == key;
+  });
+  return found == table.end() ? nullptr : &*found;
 }
 
 RowFigures figures_of(const RowMonitor& row) {

@@ -35,8 +35,14 @@ struct Extreme {
 struct Streak {
   std::int64_t count = 0;
   Time since = no_time;
+  std::int64_t longest = 0;
+  Time longest_since = no_time;
   void refuse(Time t) {
     if (count++ == 0) since = t;
+    if (count > longest) {
+      longest = count;
+      longest_since = since;
+    }
   }
   void end() { count = 0; }
 };
@@ -58,9 +64,10 @@ struct RowMonitor {
   std::int32_t group = 0;
   std::int32_t is_in_use = 0;
   std::int64_t used = 0, left_out = 0, refused = 0;
+  Time last = no_time;  // used or refused
   Streak streak;
   double z = 0, zz = 0, lag = 0, rr = 0, HPHt = 0, R = 0;  // sums over all uses; lag: z_k z_{k−1}
-  double previous = 0;                                    // z
+  double previous = 0;                                     // z
   Window window;
   double window_z = 0, window_lag = 0;
   std::int64_t windows = 0;
@@ -87,6 +94,8 @@ double ratio_of(double score, double d);
 
 /// The place of a row in a table; a free place becomes its own. `hint`: where to look first. Null when the table is full.
 RowMonitor* find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint);
+
+const RowMonitor* known_row(std::span<const RowMonitor> table, int group, std::int64_t key);
 
 /// What the user reads of it.
 RowFigures figures_of(const RowMonitor& row);

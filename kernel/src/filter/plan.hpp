@@ -251,7 +251,7 @@ struct PartPlan : Planned {
 /// What became of a measurement's samples. Lies in the arena.
 struct Tally : SampleCounts {
   std::int64_t reached = 0;  // by the filter's time: offered less late and waiting
-  Streak gated;  // in a row
+  Streak gated;              // in a row
   double nis_sum = 0;
   Time last_accepted = no_time;
   char last_reason[96] = {};
@@ -277,14 +277,15 @@ struct MeasurementPlan : Planned {
   std::string noise_type;
   Place<std::byte> noise_memory;
   bool learn_from_gated = false;
-  int recover_after = 0;
-  std::vector<Inflation> inflations;
+  int recover_after = 5;                               // refusals in a row of one unit; 0: no recovery
+  Time recover_against = 45 * nanoseconds_per_second;  // instead, where most of what comes passes
+  std::vector<Inflation> inflations;                   // instead of the opening along what the rows see
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
   Place<Tally> tally;
   Place<NisMonitor> nis;
-  Place<RowMonitor> rows;  // as many as it may have, and for keys that come and go a few more
-  bool is_watched = true;  // its monitors speak against the filter
+  Place<RowMonitor> rows;   // as many as it may have, and for keys that come and go a few more
+  bool is_watched = true;   // its monitors speak against the filter
   Place<std::byte> memory;  // of its parts together
 };
 

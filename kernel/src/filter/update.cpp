@@ -123,12 +123,17 @@ const unsigned char* OutlierTest::find(GateUnit unit, const std::vector<double>&
 
 // ---- the judgement
 
-Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld) {
+Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld,
+                           LockOutTest is_locked_out) {
   const auto& memory = measurement.noise_memory;
   std::copy_n(memory.in(arena_), memory.count, noise_backup_.data());
   const auto roll_back_noise = [&] { std::copy_n(noise_backup_.data(), memory.count, memory.in(arena_)); };
   P_->project(measurement.columns, rows_);
   double nis_offered = 0;
+  const auto locked_out = [&](int count) -> Judgement {
+    roll_back_noise();
+    return {Outcome::gated, "", count};
+  };
   const auto gated = [&](const char* reason) -> Judgement {
     if (!measurement.learn_from_gated) roll_back_noise();
     rows_.nis = nis_offered;
@@ -147,6 +152,8 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
     if (is_withheld || measurement.gate_unit == GateUnit::sample) break;
     const unsigned char* outliers = outlier_test_.find(measurement.gate_unit, measurement.gate_limit, rows_);
     if (!outliers) break;
+    if (is_locked_out(rows_, outliers))
+      return locked_out(static_cast<int>(std::count(outliers, outliers + rows_.m, 1)));
     rows_.list_left_out(outliers);
     if (2 * rows_.left_out > offered) return gated("no majority of its rows agrees with the rest");
     rows_.remove(outliers, static_cast<int>(measurement.columns.size()), plan_.n);
@@ -154,8 +161,10 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
   }
   if (is_withheld) return {Outcome::withheld, ""};
   if (measurement.gate > 0 && measurement.gate_unit == GateUnit::sample &&
-      rows_.nis > measurement.gate_limit[as_size(rows_.m)])
+      rows_.nis > measurement.gate_limit[as_size(rows_.m)]) {
+    if (is_locked_out(rows_, nullptr)) return locked_out(rows_.m);
     return gated("NIS beyond the gate");
+  }
   return {};
 }
 

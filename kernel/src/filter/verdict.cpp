@@ -68,12 +68,15 @@ class Examination {
 
   /// All that is refused together is one reason; rows one by one where others pass.
   void examine_lock_out(int m, const Tally& tally, bool by_sample) {
-    if (trust_.after == 0) return;
+    if (trust_.after == 0 || plan_.measurements[as_size(m)].recover_after == 0) return;
     if (tally.gated.count >= trust_.after) {
       see_(locked_out(m, Verdict::lost, -1, 0, tally.gated));
       return;
     }
-    if (by_sample) return;
+    if (by_sample) {
+      if (tally.gated.longest >= trust_.after) see_(was_locked_out(m, -1, 0, tally.gated));
+      return;
+    }
     const auto is_out = [&](const RowMonitor& row) { return row.streak.count >= trust_.after; };
     std::int64_t out = 0, all = 0;
     for (const RowMonitor& row : ledger_.rows(m)) {
@@ -83,10 +86,17 @@ class Examination {
     for (const RowMonitor& row : ledger_.rows(m))
       if (is_out(row))
         see_(locked_out(m, 2 * out > all ? Verdict::lost : Verdict::doubtful, row.group, row.key, row.streak));
+      else if (row.streak.longest >= trust_.after)
+        see_(was_locked_out(m, row.group, row.key, row.streak));
   }
 
   TrustReason locked_out(int m, Verdict verdict, int group, std::int64_t key, const Streak& streak) const {
     return {Doubt::locked_out, verdict, m, group, key, streak.since, double(streak.count), double(trust_.after)};
+  }
+
+  TrustReason was_locked_out(int m, int group, std::int64_t key, const Streak& streak) const {
+    return {Doubt::was_locked_out,  Verdict::doubtful,   m, group, key, streak.longest_since,
+            double(streak.longest), double(trust_.after)};
   }
 
   void examine_share(int m) {

@@ -25,23 +25,25 @@ std::string since(const TrustReason& reason) {
 std::string subject(const TrustReason& reason, const MeasurementInfo& measurement) {
   std::string text = "'" + measurement.name + "'";
   if (reason.group < 0) return text;
-  return text + ", row " + measurement.groups[internal::base::as_size(reason.group)].name + " " + std::to_string(reason.key);
+  return text + ", row " + measurement.groups[internal::base::as_size(reason.group)].name + " " +
+         std::to_string(reason.key);
 }
 
 /// `last_refusal`: why the newest refused sample was.
 std::string text_of(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
   const std::string figure = number(reason.figure), limit = number(reason.limit);
   if (reason.doubt == Doubt::bridged)
-    return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " + limit +
-           " s); what the vehicle did meanwhile is not known";
+    return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " +
+           limit + " s); what the vehicle did meanwhile is not known";
   const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
   switch (reason.doubt) {
     case Doubt::locked_out:
       return who + " is locked out: refused " + figure + " times in a row since " + since(reason) + ", up to the end";
-    case Doubt::never_accepted: 
+    case Doubt::never_accepted:
       return who + " was never accepted: " + figure + " samples, all of them refused, the last because " + last_refusal;
     case Doubt::mostly_refused:
-      return who + " was mostly refused: " + number(100 * reason.figure) + " % of its rows; the estimate is wrong, or " +
+      return who + " was mostly refused: " + number(100 * reason.figure) +
+             " % of its rows; the estimate is wrong, or " +
              "clock, axes, units or signs of this measurement are not what the config says";
     case Doubt::nis:
       return who + " has innovations larger than its noise: NIS over rows is " + figure + " in the window from " +
@@ -50,16 +52,18 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
       return who + " has biased innovations: their mean is " + figure + " of their 1-sigma in the window from " +
              since(reason) + " (limit " + limit + ")";
     case Doubt::correlation:
-      return who + " has innovations that are correlated in time: " + figure + " of their variance in the window from " +
-             since(reason) + " (limit " + limit + ")";
+      return who + " has innovations that are correlated in time: " + figure +
+             " of their variance in the window from " + since(reason) + " (limit " + limit + ")";
     case Doubt::recovered: return who + " had to be recovered " + figure + " times: it was refused again and again";
+    case Doubt::was_locked_out:
+      return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::bridged: break;
   }
   return who;
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108"};
   return codes[static_cast<int>(doubt)];
 }
 

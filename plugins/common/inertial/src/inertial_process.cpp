@@ -144,6 +144,16 @@ void InertialProcess::describe(ComponentSpec& spec) {
           .defaults("\"second\"")
           .about("of the transition matrix in the step: I + F dt, or with F^2 dt^2/2 (and Q likewise)"),
       attitude::choice_parameter(),
+      parameter::object(
+          "bridge",
+          {parameter::number("acceleration", "m/s^2").defaults("\"1 m/s^2\"").at_least(0).about("per axis, and"),
+           parameter::number("rate", "rad/s")
+               .defaults("\"5 deg/s\"")
+               .at_least(0)
+               .about("per axis: 1-sigma of what the vehicle may have done in a hole of the input beside "
+                      "what it did just before or after it")})
+          .defaults("{}")
+          .about("noise of a step that bridges a hole"),
   };
   spec.ports = {advances("position", "position").about("of the inertial sensor"),
                 advances("velocity", "velocity.ned").about("of the inertial sensor over ground"),
@@ -164,6 +174,9 @@ InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
   algorithm_ = attitude::read_choice(binding);
   density_.gyro = binding.parameters().vector("gyro_noise").cwiseAbs2();
   density_.accel = binding.parameters().vector("accel_noise").cwiseAbs2();
+  const Parameters bridge = binding.parameters().object("bridge");
+  bridge_acceleration_ = bridge.number("acceleration");
+  bridge_rate_ = bridge.number("rate");
   for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i] = binding.port(place_names[i]);
   for (const Place place : {gyro_bias, accel_bias, gyro_scale, accel_scale})
     has_sensor_errors_ = has_sensor_errors_ || ports_[place].is_bound();
@@ -199,7 +212,19 @@ void InertialProcess::declare_noise() {
   }
 }
 
+// An acceleration a, unknown and constant over a hole of length T, leaves a velocity error of variance (a T)², as white
+// noise of density a² T does; that adds up right where measurements cut the hole into pieces. Rates likewise.
+strapdown::NoiseDensity InertialProcess::density(const Step& step) const {
+  strapdown::NoiseDensity density = density_;
+  if (!step.bridges || step.samples.empty()) return density;
+  const double hole = seconds(step.samples.front().whole_t1 - step.samples.front().whole_t0);
+  density.gyro.array() += bridge_rate_ * bridge_rate_ * hole;
+  density.accel.array() += bridge_acceleration_ * bridge_acceleration_ * hole;
+  return density;
+}
+
 Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) const {
+  const strapdown::NoiseDensity noise_density = density(in.step);
   const strapdown::SensorErrors errors = sensor_errors(in.x);
   strapdown::Navigation nav{in.x[ports_[position]].as<3>(), in.x[ports_[velocity]].as<3>(),
                             in.x[ports_[attitude]].as<4>()};
@@ -220,7 +245,7 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
     }
     const strapdown::InputSensitivity input = input_sensitivity(correct(group.sum(), errors), errors);
     const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
-                                strapdown::process_noise(advanced.mid, density_)};
+                                strapdown::process_noise(advanced.mid, noise_density)};
     nav = advanced.nav;
     if (!is_moved && rest.empty()) {
       write(linearized, out);

@@ -70,6 +70,7 @@ class InertialProcess : public ProcessModel {
 
   strapdown::BodyMotion motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
                                SampleMemory& remembered) const;
+  strapdown::NoiseDensity density(const Step& step) const;
   strapdown::SensorErrors sensor_errors(const PortValues& x) const;
   void declare_transition();
   void declare_noise();
@@ -86,6 +87,8 @@ class InertialProcess : public ProcessModel {
   attitude::Algorithm algorithm_;
   bool has_sensor_errors_ = false;
   strapdown::NoiseDensity density_;
+  double bridge_acceleration_ = 0;  // 1-sigma per axis, over a hole of the input [m/s²]
+  double bridge_rate_ = 0;          // [rad/s]
 };
 
 }  // namespace binnacle::inertial
