@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "strapdown/earth.hpp"
@@ -73,6 +74,11 @@ struct State {
   // output
   std::int64_t was_solved;
   Time t_emitted;
+  // for messages
+  RestFindings rest;
+  std::int64_t samples, holes, without_interval, rests;
+  double spacing;    // of the last two IMU samples, s
+  double top_speed;  // of GNSS velocities, m/s
 
   Eigen::Map<Vector4d, Eigen::Unaligned> attitude() { return Eigen::Map<Vector4d, Eigen::Unaligned>(q); }
   Vector3d corrected_rate() const { return {rate[0] - rest_rate[0], rate[1] - rest_rate[1], rate[2] - rest_rate[2]}; }
@@ -269,6 +275,12 @@ void CoarseAlignment::on_imu(const SampleView& sample, State& state, Emitter& em
   const Time before = state.t_imu;
   state.t_imu = sample.t;
   Eigen::Map<Vector3d>(state.rate) = rate;
+  ++state.samples;
+  state.without_interval += sample.t0 == no_time;
+  if (before != no_time) {
+    state.spacing = seconds(sample.t - before);
+    state.holes += sample.t0 - before > longest_hole;
+  }
   if (before == no_time || sample.t0 == no_time || sample.t0 - before > longest_hole || sample.t <= before)
     return state.forget_attitude();
 
@@ -278,7 +290,10 @@ void CoarseAlignment::on_imu(const SampleView& sample, State& state, Emitter& em
     state.attitude() = sd::quaternion_normalised(sd::quaternion_product(state.attitude(), sd::quaternion_exp(angle)));
     state.turned += angle.norm();
   }
-  if (state.window.add(settings_.rest, dt, rate, force) == RestWindow::Event::at_rest) level(sample.t, state);
+  if (state.window.add(settings_.rest, dt, rate, force, state.rest) == RestWindow::Event::at_rest) {
+    ++state.rests;
+    level(sample.t, state);
+  }
   emit(sample.t, state, emitter);
 }
 
@@ -353,6 +368,7 @@ void CoarseAlignment::on_gnss(const SampleView& sample, State& state, Emitter& e
   }
   if (!std::isfinite(vn) || !std::isfinite(ve)) return;
   const double speed = std::hypot(vn, ve);
+  state.top_speed = std::max(state.top_speed, speed);
   if (speed > settings_.max_speed) state.window.clear();
   if (settings_.heading != Heading::course || !state.is_levelled || speed < settings_.min_speed) return;
   const Time age = sample.t - state.t_imu;
@@ -446,6 +462,54 @@ void CoarseAlignment::emit_gyro_bias(Time t, const State& state, Emitter& emitte
   out[gyro_bias_] = bias;
   out.attach_covariance().as<3, 3>() = variance * Eigen::Matrix3d::Identity();
   emitter.emit(gyro_bias_channel_);
+}
+
+std::string CoarseAlignment::waits_for(const MemoryView& memory) const {
+  const State& state = memory[state_];
+  const auto number = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return std::string(text);
+  };
+  if (state.was_solved) return "";
+  if (state.samples == 0) return "no sample of the IMU came";
+  if (state.without_interval == state.samples) return "samples of the IMU have no interval";
+  if (2 * state.holes > state.samples)
+    return "samples of the IMU are " + number(state.spacing) + " s apart, and beyond " + number(seconds(longest_hole)) +
+           " s there is no rest: is its time in other units?";
+  if (state.rests == 0) return no_rest(state.rest, state.spacing);
+  if (settings_.heading == Heading::course)
+    return state.top_speed < settings_.min_speed
+               ? "there was rest, but no course: the GNSS velocity never exceeded " + number(state.top_speed) +
+                     " m/s (min_speed " + number(settings_.min_speed) + " m/s)"
+               : "there was rest and speed, but no course within max_coast (" + number(seconds(settings_.max_coast)) +
+                     " s) of the rest at a turn rate below max_turn_rate";
+  return "there was rest, but no heading";
+}
+
+/// Why no stretch of samples was rest.
+std::string CoarseAlignment::no_rest(const RestFindings& rest, double spacing) const {
+  static constexpr const char* names[] = {"scatter of specific force", "scatter of rate", "mean rate",
+                                          "difference between specific force and gravity"};
+  static constexpr const char* keys[] = {"max_specific_force_sd", "max_rate_sd", "max_rate", "max_gravity_error"};
+  static constexpr const char* units[] = {"m/s^2", "rad/s", "rad/s", "m/s^2"};
+  if (rest.stretches == 0) return "samples of the IMU span less than a rest";
+  const auto number = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return std::string(text);
+  };
+  constexpr double g = 9.80665, near = 0.1;
+  const auto is_near = [&](double expected) { return std::abs(rest.specific_force - expected) < near * expected; };
+  const std::string length = "the specific force is " + number(rest.specific_force) + " m/s^2 long: ";
+  if (rest.failed[3] == rest.stretches && is_near(1.0)) return length + "is it in units of g?";
+  if (rest.failed[3] == rest.stretches && is_near(g * spacing)) return length + "are these increments, not rates?";
+  const auto worst = std::ranges::max_element(rest.failed) - rest.failed.begin();
+  const auto at = static_cast<std::size_t>(worst);
+  if (rest.failed[at] == 0)
+    return "no rest was as long as duration, " + number(settings_.rest.duration) + " s and an eighth more";
+  return std::string("the IMU was never at rest: ") + names[at] + " was at least " + number(rest.least[at]) + " " +
+         units[at] + " (" + keys[at] + " " + number(RestFindings::limits_of(settings_.rest)[at]) + ")";
 }
 
 }  // namespace binnacle::coarse_alignment

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "binnacle/source.hpp"
 #include "rest_window.hpp"
@@ -40,6 +41,7 @@ class CoarseAlignment final : public Transform {
   explicit CoarseAlignment(const Binding& binding);
 
   void on(const TransformInput& in, Emitter& emitter) const override;
+  std::string waits_for(const MemoryView& memory) const override;
 
  private:
   void initialise(std::uint64_t seed, const MemoryView& memory) const override;
@@ -50,6 +52,7 @@ class CoarseAlignment final : public Transform {
   void gyrocompass(Time t, const RestMeans& means, State& state) const;
   double course_variance(const SampleView& sample, double turn_rate) const;
   std::optional<double> latitude(const State& state) const;
+  std::string no_rest(const RestFindings& rest, double spacing) const;
   void emit(Time t, State& state, Emitter& emitter) const;
   void emit_gyro_bias(Time t, const State& state, Emitter& emitter) const;
 

@@ -18,7 +18,7 @@ double length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
 void RestWindow::clear() { *this = RestWindow(); }
 
 RestWindow::Event RestWindow::add(const RestLimits& limits, double dt, const Eigen::Vector3d& rate,
-                                  const Eigen::Vector3d& specific_force) {
+                                  const Eigen::Vector3d& specific_force, RestFindings& findings) {
   time_ += dt;
   for (std::size_t i = 0; i < axes; ++i) {
     const auto axis = static_cast<Eigen::Index>(i % 3);
@@ -35,7 +35,7 @@ RestWindow::Event RestWindow::add(const RestLimits& limits, double dt, const Eig
   }
   time_ = 0;
   sum_ = sum_of_squares_ = {};
-  if (!is_quiet(limits, mean, variance)) {
+  if (!is_quiet(limits, mean, variance, findings)) {
     clear();
     return Event::disturbed;
   }
@@ -48,11 +48,29 @@ RestWindow::Event RestWindow::add(const RestLimits& limits, double dt, const Eig
   return count_ == capacity ? Event::at_rest : Event::none;
 }
 
-bool RestWindow::is_quiet(const RestLimits& limits, const Means& mean, const Means& variance) const {
-  for (std::size_t i = 0; i < axes; ++i)
-    if (std::sqrt(variance[i]) > (i < 3 ? limits.rate_sd : limits.specific_force_sd)) return false;
-  return length(mean.data()) <= limits.rate &&
-         std::abs(length(mean.data() + 3) - standard_gravity) <= limits.gravity_error;
+void RestFindings::see(const RestLimits& limits, const std::array<double, criteria>& values,
+                       double new_specific_force) {
+  const auto allowed = limits_of(limits);
+  for (std::size_t i = 0; i < criteria; ++i) {
+    failed[i] += values[i] > allowed[i];
+    least[i] = stretches == 0 ? values[i] : std::min(least[i], values[i]);
+  }
+  ++stretches;
+  specific_force = new_specific_force;
+}
+
+bool RestWindow::is_quiet(const RestLimits& limits, const Means& mean, const Means& variance, RestFindings& findings) {
+  const auto worst = [&](std::size_t from) {
+    return std::sqrt(std::max({variance[from], variance[from + 1], variance[from + 2]}));
+  };
+  const double specific_force = length(mean.data() + 3);
+  const std::array<double, RestFindings::criteria> values{worst(3), worst(0), length(mean.data()),
+                                                          std::abs(specific_force - standard_gravity)};
+  findings.see(limits, values, specific_force);
+  const auto allowed = RestFindings::limits_of(limits);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] > allowed[i]) return false;
+  return true;
 }
 
 bool RestWindow::is_like_the_others(const RestLimits& limits, const Means& mean) const {

@@ -18,6 +18,21 @@ struct RestLimits {
   double gravity_error = 0;      // m/s², | |f| − g |
 };
 
+/// What kept stretches of samples from counting as rest: for messages.
+struct RestFindings {
+  static constexpr int criteria =
+      4;  // scatter of specific force, scatter of rate, mean rate, gravity: as in RestLimits
+  std::int64_t stretches = 0;
+  std::array<std::int64_t, criteria> failed{};  // how many stretches
+  std::array<double, criteria> least{};         // of all stretches
+  double specific_force = 0;                    // length of the newest mean, m/s²
+
+  void see(const RestLimits& limits, const std::array<double, criteria>& values, double new_specific_force);
+  static std::array<double, criteria> limits_of(const RestLimits& limits) {
+    return {limits.specific_force_sd, limits.rate_sd, limits.rate, limits.gravity_error};
+  }
+};
+
 /// Means over the window, and the variance of each mean as the scatter of its parts gives it.
 struct RestMeans {
   Eigen::Vector3d rate;            // rad/s
@@ -36,7 +51,8 @@ class RestWindow {
 
   void clear();
   /// One sample: mean rates over dt > 0 seconds. `at_rest` when a quiet block has completed a full window.
-  Event add(const RestLimits& limits, double dt, const Eigen::Vector3d& rate, const Eigen::Vector3d& specific_force);
+  Event add(const RestLimits& limits, double dt, const Eigen::Vector3d& rate, const Eigen::Vector3d& specific_force,
+            RestFindings& findings);
   /// Only after `at_rest`.
   RestMeans means() const;
 
@@ -45,7 +61,7 @@ class RestWindow {
   static constexpr int capacity = blocks + 1;
   using Means = std::array<double, axes>;
 
-  bool is_quiet(const RestLimits& limits, const Means& mean, const Means& variance) const;
+  static bool is_quiet(const RestLimits& limits, const Means& mean, const Means& variance, RestFindings& findings);
   bool is_like_the_others(const RestLimits& limits, const Means& mean) const;
   Means mean_of_the_oldest(std::int64_t number) const;
 

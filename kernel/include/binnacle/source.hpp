@@ -88,6 +88,9 @@ struct TransformInput {
 class Transform : public DeclaredModel<StreamDeclaration, std::uint64_t> {
  public:
   virtual void on(const TransformInput& in, Emitter& out) const = 0;
+  /// Why it has emitted nothing yet, with figure and limit, for the message of a filter that waited for it in vain; empty:
+  /// it does not know.
+  virtual std::string waits_for(const MemoryView& /*memory*/) const { return {}; }
 };
 
 /// Takes samples out of the composition: recorders, live output. The one component with a life outside the arena.

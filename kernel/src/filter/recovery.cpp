@@ -23,7 +23,11 @@ bool solve_in_place(Matrix&& A, Vector&& b) {
 }  // namespace
 
 Opening::Opening(int n, int max_rows)
-    : direction(as_size(padded(n))), matrix_(max_rows, max_rows), weights_(max_rows), s_(max_rows), whitened_(max_rows) {}
+    : direction(as_size(padded(n))),
+      matrix_(max_rows, max_rows),
+      weights_(max_rows),
+      s_(max_rows),
+      whitened_(max_rows) {}
 
 // Let r be the residual of the rows, with S = H P Hᵀ + R. Of all errors of the state that explain r,
 //     g = P Hᵀ (H P Hᵀ + ε R)⁻¹ r ,  s = H g ,

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "binnacle/run.hpp"
 
+#include <algorithm>
+#include <limits>
+
+#include "base/text.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -39,7 +43,48 @@ void open_sources(const compose::CompositionPlan& plan, Diagnostics& warnings) {
   if (errors.has_errors()) throw DataError(errors);
 }
 
-void note_failures(const Runtime& runtime, Diagnostics& failures) {
+/// "imu from 0 s to 12 s".
+std::string span_text(const Runtime& runtime, int channel) {
+  const auto& span = runtime.span(channel);
+  const std::string& name = runtime.plan().channels[as_size(channel)].name;
+  if (span.from == no_time) return name + " not at all";
+  return name + " from " + filter::time_text(span.from) + " to " + filter::time_text(span.to);
+}
+
+/// Why a channel stays silent, as the transform that makes it says; empty where it does not.
+std::string reason_of_silence(Runtime& runtime, int channel) {
+  for (const auto& transform : runtime.plan().transforms)
+    if (base::index_of(transform.channels, channel) >= 0)
+      return transform.type->guarded("waits_for",
+                                     [&] { return transform.object->waits_for(transform.memory.in(runtime.arena())); });
+  return "";
+}
+
+std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) {
+  std::string wanted, silent, reason, spans;
+  Time first_end = std::numeric_limits<Time>::max(), last_begin = no_time;
+  for (const auto& initial : filter.initial) {
+    const std::string& name = runtime.plan().channels[as_size(initial.channel)].name;
+    wanted += (wanted.empty() ? "" : ", ") + name;
+    if (initial.head.in(runtime.arena())->t != no_time) continue;
+    silent += (silent.empty() ? "" : ", ") + name;
+    if (reason.empty()) reason = reason_of_silence(runtime, initial.channel);
+  }
+  for (int channel = 0; channel < static_cast<int>(runtime.plan().channels.size()); ++channel) {
+    const auto& span = runtime.span(channel);
+    if (span.from == no_time) continue;
+    first_end = std::min(first_end, span.to);
+    last_begin = std::max(last_begin, span.from);
+    spans += (spans.empty() ? "" : ", ") + span_text(runtime, channel);
+  }
+  if (wanted.empty()) return "no sample came";
+  const std::string apart = last_begin > first_end ? "; the spans of the data do not overlap: " + spans : "";
+  if (silent.empty()) return "its initial values were never there together (channels: " + wanted + ")" + apart;
+  return "no sample ever came on " + silent + " (it needs " + wanted + ")" + (reason.empty() ? "" : ": " + reason) +
+         apart;
+}
+
+void note_failures(Runtime& runtime, Diagnostics& failures) {
   const auto& plan = runtime.plan();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
     const auto& filter = plan.filters[f];
@@ -48,17 +93,8 @@ void note_failures(const Runtime& runtime, Diagnostics& failures) {
       failures.error("B080", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' broke: " + engine.ledger().diagnosis());
     } else if (!engine.started()) {
-      std::string wanted, silent;
-      for (const auto& initial : filter.initial) {
-        const std::string& name = plan.channels[as_size(initial.channel)].name;
-        wanted += (wanted.empty() ? "" : ", ") + name;
-        if (initial.head.in(runtime.arena())->t == no_time) silent += (silent.empty() ? "" : ", ") + name;
-      }
       failures.error("B081", plan.document.key_origin(filter.pointer), filter.pointer,
-                     "filter '" + filter.name + "' never started: " +
-                         (wanted.empty()   ? std::string("no sample came")
-                          : silent.empty() ? "its initial values were never there together (channels: " + wanted + ")"
-                                           : "no sample ever came on " + silent + " (it needs " + wanted + ")"));
+                     "filter '" + filter.name + "' never started: " + why_not_started(runtime, filter));
     }
   }
 }

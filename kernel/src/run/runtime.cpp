@@ -67,7 +67,10 @@ void Runtime::reset(std::uint64_t seed, int run) {
     guard_call<FilterError>(plan_, transform, "start", no_time, [&] {
       transform.object->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena()));
     });
-  for (auto& channel : channels_) channel.is_present = false;
+  for (auto& channel : channels_) {
+    channel.is_present = false;
+    channel.span = {};
+  }
   std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
   time_ = no_time;
 }
@@ -78,6 +81,8 @@ void Runtime::deliver(int index, const SampleView& sample) {
   double* const data = channel.storage.data();
   channel.view = unpack(plan, pack(plan, sample, data), data);
   channel.is_present = true;
+  if (channel.span.from == no_time) channel.span.from = sample.t;
+  channel.span.to = sample.t;
 }
 
 class Runtime::TransformEmitter : public Emitter {

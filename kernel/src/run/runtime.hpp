@@ -70,6 +70,11 @@ class Runtime {
   Engine& engine(int filter) const { return *engines_[as_size(filter)]; }
   const CompositionPlan& plan() const { return plan_; }
   Time time() const { return time_; }
+  /// Of what was delivered on a channel; from no_time: nothing.
+  struct Span {
+    Time from = no_time, to = no_time;
+  };
+  const Span& span(int channel) const { return channels_[as_size(channel)].span; }
   /// Seconds spent inside the filters.
   double filter_seconds(int filter) const { return filter_seconds_[as_size(filter)]; }
 
@@ -86,6 +91,7 @@ class Runtime {
     std::vector<double> storage;
     SampleWriter slot;  // over the storage
     SampleView view;
+    Span span;
     bool is_present = false;   // in this instant
     bool is_repeated = false;  // it comes once more
     bool is_subscribed = false;
