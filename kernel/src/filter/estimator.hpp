@@ -133,7 +133,8 @@ class Estimator {
   Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
   /// Takes linearized rows to R, S, its factor and the NIS. dt: since the last accepted sample [s]. A withheld sample
   /// meets no noise estimator. update.cpp
-  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld, LockOutTest is_locked_out);
+  Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld,
+                  LockOutTest is_locked_out = {});
   /// δ = K r, x ← x ⊞ δ, P by the form and then by the blocks' reset Jacobians, whole or not at all: every plugin call
   /// comes before x and P change.
   void correct(const MeasurementPlan& measurement);

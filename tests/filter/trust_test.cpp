@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// The verdict: what a right filter is called, and a wrong one, and which reasons are given; recovery from a lock-out.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "catch.hpp"
+#include "line.hpp"
+
+using namespace binnacle;
+
+using filter_tests::composition_of;
+using filter_tests::line;
+using filter_tests::push;
+
+namespace {
+
+/// A truth that moves as the filter of line() assumes, from an initial value that it assumes too.
+class Truth {
+ public:
+  explicit Truth(unsigned seed) : random_(seed) {
+    position_ = 1 + 2 * normal();
+    velocity_ = 0.5 + 0.3 * normal();
+  }
+  void advance(double dt) {
+    constexpr double q = 0.2 * 0.2;
+    // Qd of an integrated random walk, by its Cholesky factor.
+    const double v = std::sqrt(q * dt) * normal(), rest = std::sqrt(q * dt * dt * dt / 12) * normal();
+    position_ += velocity_ * dt + 0.5 * dt * v + rest;
+    velocity_ += v;
+  }
+  double seen() { return position_ + 0.7 * normal(); }
+  double position() const { return position_; }
+  double velocity() const { return velocity_; }
+  double normal() { return normal_(random_); }
+
+ private:
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+  double position_ = 0, velocity_ = 0;
+};
+
+const std::string gated = R"(, "gate": 0.999)";
+
+/// Ten minutes with a sample each half second, spoilt by `spoil(t, z, truth)`.
+template <class Spoil>
+Session run(const std::shared_ptr<const Composition>& composition, unsigned seed, Spoil&& spoil) {
+  Session session(composition);
+  Truth truth(seed);
+  const ChannelId channel = session.channel("z");
+  for (int i = 0; i <= 1200; ++i) {
+    const double t = 0.5 * i;
+    if (i > 0) truth.advance(0.5);
+    const double z = spoil(t, truth.seen(), truth);
+    session.push(channel, no_time, nanoseconds(t), {&z, 1});
+  }
+  return session;
+}
+
+double clean(double /*t*/, double z, Truth& /*truth*/) { return z; }
+
+bool has_code(const Session& session, const std::string& code) {
+  const auto items = session.doubts(FilterId{0}).items();
+  return std::ranges::any_of(items, [&](const Diagnostic& item) { return item.code == code; });
+}
+
+std::string said(const Session& session) {
+  std::string all = verdict_name(session.verdict(FilterId{0}));
+  for (const auto& item : session.doubts(FilterId{0}).items()) all += "\n" + item.code + " " + item.message;
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("of a thousand right runs of ten minutes at most four are doubtful, and none is lost") {
+  for (const auto& gate : {std::string(), gated}) {
+    const auto composition = composition_of(line("", gate));
+    std::array<int, 3> verdicts{};
+    for (unsigned seed = 0; seed < 1000; ++seed)
+      ++verdicts[static_cast<std::size_t>(run(composition, seed, clean).verdict(FilterId{0}))];
+    INFO(gate);
+    CHECK(verdicts[1] <= 4);
+    CHECK(verdicts[2] == 0);
+  }
+}
+
+TEST_CASE("noise that is larger than specified is doubtful, and the summary says what would fit") {
+  const auto composition = composition_of(line());
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Session session = run(composition, seed, [](double, double z, Truth& truth) { return z + 1.0 * truth.normal(); });
+    INFO(said(session));
+    CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
+    CHECK(has_code(session, "B103"));
+    const auto rows = session.counts(MeasurementId{{0}, 0}).rows;
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].used == 1201);
+    CHECK(rows[0].rms > 1.3);
+    CHECK(std::abs(rows[0].sigma - 0.7) < 1e-12);
+    CHECK(std::abs(rows[0].fitting_sigma - std::hypot(0.7, 1.0)) < 0.15);
+  }
+}
+
+TEST_CASE("noise that is white but ten times as large is lost") {
+  const auto composition = composition_of(line());
+  const Session session = run(composition, 1, [](double, double z, Truth& truth) { return z + 7.0 * truth.normal(); });
+  INFO(said(session));
+  CHECK(session.verdict(FilterId{0}) == Verdict::lost);
+}
+
+TEST_CASE("errors that are correlated in time are doubtful") {
+  const auto composition = composition_of(line());
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    double error = 0;
+    const Session session = run(composition, seed, [&](double, double z, Truth& truth) {
+      error = 0.9 * error + 0.6 * truth.normal();
+      return z + error;
+    });
+    INFO(said(session));
+    CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
+    CHECK((has_code(session, "B105") || has_code(session, "B103")));
+  }
+}
+
+TEST_CASE("a measurement that is never accepted is lost, with its reason") {
+  const auto composition = composition_of(line("", gated + R"(, "recover": false)"));
+  const Session session = run(composition, 3, [](double, double z, Truth&) { return z + 1e6; });
+  INFO(said(session));
+  CHECK(session.verdict(FilterId{0}) == Verdict::lost);
+  CHECK(has_code(session, "B101"));
+  CHECK(said(session).find("the last because NIS beyond the gate") != std::string::npos);
+}
+
+TEST_CASE("a filter that locks itself out recovers by itself, says so, and is consistent again") {
+  const auto composition = composition_of(line("", gated));
+  double nees = 0;
+  constexpr int runs = 50;
+  for (unsigned seed = 0; seed < runs; ++seed) {
+    double jump = 0;
+    Truth* last = nullptr;
+    double position = 0, velocity = 0;
+    Session session = run(composition, seed, [&](double t, double z, Truth& truth) {
+      if (t >= 300) jump = 500;  // the truth is elsewhere: all that comes from here on says so
+      last = &truth;
+      position = truth.position() + jump;
+      velocity = truth.velocity();
+      return z + jump;
+    });
+    INFO(said(session));
+    CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
+    CHECK(has_code(session, "B106"));
+    const auto counts = session.counts(MeasurementId{{0}, 0});
+    CHECK(counts.recoveries == 1);
+    // Four in a row are refused, the fifth opens the covariance and is taken.
+    CHECK(counts.by_outcome[static_cast<int>(Outcome::gated)] <= 12);
+    CHECK(counts.by_outcome[static_cast<int>(Outcome::gated)] >= 4);
+    Eigen::Vector2d error(session.state(FilterId{0})[0] - position, session.state(FilterId{0})[1] - velocity);
+    nees += error.dot(Eigen::Matrix2d(session.covariance(FilterId{0}).as()).ldlt().solve(error)) / runs;
+  }
+  // χ² of 100 degrees of freedom, 99.9 %.
+  CHECK(nees > 2 * 0.62);
+  CHECK(nees < 2 * 1.49);
+}
+
+TEST_CASE("recovery opens along what the row sees, as far as its residual asks for") {
+  Session session(composition_of(line("", gated)));
+  for (int i = 0; i < 200; ++i) push(session, "z", 0.5 * i, {1.0});
+  class Keep : public StepObserver {
+   public:
+    Wants wants() const override { return Wants::everything; }
+    void offered(const UpdateRecord& record) override {
+      nis = record.nis;
+      outcome = record.outcome;
+    }
+    void inflated(const InflationRecord& record) override {
+      ++openings;
+      REQUIRE(record.variances == nullptr);
+      P0 = record.P0.as();
+      P1 = record.P1.as();
+      d = Eigen::Map<const Eigen::Vector2d>(record.direction);
+    }
+    double nis = 0;
+    Outcome outcome = Outcome::late;
+    int openings = 0;
+    Eigen::Matrix2d P0, P1;
+    Eigen::Vector2d d;
+  } keep;
+  session.attach({0}, &keep);
+  for (int i = 200; i < 204; ++i) {
+    push(session, "z", 0.5 * i, {101.0});
+    CHECK(keep.outcome == Outcome::gated);
+    CHECK(keep.openings == 0);
+  }
+  push(session, "z", 0.5 * 204, {101.0});
+  REQUIRE(keep.openings == 1);
+  CHECK(keep.outcome == Outcome::accepted);
+  CHECK(std::abs(keep.nis - 1) < 1e-9);  // one row: what a right sample would have
+  CHECK((keep.P1 - keep.P0 - keep.d * keep.d.transpose()).norm() < 1e-12 * keep.P1.norm());
+  // Through the correlation the velocity opens in proportion.
+  CHECK(std::abs(keep.d[1] / keep.d[0] - keep.P0(1, 0) / keep.P0(0, 0)) < 1e-9);
+  CHECK(std::abs(keep.d[0]) > 50);
+}
+
+TEST_CASE("without recovery the filter stays locked out, and is lost") {
+  const auto composition = composition_of(line("", gated + R"(, "recover": false)"));
+  const Session session = run(composition, 5, [](double t, double z, Truth&) { return t < 300 ? z : z + 500; });
+  INFO(said(session));
+  CHECK(session.counts(MeasurementId{{0}, 0}).recoveries == 0);
+  CHECK(session.verdict(FilterId{0}) != Verdict::ok);
+}
+
+TEST_CASE("the limits can be changed and turned off") {
+  const auto spoil = [](double, double z, Truth& truth) { return z + 1.0 * truth.normal(); };
+  const auto with = [&](const std::string& trust) {
+    std::string config = line();
+    config.insert(config.find(R"("blocks")"), R"("trust": )" + trust + ", ");
+    return run(composition_of(config), 1, spoil).verdict(FilterId{0});
+  };
+  CHECK(with("{}") == Verdict::doubtful);
+  CHECK(with("false") == Verdict::ok);
+  CHECK(with(R"({"except": "fix"})") == Verdict::ok);
+  CHECK(with(R"({"nis": false, "bias": false, "correlation": false})") == Verdict::ok);
+  CHECK(with(R"({"false_alarm": false})") == Verdict::ok);
+  CHECK(with(R"({"beyond_reason": 1.2})") == Verdict::lost);
+  CHECK_THROWS_AS(with(R"({"except": "fax"})"), ConfigError);
+  CHECK_THROWS_AS(with(R"({"nees": false})"), ConfigError);
+}
+
+TEST_CASE("a hole that the filter bridges is a doubt with its place and length") {
+  const auto with_hole = [](double length) {
+    Session session(composition_of(R"({"binnacle": 1,
+      "sources": {"v": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
+                  "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+      "filters": {"f": {
+        "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+        "process": {"go": {"type": "carried", "input": "v", "blocks": {"x": "position"}}},
+        "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [1]}}}}})"));
+    const double rate = 0;
+    for (int i = 0; i < 100; ++i)
+      session.push(session.channel("v"), nanoseconds(0.1 * i), nanoseconds(0.1 * (i + 1)), {&rate, 1});
+    session.push(session.channel("v"), nanoseconds(10 + length), nanoseconds(10.1 + length), {&rate, 1});
+    return session;
+  };
+  CHECK_FALSE(has_code(with_hole(0.4), "B108"));
+  CHECK(has_code(with_hole(2), "B108"));
+}
