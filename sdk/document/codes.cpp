@@ -177,6 +177,10 @@ constexpr CodeEntry entries[] = {
      "wrong for a while."},
     {"B108", "hole in the input", "The driving input had a hole that the filter bridged.",
      "Look for lost data. The estimates after it are as good as the rates before and after it tell."},
+    {"B109", "frozen input", "The driving input repeated its numbers to the bit, after it had changed from sample to sample.",
+     "Look at the sensor and its logger: one that hangs gives its last sample again and again."},
+    {"B110", "unaided", "The filter has measurements, and no sample of any of them was used.",
+     "Look at the outcomes in the summary, and at the spans of time of the channels."},
 };
 
 }  // namespace

@@ -136,7 +136,7 @@ class Session {
   Verdict verdict(FilterId filter) const;
   /// Why it is not `ok`: writes as many reasons as there is room for, returns how many there are. Allocates nothing.
   std::size_t reasons(FilterId filter, std::span<TrustReason> into) const;
-  /// The same reasons in the same order as warnings (B100 to B108), with their places in the config.
+  /// The same reasons in the same order as warnings (B100 to B110), with their places in the config.
   Diagnostics doubts(FilterId filter) const;
 
   MeasurementCounts counts(MeasurementId measurement) const;

@@ -27,6 +27,8 @@ enum class Doubt : unsigned char {
   recovered,       ///< the covariance was opened `figure` times since samples kept being refused
   was_locked_out,  ///< refused `figure` times in a row, at least `limit`; it passes again
   bridged,         ///< the longest hole in the driving input [s], longer than `limit`
+  frozen,          ///< the longest time that the driving input repeated itself to the bit [s], longer than `limit`
+  unaided,         ///< no sample of any measurement was used
 };
 
 /// One reason against a filter's estimates.

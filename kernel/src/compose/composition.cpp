@@ -210,6 +210,7 @@ void Composer::lay_out() {
     const auto group = as_size(filter.samples_per_step) + 1;
     filter.pending = layout.add<PendingInput>(group);
     filter.pending_fields = layout.add<double>(group * as_size(filter.input_fields));
+    filter.last_input = layout.add<double>(as_size(filter.input_fields));
     filter.driving_rates = layout.add<double>(as_size(filter.input_fields));
     filter.queue = layout.add<QueueEntry>(most_queued);
     filter.queue_data = layout.add<double>(most_queued * filter.queue_doubles);

@@ -27,11 +27,11 @@ void FilterComposer::read_trust() {
   if (!trust) return;
   if (is_off(trust)) {
     for (auto& measurement : plan.measurements) measurement.is_watched = false;
-    plan.trust.hole = 0;
+    plan.trust.hole = plan.trust.frozen = 0;
     return;
   }
   if (!trust.is_object("'trust'")) return;
-  trust.check_keys({"false_alarm", "nis", "bias", "correlation", "beyond_reason", "after", "refused", "hole", "except"},
+  trust.check_keys({"false_alarm", "nis", "bias", "correlation", "beyond_reason", "after", "refused", "hole", "frozen", "except"},
                    "'trust'");
   TrustPlan& limits = plan.trust;
   read_limit(trust, parameter::number("false_alarm", "1").above(0).below(1), limits.false_alarm);
@@ -40,11 +40,13 @@ void FilterComposer::read_trust() {
   read_switch(trust["nis"], limits.tests_nis);
   read_switch(trust["bias"], limits.tests_bias);
   read_switch(trust["correlation"], limits.tests_correlation);
-  double after = static_cast<double>(limits.after), hole = seconds(limits.hole);
+  double after = static_cast<double>(limits.after), hole = seconds(limits.hole), frozen = seconds(limits.frozen);
   read_limit(trust, parameter::number("after", "1").at_least(1), after);
   read_limit(trust, parameter::number("hole", "s").above(0), hole);
   limits.after = static_cast<std::int64_t>(after);
+  read_limit(trust, parameter::number("frozen", "s").above(0), frozen);
   limits.hole = nanoseconds(hole);
+  limits.frozen = nanoseconds(frozen);
   const Reader except = trust["except"];
   for (const auto& name : except.names().value_or(std::vector<std::string>())) {
     const auto found = std::ranges::find(plan.measurements, name, &MeasurementPlan::name);

@@ -297,6 +297,7 @@ struct TrustPlan {
   double refused = 0.5;     // share of rows
   double nis = 25;          // NIS over its rows that is beyond all reason
   Time hole = 500'000'000;  // bridged
+  Time frozen = 1 * nanoseconds_per_second;  // an input that repeats itself
 };
 
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
@@ -325,8 +326,14 @@ struct TimeHead {
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
   std::int32_t bridged = 0;       // the last driving interval bridged a hole
-  Time longest_hole = 0;          // that was bridged, and where it began
+  Time longest_hole = 0;  // that was bridged, and where it began
   Time longest_hole_at = no_time;
+  // Input samples that repeat the one before to the bit, after others that did not.
+  std::int64_t changes = 0;  // samples that did not
+  std::int64_t repeats = 0;  // in a row
+  Time repeats_since = no_time;
+  Time longest_repeat = 0;
+  Time longest_repeat_at = no_time;
 };
 
 /// Whether it goes on. Lies in the arena.
@@ -390,6 +397,7 @@ struct FilterPlan : Planned {
   Place<double> covariance;
   Place<PendingInput> pending;
   Place<double> pending_fields;
+  Place<double> last_input;     // fields of the newest input sample
   Place<double> driving_rates;  // mean rates of the last driving interval, in the input channel's order
   Place<QueueEntry> queue;
   Place<double> queue_data;

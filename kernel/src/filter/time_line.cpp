@@ -16,6 +16,7 @@ TimeLine::TimeLine(const FilterPlan& plan, const std::vector<ChannelPlan>& chann
       head_(*plan.head.in(arena)),
       pending_(plan.pending.in(arena)),
       pending_fields_(plan.pending_fields.in(arena)),
+      last_input_(plan.last_input.in(arena)),
       driving_rates_(plan.driving_rates.in(arena)),
       queue_(plan.queue.in(arena)),
       queue_data_(plan.queue_data.in(arena)),
@@ -24,6 +25,7 @@ TimeLine::TimeLine(const FilterPlan& plan, const std::vector<ChannelPlan>& chann
 
 void TimeLine::reset() {
   head_ = TimeHead{};
+  std::fill_n(last_input_, plan_.input_fields, 0.0);
   for (std::size_t i = 0; i < plan_.queue.count; ++i) queue_[i] = {{}, 0, static_cast<std::int32_t>(i)};
 }
 
@@ -39,11 +41,31 @@ bool TimeLine::is_complete(const SampleView& sample) const {
   return true;
 }
 
+/// A sensor that hangs repeats its numbers; one that works is noisy.
+void TimeLine::watch_repeats(const SampleView& sample) {
+  constexpr std::int64_t least = 20;  // fewer may be chance, or a logger that is faster than its sensor
+  const std::span now(sample.fields, as_size(plan_.input_fields));
+  const bool stands_still = std::ranges::all_of(now, [](double value) { return value == 0.0; });  // wheels do
+  const bool repeats = !stands_still && std::ranges::equal(now, std::span(last_input_, now.size()));
+  std::copy_n(sample.fields, plan_.input_fields, last_input_);
+  if (!repeats) {
+    ++head_.changes;
+    head_.repeats = 0;
+    return;
+  }
+  if (head_.repeats++ == 0) head_.repeats_since = sample.t;
+  const Time length = sample.t - head_.repeats_since;
+  if (head_.changes < least || head_.repeats < least || length <= head_.longest_repeat) return;
+  head_.longest_repeat = length;
+  head_.longest_repeat_at = head_.repeats_since;
+}
+
 void TimeLine::input(const SampleView& sample) {
   if (!is_complete(sample)) {
     ++head_.gaps;
     return;
   }
+  watch_repeats(sample);
   const bool has_interval = sample.t0 != no_time;
   if (!head_.started) {
     if (!plan_.initial.empty()) return;

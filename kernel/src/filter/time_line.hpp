@@ -59,6 +59,7 @@ class TimeLine {
     return channels_[as_size(plan_.measurements[as_size(measurement)].channel)];
   }
   double* queued_data(int slot) const { return queue_data_ + as_size(slot) * plan_.queue_doubles; }
+  void watch_repeats(const SampleView& sample);
   bool is_complete(const SampleView& sample) const;
   void bridge(Time until, const SampleView& sample);
   void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
@@ -77,6 +78,7 @@ class TimeLine {
   TimeHead& head_;
   PendingInput* pending_;
   double* pending_fields_;
+  double* last_input_;
   double* driving_rates_;
   QueueEntry* queue_;
   double* queue_data_;

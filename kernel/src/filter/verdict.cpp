@@ -22,6 +22,7 @@ class Examination {
 
   void run() {
     if (head_.started == 0) return;
+    if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});
     score_limit_ = score_limit();
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
       if (plan_.measurements[as_size(m)].is_watched) examine(m);
@@ -30,9 +31,25 @@ class Examination {
             .since = head_.longest_hole_at,
             .figure = seconds(head_.longest_hole),
             .limit = seconds(trust_.hole)});
+    if (trust_.frozen > 0 && head_.longest_repeat > trust_.frozen)
+      see_({.doubt = Doubt::frozen,
+            .since = head_.longest_repeat_at,
+            .figure = seconds(head_.longest_repeat),
+            .limit = seconds(trust_.frozen)});
   }
 
  private:
+  /// It has measurements, and no sample of any was of use. What a filter never meant to use is not missed.
+  bool is_unaided() const {
+    bool is_watched = false;
+    for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
+      const Tally& tally = ledger_.tally(m);
+      if (count(tally, Outcome::accepted) + count(tally, Outcome::withheld) > 0) return false;
+      is_watched = is_watched || plan_.measurements[as_size(m)].is_watched;
+    }
+    return is_watched && trust_.after > 0 && head_.steps > 0;
+  }
+
   /// The tests of innovations share the probability of a false alarm (Bonferroni): the score which a right filter passes
   /// with a probability of 1 − false_alarm · (its run in units of ten minutes, at least one) / tests.
   double score_limit() const {

@@ -35,6 +35,12 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
   if (reason.doubt == Doubt::bridged)
     return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " +
            limit + " s); what the vehicle did meanwhile is not known";
+  if (reason.doubt == Doubt::frozen)
+    return "the input of '" + filter.name + "' repeats the same numbers for " + figure + " s from " + since(reason) +
+           " on (limit " + limit + " s): the sensor hangs";
+  if (reason.doubt == Doubt::unaided)
+    return "no sample of any measurement of '" + filter.name + "' was used: channels, or their spans of time, are not " +
+           "those of the driving input";
   const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
   switch (reason.doubt) {
     case Doubt::locked_out:
@@ -57,13 +63,15 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::recovered: return who + " had to be recovered " + figure + " times: it was refused again and again";
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
-    case Doubt::bridged: break;
+    case Doubt::bridged:
+    case Doubt::frozen:
+    case Doubt::unaided: break;
   }
   return who;
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108", "B109", "B110"};
   return codes[static_cast<int>(doubt)];
 }
 
