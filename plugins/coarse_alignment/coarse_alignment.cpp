@@ -279,7 +279,7 @@ void CoarseAlignment::on_imu(const SampleView& sample, State& state, Emitter& em
   state.without_interval += sample.t0 == no_time;
   if (before != no_time) {
     state.spacing = seconds(sample.t - before);
-    state.holes += sample.t0 - before > longest_hole;
+    state.holes += sample.t0 != no_time && sample.t0 - before > longest_hole;
   }
   if (before == no_time || sample.t0 == no_time || sample.t0 - before > longest_hole || sample.t <= before)
     return state.forget_attitude();

@@ -52,8 +52,9 @@ void RestFindings::see(const RestLimits& limits, const std::array<double, criter
                        double new_specific_force) {
   const auto allowed = limits_of(limits);
   for (std::size_t i = 0; i < criteria; ++i) {
-    failed[i] += values[i] > allowed[i];
-    least[i] = stretches == 0 ? values[i] : std::min(least[i], values[i]);
+    if (!(values[i] > allowed[i])) continue;
+    least[i] = failed[i] == 0 ? values[i] : std::min(least[i], values[i]);
+    ++failed[i];
   }
   ++stretches;
   specific_force = new_specific_force;

@@ -24,7 +24,7 @@ struct RestFindings {
       4;  // scatter of specific force, scatter of rate, mean rate, gravity: as in RestLimits
   std::int64_t stretches = 0;
   std::array<std::int64_t, criteria> failed{};  // how many stretches
-  std::array<double, criteria> least{};         // of all stretches
+  std::array<double, criteria> least{};         // of those that failed
   double specific_force = 0;                    // length of the newest mean, m/s²
 
   void see(const RestLimits& limits, const std::array<double, criteria>& values, double new_specific_force);

@@ -366,18 +366,19 @@ void add_trust_definition(Json& definitions) {
   definitions["trust"] = {
       {"description", "limits of the filter's monitors, from which its verdict follows; false: no monitor speaks"},
       {"anyOf",
-       {off, closed_object(
-                 {{"false_alarm", limit("1", "probability that innovations of a right filter fail, in ten minutes")},
-                  {"nis", described("whether NIS is tested", on)},
-                  {"bias", described("whether the mean of innovations is tested", on)},
-                  {"correlation", described("whether innovations are tested for correlation in time", on)},
-                  {"beyond_reason", limit("1", "NIS over its rows beyond which a filter is lost")},
-                  {"after", limit("1", "refusals in a row that are a lock-out")},
-                  {"refused", limit("1", "share of a measurement's rows beyond which a filter is lost")},
-                  {"hole", limit("s", "hole in the driving input beyond which a filter is doubtful")},
-                  {"frozen", limit("s", "time that the driving input repeats itself beyond which a filter is doubtful")},
-                  {"except", described("measurements that are not watched", {{"anyOf", {name, list_of(name)}}})}},
-                 {})}}};
+       {off,
+        closed_object(
+            {{"false_alarm", limit("1", "probability that innovations of a right filter fail, in ten minutes")},
+             {"nis", described("whether NIS is tested", on)},
+             {"bias", described("whether the mean of innovations is tested", on)},
+             {"correlation", described("whether innovations are tested for correlation in time", on)},
+             {"beyond_reason", limit("1", "NIS over its rows beyond which a filter is lost")},
+             {"after", limit("1", "refusals in a row that are a lock-out")},
+             {"refused", limit("1", "share of a measurement's rows beyond which a filter is lost")},
+             {"hole", limit("s", "hole in the driving input beyond which a filter is doubtful")},
+             {"frozen", limit("s", "time that the driving input repeats itself beyond which a filter is doubtful")},
+             {"except", described("measurements that are not watched", {{"anyOf", {name, list_of(name)}}})}},
+            {})}}};
 }
 
 void add_filter_definitions(Json& definitions) {

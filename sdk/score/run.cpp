@@ -59,7 +59,7 @@ class Scorer final : public binnacle::RunObserver {
       const FilterId filter{static_cast<int>(f)};
       figures.update(run_figures(*session_, filter));
       doubts_.merge(session_->doubts(filter));
-      verdict_ = std::max(verdict_, session_->verdict(filter));
+      verdict_ = std::max(verdict_, final_verdict(*session_, filter));
     }
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     for (const auto& metric : plan_->metrics) {

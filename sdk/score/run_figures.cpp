@@ -64,7 +64,11 @@ Json verdict(const Session& session, FilterId filter) {
     entry["text"] = doubts.items()[i].message;
     list.push_back(std::move(entry));
   }
-  return {{"state", verdict_name(session.verdict(filter))}, {"reasons", std::move(list)}};
+  if (!session.healthy(filter))
+    list.push_back({{"code", "B080"}, {"verdict", "lost"}, {"text", "the filter broke: " + session.diagnosis(filter)}});
+  if (!session.started(filter))
+    list.push_back({{"code", "B081"}, {"verdict", "lost"}, {"text", "the filter never started"}});
+  return {{"state", verdict_name(final_verdict(session, filter))}, {"reasons", std::move(list)}};
 }
 
 Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& counts) {
@@ -89,6 +93,10 @@ Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& c
 }
 
 }  // namespace
+
+Verdict final_verdict(const Session& session, FilterId filter) {
+  return session.started(filter) ? session.verdict(filter) : Verdict::lost;
+}
 
 Json run_figures(const Session& session, FilterId filter) {
   const auto& measurements = session.composition().filters()[static_cast<std::size_t>(filter.index)].measurements;

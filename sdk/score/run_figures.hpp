@@ -11,4 +11,7 @@ namespace binnacle::score {
 /// { "measurements", "start_s", "end_s", "steps", "input_gaps", "filter_s", "broken" }
 nlohmann::ordered_json run_figures(const Session& session, FilterId filter);
 
+/// At the end of a run: a filter that never started is lost.
+Verdict final_verdict(const Session& session, FilterId filter);
+
 }  // namespace binnacle::score

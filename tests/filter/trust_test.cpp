@@ -93,7 +93,8 @@ TEST_CASE("of a thousand right runs of ten minutes at most four are doubtful, an
 TEST_CASE("noise that is larger than specified is doubtful, and the summary says what would fit") {
   const auto composition = composition_of(line());
   for (unsigned seed = 0; seed < 20; ++seed) {
-    const Session session = run(composition, seed, [](double, double z, Truth& truth) { return z + 1.0 * truth.normal(); });
+    const Session session =
+        run(composition, seed, [](double, double z, Truth& truth) { return z + 1.0 * truth.normal(); });
     INFO(said(session));
     CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
     CHECK(has_code(session, "B103"));

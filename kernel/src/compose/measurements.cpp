@@ -176,6 +176,7 @@ class MeasurementComposer {
     const auto after = recover["after"].integer(parameter::integer("after").at_least(1));
     plan_.recover_after = static_cast<int>(after.value_or(plan_.recover_after));
     plan_.recover_against = recover["against"].time().value_or(plan_.recover_against);
+    if (plan_.recover_against < 0) recover["against"].error("B007", "'against' is a time of at least 0 s");
     for (const Reader& inflation : recover["inflate"].members("'inflate'")) add_inflation(inflation);
   }
 

@@ -31,7 +31,8 @@ void FilterComposer::read_trust() {
     return;
   }
   if (!trust.is_object("'trust'")) return;
-  trust.check_keys({"false_alarm", "nis", "bias", "correlation", "beyond_reason", "after", "refused", "hole", "frozen", "except"},
+  trust.check_keys({"false_alarm", "nis", "bias", "correlation", "beyond_reason", "after", "refused", "hole", "frozen",
+                    "except"},
                    "'trust'");
   TrustPlan& limits = plan.trust;
   read_limit(trust, parameter::number("false_alarm", "1").above(0).below(1), limits.false_alarm);
@@ -54,6 +55,7 @@ void FilterComposer::read_trust() {
       found->is_watched = false;
       continue;
     }
+    if (!is_complete) continue;  // what is not there may be reported already
     const auto names = names_of(plan.measurements);
     except.error("B027", "there is no measurement '" + name + "'" + suggestion(name, names));
   }

@@ -27,7 +27,7 @@ struct LockedOut {
   const Ledger& ledger;
   int measurement;
   LockOutTest test() {
-    return {this, [](void* self, const SampleRows& rows, const unsigned char* marked) {
+    return {this, [](void* self, const SampleRows& rows, unsigned char* marked) {
               const auto& its = *static_cast<LockedOut*>(self);
               return its.ledger.is_locked_out(its.measurement, {rows.keys.data(), as_size(rows.m)}, rows.groups.data(),
                                               marked);
@@ -190,9 +190,12 @@ void Engine::measure(int measurement, const SampleView& sample) {
   const bool withheld = is_withheld(plan, tally.reached, sample.t);
   LockedOut locked_out{ledger_, measurement};
   Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
-  if (judged.locked_out > 0) {
-    open_covariance(measurement, sample.t, judged.locked_out);
-    judged = estimator_.judge(plan, sample.t, dt, withheld, {});
+  if (judged.is_locked_out) {
+    // Its rows anew: some may be gone already.
+    open_covariance(measurement, sample.t, judged.marked);
+    estimator_.roll_back(plan);
+    estimator_.linearize(plan, sample, moment());
+    judged = estimator_.judge(plan, sample.t, dt, withheld);
   }
   if (judged.outcome == Outcome::accepted) {
     correct(measurement, sample.t);
@@ -222,9 +225,9 @@ void Engine::correct(int measurement, Time t) {
   estimator_.check_update(t);
 }
 
-void Engine::open_covariance(int measurement, Time t, double aim) {
+void Engine::open_covariance(int measurement, Time t, const unsigned char* marked) {
   keep_before(Wants::update_covariance);
-  if (!estimator_.open(aim)) return;
+  if (!estimator_.open(plan_.measurements[as_size(measurement)], marked)) return;
   ledger_.count_recovery(measurement);
   if (ledger_.observer())
     ledger_.observer()->inflated(inflation_record({measurement, t, nullptr, estimator_.opened(), {}, {}}));

@@ -52,7 +52,7 @@ class OutlierTest {
 
   /// Marks the rows of the unit whose T_I is largest beyond limit[|I|]: a mask over the rows; null when there is none.
   /// Needs the factor L of S and y = L⁻¹ r.
-  const unsigned char* find(GateUnit unit, const std::vector<double>& limit, const SampleRows& rows);
+  unsigned char* find(GateUnit unit, const std::vector<double>& limit, const SampleRows& rows);
 
  private:
   void invert(const UpdateWork& work);
@@ -71,30 +71,36 @@ class Opening {
  public:
   Opening(int n, int max_rows);
 
-  /// Makes `direction` d such that with P + d dᵀ the NIS of the rows is near `aim`; false where there is none. Needs G.
-  bool find(const SampleRows& rows, int n, double aim);
+  /// Makes `direction` d such that with P + d dᵀ the marked rows are no outliers any more, and other rows are not moved;
+  /// false where there is none. `marked` null: those that stand out, or all. Needs G and S. recovery.cpp
+  bool find(const SampleRows& rows, const MeasurementPlan& measurement, const std::vector<unsigned char>& corrected,
+            int n, const unsigned char* marked);
 
   std::vector<double> direction;  // padded(n)
 
  private:
-  Eigen::MatrixXd matrix_;
-  Eigen::VectorXd weights_, s_, whitened_;
+  int collect(const SampleRows& rows, const MeasurementPlan& measurement, const unsigned char* marked);
+  int member(int k) const { return members_[as_size(k)]; }
+
+  Eigen::MatrixXd matrix_, inverse_;
+  Eigen::VectorXd weights_, s_, z_, part_z_;
+  std::vector<int> members_;  // U
 };
 
 /// `accepted`, `withheld`, `gated`, or `rejected` where S is not positive definite.
 struct Judgement {
   Outcome outcome = Outcome::accepted;
   const char* reason = "";
-  int locked_out = 0;  // > 0: nothing is decided; so many rows are locked out and P is to be opened for them
+  bool is_locked_out = false;             // nothing is decided: P is to be opened, and the sample judged again
+  const unsigned char* marked = nullptr;  // for these rows; null: for the sample
 };
 
-/// Whether the marked rows of the sample at work (null: all of them), refused once more, are locked out for good.
+/// Whether the marked rows of the sample at work (null: all of them), refused once more, are locked out for good. May mark
+/// more.
 struct LockOutTest {
   void* self = nullptr;
-  bool (*is_due)(void* self, const SampleRows& rows, const unsigned char* marked) = nullptr;
-  bool operator()(const SampleRows& rows, const unsigned char* marked) const {
-    return self && is_due(self, rows, marked);
-  }
+  bool (*is_due)(void* self, const SampleRows& rows, unsigned char* marked) = nullptr;
+  bool operator()(const SampleRows& rows, unsigned char* marked) const { return self && is_due(self, rows, marked); }
 };
 
 /// Φ = exp(F dt) and Qd = ∫ exp(F s) Q exp(F s)ᵀ ds. F, Q, Phi, Qd: n×n column-major, dense; work: four such matrices.
@@ -146,8 +152,8 @@ class Estimator {
   bool has_reset() const { return !resets_.empty(); }
   void expand_reset(MatrixView T) const;
 
-  /// P ← P + d dᵀ along what the rows see, so that their NIS becomes `aim`; false where that cannot be. recovery.cpp
-  bool open(double aim);
+  /// P ← P + d dᵀ along what the marked rows of the judged sample see; false where that cannot be. recovery.cpp
+  bool open(const MeasurementPlan& measurement, const unsigned char* marked);
   const double* opened() const { return opening_.direction.data(); }
   /// Adds a measurement's named variances to P.
   void inflate(const MeasurementPlan& measurement);

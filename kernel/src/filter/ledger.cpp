@@ -50,13 +50,12 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
 template <class Act>
 void Ledger::for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act) {
   const auto table = rows_of(open_);
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (RowMonitor* const row = find_row(table, groups[i], keys[i], i)) act(*row, static_cast<int>(i));
+  for (std::size_t i = 0; i < keys.size(); ++i) act(find_row(table, groups[i], keys[i], i), static_cast<int>(i));
 }
 
 void Ledger::use(const UsedRows& rows, double nis) {
   for_each_row(rows.keys, rows.groups,
-               [&](RowMonitor& row, int i) { row.use(open_t_, rows.r[i], rows.R(i, i), rows.S(i, i)); });
+               [&](RowMonitor& row, int i) { row.use(open_t_, judged(open_), rows.r[i], rows.R(i, i), rows.S(i, i)); });
   plan_.measurements[as_size(open_)].nis.in(arena_)->use(open_t_, nis, static_cast<int>(rows.keys.size()));
 }
 
@@ -67,32 +66,36 @@ void Ledger::leave_out(std::span<const std::int64_t> keys, const int* groups) {
 }
 
 void Ledger::refuse(std::span<const std::int64_t> keys, const int* groups) {
-  for_each_row(keys, groups, [&](RowMonitor& row, int) {
-    ++row.refused;
-    row.last = open_t_;
-    row.streak.refuse(open_t_);
-  });
+  for_each_row(keys, groups, [&](RowMonitor& row, int) { row.refuse(open_t_, judged(open_)); });
 }
 
 bool Ledger::is_locked_out(int measurement, std::span<const std::int64_t> keys, const int* groups,
-                           const unsigned char* marked) const {
+                           unsigned char* marked) const {
   const auto& plan = plan_.measurements[as_size(measurement)];
   if (plan.recover_after == 0 || !plan.inflations.empty()) return false;
-  const auto is_due = [&](const Streak& streak) { return (streak.count + 1) % plan.recover_after == 0; };
-  Time since = no_time;
-  if (!marked && is_due(tally(measurement).gated)) since = tally(measurement).gated.since;
-  for (std::size_t i = 0; marked && i < keys.size() && since == no_time; ++i) {
-    const RowMonitor* const row = marked[i] ? known_row(rows_of(measurement), groups[i], keys[i]) : nullptr;
-    if (row && is_due(row->streak)) since = row->streak.since;
-  }
-  if (since == no_time) return false;
+  const auto row_at = [&](std::size_t i) { return known_row(rows_of(measurement), groups[i], keys[i]); };
+  const auto streak_of = [&](const RowMonitor* row) { return row ? row->streak_at(judged(measurement)) : Streak{}; };
+  // The one that has been refused for longest.
+  Streak longest;
+  if (!marked) longest = tally(measurement).gated;
+  for (std::size_t i = 0; marked && i < keys.size(); ++i)
+    if (const Streak streak = streak_of(row_at(i)); marked[i] && streak.count >= longest.count) longest = streak;
+  if ((longest.count + 1) % plan.recover_after != 0) return false;
+  const Time since = longest.count > 0 ? longest.since : open_t_;
+
   std::int64_t refused = 0, all = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    // A row that the gate has not come to yet will go the way of its last ones.
+    if (marked && streak_of(row_at(i)).count >= std::max(1, plan.recover_after - 1)) marked[i] = 1;
+    ++all;
+    refused += !marked || marked[i];
+  }
   for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
     for (const RowMonitor& row : rows_of(m)) {
-      if (!row.is_in_use || row.last < since) continue;
+      if (m == measurement || !row.is_in_use || row.last < since) continue;
       ++all;
-      // The row at work is not counted yet.
-      refused += row.streak.count + (m == measurement) >= plan.recover_after;
+      refused += plan_.measurements[as_size(m)].recover_after > 0 &&
+                 row.streak_at(judged(m)).count >= plan_.measurements[as_size(m)].recover_after;
     }
   return 2 * refused > all || open_t_ - since >= plan.recover_against;
 }

@@ -40,11 +40,11 @@ class Ledger {
   void leave_out(std::span<const std::int64_t> keys, const int* groups);
   /// All rows of the open sample are gated with it.
   void refuse(std::span<const std::int64_t> keys, const int* groups);
-  /// Whether rows of the open sample (null: all), refused once more, are to be recovered: when most of what came since
-  /// their first refusal is locked out too, the state is wrong; when most of it passes, the measurement is, and only after
-  /// `against` the state is believed to be.
+  /// Whether the marked rows of the open sample (null: all), refused once more, are to be recovered: when most of what came
+  /// since their first refusal is locked out too, the state is wrong; when most of it passes, the measurement is, and only
+  /// after `against` the state is believed to be. Marks the other rows that are locked out with them.
   bool is_locked_out(int measurement, std::span<const std::int64_t> keys, const int* groups,
-                     const unsigned char* marked) const;
+                     unsigned char* marked) const;
   /// The newest sample of a measurement was gated: whether the variances that its config names are due.
   bool is_inflation_due(int measurement) const;
   void count_recovery(int measurement) { ++tally_of(measurement).recoveries; }
@@ -56,6 +56,11 @@ class Ledger {
   const char* diagnosis() const { return plan_.health.in(arena_)->diagnosis; }
 
   const Tally& tally(int measurement) const { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
+  /// How many samples of a measurement a gate has judged.
+  std::int64_t judged(int measurement) const {
+    const auto& outcomes = tally(measurement).by_outcome;
+    return outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::gated)];
+  }
   const NisMonitor& nis(int measurement) const { return *plan_.measurements[as_size(measurement)].nis.in(arena_); }
   /// Free places among them.
   std::span<const RowMonitor> rows(int measurement) const { return rows_of(measurement); }

@@ -11,10 +11,69 @@ double normal_score(double ratio, double d) { return (std::cbrt(ratio) - 1 + 2 /
 
 double ratio_of(double score, double d) { return std::pow(1 - 2 / (9 * d) + score * std::sqrt(2 / (9 * d)), 3); }
 
-void RowMonitor::use(Time t, double r, double its_R, double S) {
+namespace {
+
+// The sum of n products of neighbours of white noise N(0, 1), over n: y. Its cumulants' function is
+//     K(t) = −n/2 ln((1 + √(1 − 4 t²))/2) ,
+// and with 2 t = sin φ, u = tan(φ/2) the saddlepoint K'(t) = n y is u (1 + u²)/(1 − u²) = y. The signed root of the
+// deviance there is nearly normal far into the tail (Daniels, 1954), where the sum itself is not.
+double lag_of_saddlepoint(double u) { return u * (1 + u * u) / (1 - u * u); }
+
+double score_of_saddlepoint(double u, double n) {
+  const double phi = 2 * std::atan(u), t = std::sin(phi) / 2;
+  return std::sqrt(std::max(0.0, 2 * (t * n * lag_of_saddlepoint(u) + n / 2 * std::log((1 + std::cos(phi)) / 2))));
+}
+
+/// The u in [0, 1) where a function that grows reaches a value.
+template <class Function>
+double where(Function&& function, double value) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (function(middle) < value ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+double lag_score(double y, double n) { return y > 0 ? score_of_saddlepoint(where(lag_of_saddlepoint, y), n) : 0.0; }
+
+double lag_of(double score, double n) {
+  return lag_of_saddlepoint(where([&](double u) { return score_of_saddlepoint(u, n); }, score));
+}
+
+void RowMonitor::refuse(Time t, std::int64_t its_turn) {
+  if (its_turn - turn > most_absent) streak.end();
+  turn = its_turn;
+  last = t;
+  ++refused;
+  streak.refuse(t);
+}
+
+Extreme RowMonitor::open_bias() const {
+  const double n = static_cast<double>(std::max<std::int64_t>(1, window.count));
+  return {std::abs(window_z) / std::sqrt(n), window_z / n, n, window.since};
+}
+
+Extreme RowMonitor::open_correlation() const {
+  constexpr std::int64_t least = 20;  // the first has no neighbour in the window
+  if (window.count < least) return {};
+  const double n = static_cast<double>(window.count);
+  return {lag_score(window_lag / n, n), window_lag / n, n, window.since};
+}
+
+Extreme NisMonitor::open() const {
+  if (rows == 0) return {};
+  const double d = static_cast<double>(rows);
+  return {normal_score(nis / d, d), nis / d, d, window.since};
+}
+
+void RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, double S) {
   const double now = r / std::sqrt(S), product = used > 0 ? now * previous : 0.0;
   ++used;
   last = t;
+  turn = its_turn;
   streak.end();
   z += now;
   zz += now * now;
@@ -27,9 +86,8 @@ void RowMonitor::use(Time t, double r, double its_R, double S) {
   window_z += now;
   window_lag += product;
   if (!window.is_full(t)) return;
-  const double n = static_cast<double>(window.count), root = std::sqrt(n);
-  bias.see(std::abs(window_z) / root, window_z / n, n, window.since);
-  correlation.see(window_lag / root, window_lag / n, n, window.since);
+  bias.see(open_bias());
+  correlation.see(open_correlation());
   ++windows;
   window = {};
   window_z = window_lag = 0;
@@ -40,26 +98,25 @@ void NisMonitor::use(Time t, double its_nis, int its_rows) {
   nis += its_nis;
   rows += its_rows;
   if (!window.is_full(t)) return;
-  const double d = static_cast<double>(rows);
-  newest = nis / d;
-  worst.see(normal_score(newest, d), newest, d, window.since);
+  newest = nis / static_cast<double>(rows);
+  worst.see(open());
   ++windows;
   window = {};
   nis = 0;
   rows = 0;
 }
 
-RowMonitor* find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint) {
+RowMonitor& find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint) {
   const auto is_it = [&](const RowMonitor& row) { return row.is_in_use && row.group == group && row.key == key; };
-  if (hint < table.size() && is_it(table[hint])) return &table[hint];
-  const auto found = std::ranges::find_if(table, [&](const RowMonitor& row) { return !row.is_in_use || is_it(row); });
-  if (found == table.end()) return nullptr;
-  if (!found->is_in_use) {
-    found->group = group;
-    found->key = key;
-    found->is_in_use = 1;
-  }
-  return &*found;
+  if (hint < table.size() && is_it(table[hint])) return table[hint];
+  auto found = std::ranges::find_if(table, [&](const RowMonitor& row) { return !row.is_in_use || is_it(row); });
+  if (found != table.end() && found->is_in_use) return *found;
+  if (found == table.end()) found = std::ranges::min_element(table, {}, &RowMonitor::last);
+  *found = RowMonitor{};
+  found->group = group;
+  found->key = key;
+  found->is_in_use = 1;
+  return *found;
 }
 
 const RowMonitor* known_row(std::span<const RowMonitor> table, int group, std::int64_t key) {

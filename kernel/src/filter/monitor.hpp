@@ -26,8 +26,8 @@ struct Extreme {
   double figure = 0;  // as the user reads it
   double size = 0;    // how many numbers it is of
   Time since = no_time;
-  void see(double new_score, double new_figure, double new_size, Time from) {
-    if (new_score > score) *this = {new_score, new_figure, new_size, from};
+  void see(const Extreme& other) {
+    if (other.score > score) *this = other;
   }
 };
 
@@ -64,16 +64,25 @@ struct RowMonitor {
   std::int32_t group = 0;
   std::int32_t is_in_use = 0;
   std::int64_t used = 0, left_out = 0, refused = 0;
-  Time last = no_time;  // used or refused
+  Time last = no_time;    // used or refused
+  std::int64_t turn = 0;  // of its measurement's judged samples
   Streak streak;
   double z = 0, zz = 0, lag = 0, rr = 0, HPHt = 0, R = 0;  // sums over all uses; lag: z_k z_{k−1}
   double previous = 0;                                     // z
   Window window;
   double window_z = 0, window_lag = 0;
   std::int64_t windows = 0;
-  Extreme bias, correlation;
+  Extreme bias, correlation;  // of full windows
 
-  void use(Time t, double r, double its_R, double S);
+  /// Of the window that is not full yet.
+  Extreme open_bias() const;
+  Extreme open_correlation() const;
+
+  void use(Time t, std::int64_t its_turn, double r, double its_R, double S);
+  void refuse(Time t, std::int64_t its_turn);
+  /// Its refusals in a row, none where it was absent from its measurement's samples meanwhile.
+  Streak streak_at(std::int64_t now) const { return now - turn <= most_absent ? streak : Streak{}; }
+  static constexpr std::int64_t most_absent = 5;
 };
 
 /// The NIS of accepted samples. Lies in the arena.
@@ -83,7 +92,10 @@ struct NisMonitor {
   std::int64_t rows = 0;
   std::int64_t windows = 0;
   double newest = 0;  // NIS over rows in the last full window
-  Extreme worst;
+  Extreme worst;      // of full windows
+
+  /// Of the window that is not full yet.
+  Extreme open() const;
 
   void use(Time t, double its_nis, int its_rows);
 };
@@ -92,8 +104,13 @@ struct NisMonitor {
 double normal_score(double ratio, double d);
 double ratio_of(double score, double d);
 
-/// The place of a row in a table; a free place becomes its own. `hint`: where to look first. Null when the table is full.
-RowMonitor* find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint);
+/// The mean of n products of neighbours, y, as a normal number, and back.
+double lag_score(double y, double n);
+double lag_of(double score, double n);
+
+/// The place of a row in a table, a free one if need be, or that of the row which was not seen for longest. `hint`: where to
+/// look first.
+RowMonitor& find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint);
 
 const RowMonitor* known_row(std::span<const RowMonitor> table, int group, std::int64_t key);
 

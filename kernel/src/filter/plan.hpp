@@ -326,7 +326,7 @@ struct TimeHead {
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
   std::int32_t bridged = 0;       // the last driving interval bridged a hole
-  Time longest_hole = 0;  // that was bridged, and where it began
+  Time longest_hole = 0;          // that was bridged, and where it began
   Time longest_hole_at = no_time;
   // Input samples that repeat the one before to the bit, after others that did not.
   std::int64_t changes = 0;  // samples that did not

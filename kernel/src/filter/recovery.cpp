@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recovery from a lock-out: P is opened along what a refused sample sees, as far as its residual asks for.
+// Recovery from a lock-out: P is opened along what the refused rows see, as far as their residual asks for.
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -10,13 +11,13 @@ namespace binnacle::internal::filter {
 
 namespace {
 
-/// Solves A x = b in place of A and b; false where A is not positive definite.
-template <class Matrix, class Vector>
-bool solve_in_place(Matrix&& A, Vector&& b) {
+/// Factors A in place; `use` is called with the factor. False where A is not positive definite.
+template <class Matrix, class Use>
+bool factor_in_place(Matrix&& A, Use&& use) {
   Eigen::Ref<Eigen::MatrixXd> in_place(A);
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(in_place);
   if (factor.info() != Eigen::Success) return false;
-  factor.solveInPlace(b);
+  use(factor);
   return true;
 }
 
@@ -25,48 +26,87 @@ bool solve_in_place(Matrix&& A, Vector&& b) {
 Opening::Opening(int n, int max_rows)
     : direction(as_size(padded(n))),
       matrix_(max_rows, max_rows),
+      inverse_(max_rows, max_rows),
       weights_(max_rows),
       s_(max_rows),
-      whitened_(max_rows) {}
+      z_(max_rows),
+      part_z_(max_rows),
+      members_(as_size(max_rows)) {}
 
-// Let r be the residual of the rows, with S = H P Hᵀ + R. Of all errors of the state that explain r,
-//     g = P Hᵀ (H P Hᵀ + ε R)⁻¹ r ,  s = H g ,
-// is the likeliest under P: it moves what the rows see, and through P's correlations all that goes with it. What no error
-// of the state explains (a residual that contradicts itself) is left out thanks to the small part of R. With P + c g gᵀ,
-// Sherman and Morrison (1950) give
-//     NIS(c) = n − c a² / (1 + c b) ,  n = rᵀ S⁻¹ r, a = sᵀ S⁻¹ r, b = sᵀ S⁻¹ s ,
-// and c is chosen so that NIS is `aim`, what a right sample would have. Where no c does, g itself is one sigma: c = 1.
-bool Opening::find(const SampleRows& rows, int n, double aim) {
+// Let U be the refused rows and r̃ the residual with those of all other rows put to zero. Of all errors of the state that
+// explain r̃, that is r_U while the other rows stay as they are,
+//     g = P Hᵀ (H P Hᵀ + ε R)⁻¹ r̃ ,  s = (H g)_U ,
+// is the likeliest under P: it moves what the refused rows see, and through P's correlations what goes with it unseen. What
+// no error of the state explains (a residual that contradicts itself) is left out thanks to the small part of R. With
+// z = S⁻¹ r and M = (S⁻¹)_UU, Baarda's statistic T = z_Uᵀ M⁻¹ z_U of the refused rows becomes, with P + c g gᵀ (Sherman,
+// Morrison, 1950; H g is zero in the other rows),
+//     T(c) = T − c a² / (1 + c b) ,  a = sᵀ z_U, b = sᵀ M s ,
+// and c is chosen so that it is |U|, what right rows would have. Where no c does, g itself is one sigma: c = 1.
+bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement,
+                   const std::vector<unsigned char>& corrected, int n, const unsigned char* marked) {
   constexpr double epsilon = 1e-4;
-  const int m = rows.m;
+  const int m = rows.m, count = collect(rows, measurement, marked);
   const auto HPHt = ConstMatrixView(rows.square(rows.HPHt)).as();
   const auto R = ConstMatrixView(rows.square(rows.R)).as();
-  const auto r = ConstVectorView(rows.r, m).as();
   auto A = matrix_.topLeftCorner(m, m);
-  auto weights = weights_.head(m), s = s_.head(m), whitened = whitened_.head(m);
+  auto weights = weights_.head(m);
+  weights.setZero();
+  for (int k = 0; k < count; ++k) weights[member(k)] = rows.r[member(k)];
   A = HPHt + epsilon * R;
-  weights = r;
-  if (!solve_in_place(A, weights)) return false;
-  s.noalias() = HPHt.lazyProduct(weights);
+  if (!factor_in_place(A, [&](const auto& factor) { factor.solveInPlace(weights); })) return false;
+
+  // g, without what is never corrected, and s.
+  Eigen::Map<Eigen::VectorXd> g(direction.data(), n);
+  g.noalias() = ConstMatrixView{rows.G, n, m, padded(n)}.as().lazyProduct(weights);
+  for (std::size_t i = 0; i < corrected.size(); ++i)
+    if (!corrected[i]) direction[i] = 0;
+  for (int k = 0; k < count; ++k) {
+    s_[k] = 0;
+    for (std::size_t c = 0; c < measurement.columns.size(); ++c)
+      s_[k] += rows.H[as_size(member(k)) + c * as_size(rows.m_max)] * direction[as_size(measurement.columns[c])];
+  }
+
+  auto inverse = inverse_.topLeftCorner(m, m);
+  auto z = z_.head(m);
+  inverse.setIdentity();
+  z = ConstVectorView(rows.r, m).as();
   A = HPHt + R;
-  whitened = r;
-  if (!solve_in_place(A, whitened)) return false;
-  const double a = s.dot(whitened), excess = r.dot(whitened) - aim;
-  A = HPHt + R;
-  whitened = s;
-  if (!solve_in_place(A, whitened)) return false;
-  const double b = s.dot(whitened);
+  const auto invert = [&](const auto& factor) {
+    factor.solveInPlace(inverse);
+    factor.solveInPlace(z);
+  };
+  if (!factor_in_place(A, invert)) return false;
+  auto M = matrix_.topLeftCorner(count, count);
+  auto part_z = part_z_.head(count);
+  for (int j = 0; j < count; ++j) {
+    part_z[j] = z[member(j)];
+    for (int i = 0; i < count; ++i) M(i, j) = inverse(member(i), member(j));
+  }
+  const auto s = s_.head(count);
+  const double a = s.dot(part_z), b = s.dot(M.lazyProduct(s));
+  if (!factor_in_place(M, [&](const auto& factor) { factor.matrixL().solveInPlace(part_z); })) return false;
+  const double excess = part_z.squaredNorm() - count;
   if (!(excess > 0 && a > 0 && b > 0)) return false;
   const double c = a * a > excess * b ? excess / (a * a - excess * b) : 1.0;
-  const auto G = ConstMatrixView{rows.G, n, m, padded(n)}.as();
-  Eigen::Map<Eigen::VectorXd>(direction.data(), n) = std::sqrt(c) * G.lazyProduct(weights);
+  g *= std::sqrt(c);
   return true;
 }
 
-bool Estimator::open(double aim) {
-  if (!opening_.find(rows_, plan_.n, aim)) return false;
-  for (std::size_t i = 0; i < plan_.corrected.size(); ++i)
-    if (!plan_.corrected[i]) opening_.direction[i] = 0;
+/// Lists U: the marked rows; without a mask those beyond the limit of a single row, or all where there is none.
+int Opening::collect(const SampleRows& rows, const MeasurementPlan& measurement, const unsigned char* marked) {
+  int count = 0;
+  const auto S = rows.square(rows.S);
+  const auto is_meant = [&](int i) {
+    return marked ? marked[i] != 0 : rows.r[i] * rows.r[i] > measurement.gate_limit[1] * S(i, i);
+  };
+  for (int i = 0; i < rows.m; ++i)
+    if (is_meant(i)) members_[as_size(count++)] = i;
+  for (int i = 0; count == 0 && i < rows.m; ++i) members_[as_size(i)] = i;
+  return count > 0 ? count : rows.m;
+}
+
+bool Estimator::open(const MeasurementPlan& measurement, const unsigned char* marked) {
+  if (!opening_.find(rows_, measurement, plan_.corrected, plan_.n, marked)) return false;
   P_->open(opening_.direction.data());
   return true;
 }

@@ -100,7 +100,7 @@ double OutlierTest::statistic(int count) {
   return z.squaredNorm();
 }
 
-const unsigned char* OutlierTest::find(GateUnit unit, const std::vector<double>& limit, const SampleRows& rows) {
+unsigned char* OutlierTest::find(GateUnit unit, const std::vector<double>& limit, const SampleRows& rows) {
   invert(rows);
   std::fill_n(is_tested_.begin(), rows.m, 0);
   double largest = 1.0;
@@ -130,9 +130,9 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
   const auto roll_back_noise = [&] { std::copy_n(noise_backup_.data(), memory.count, memory.in(arena_)); };
   P_->project(measurement.columns, rows_);
   double nis_offered = 0;
-  const auto locked_out = [&](int count) -> Judgement {
+  const auto locked_out = [&](const unsigned char* marked) -> Judgement {
     roll_back_noise();
-    return {Outcome::gated, "", count};
+    return {Outcome::gated, "", true, marked};
   };
   const auto gated = [&](const char* reason) -> Judgement {
     if (!measurement.learn_from_gated) roll_back_noise();
@@ -150,10 +150,9 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
     rows_.nis = normalized_innovation_squared(rows_);
     if (rows_.left_out == 0) nis_offered = rows_.nis;
     if (is_withheld || measurement.gate_unit == GateUnit::sample) break;
-    const unsigned char* outliers = outlier_test_.find(measurement.gate_unit, measurement.gate_limit, rows_);
+    unsigned char* const outliers = outlier_test_.find(measurement.gate_unit, measurement.gate_limit, rows_);
     if (!outliers) break;
-    if (is_locked_out(rows_, outliers))
-      return locked_out(static_cast<int>(std::count(outliers, outliers + rows_.m, 1)));
+    if (is_locked_out(rows_, outliers)) return locked_out(outliers);
     rows_.list_left_out(outliers);
     if (2 * rows_.left_out > offered) return gated("no majority of its rows agrees with the rest");
     rows_.remove(outliers, static_cast<int>(measurement.columns.size()), plan_.n);
@@ -162,7 +161,7 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
   if (is_withheld) return {Outcome::withheld, ""};
   if (measurement.gate > 0 && measurement.gate_unit == GateUnit::sample &&
       rows_.nis > measurement.gate_limit[as_size(rows_.m)]) {
-    if (is_locked_out(rows_, nullptr)) return locked_out(rows_.m);
+    if (is_locked_out(rows_, nullptr)) return locked_out(nullptr);
     return gated("NIS beyond the gate");
   }
   return {};

@@ -50,16 +50,24 @@ class Examination {
     return is_watched && trust_.after > 0 && head_.steps > 0;
   }
 
+  /// Where components are considered (Schmidt), innovations of a right filter are not white.
+  bool is_tested(int m) const {
+    const auto& measurement = plan_.measurements[as_size(m)];
+    return measurement.is_watched && std::ranges::all_of(measurement.columns, [&](int column) {
+             return plan_.corrected.empty() || plan_.corrected[as_size(column)] != 0;
+           });
+  }
+
   /// The tests of innovations share the probability of a false alarm (Bonferroni): the score which a right filter passes
-  /// with a probability of 1 − false_alarm · (its run in units of ten minutes, at least one) / tests.
+  /// with a probability of 1 − false_alarm · (its run in units of ten minutes, at least one) / tests. Open windows count.
   double score_limit() const {
     std::int64_t tests = 0;
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
-      if (!plan_.measurements[as_size(m)].is_watched) continue;
-      if (trust_.tests_nis) tests += ledger_.nis(m).windows;
+      if (!is_tested(m)) continue;
+      if (trust_.tests_nis) tests += ledger_.nis(m).windows + 1;
       // The test of a bias has two sides.
       for (const RowMonitor& row : ledger_.rows(m))
-        tests += row.windows * (2 * trust_.tests_bias + trust_.tests_correlation);
+        if (row.used > 0) tests += (row.windows + 1) * (2 * trust_.tests_bias + trust_.tests_correlation);
     }
     if (tests == 0 || trust_.false_alarm <= 0) return 0;
     const double runs = std::max(1.0, seconds(head_.t - head_.start) / ten_minutes);
@@ -69,35 +77,37 @@ class Examination {
 
   void examine(int m) {
     const Tally& tally = ledger_.tally(m);
-    const bool by_sample = plan_.measurements[as_size(m)].gate_unit == GateUnit::sample;
-    const std::int64_t accepted = count(tally, Outcome::accepted), gated = count(tally, Outcome::gated);
-    const std::int64_t refused = gated + count(tally, Outcome::invalid) + count(tally, Outcome::rejected);
-    if (trust_.after > 0 && accepted == 0 && refused >= trust_.after) {
+    const std::int64_t useful = count(tally, Outcome::accepted) + count(tally, Outcome::withheld);
+    const std::int64_t refused = count(tally, Outcome::gated) + count(tally, Outcome::invalid) +
+                                 count(tally, Outcome::rejected) + count(tally, Outcome::late);
+    if (trust_.after > 0 && useful == 0 && refused >= trust_.after) {
       see_({Doubt::never_accepted, Verdict::lost, m, -1, 0, no_time, double(refused), double(trust_.after)});
       return;
     }
-    examine_lock_out(m, tally, by_sample);
-    examine_share(m);
+    examine_lock_out(m, tally);
+    examine_share(m, tally);
     if (tally.recoveries > 0)
       see_({Doubt::recovered, Verdict::doubtful, m, -1, 0, no_time, double(tally.recoveries), 0});
-    examine_innovations(m);
+    if (score_limit_ > 0 && is_tested(m)) examine_innovations(m);
   }
 
   /// All that is refused together is one reason; rows one by one where others pass.
-  void examine_lock_out(int m, const Tally& tally, bool by_sample) {
-    if (trust_.after == 0 || plan_.measurements[as_size(m)].recover_after == 0) return;
+  void examine_lock_out(int m, const Tally& tally) {
+    const auto& measurement = plan_.measurements[as_size(m)];
+    if (trust_.after == 0 || measurement.recover_after == 0) return;
     if (tally.gated.count >= trust_.after) {
       see_(locked_out(m, Verdict::lost, -1, 0, tally.gated));
       return;
     }
-    if (by_sample) {
+    if (measurement.gate_unit == GateUnit::sample) {
       if (tally.gated.longest >= trust_.after) see_(was_locked_out(m, -1, 0, tally.gated));
       return;
     }
-    const auto is_out = [&](const RowMonitor& row) { return row.streak.count >= trust_.after; };
+    const std::int64_t now = ledger_.judged(m);
+    const auto is_out = [&](const RowMonitor& row) { return row.streak_at(now).count >= trust_.after; };
     std::int64_t out = 0, all = 0;
     for (const RowMonitor& row : ledger_.rows(m)) {
-      all += row.is_in_use;
+      all += row.is_in_use && now - row.turn <= RowMonitor::most_absent;
       out += is_out(row);
     }
     for (const RowMonitor& row : ledger_.rows(m))
@@ -116,34 +126,45 @@ class Examination {
             double(streak.longest), double(trust_.after)};
   }
 
-  void examine_share(int m) {
+  /// Of rows by the gate, or of samples that came late.
+  void examine_share(int m, const Tally& tally) {
     constexpr std::int64_t least = 10;
     std::int64_t used = 0, refused = 0;
     for (const RowMonitor& row : ledger_.rows(m)) {
       used += row.used;
       refused += row.refused;
     }
-    const double share = double(refused) / double(std::max<std::int64_t>(1, used + refused));
-    if (trust_.refused > 0 && refused >= least && share > trust_.refused)
-      see_({Doubt::mostly_refused, Verdict::lost, m, -1, 0, no_time, share, trust_.refused});
+    const auto see_share = [&](std::int64_t part, std::int64_t all) {
+      const double share = double(part) / double(std::max<std::int64_t>(1, all));
+      if (part >= least && share > trust_.refused)
+        see_({Doubt::mostly_refused, Verdict::lost, m, -1, 0, no_time, share, trust_.refused});
+    };
+    if (trust_.refused <= 0) return;
+    see_share(refused, used + refused);
+    see_share(count(tally, Outcome::late), tally.offered);
   }
 
   void examine_innovations(int m) {
     const NisMonitor& nis = ledger_.nis(m);
-    if (score_limit_ <= 0) return;
-    if (trust_.tests_nis && nis.worst.score > score_limit_) {
-      const bool is_beyond = trust_.nis > 0 && nis.newest > trust_.nis;
-      see_({Doubt::nis, is_beyond ? Verdict::lost : Verdict::doubtful, m, -1, 0, nis.worst.since, nis.worst.figure,
-            ratio_of(score_limit_, nis.worst.size)});
+    const Extreme open = nis.open(), worst = nis.worst.score > open.score ? nis.worst : open;
+    if (trust_.tests_nis && worst.score > score_limit_) {
+      // The newest window, open or not.
+      const double newest = open.score > score_limit_ ? open.figure : nis.newest;
+      const bool is_beyond = trust_.nis > 0 && newest > trust_.nis;
+      see_({Doubt::nis, is_beyond ? Verdict::lost : Verdict::doubtful, m, -1, 0, worst.since, worst.figure,
+            ratio_of(score_limit_, worst.size)});
     }
     for (const RowMonitor& row : ledger_.rows(m)) {
-      const auto see_extreme = [&](Doubt doubt, const Extreme& extreme) {
-        if (extreme.score > score_limit_)
-          see_({doubt, Verdict::doubtful, m, row.group, row.key, extreme.since, extreme.figure,
-                score_limit_ / std::sqrt(extreme.size)});
-      };
-      if (trust_.tests_bias) see_extreme(Doubt::bias, row.bias);
-      if (trust_.tests_correlation) see_extreme(Doubt::correlation, row.correlation);
+      if (row.used == 0) continue;
+      Extreme bias = row.bias, correlation = row.correlation;
+      bias.see(row.open_bias());
+      correlation.see(row.open_correlation());
+      if (trust_.tests_bias && bias.score > score_limit_)
+        see_({Doubt::bias, Verdict::doubtful, m, row.group, row.key, bias.since, bias.figure,
+              score_limit_ / std::sqrt(bias.size)});
+      if (trust_.tests_correlation && correlation.score > score_limit_)
+        see_({Doubt::correlation, Verdict::doubtful, m, row.group, row.key, correlation.since, correlation.figure,
+              lag_of(score_limit_, correlation.size)});
     }
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reasons against a filter's estimates as a user reads them.
+#include <cmath>
 #include <cstdio>
 
 #include "binnacle/session.hpp"
@@ -11,7 +12,8 @@ namespace {
 
 std::string number(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
+  const bool is_count = value == std::floor(value) && value < 1e15;
+  std::snprintf(text, sizeof text, is_count ? "%.0f" : "%.3g", value);
   return text;
 }
 
@@ -39,8 +41,8 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     return "the input of '" + filter.name + "' repeats the same numbers for " + figure + " s from " + since(reason) +
            " on (limit " + limit + " s): the sensor hangs";
   if (reason.doubt == Doubt::unaided)
-    return "no sample of any measurement of '" + filter.name + "' was used: channels, or their spans of time, are not " +
-           "those of the driving input";
+    return "no sample of any measurement of '" + filter.name +
+           "' was used: channels, or their spans of time, are not " + "those of the driving input";
   const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
   switch (reason.doubt) {
     case Doubt::locked_out:
@@ -71,7 +73,8 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108", "B109", "B110"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105",
+                                   "B106", "B107", "B108", "B109", "B110"};
   return codes[static_cast<int>(doubt)];
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "base/text.hpp"
 #include "run/runtime.hpp"
@@ -54,10 +55,31 @@ std::string span_text(const Runtime& runtime, int channel) {
 /// Why a channel stays silent, as the transform that makes it says; empty where it does not.
 std::string reason_of_silence(Runtime& runtime, int channel) {
   for (const auto& transform : runtime.plan().transforms)
-    if (base::index_of(transform.channels, channel) >= 0)
-      return transform.type->guarded("waits_for",
-                                     [&] { return transform.object->waits_for(transform.memory.in(runtime.arena())); });
+    if (base::index_of(transform.channels, channel) >= 0) {
+      try {
+        return transform.type->guarded("waits_for", [&] {
+          return transform.object->waits_for(transform.memory.in(runtime.arena()));
+        });
+      } catch (const ComponentError& error) {
+        return error.what();
+      }
+    }
   return "";
+}
+
+/// The channels that a filter needs to start, and all that these are made of.
+std::set<int> channels_behind(const compose::CompositionPlan& plan, const filter::FilterPlan& filter) {
+  std::set<int> all;
+  if (filter.input_channel >= 0) all.insert(filter.input_channel);
+  for (const auto& initial : filter.initial) all.insert(initial.channel);
+  for (std::size_t size = 0; size != all.size();) {
+    size = all.size();
+    for (const auto& transform : plan.transforms)
+      if (std::ranges::any_of(transform.channels, [&](int channel) { return all.contains(channel); }))
+        for (const auto& input : transform.inputs)
+          if (input.channel >= 0) all.insert(input.channel);
+  }
+  return all;
 }
 
 std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) {
@@ -70,7 +92,7 @@ std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) 
     silent += (silent.empty() ? "" : ", ") + name;
     if (reason.empty()) reason = reason_of_silence(runtime, initial.channel);
   }
-  for (int channel = 0; channel < static_cast<int>(runtime.plan().channels.size()); ++channel) {
+  for (const int channel : channels_behind(runtime.plan(), filter)) {
     const auto& span = runtime.span(channel);
     if (span.from == no_time) continue;
     first_end = std::min(first_end, span.to);

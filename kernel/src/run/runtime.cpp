@@ -68,7 +68,7 @@ void Runtime::reset(std::uint64_t seed, int run) {
       transform.object->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena()));
     });
   for (auto& channel : channels_) {
-    channel.is_present = false;
+    channel.is_present = channel.is_repeated = false;
     channel.span = {};
   }
   std::fill(filter_seconds_.begin(), filter_seconds_.end(), 0.0);
