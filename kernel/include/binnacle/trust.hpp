@@ -29,6 +29,8 @@ enum class Doubt : unsigned char {
   bridged,         ///< the longest hole in the driving input [s], longer than `limit`
   frozen,          ///< the longest time that the driving input repeated itself to the bit [s], longer than `limit`
   unaided,         ///< no sample of any measurement was used
+  restarted,       ///< started anew `figure` times
+  stopped,         ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
 };
 
 /// One reason against a filter's estimates.

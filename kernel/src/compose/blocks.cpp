@@ -35,6 +35,8 @@ class BlockReader {
     const Reader init = at_["init"];
     const std::size_t failures = filter_.composer.failures();
     if (init["channel"]) return read_initial_channel(init);
+    if (init["again"])
+      return init["again"].error("B010", "an initial value starts anew from a channel: \"again\": {\"channel\": …}");
     std::vector<double> values(declaration_.outputs.size(), 0.0);
     read_initial_values(init, values);
     if (filter_.composer.failures() != failures) return;
@@ -61,6 +63,15 @@ class BlockReader {
                                         initial.sigma[i] = at.number(spec).value_or(initial.sigma[i]);
                                       });
     if (!is_whole) return filter_.fail();
+    if (block_.again) {
+      block_.again->sigma = initial.sigma;
+      require_sigma(sigma, *block_.again);
+    }
+    require_sigma(sigma, initial);
+  }
+
+ private:
+  void require_sigma(const Reader& sigma, const InitialPlan& initial) {
     // A channel that could not be found is reported already.
     if (initial.channel < 0 && at_["init"]["channel"]) return;
     if (initial.channel >= 0 && !initial.covariance.empty()) return;
@@ -72,10 +83,9 @@ class BlockReader {
     at_.key_error("B026", "'sigma' of " + what_ + " is missing for '" + component.name + "' (" + component.unit + ")" +
                               (initial.channel < 0
                                    ? ""
-                                   : ": channel '" + initial_channel().name + "' carries no covariance for it"));
+                                   : ": channel '" + channel_of(initial).name + "' carries no covariance for it"));
   }
 
- private:
   /// Nothing where the key is not there.
   std::optional<std::vector<int>> components_at(const Reader& place) const {
     if (!place) return std::nullopt;
@@ -136,36 +146,56 @@ class BlockReader {
   }
 
   void read_initial_channel(const Reader& init) {
+    init.check_keys({"channel", "fields", "max_age", "covariance", "again"}, "'init' of " + what_);
+    LatestPlan* const latest = read_channel(init, block_.initial);
+    if (!latest) return;
+    latest->is_of_start = true;
+    const Reader again = init["again"];
+    if (!again.is_object()) {
+      latest->is_of_restart |= again.boolean().value_or(false);
+      return;
+    }
+    again.check_keys({"channel", "fields", "max_age", "covariance"}, "'again' of " + what_);
+    block_.again.emplace();
+    if (!again["channel"]) again.key_error("B010", "'again' of " + what_ + " is true, or {\"channel\": …}");
+    else if (LatestPlan* const other = read_channel(again, *block_.again)) other->is_of_restart = true;
+  }
+
+  /// Null where it failed.
+  LatestPlan* read_channel(const Reader& init, InitialPlan& initial) {
     Composer& composer = filter_.composer;
-    init.check_keys({"channel", "fields", "max_age", "covariance"}, "'init' of " + what_);
     const auto name = init["channel"].text();
-    if (!name) return;
+    if (!name) return nullptr;
     const int channel = composer.channel_named(*name, init["channel"]);
-    if (channel < 0) return filter_.fail();
+    if (channel < 0) {
+      filter_.fail();
+      return nullptr;
+    }
     std::vector<FieldSpec> wanted;
     for (const auto& output : declaration_.outputs) wanted.push_back(field::level(output.name, output.unit));
     const std::size_t failures = composer.failures();
     const FieldMap map = composer.map_fields(wanted, channel, init["channel"], init, block_.type, wanted);
-    if (composer.failures() != failures) return;
-    for (const auto& item : map.epoch) block_.initial.fields.push_back(item.index);
+    if (composer.failures() != failures) return nullptr;
+    for (const auto& item : map.epoch) initial.fields.push_back(item.index);
     const Time max_age = init["max_age"].time().value_or(0);
-    block_.initial.channel = latest_of(filter_.plan.initial, channel);
-    auto& latest = filter_.plan.initial[as_size(block_.initial.channel)];
+    initial.channel = latest_of(filter_.plan.initial, channel);
+    auto& latest = filter_.plan.initial[as_size(initial.channel)];
     if (max_age > 0) latest.max_age = latest.max_age == 0 ? max_age : std::min(latest.max_age, max_age);
-    find_initial_covariance(init["covariance"]);
+    find_initial_covariance(init["covariance"], initial);
+    return &latest;
   }
 
-  const ChannelPlan& initial_channel() const {
-    return filter_.composer.channel(filter_.plan.initial[as_size(block_.initial.channel)].channel);
+  const ChannelPlan& channel_of(const InitialPlan& initial) const {
+    return filter_.composer.channel(filter_.plan.initial[as_size(initial.channel)].channel);
   }
 
   /// Which components of the sample's covariance are this block's: "BLOCK.north", "position.north" or "north".
-  void find_initial_covariance(const Reader& place) {
-    const auto names = names_of(initial_channel().declaration.covariance);
+  void find_initial_covariance(const Reader& place, InitialPlan& initial) {
+    const auto names = names_of(channel_of(initial).declaration.covariance);
     if (names.empty()) return;
     const auto wanted = place.names().value_or(std::vector<std::string>());
     const std::string family = declaration_.kind.substr(0, declaration_.kind.find_first_of(".:"));
-    auto& covariance = block_.initial.covariance;
+    auto& covariance = initial.covariance;
     for (std::size_t c = 0; c < components_.size(); ++c) {
       std::vector<std::string> candidates{block_.name + "." + components_[c], family + "." + components_[c],
                                           components_[c]};
@@ -190,7 +220,7 @@ class BlockReader {
 
 FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
-  composer.check_section_keys(at, {"blocks", "derived", "process", "measurements", "trust"},
+  composer.check_section_keys(at, {"blocks", "derived", "process", "measurements", "trust", "longest_bridge"},
                               "filter '" + plan.name + "'");
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
@@ -244,6 +274,12 @@ void FilterComposer::read_initial_values() {
     reader.read_initial();
     reader.read_sigma();
   }
+  const bool starts_anew = std::ranges::any_of(plan.initial, &LatestPlan::is_of_restart);
+  const Reader longest = at["longest_bridge"];
+  if (longest && !starts_anew)
+    longest.error("B010", "'longest_bridge' needs an 'init' with \"again\": without one the filter can not start anew");
+  constexpr Time default_longest = 10 * nanoseconds_per_second;
+  if (starts_anew) plan.longest_bridge = longest.time().value_or(default_longest);
 }
 
 }  // namespace binnacle::internal::compose

@@ -127,8 +127,9 @@ void for_each_input(const CompositionPlan& plan, const auto& visit_all) {
       std::ranges::for_each(measurement.parts, visit_auxiliary);
     }
     for (const auto& block : filter.blocks)
-      if (block.initial.channel >= 0)
-        visit(node, filter.initial[as_size(block.initial.channel)].channel, block.pointer + "/init");
+      for (const InitialPlan* from : {&block.initial, block.again ? &*block.again : nullptr})
+        if (from && from->channel >= 0)
+          visit(node, filter.initial[as_size(from->channel)].channel, block.pointer + "/init");
   }
 }
 

@@ -78,7 +78,8 @@ void FilterComposer::describe() {
     info.processes.push_back({bound_info(catalog, process, process.model), process.van_loan_group});
   for (const auto& measurement : plan.measurements)
     info.measurements.push_back(measurement_info(catalog, plan, measurement));
-  for (const auto& initial : plan.initial) info.starts_when.push_back({initial.channel, initial.max_age});
+  for (const auto& initial : plan.initial)
+    if (initial.is_of_start) info.starts_when.push_back({initial.channel, initial.max_age});
 }
 
 }  // namespace binnacle::internal::compose

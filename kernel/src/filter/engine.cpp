@@ -22,6 +22,9 @@ Outcome outcome_of(Refusal refusal) {
   }
 }
 
+/// Recoveries of a measurement, each soon after the one before, that did not help: it starts anew.
+constexpr int most_recoveries_in_vain = 3;
+
 /// Asks the ledger about rows of the sample at work.
 struct LockedOut {
   const Ledger& ledger;
@@ -96,12 +99,14 @@ void Engine::push_auxiliary(int auxiliary, const SampleView& sample) {
 }
 
 void Engine::push_initial(int initial, const SampleView& sample) {
-  if (started()) return;
-  for (const auto& block : plan_.blocks)
-    if (block.initial.channel == initial)
-      for (const int field : block.initial.fields)
-        if (!std::isfinite(sample.fields[field])) return;
-  keep_latest(plan_.initial[as_size(initial)], sample);
+  const LatestPlan& plan = plan_.initial[as_size(initial)];
+  if (has_started() && !plan.is_of_restart) return;
+  const bool is_finite = std::ranges::all_of(plan_.blocks, [&](const BlockPlan& block) {
+    const InitialPlan& from = block.start(has_started());
+    return from.channel != initial ||
+           std::ranges::all_of(from.fields, [&](int field) { return std::isfinite(sample.fields[field]); });
+  });
+  if (is_finite) keep_latest(plan, sample);
 }
 
 void Engine::push_input(const SampleView& sample) {
@@ -127,23 +132,33 @@ void Engine::push_measurement(int measurement, const SampleView& sample) {
 }
 
 void Engine::finish() {
-  if (!started()) return;
+  if (!has_started()) return;
   if (!broken()) guarded([&] { time_.end_input(); });
   guarded([&] { time_.flush(Outcome::unsupported, "no input up to its time"); });
 }
 
 void Engine::try_start(Time t) {
-  if (started() || broken() || plan_.initial.empty()) return;
+  const bool anew = has_started();
+  if (broken() || plan_.initial.empty() || (started() && !time_.is_restart_due(t))) return;
+  constexpr Time fresh = nanoseconds_per_second;
   for (const auto& initial : plan_.initial) {
-    const Time newest = initial.head.in(arena_)->t;
-    if (newest == no_time || (initial.max_age > 0 && t - newest > initial.max_age)) return;
+    if (!(anew ? initial.is_of_restart : initial.is_of_start)) continue;
+    const Time newest = initial.head.in(arena_)->t, max_age = initial.max_age == 0 && anew ? fresh : initial.max_age;
+    if (newest == no_time || (max_age > 0 && t - newest > max_age)) return;
+    if (anew && newest <= time_.head().last_start) return;
   }
   guarded([&] { start(t); });
 }
 
 void Engine::start(Time t) {
   calls_.set_time(t);
-  estimator_.start();
+  const bool anew = has_started();
+  if (anew) {
+    time_.flush(Outcome::unsupported, "the filter started anew");
+    ledger_.forget_refusals();
+    estimator_.reset();
+  }
+  estimator_.start(anew);
   time_.start(t);
   estimator_.check_update(t);
   if (ledger_.observer()) ledger_.observer()->started(t, state(), covariance());
@@ -228,7 +243,8 @@ void Engine::correct(int measurement, Time t) {
 void Engine::open_covariance(int measurement, Time t, const unsigned char* marked) {
   keep_before(Wants::update_covariance);
   if (!estimator_.open(plan_.measurements[as_size(measurement)], marked)) return;
-  ledger_.count_recovery(measurement);
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain) time_.ask_restart(t + plan.recover_against);
   if (ledger_.observer())
     ledger_.observer()->inflated(inflation_record({measurement, t, nullptr, estimator_.opened(), {}, {}}));
 }
@@ -236,7 +252,7 @@ void Engine::open_covariance(int measurement, Time t, const unsigned char* marke
 void Engine::inflate(int measurement, Time t) {
   keep_before(Wants::update_covariance);
   estimator_.inflate(plan_.measurements[as_size(measurement)]);
-  ledger_.count_recovery(measurement);
+  ledger_.count_recovery(measurement, t);
   if (!ledger_.observer()) return;
   std::fill(variances_.begin(), variances_.end(), 0.0);
   for (const auto& inflation : plan_.measurements[as_size(measurement)].inflations)

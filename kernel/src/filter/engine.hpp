@@ -43,6 +43,7 @@ class Engine final : private TimeLine::Work {
 
   const TimeHead& status() const { return time_.head(); }
   bool started() const { return time_.is_started(); }
+  bool has_started() const { return time_.head().starts > 0; }
   bool broken() const { return ledger_.is_broken(); }
   const double* state() const { return estimator_.state(); }
   ConstMatrixView covariance() const { return estimator_.covariance(); }

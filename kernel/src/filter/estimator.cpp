@@ -109,17 +109,16 @@ void Estimator::reset() {
   }
 }
 
-void Estimator::start() {
-  for (const auto& block : plan_.blocks) start_value(block);
+void Estimator::start(bool anew) {
+  for (const auto& block : plan_.blocks) start_value(block, block.start(anew));
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
   const MatrixView P{initial_P_.data(), plan_.n, plan_.n, plan_.n};
-  for (const auto& block : plan_.blocks) start_covariance(block, P);
+  for (const auto& block : plan_.blocks) start_covariance(block, anew, P);
   P_->set(P);
 }
 
-void Estimator::start_value(const BlockPlan& block) {
+void Estimator::start_value(const BlockPlan& block, const InitialPlan& initial) {
   const VectorView value = block.in(x());
-  const auto& initial = block.initial;
   if (initial.channel < 0) {
     std::copy(initial.value.begin(), initial.value.end(), value.data());
     return;
@@ -132,27 +131,29 @@ void Estimator::start_value(const BlockPlan& block) {
 }
 
 /// A component's own sigma, or its row of the covariance of the sample that the block's value is from.
-void Estimator::start_covariance(const BlockPlan& block, MatrixView P) {
+void Estimator::start_covariance(const BlockPlan& block, bool anew, MatrixView P) {
+  const InitialPlan& initial = block.start(anew);
   for (std::size_t a = 0; a < block.active.size(); ++a) {
     const auto component = as_size(block.active[a]);
     const int row = block.first + static_cast<int>(a);
-    const double sigma = block.initial.sigma[component];
+    const double sigma = initial.sigma[component];
     if (std::isfinite(sigma)) {
       P(row, row) = sigma * sigma;
       continue;
     }
-    const LatestPlan& kept = plan_.initial[as_size(block.initial.channel)];
+    const LatestPlan& kept = plan_.initial[as_size(initial.channel)];
     const SampleView view = kept.in(arena_, channels_);
     const int dof = channels_[as_size(kept.channel)].covariance_dof;
     if (!view.covariance)
       throw Stop("block '" + block.name + "' takes its initial sigma from a sample without covariance");
     for (const auto& other : plan_.blocks) {
-      if (other.initial.channel != block.initial.channel || other.initial.covariance.empty()) continue;
+      const InitialPlan& its = other.start(anew);
+      if (its.channel != initial.channel || its.covariance.empty()) continue;
       for (std::size_t b = 0; b < other.active.size(); ++b) {
         const auto other_component = as_size(other.active[b]);
-        if (std::isfinite(other.initial.sigma[other_component])) continue;
+        if (std::isfinite(its.sigma[other_component])) continue;
         P(row, other.first + static_cast<int>(b)) =
-            view.covariance[block.initial.covariance[component] + other.initial.covariance[other_component] * dof];
+            view.covariance[initial.covariance[component] + its.covariance[other_component] * dof];
       }
     }
   }

@@ -119,8 +119,8 @@ class Estimator {
 
   /// Before the start: x and P zero, memories as their models begin with them.
   void reset();
-  /// x and P from the config or from the latest samples of the initial channels.
-  void start();
+  /// x and P from the config or from the latest samples of the initial channels; anew: of those that may give them again.
+  void start(bool anew);
 
   // ---- a step in three: what the models make of it; P; x. propagate.cpp
 
@@ -205,8 +205,8 @@ class Estimator {
   Result evaluate_derived(const std::vector<int>& values, const Driving& now);
   void chain(const DerivedPlan& derived);
 
-  void start_value(const BlockPlan& block);
-  void start_covariance(const BlockPlan& block, MatrixView P);
+  void start_value(const BlockPlan& block, const InitialPlan& initial);
+  void start_covariance(const BlockPlan& block, bool anew, MatrixView P);
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 

@@ -105,6 +105,24 @@ bool Ledger::is_inflation_due(int measurement) const {
   return plan.recover_after > 0 && !plan.inflations.empty() && tally(measurement).gated.count % plan.recover_after == 0;
 }
 
+int Ledger::count_recovery(int measurement, Time t) {
+  Tally& tally = tally_of(measurement);
+  ++tally.recoveries;
+  const bool is_soon = tally.last_recovery != no_time &&
+                       t - tally.last_recovery < plan_.measurements[as_size(measurement)].recover_against;
+  tally.recoveries_in_vain = is_soon ? tally.recoveries_in_vain + 1 : 1;
+  tally.last_recovery = t;
+  return tally.recoveries_in_vain;
+}
+
+void Ledger::forget_refusals() {
+  for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
+    tally_of(m).gated.end();
+    tally_of(m).recoveries_in_vain = 0;
+    for (RowMonitor& row : rows_of(m)) row.streak.end();
+  }
+}
+
 void Ledger::stop(const std::string& diagnosis) {
   Health& health = *plan_.health.in(arena_);
   if (health.is_broken) return;

@@ -47,7 +47,10 @@ class Ledger {
                      unsigned char* marked) const;
   /// The newest sample of a measurement was gated: whether the variances that its config names are due.
   bool is_inflation_due(int measurement) const;
-  void count_recovery(int measurement) { ++tally_of(measurement).recoveries; }
+  /// Returns how many there were in a row, each within `against` of the one before.
+  int count_recovery(int measurement, Time t);
+  /// The filter starts anew.
+  void forget_refusals();
 
   /// The filter stops.
   void stop(const std::string& diagnosis);

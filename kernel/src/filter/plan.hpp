@@ -126,6 +126,8 @@ struct BlockPlan : Planned {
   int process = -1;
   bool holds_frozen = false;
   InitialPlan initial;
+  std::optional<InitialPlan> again;  // where it starts anew from another place
+  const InitialPlan& start(bool anew) const { return anew && again ? *again : initial; }
 
   const StateBlockDeclaration& declaration() const { return block->declaration(); }
   int dof() const { return static_cast<int>(use.size()); }
@@ -254,6 +256,8 @@ struct Tally : SampleCounts {
   Streak gated;              // in a row
   double nis_sum = 0;
   Time last_accepted = no_time;
+  Time last_recovery = no_time;
+  int recoveries_in_vain = 0;  // in a row, each soon after the one before
   char last_reason[96] = {};
 };
 
@@ -304,6 +308,8 @@ struct TrustPlan {
 struct LatestPlan {
   int channel = 0;
   Time max_age = 0;    // initial values only; 0: any age
+  // Initial values only: whether the first start needs it, and whether a further one needs a new sample of it.
+  bool is_of_start = false, is_of_restart = false;
   Place<double> data;  // as ChannelPlan lays it out
   Place<SampleHead> head;
 
@@ -316,11 +322,14 @@ struct LatestPlan {
 /// When a filter is. Lies in the arena.
 struct TimeHead {
   Time t = no_time;  // the filter's time
-  Time start = no_time;
-  Time input_end = no_time;  // end of the newest input interval
+  Time start = no_time;      // the first
+  Time last_start = no_time;
+  Time restart_until = no_time;  // it starts anew if it can up to this time
+  Time input_end = no_time;      // end of the newest input interval
   std::int64_t steps = 0;
   std::int64_t gaps = 0;
-  std::int32_t started = 0;
+  std::int32_t starts = 0;
+  std::int32_t started = 0;  // and goes on
   std::int32_t pending = 0;  // input samples waiting
   std::int32_t queued = 0;
   std::int32_t driving_rates_known = 0;
@@ -365,6 +374,7 @@ struct FilterPlan : Planned {
   std::vector<LatestPlan> initial;  // channels that initial values come from
   std::vector<LatestPlan> auxiliary;
   TrustPlan trust;
+  Time longest_bridge = 0;  // over a hole; after a longer one the filter starts anew. 0: no limit
 
   int input_channel = -1;  // index in the composition's channels
   int input_fields = 0;

@@ -30,9 +30,12 @@ void TimeLine::reset() {
 }
 
 void TimeLine::start(Time t) {
-  head_.t = head_.start = head_.input_end = t;
+  if (head_.starts++ == 0) head_.start = t;
+  head_.t = head_.last_start = head_.input_end = t;
   head_.started = 1;
   head_.just_started = 1;
+  head_.restart_until = no_time;
+  head_.pending = head_.driving_rates_known = head_.bridged = 0;
 }
 
 bool TimeLine::is_complete(const SampleView& sample) const {
@@ -84,7 +87,7 @@ void TimeLine::input(const SampleView& sample) {
     // A whole sample missing: the rates are held over the hole, and it is counted.
     if (!has_interval || t0 - head_.input_end >= sample.t - t0) {
       if (!head_.just_started || t0 > head_.input_end) ++head_.gaps;
-      bridge(has_interval ? t0 : sample.t, sample);
+      if (!bridge(has_interval ? t0 : sample.t, sample)) return;
     }
     if (sample.t > head_.input_end) add_pending(head_.input_end, sample.t, head_.input_end, dt, sample.fields);
   }
@@ -93,14 +96,20 @@ void TimeLine::input(const SampleView& sample) {
   if (head_.pending >= plan_.samples_per_step) step_pending(head_.pending);
 }
 
-/// The bridge is no sample of the sensor: it is stepped alone, never in a group with its neighbours.
-void TimeLine::bridge(Time until, const SampleView& sample) {
+/// The bridge is no sample of the sensor: it is stepped alone, never in a group with its neighbours. False where the hole
+/// is too long: the filter stops at its begin.
+bool TimeLine::bridge(Time until, const SampleView& sample) {
   if (head_.pending > 0) step_pending(head_.pending);
   const bool rates_only = std::ranges::find(plan_.input_kinds, FieldKind::increment) == plan_.input_kinds.end();
   const double hole = seconds(until - head_.input_end);
   if (until - head_.input_end > head_.longest_hole) {
     head_.longest_hole = until - head_.input_end;
     head_.longest_hole_at = head_.input_end;
+  }
+  if (plan_.longest_bridge > 0 && until - head_.input_end > plan_.longest_bridge) {
+    head_.started = 0;
+    flush(Outcome::unsupported, "in a hole of the input that is too long to bridge");
+    return false;
   }
   if (!rates_only && !head_.driving_rates_known)
     throw Stop("the first input sample after the start has no interval, so its increments have no rate");
@@ -109,6 +118,7 @@ void TimeLine::bridge(Time until, const SampleView& sample) {
   add_pending(head_.input_end, until, head_.input_end, hole, rates_only ? sample.fields : sample_fields_.data(), true);
   drain_queue(until);
   if (head_.pending > 0) step_pending(head_.pending);
+  return true;
 }
 
 void TimeLine::add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges) {

@@ -43,7 +43,10 @@ class TimeLine {
   /// Mean rates of the last driving interval, in the input channel's order; null until it has ended.
   const double* driving_rates() const { return head_.driving_rates_known ? driving_rates_ : nullptr; }
 
-  /// The filter starts at t.
+  /// The filter starts anew at the next occasion up to this time.
+  void ask_restart(Time until) { head_.restart_until = until; }
+  bool is_restart_due(Time t) const { return head_.restart_until != no_time && t <= head_.restart_until; }
+  /// The filter starts at t, perhaps anew.
   void start(Time t);
   void input(const SampleView& sample);
   /// Of a filter that has started.
@@ -61,7 +64,7 @@ class TimeLine {
   double* queued_data(int slot) const { return queue_data_ + as_size(slot) * plan_.queue_doubles; }
   void watch_repeats(const SampleView& sample);
   bool is_complete(const SampleView& sample) const;
-  void bridge(Time until, const SampleView& sample);
+  bool bridge(Time until, const SampleView& sample);
   void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
   void enqueue(int measurement, const SampleView& sample);
   void drain_queue(Time until);

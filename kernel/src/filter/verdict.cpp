@@ -21,7 +21,15 @@ class Examination {
       : plan_(plan), trust_(plan.trust), head_(*plan.head.in(arena)), ledger_(ledger), see_(see) {}
 
   void run() {
-    if (head_.started == 0) return;
+    if (head_.starts == 0) return;
+    if (head_.started == 0)
+      see_({.doubt = Doubt::stopped,
+            .verdict = Verdict::lost,
+            .since = head_.longest_hole_at,
+            .figure = seconds(head_.longest_hole),
+            .limit = seconds(plan_.longest_bridge)});
+    if (head_.starts > 1)
+      see_({.doubt = Doubt::restarted, .since = head_.last_start, .figure = double(head_.starts - 1)});
     if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});
     score_limit_ = score_limit();
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)

@@ -43,6 +43,12 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
   if (reason.doubt == Doubt::unaided)
     return "no sample of any measurement of '" + filter.name +
            "' was used: channels, or their spans of time, are not " + "those of the driving input";
+  if (reason.doubt == Doubt::restarted)
+    return "'" + filter.name + "' started anew " + figure + " times, last at " + since(reason) +
+           ": what it estimated before did not hold";
+  if (reason.doubt == Doubt::stopped)
+    return "'" + filter.name + "' stopped at " + since(reason) + ": the input has a hole of " + figure +
+           " s (longest_bridge " + limit + " s), and initial values for a new start did not come";
   const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
   switch (reason.doubt) {
     case Doubt::locked_out:
@@ -67,14 +73,16 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::bridged:
     case Doubt::frozen:
-    case Doubt::unaided: break;
+    case Doubt::unaided:
+    case Doubt::restarted:
+    case Doubt::stopped: break;
   }
   return who;
 }
 
 const char* code_of(Doubt doubt) {
   constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105",
-                                   "B106", "B107", "B108", "B109", "B110"};
+                                   "B106", "B107", "B108", "B109", "B110", "B113", "B114"};
   return codes[static_cast<int>(doubt)];
 }
 

@@ -71,7 +71,8 @@ std::string reason_of_silence(Runtime& runtime, int channel) {
 std::set<int> channels_behind(const compose::CompositionPlan& plan, const filter::FilterPlan& filter) {
   std::set<int> all;
   if (filter.input_channel >= 0) all.insert(filter.input_channel);
-  for (const auto& initial : filter.initial) all.insert(initial.channel);
+  for (const auto& initial : filter.initial)
+    if (initial.is_of_start) all.insert(initial.channel);
   for (std::size_t size = 0; size != all.size();) {
     size = all.size();
     for (const auto& transform : plan.transforms)
@@ -86,6 +87,7 @@ std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) 
   std::string wanted, silent, reason, spans;
   Time first_end = std::numeric_limits<Time>::max(), last_begin = no_time;
   for (const auto& initial : filter.initial) {
+    if (!initial.is_of_start) continue;
     const std::string& name = runtime.plan().channels[as_size(initial.channel)].name;
     wanted += (wanted.empty() ? "" : ", ") + name;
     if (initial.head.in(runtime.arena())->t != no_time) continue;
@@ -114,7 +116,7 @@ void note_failures(Runtime& runtime, Diagnostics& failures) {
     if (engine.broken()) {
       failures.error("B080", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' broke: " + engine.ledger().diagnosis());
-    } else if (!engine.started()) {
+    } else if (!engine.has_started()) {
       failures.error("B081", plan.document.key_origin(filter.pointer), filter.pointer,
                      "filter '" + filter.name + "' never started: " + why_not_started(runtime, filter));
     }

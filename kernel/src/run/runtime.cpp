@@ -147,7 +147,7 @@ void Runtime::feed_filter(Engine& engine, Time t) {
     is_touched = true;
   }
   each(plan.measurements, [&](int i, const SampleView& sample) { engine.push_measurement(i, sample); });
-  if (is_touched && !engine.started()) engine.try_start(t);
+  if (is_touched) engine.try_start(t);
 }
 
 void Runtime::run_filter(int index, Time t) {

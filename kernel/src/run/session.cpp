@@ -168,7 +168,7 @@ void Session::take(ChannelId channel, const SampleView& sample) {
   runtime_->deliver(channel.index, sample);
 }
 
-bool Session::started(FilterId filter) const { return engine(filter).started(); }
+bool Session::started(FilterId filter) const { return engine(filter).has_started(); }
 bool Session::healthy(FilterId filter) const { return !engine(filter).broken(); }
 std::string Session::diagnosis(FilterId filter) const { return engine(filter).ledger().diagnosis(); }
 Time Session::start_time(FilterId filter) const { return engine(filter).status().start; }

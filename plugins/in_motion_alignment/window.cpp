@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include "strapdown/rotation.hpp"
+
+namespace binnacle::in_motion_alignment {
+
+namespace sd = strapdown;
+using Eigen::Map;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+namespace {
+
+constexpr double gravity = 9.80665;
+
+using Unknowns = Eigen::Matrix<double, 9, 1>;  // φ, accelerometer bias, gyro bias
+using Jacobian = Eigen::Matrix<double, 3, 9>;
+using Normal = Eigen::Matrix<double, 9, 9>;
+
+Vector3d vector(const double* values) { return Map<const Vector3d>(values); }
+Matrix3d matrix(const double* values) { return Map<const Matrix3d>(values); }
+
+struct Biases {
+  Vector3d accelerometer = Vector3d::Zero(), gyro = Vector3d::Zero();
+};
+
+}  // namespace
+
+/// The integrals from the first epoch on, less biases, and what small further biases change of them.
+class Chain {
+ public:
+  explicit Chain(const Biases& biases) : biases_(biases) {}
+  void add(const Integrals& next) {
+    const Matrix3d M = matrix(next.axes), N = matrix(next.turned);
+    const Vector3d a = R_ * (vector(next.force) - M * biases_.accelerometer + N * biases_.gyro);
+    turned_ += R_ * N + sd::skew(a) * axes_;
+    axes_ += R_ * M;
+    force_ += a;
+    const Matrix3d turn = sd::dcm_from_quaternion(sd::quaternion_exp(-M * biases_.gyro));
+    R_ = R_ * turn * sd::dcm_from_quaternion(Map<const Vector4d>(next.q));
+  }
+  const Matrix3d& rotation() const { return R_; }  // C_b0b
+  const Vector3d& force() const { return force_; }
+  const Matrix3d& axes() const { return axes_; }
+  const Matrix3d& turned() const { return turned_; }
+
+ private:
+  const Biases& biases_;
+  Matrix3d R_ = Matrix3d::Identity();
+  Vector3d force_ = Vector3d::Zero();
+  Matrix3d axes_ = Matrix3d::Zero(), turned_ = Matrix3d::Zero();
+};
+
+namespace {
+
+/// v − g t from the first epoch on.
+Vector3d felt(const Epoch& first, const Epoch& epoch) {
+  return vector(epoch.velocity) - vector(first.velocity) - Vector3d(0, 0, gravity * seconds(epoch.t - first.t));
+}
+
+}  // namespace
+
+void Integrals::add(double dt, const Vector3d& rate, const Vector3d& specific_force) {
+  Map<Vector4d> quaternion(q);
+  const Matrix3d C = sd::dcm_from_quaternion(sd::quaternion_product(quaternion, sd::quaternion_exp(0.5 * dt * rate)));
+  const Vector3d f = C * specific_force;
+  Map<Matrix3d> M(axes), N(turned);
+  N += dt * sd::skew(f) * (M + 0.5 * dt * C);
+  M += dt * C;
+  Map<Vector3d>(force) += dt * f;
+  quaternion = sd::quaternion_normalised(sd::quaternion_product(quaternion, sd::quaternion_exp(dt * rate)));
+}
+
+void Window::add(const Epoch& epoch, Time length) {
+  if (count_ == capacity) {
+    ++first_;
+    --count_;
+  }
+  epochs_[(first_ + count_++) % capacity] = epoch;
+  while (count_ > 1 && epoch.t - at(0).t > length) {
+    ++first_;
+    --count_;
+  }
+}
+
+template <class Use>
+void Window::for_each(Chain& chain, Use&& use) const {
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (k > 0) chain.add(at(k).since_last);
+    use(at(k), felt(at(0), at(k)));
+  }
+}
+
+/// C_nb0 by the singular values of Σ (v − g t) aᵀ, both less their means, so that the first velocity is one of many
+/// (Markley, Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, 2014, 5.2).
+Matrix3d Window::rotation() const {
+  Matrix3d B = Matrix3d::Zero();
+  Vector3d sum_felt = Vector3d::Zero(), sum_force = Vector3d::Zero();
+  const Biases none;
+  Chain chain(none);
+  for_each(chain, [&](const Epoch&, const Vector3d& y) {
+    B += y * chain.force().transpose();
+    sum_felt += y;
+    sum_force += chain.force();
+  });
+  B -= sum_felt * sum_force.transpose() / static_cast<double>(count_);
+  const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+// With C_true = (I + [φ]×) C, f_true = f − b_a, ω_true = ω − b_g, T = ∫ C_b0b dt and G = ∫ [C_b0b f]× T dt,
+//     v − g t − C a = c − [C a]× φ − C T b_a + C G b_g ,
+// where c goes with the means. At the last epoch φ is less by C T b_g.
+Fit Window::fit(const Priors& priors) const {
+  Fit fit;
+  constexpr std::size_t least = 8;
+  if (count_ < least) return fit;
+  Matrix3d C = rotation();
+  Biases biases;
+  Unknowns prior_weights = Unknowns::Zero();
+  prior_weights.segment<3>(3).setConstant(1 / (priors.accelerometer_bias * priors.accelerometer_bias));
+  prior_weights.tail<3>().setConstant(1 / (priors.gyro_bias * priors.gyro_bias));
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    Normal normal = Normal::Zero();
+    Unknowns right = Unknowns::Zero();
+    Jacobian sum_H = Jacobian::Zero();
+    Vector3d sum_r = Vector3d::Zero();
+    double weights = 0, squares = 0;
+    Chain chain(biases);
+    for_each(chain, [&](const Epoch& epoch, const Vector3d& y) {
+      const double weight = 1 / epoch.variance;
+      const Vector3d force = C * chain.force(), r = y - force;
+      Jacobian H;
+      H << -sd::skew(force), -C * chain.axes(), C * chain.turned();
+      normal += weight * H.transpose() * H;
+      right += weight * H.transpose() * r;
+      squares += weight * r.squaredNorm();
+      sum_H += weight * H;
+      sum_r += weight * r;
+      weights += weight;
+    });
+    Unknowns found;
+    found << Vector3d::Zero(), biases.accelerometer, biases.gyro;
+    normal -= sum_H.transpose() * sum_H / weights;
+    normal.diagonal() += prior_weights;
+    right -= sum_H.transpose() * sum_r / weights + prior_weights.cwiseProduct(found);
+    squares += prior_weights.dot(found.cwiseAbs2()) - sum_r.squaredNorm() / weights;
+    const Eigen::LLT<Normal> factor(normal);
+    if (factor.info() != Eigen::Success) return fit;
+    const Unknowns step = factor.solve(right);
+    const Normal P = factor.solve(Normal::Identity());
+    C = sd::dcm_from_quaternion(sd::quaternion_exp(step.head<3>())) * C;
+    biases.accelerometer += step.segment<3>(3);
+    biases.gyro += step.tail<3>();
+
+    // Residuals and priors: 3 n + 6 numbers, less c and the unknowns.
+    const double freedom = 3.0 * static_cast<double>(count_) - 6.0;
+    fit.misfit = std::sqrt(std::max(0.0, squares - right.dot(step)) / freedom);
+    const double excess = std::max(1.0, fit.misfit * fit.misfit);  // what the model leaves out
+    Jacobian now;                                                  // φ at the last epoch, and what it is made of
+    now << Matrix3d::Identity(), Matrix3d::Zero(), -C * chain.axes();
+    fit.P = excess * now * P * now.transpose();
+    fit.q_nb = sd::quaternion_from_dcm(C * chain.rotation());
+    fit.P_gyro_bias = excess * P.bottomRightCorner<3, 3>();
+  }
+  fit.gyro_bias = biases.gyro;
+  fit.is_found = true;
+  return fit;
+}
+
+}  // namespace binnacle::in_motion_alignment
