@@ -182,6 +182,12 @@ constexpr CodeEntry entries[] = {
      "Look at the sensor and its logger: one that hangs gives its last sample again and again."},
     {"B110", "unaided", "The filter has measurements, and no sample of any of them was used.",
      "Look at the outcomes in the summary, and at the spans of time of the channels."},
+    {"B113", "started anew",
+     "Recovery was in vain several times in a row, or a hole was too long to bridge: the filter started anew.",
+     "Look at what led to it: the reasons before it, the time that the message names."},
+    {"B114", "stopped",
+     "The driving input had a hole longer than `longest_bridge`, and no initial values came after it.",
+     "Look for lost data; give the blocks an `\"again\"` from a channel that comes in motion too."},
 };
 
 }  // namespace

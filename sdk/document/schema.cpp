@@ -291,13 +291,21 @@ void add_value_definitions(Json& definitions) {
   definitions["channel"] = text_schema("name of a channel");
   definitions["time"] = {{"type", {"number", "string"}}, {"description", "\"228 s\", \"start+60 s\" or seconds"}};
   definitions["window"] = {{"type", "array"}, {"items", ref("time")}, {"minItems", 2}, {"maxItems", 2}};
+  Json again = closed_object({{"channel", name},
+                              {"fields", named(name)},
+                              {"max_age", quantity},
+                              {"covariance", {{"anyOf", {name, list_of(name)}}}}},
+                             {"channel"});
   definitions["init"] = {
       {"description", "initial value: by output, as a list, one for all, or from a channel"},
       {"anyOf",
        {closed_object({{"channel", name},
                        {"fields", named(name)},
                        {"max_age", quantity},
-                       {"covariance", {{"anyOf", {name, list_of(name)}}}}},
+                       {"covariance", {{"anyOf", {name, list_of(name)}}}},
+                       {"again",
+                        {{"description", "start anew from a new sample of this channel (true) or of another one"},
+                         {"anyOf", {{{"type", "boolean"}}, again}}}}},
                       {"channel"}),
         {{"type", "object"}, {"not", {{"required", {"channel"}}}}, {"additionalProperties", quantity}},
         list_of(quantity),
@@ -391,6 +399,7 @@ void add_filter_definitions(Json& definitions) {
        {"process", described("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
+       {"longest_bridge", quantity},
        {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
                                     "filter; scored and recorded",
                                     named(or_patch(closed_object({{"measurement", described("whose samples", name)},
