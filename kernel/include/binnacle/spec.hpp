@@ -204,8 +204,8 @@ struct ChannelPort {
   std::string name;
   std::vector<FieldSpec> fields;
   bool is_optional = false;
-  bool is_whole = false;
   std::string text = {};
+  bool is_whole = false;
 
   ChannelPort&& optional() && { return with(*this, is_optional, true); }
   /// Of transforms and sinks: any channel, all of its fields in its own order and kinds; Binding::channel() gives its
