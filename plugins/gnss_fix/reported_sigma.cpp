@@ -8,14 +8,17 @@
 namespace binnacle::gnss_fix {
 
 std::vector<ParameterSpec> ReportedSigma::parameters(const std::string& unit) {
+  const double most = unit == "m" ? 1e3 : 1e2;
   return {
       parameter::vector("sigma", unit, 3)
           .above(0)
+          .plausible(1e-4, most)
           .about("standard deviation north, east, down of axes for which the channel reports none; then required"),
       parameter::number("scale", "1").defaults("1").above(0).about("factor on the reported standard deviations"),
       parameter::vector("floor", unit, 3)
           .defaults("0")
           .at_least(0)
+          .plausible(1e-4, most)
           .about("north, east, down; reported standard deviations, scaled, are not believed below it"),
   };
 }

@@ -238,6 +238,7 @@ struct Options {
 
 int explain(const Options& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
+  print_diagnostics(composition->warnings());
   const Json explained = document::explain(*composition);
   if (options.json)
     print_json(explained);

@@ -182,6 +182,8 @@ constexpr CodeEntry entries[] = {
      "Look at the sensor and its logger: one that hangs gives its last sample again and again."},
     {"B110", "unaided", "The filter has measurements, and no sample of any of them was used.",
      "Look at the outcomes in the summary, and at the spans of time of the channels."},
+    {"B111", "implausible number", "The number is decades away from what such a sensor or vehicle has.",
+     "Write the unit that is meant: \"0.3 deg/sqrt(h)\"; a number without unit is SI."},
 };
 
 }  // namespace
