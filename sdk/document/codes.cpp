@@ -184,6 +184,10 @@ constexpr CodeEntry entries[] = {
      "Look at the outcomes in the summary, and at the spans of time of the channels."},
     {"B111", "implausible number", "The number is decades away from what such a sensor or vehicle has.",
      "Write the unit that is meant: \"0.3 deg/sqrt(h)\"; a number without unit is SI."},
+    {"B112", "no aiding of position", "A block of lengths integrates one of velocities, and no measurement sees it.",
+     "Add a measurement of the position. Dead reckoning is legal: then its error grows with time or distance."},
+    {"B113", "gate without recovery", "A measurement has a gate and `\"recover\": false`.",
+     "Delete `recover`, unless refusals are expected, as of a zero-velocity update whose gate tests the detector."},
 };
 
 }  // namespace
