@@ -188,6 +188,12 @@ constexpr CodeEntry entries[] = {
      "Add a measurement of the position. Dead reckoning is legal: then its error grows with time or distance."},
     {"B113", "gate without recovery", "A measurement has a gate and `\"recover\": false`.",
      "Delete `recover`, unless refusals are expected, as of a zero-velocity update whose gate tests the detector."},
+    {"B114", "no time in common",
+     "The samples of a measurement or reference, none of which was used, have no time in common with the filter's "
+     "driving "
+     "input. Known in a run only: `check` reads no rows.",
+     "Compare the spans in the message: `offset` and `unit` of a source's `time`; GPS time is ahead of UTC by the leap "
+     "seconds."},
 };
 
 }  // namespace

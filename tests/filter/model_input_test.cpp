@@ -194,3 +194,34 @@ TEST_CASE("notes are warnings of a run") {
   const std::string text = "propagate at 7 s notes: bridges a hole";
   CHECK(lines(result.warnings).front().find(text) != std::string::npos);
 }
+
+TEST_CASE("a measurement that has no time in common with the driving input is a warning with both spans") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("spans." + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  std::ofstream(folder / "speed.csv") << "t,v\n1,1\n2,1\n3,1\n";
+  const auto warned = [&](const std::string& rows) {
+    std::ofstream(folder / "z.csv") << "t,z\n" << rows;
+    const auto csv = [&](const std::string& name) {
+      return R"({"type": "csv", "path": ")" + (folder / name).string() + R"(", "time": {"column": "t", "unit": "s"}, )";
+    };
+    const auto composition =
+        filter_tests::composition_of(R"({"binnacle": 1,
+      "sources": {"speed": )" + csv("speed.csv") +
+                                     R"("interval": "1 s", "columns": {"v": {"unit": "m/s", "kind": "rate"}}},
+                  "z": )" + csv("z.csv") +
+                                     R"("columns": {"z0": {"column": "z", "unit": "m"}}}},
+      "filters": {"f": {
+        "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+        "process": {"go": {"type": "carried", "input": "speed", "blocks": {"x": "x"}}},
+        "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})");
+    return lines(run(composition).warnings);
+  };
+  CHECK(warned("2,1\n3,1\n").empty());
+  const std::vector<std::string> apart{
+      "B114 /filters/f/measurements/see channel 'z' has no time in common with the input: speed from 1 s to 3 s, z "
+      "from "
+      "18 s to 19 s; is the offset or the unit of a time missing?"};
+  CHECK(warned("18,1\n19,1\n") == apart);
+  fs::remove_all(folder);
+}

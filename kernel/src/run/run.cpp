@@ -106,6 +106,35 @@ std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) 
          apart;
 }
 
+/// Measurements that gave nothing and what sections subscribe to, where its samples have no time in common with the
+/// driving input.
+void note_spans_apart(const Runtime& runtime, Diagnostics& warnings) {
+  const auto& plan = runtime.plan();
+  const auto are_apart = [&](int input, int channel) {
+    if (input < 0) return false;
+    const auto &a = runtime.span(input), &b = runtime.span(channel);
+    return a.from != no_time && b.from != no_time && (a.to < b.from || b.to < a.from);
+  };
+  const auto warn = [&](const std::string& pointer, int input, int channel) {
+    warnings.warning("B114", plan.document.key_origin(pointer), pointer,
+                     "channel '" + plan.channels[as_size(channel)].name +
+                         "' has no time in common with the input: " + span_text(runtime, input) + ", " +
+                         span_text(runtime, channel) + "; is the offset or the unit of a time missing?");
+  };
+  for (int f = 0; f < base::count_of(plan.filters); ++f)
+    for (int m = 0; m < base::count_of(plan.filters[as_size(f)].measurements); ++m) {
+      const auto& filter = plan.filters[as_size(f)];
+      const auto& measurement = filter.measurements[as_size(m)];
+      const auto& outcomes = runtime.engine(f).ledger().tally(m).by_outcome;
+      const auto used = outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::withheld)];
+      if (used == 0 && are_apart(filter.input_channel, measurement.channel))
+        warn(measurement.pointer, filter.input_channel, measurement.channel);
+    }
+  for (const auto& [channel, pointer] : plan.subscriptions)
+    if (std::ranges::all_of(plan.filters, [&](const auto& filter) { return are_apart(filter.input_channel, channel); }))
+      warn(pointer, plan.filters.front().input_channel, channel);
+}
+
 void note_failures(Runtime& runtime, Diagnostics& failures) {
   const auto& plan = runtime.plan();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
@@ -157,6 +186,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });
 
   for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
+  note_spans_apart(runtime, result.warnings);
   note_failures(runtime, result.failures);
   return result;
 }
