@@ -127,8 +127,9 @@ constexpr CodeEntry entries[] = {
      "The bytes are no snapshot, or one of another composition, plugin or version.",
      "Restore it with the config, plugins and program it was taken with."},
     {"B083", "a model's note",
-     "A model met something in the run that people should know. Equal notes of one component are one warning, with the "
-     "time of the first and their number.",
+     "A model met something in the run that people should know, or a sample that is invalid. Equal notes of one "
+     "component "
+     "are one warning, at once, and at the end with the time of the first and their number.",
      "Read the message; the plugin's README says more."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
      "Use one of the names that the message lists; a cell without a variant is \"\"."},

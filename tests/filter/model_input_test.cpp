@@ -186,8 +186,21 @@ TEST_CASE("notes are warnings of a run") {
                               R"(", "time": {"column": "t", "unit": "s"}, "interval": "1 s",
         "columns": {"v": {"unit": "m/s", "kind": "rate"}}},
       "z": {"type": "pushed", "fields": {"z": {"unit": "m"}}})";
-  const RunResult result = run(carried("", sources));
+  /// When each note comes: at 8 s the hole before it is bridged, and a last sample follows.
+  class Listed : public RunObserver {
+   public:
+    void noted(const Diagnostic& note) override { notes.emplace_back(instants, note.message); }
+    void after_instant() override { ++instants; }
+    int instants = 0;
+    std::vector<std::pair<int, std::string>> notes;
+  } listed;
+  RunOptions options;
+  options.observer = &listed;
+  const RunResult result = run(carried("", sources), options);
   fs::remove_all(folder);
+  REQUIRE(listed.notes.size() == 1);
+  CHECK(listed.notes.front().first < 5);
+  CHECK(listed.notes.front().second.find("bridges a hole") != std::string::npos);
   REQUIRE(result.failures.empty());
   REQUIRE(lines(result.warnings).size() == 1);
   CHECK(result.warnings.items().front().origin.line > 0);

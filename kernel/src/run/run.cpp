@@ -151,9 +151,14 @@ void note_failures(Runtime& runtime, Diagnostics& failures) {
 }
 
 /// From the first instant to the end of the sources.
-void run_sources(Runtime& runtime, RunObserver& observer) {
+void run_sources(Session& session, RunObserver& observer) {
+  Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
+  std::vector<std::size_t> noted(runtime.plan().filters.size());
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
+    for (int f = 0; f < base::count_of(noted); ++f)
+      while (noted[as_size(f)] < runtime.engine(f).calls().note_book.notes().size())
+        observer.noted(session.notes({f}).items()[noted[as_size(f)]++]);
     observer.after_instant();
     if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
   }
@@ -180,7 +185,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
-  run_sources(runtime, observer);
+  run_sources(session, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });
