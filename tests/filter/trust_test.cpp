@@ -241,6 +241,16 @@ TEST_CASE("without recovery the filter stays locked out, and is lost") {
   CHECK(session.verdict(FilterId{0}) != Verdict::ok);
 }
 
+TEST_CASE("samples that are withheld are no part of those of which most come late") {
+  Session session(composition_of(line("", R"(, "withhold": {"every": 2})")));
+  for (int i = 0; i < 100; ++i) push(session, "z", 0.5 * i, {1.0});
+  for (int i = 0; i < 60; ++i) push(session, "z", 0.5 * i + 0.25, {1.0});
+  const auto counts = session.counts(MeasurementId{{0}, 0});
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 60);
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::withheld)] == 50);
+  CHECK(has_code(session, "B102"));
+}
+
 TEST_CASE("the limits can be changed and turned off") {
   const auto spoil = [](double, double z, Truth& truth) { return z + 1.0 * truth.normal(); };
   const auto with = [&](const std::string& trust) {

@@ -66,8 +66,9 @@ struct RunOptions {
 };
 
 struct RunResult {
-  /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
-  ///   "steps", "filter_s", "verdict" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
+  /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "unscored", "notes", "measurements",
+  ///   "start_s", "end_s", "steps", "filter_s", "verdict" } }, "metrics", "windows", "warnings", "wall_s" }; figures
+  ///   carry their unit.
   nlohmann::ordered_json summary;
   std::vector<MetricValue> metrics;  // those of RunOptions, in their order
   Diagnostics warnings;              // gaps and repairs in the data
