@@ -47,6 +47,7 @@ ComponentSpec AttitudeOnly::spec() {
   spec.source = "paper 002";
   spec.parameters = {parameter::vector("gyro_noise", "rad/s/sqrt(Hz)", 3)
                          .at_least(0)
+                         .plausible(1e-9, 1e-2)
                          .defaults("0")
                          .about("angle random walk per body axis, root of the power spectral density"),
                      attitude::choice_parameter()};

@@ -12,6 +12,7 @@ namespace binnacle::frames {
 inline ParameterSpec lever_arm_parameter() {
   return parameter::vector("lever_arm", "m", 3)
       .formerly("arm")
+      .plausible(0, 100)
       .about("from the IMU to the point: forward, right, down in body axes");
 }
 

@@ -12,6 +12,9 @@ namespace binnacle::gnss_fix {
 namespace {
 
 constexpr const char* sigma_prefix = "position_sd";
+constexpr std::array<const char*, 3> sigma_flaws = {"position_sd_n is 0, negative or not finite",
+                                                    "position_sd_e is 0, negative or not finite",
+                                                    "position_sd_d is 0, negative or not finite"};
 
 }  // namespace
 
@@ -32,7 +35,9 @@ ComponentSpec PositionFix::spec() {
 }
 
 PositionFix::PositionFix(const Binding& binding)
-    : position_(binding.port("position")), z_(binding.fields("lat", "lon", "height")), sigma_(binding, sigma_prefix) {
+    : position_(binding.port("position")),
+      z_(binding.fields("lat", "lon", "height")),
+      sigma_(binding, sigma_prefix, sigma_flaws) {
   declaration_.rows(3).reads(position_).group(rows::of("position", position_));
 }
 

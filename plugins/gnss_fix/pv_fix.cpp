@@ -92,7 +92,8 @@ Result PvFix::linearize(const MeasurementInput& in, MeasurementOutput& out) cons
     for (int i = 0; i < 6; ++i)
       sigma(i, j) = in.sample.covariance[components_[static_cast<std::size_t>(i)] +
                                          components_[static_cast<std::size_t>(j)] * covariance_size_];
-  if (!(sigma.diagonal().minCoeff() > 0)) return Result::invalid("a variance is not positive");
+  if (!sigma.allFinite() || !(sigma.diagonal().array() > 0).all())
+    return Result::invalid("a variance of its covariance is 0, negative or not finite");
   auto R = out.R.as<6, 6>();
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i)

@@ -8,14 +8,17 @@
 namespace binnacle::gnss_fix {
 
 std::vector<ParameterSpec> ReportedSigma::parameters(const std::string& unit) {
+  const double most = unit == "m" ? 1e3 : 1e2;
   return {
       parameter::vector("sigma", unit, 3)
           .above(0)
+          .plausible(1e-4, most)
           .about("standard deviation north, east, down of axes for which the channel reports none; then required"),
       parameter::number("scale", "1").defaults("1").above(0).about("factor on the reported standard deviations"),
       parameter::vector("floor", unit, 3)
           .defaults("0")
           .at_least(0)
+          .plausible(1e-4, most)
           .about("north, east, down; reported standard deviations, scaled, are not believed below it"),
   };
 }
@@ -27,7 +30,7 @@ std::vector<FieldSpec> ReportedSigma::fields(const std::string& prefix, const st
   return {of_axis("_n", "north"), of_axis("_e", "east"), of_axis("_d", "down")};
 }
 
-ReportedSigma::ReportedSigma(const Binding& binding, const std::string& prefix)
+ReportedSigma::ReportedSigma(const Binding& binding, const std::string& prefix, const std::array<const char*, 3>& flaws)
     : scale_(binding.parameters().number("scale")) {
   const Parameters& parameters = binding.parameters();
   const auto floor = parameters.vector("floor");
@@ -36,7 +39,8 @@ ReportedSigma::ReportedSigma(const Binding& binding, const std::string& prefix)
     const bool is_reported = reported[axis].is_bound();
     if (!is_reported && !parameters.has("sigma"))
       throw ComponentError("the channel reports no standard deviation for every axis: give 'sigma'", "/sigma");
-    axes_.push_back({reported[axis], is_reported ? 0.0 : parameters.vector("sigma")[axis], floor[axis]});
+    axes_.push_back({reported[axis], is_reported ? 0.0 : parameters.vector("sigma")[axis], floor[axis],
+                     flaws[static_cast<std::size_t>(axis)]});
   }
 }
 
@@ -46,8 +50,7 @@ Result ReportedSigma::write_variances(const SampleView& sample, const MatrixView
     double sigma = axis.sigma;
     if (axis.reported.is_bound()) {
       const double reported = sample[axis.reported];
-      if (!std::isfinite(reported)) return Result::invalid("a reported standard deviation is not finite");
-      if (reported <= 0.0) return Result::invalid("a reported standard deviation is not positive");
+      if (!(std::isfinite(reported) && reported > 0.0)) return Result::invalid(axis.flaw);
       sigma = std::max(scale_ * reported, axis.floor);
     }
     R(i, i) = sigma * sigma;

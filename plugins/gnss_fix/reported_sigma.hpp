@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ class ReportedSigma {
   /// The optional fields PREFIX_n, PREFIX_e, PREFIX_d.
   static std::vector<FieldSpec> fields(const std::string& prefix, const std::string& unit);
 
-  ReportedSigma(const Binding& binding, const std::string& prefix);
+  /// `flaws`: why a sample is invalid whose deviation of that axis is none.
+  ReportedSigma(const Binding& binding, const std::string& prefix, const std::array<const char*, 3>& flaws);
 
   /// Writes R's diagonal; `invalid` if the receiver reports what is no standard deviation.
   Result write_variances(const SampleView& sample, const MatrixView& R) const;
@@ -32,6 +34,7 @@ class ReportedSigma {
     Field reported;
     double sigma;  // used when the channel reports none
     double floor;
+    const char* flaw;
   };
   std::vector<Axis> axes_;
   double scale_;

@@ -7,6 +7,9 @@ namespace binnacle::gnss_fix {
 namespace {
 
 constexpr const char* sigma_prefix = "velocity_sd";
+constexpr std::array<const char*, 3> sigma_flaws = {"velocity_sd_n is 0, negative or not finite",
+                                                    "velocity_sd_e is 0, negative or not finite",
+                                                    "velocity_sd_d is 0, negative or not finite"};
 
 }  // namespace
 
@@ -27,7 +30,9 @@ ComponentSpec VelocityFix::spec() {
 }
 
 VelocityFix::VelocityFix(const Binding& binding)
-    : velocity_(binding.port("velocity")), z_(binding.fields("vn", "ve", "vd")), sigma_(binding, sigma_prefix) {
+    : velocity_(binding.port("velocity")),
+      z_(binding.fields("vn", "ve", "vd")),
+      sigma_(binding, sigma_prefix, sigma_flaws) {
   declaration_.rows(3).reads(velocity_).group(rows::of("velocity", velocity_));
 }
 

@@ -11,10 +11,12 @@ ComponentSpec ClockProcess::spec() {
   spec.source = "paper 003, equation (4); Brown and Hwang, Introduction to Random Signals, 3rd ed., section 11.2";
   spec.parameters = {parameter::number("S_f", "m^2/s")
                          .at_least(0)
+                         .plausible(1e-10, 1e4)
                          .required()
                          .about("density of the white noise of frequency, times c^2"),
                      parameter::number("S_g", "m^2/s^3")
                          .at_least(0)
+                         .plausible(1e-16, 1e4)
                          .required()
                          .about("density of the random walk of frequency, times c^2")};
   spec.ports = {advances("clock", "receiver_clock").about("bias and drift")};

@@ -22,11 +22,13 @@ ComponentSpec Nhc::spec() {
   spec.parameters = {
       parameter::vector("sigma", "m/s", 2)
           .above(0)
+          .plausible(1e-4, 10)
           .required()
           .about("standard deviation of the true velocity to the right (y) and down (z)"),
       parameter::choice("axes", {"yz", "y", "z"}).defaults("\"yz\"").about("which of the two are constrained"),
       parameter::number("angle", "rad")
           .at_least(0)
+          .plausible(0, 0.5)
           .defaults("0")
           .about("deviation of the direction of travel from x; adds (angle * speed)^2 to both variances"),
       parameter::number("slip", "rad*s^2/m")

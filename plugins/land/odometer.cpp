@@ -13,15 +13,16 @@ ComponentSpec Odometer::spec() {
   spec.source =
       "paper 001, equation (6), first row; scale factor: Groves, Principles of GNSS, Inertial, and Multisensor "
       "Integrated Navigation Systems, 2nd ed., section 16.2.3";
-  spec.parameters = {parameter::number("sigma", "m/s").above(0).required().about("standard deviation of a sample"),
-                     parameter::number("relative", "1")
-                         .at_least(0)
-                         .defaults("0")
-                         .about("adds (relative * speed)^2 to the variance: slip of the wheel"),
-                     parameter::number("min_speed", "m/s")
-                         .at_least(0)
-                         .defaults("0")
-                         .about("a sample of less is unsupported: many sensors report nothing of creeping")};
+  spec.parameters = {
+      parameter::number("sigma", "m/s").above(0).plausible(1e-4, 10).required().about("standard deviation of a sample"),
+      parameter::number("relative", "1")
+          .at_least(0)
+          .defaults("0")
+          .about("adds (relative * speed)^2 to the variance: slip of the wheel"),
+      parameter::number("min_speed", "m/s")
+          .at_least(0)
+          .defaults("0")
+          .about("a sample of less is unsupported: many sensors report nothing of creeping")};
   spec.ports = VehicleVelocity::ports();
   spec.ports.push_back(reads("scale", "vector:1:1")
                            .optional()

@@ -26,6 +26,7 @@ ComponentSpec ZeroRate::spec() {
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 15.3.2";
   spec.parameters = {parameter::vector("sigma", "rad/s", 3)
                          .above(0)
+                         .plausible(1e-8, 0.5)
                          .required()
                          .about("standard deviation of a sample's mean rate, body axes: noise and shaking"),
                      Spacing::parameter()};

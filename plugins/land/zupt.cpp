@@ -11,6 +11,7 @@ ComponentSpec Zupt::spec() {
   spec.source = "paper 001, equation (10)";
   spec.parameters = {parameter::vector("sigma", "m/s", 3)
                          .above(0)
+                         .plausible(1e-4, 10)
                          .required()
                          .about("standard deviation of the velocity of standing, north, east, down"),
                      Spacing::parameter()};

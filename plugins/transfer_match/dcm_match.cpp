@@ -25,6 +25,7 @@ ComponentSpec DcmMatch::spec() {
   spec.parameters = {
       parameter::vector("sigma", "rad", 3)
           .above(0)
+          .plausible(1e-7, 0.5)
           .required()
           .about("standard deviation of the master's attitude, about north, east, down, at each sample"),
       parameter::choice("jacobian", {"tangent", "chord"})

@@ -41,6 +41,7 @@ ComponentSpec VelocityMatch::spec() {
   spec.parameters = {
       parameter::vector("sigma", "m/s", 3)
           .above(0)
+          .plausible(1e-4, 100)
           .required()
           .about("standard deviation of the master's velocity, north, east, down, at each sample"),
       parameter::choice("axes", {"horizontal", "all"}).defaults("\"horizontal\"").about("north and east, or down too")};

@@ -154,9 +154,10 @@ std::string gate_text(const Json& measurement) {
   if (!measurement.contains("gate")) return "no gate";
   const auto& gate = measurement.at("gate");
   const auto by = gate.at("by").get<std::string>();
-  if (by == "key") return fmt::format("gate {} by key", gate.at("probability").dump());
-  return fmt::format("gate {}{} (NIS <= {})", gate.at("probability").dump(), by == "row" ? " by row" : "",
-                     figure(gate.at("nis_limit").get<double>()));
+  const char* const recovery = gate.at("recovers").get<bool>() ? "" : ", no recovery";
+  if (by == "key") return fmt::format("gate {} by key{}", gate.at("probability").dump(), recovery);
+  return fmt::format("gate {}{} (NIS <= {}){}", gate.at("probability").dump(), by == "row" ? " by row" : "",
+                     figure(gate.at("nis_limit").get<double>()), recovery);
 }
 
 std::string measurements_text(const Json& filter) {
@@ -238,6 +239,7 @@ struct Options {
 
 int explain(const Options& options) {
   const auto composition = score::load(options.config_path, options.config.load_options(options.config_path));
+  print_diagnostics(composition->warnings());
   const Json explained = document::explain(*composition);
   if (options.json)
     print_json(explained);

@@ -65,6 +65,8 @@ void print_diagnostics(const Diagnostics& diagnostics) {
   to_stderr(count_line(diagnostics));
 }
 
+void print_diagnostic(const Diagnostic& diagnostic) { to_stderr(line_of(diagnostic)); }
+
 void print_abridged(const Diagnostics& diagnostics, const std::string& hint) {
   constexpr std::size_t most_of_a_code = 3;
   if (diagnostics.empty()) return;

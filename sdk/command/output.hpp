@@ -41,6 +41,8 @@ void flush_stdout();
 void print_error(const std::string& message);
 /// Errors and warnings, one per line as to_string writes them, then their number: "2 errors, 1 warning".
 void print_diagnostics(const Diagnostics& diagnostics);
+/// One of them at once.
+void print_diagnostic(const Diagnostic& diagnostic);
 /// As above, with no more than a few of each code; `hint` says where the rest stands.
 void print_abridged(const Diagnostics& diagnostics, const std::string& hint);
 

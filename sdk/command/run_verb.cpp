@@ -2,8 +2,10 @@
 // run: a config from the first sample to the last, with progress, records, and a summary.
 #include "score/run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,8 +39,9 @@ struct Options {
 class ProgressLine {
  public:
   explicit ProgressLine(bool is_shown) : is_shown_(is_shown) {}
-  ~ProgressLine() {
-    if (is_drawn_) fmt::print(stderr, "\r\x1b[K");
+  ~ProgressLine() { clear(); }
+  void clear() {
+    if (std::exchange(is_drawn_, false)) fmt::print(stderr, "\r\x1b[K");
   }
   void show(Time t) {
     if (!is_shown_) return;
@@ -65,7 +68,8 @@ class ProgressLine {
 
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, bool shows_progress) : recorder_(recorder), line_(shows_progress) {}
+  Watch(RunRecorder* recorder, bool is_quiet)
+      : recorder_(recorder), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
 
   bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
@@ -78,6 +82,13 @@ class Watch : public score::RunObserver {
   void scored(int filter, const score::ErrorSeries& errors) override {
     if (recorder_) recorder_->scored(filter, errors);
   }
+  void noted(const Diagnostic& note) override {
+    if (is_quiet_) return;
+    line_.clear();
+    print_diagnostic(note);
+    shown_.add(note);
+  }
+  const Diagnostics& shown() const { return shown_; }
   bool progress(Time t) override {
     line_.show(t);
     return interrupted_by() == 0;
@@ -85,6 +96,8 @@ class Watch : public score::RunObserver {
 
  private:
   RunRecorder* recorder_;
+  bool is_quiet_;
+  Diagnostics shown_;
   ProgressLine line_;
 };
 
@@ -116,16 +129,20 @@ struct Outputs {
 };
 
 score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
-                             RunRecorder* recorder) {
-  Watch watch(recorder, stderr_is_terminal() && !options.quiet);
+                             RunRecorder* recorder, Diagnostics& shown) {
+  Watch watch(recorder, options.quiet);
   score::RunOptions run_options = options.run;
   run_options.observer = &watch;
-  return score::run(composition, run_options);
+  score::RunResult result = score::run(composition, run_options);
+  shown = watch.shown();
+  return result;
 }
 
-void tell_warnings(const Composition& composition, const score::RunResult& result) {
+/// But those that are shown already, word for word.
+void tell_warnings(const Composition& composition, const score::RunResult& result, const Diagnostics& shown) {
   Diagnostics warnings = composition.warnings();
-  warnings.merge(result.warnings);
+  for (const auto& warning : result.warnings.items())
+    if (std::ranges::find(shown.items(), warning) == shown.items().end()) warnings.add(warning);
   print_abridged(warnings, "--summary has all that came of the data");
 }
 
@@ -136,7 +153,8 @@ int run_config(const Options& options) {
   watch_exit();  // again, now that the plugins are loaded
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
-  const score::RunResult result = watched_run(composition, options, outputs->recorder.get());
+  Diagnostics shown;
+  const score::RunResult result = watched_run(composition, options, outputs->recorder.get(), shown);
   stand_down();
   if (interrupted_by() != 0) {
     outputs.reset();
@@ -145,7 +163,7 @@ int run_config(const Options& options) {
   }
   outputs->commit(result.summary, Json::parse(composition->config()));
   if (!options.out.empty()) write_report(options.out, report_in(options.out));
-  if (!options.quiet) tell_warnings(*composition, result);
+  if (!options.quiet) tell_warnings(*composition, result, shown);
   if (options.json)
     print_json(result.summary);
   else if (!options.quiet)

@@ -34,10 +34,11 @@ std::set<std::string> norms_of(const FilterInfo& filter) {
   return names;
 }
 
+std::string block_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
+
 /// Each block's norms before its components; blocks in the order in which they come.
 Names norms_first(const Json& figures, const std::set<std::string>& norms) {
   Names blocks, names;
-  const auto block_of = [](const std::string& name) { return name.substr(0, name.rfind('.')); };
   for (const auto& [name, entry] : figures.items())
     if (std::find(blocks.begin(), blocks.end(), block_of(name)) == blocks.end()) blocks.push_back(block_of(name));
   for (const auto& block : blocks)
@@ -63,16 +64,17 @@ std::string error_table(const std::string& title, const Json& figures, const std
 
 // ---- windows
 
-/// What stands in the windows' table: the norms, or all components where no block has a norm.
+/// What stands in the windows' table: of each block the norms, or all components where none of its norms is scored.
 Names window_names(const Json& windows, const std::set<std::string>& norms) {
-  Names with_norm, all;
+  Names names;
+  std::set<std::string> with_norm;
   for (const auto& [window, figures] : windows.items())
     for (const auto& name : norms_first(figures, norms)) {
-      if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-      all.push_back(name);
-      if (norms.contains(name)) with_norm.push_back(name);
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      if (norms.contains(name)) with_norm.insert(block_of(name));
     }
-  return with_norm.empty() ? all : with_norm;
+  std::erase_if(names, [&](const auto& name) { return with_norm.contains(block_of(name)) && !norms.contains(name); });
+  return names;
 }
 
 struct Column {
@@ -223,6 +225,21 @@ std::string consistency_table(const Json& consistency) {
   return "\n" + table.text();
 }
 
+/// Blocks without any reference: what the filter itself makes of their errors.
+std::string unscored_table(const Json& unscored) {
+  Table table("lrl");
+  table.row({"without reference", "sigma at the end", "unit"});
+  for (const auto& [name, entry] : unscored.items())
+    table.row({name, figure(number_at(entry, "sigma")), entry.value("unit", "")});
+  return "\n" + table.text();
+}
+
+std::string notes_text(const Json& notes) {
+  std::string text;
+  for (const auto& note : notes) text += fmt::format("  note: {}\n", note.get<std::string>());
+  return text;
+}
+
 // ---- a filter
 
 /// Where a filter is scored against withheld samples, these figures are the reference's.
@@ -251,9 +268,12 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
     for (const auto& [measurement, figures] : filter.at("withheld").items())
       if (!is_part_of(figures, filter.at("reference")))
         text += error_table(fmt::format("withheld '{}'", measurement), figures, norms);
+  if (filter.contains("unscored")) text += unscored_table(filter.at("unscored"));
   if (filter.contains("windows")) text += window_table(filter.at("windows"), norms);
   if (filter.contains("consistency")) text += consistency_table(filter.at("consistency"));
-  return text + measurement_table(filter.at("measurements")) + innovation_table(filter.at("measurements"));
+  text += measurement_table(filter.at("measurements"));
+  if (filter.contains("notes")) text += notes_text(filter.at("notes"));
+  return text + innovation_table(filter.at("measurements"));
 }
 
 }  // namespace

@@ -127,8 +127,9 @@ constexpr CodeEntry entries[] = {
      "The bytes are no snapshot, or one of another composition, plugin or version.",
      "Restore it with the config, plugins and program it was taken with."},
     {"B083", "a model's note",
-     "A model met something in the run that people should know. Equal notes of one component are one warning, with the "
-     "time of the first and their number.",
+     "A model met something in the run that people should know, or a sample that is invalid. Equal notes of one "
+     "component "
+     "are one warning, at once, and at the end with the time of the first and their number.",
      "Read the message; the plugin's README says more."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
      "Use one of the names that the message lists; a cell without a variant is \"\"."},
@@ -182,10 +183,22 @@ constexpr CodeEntry entries[] = {
      "Look at the sensor and its logger: one that hangs gives its last sample again and again."},
     {"B110", "unaided", "The filter has measurements, and no sample of any of them was used.",
      "Look at the outcomes in the summary, and at the spans of time of the channels."},
-    {"B113", "started anew",
+    {"B111", "implausible number", "The number is decades away from what such a sensor or vehicle has.",
+     "Write the unit that is meant: \"0.3 deg/sqrt(h)\"; a number without unit is SI."},
+    {"B112", "no aiding of position", "A block of lengths integrates one of velocities, and no measurement sees it.",
+     "Add a measurement of the position. Dead reckoning is legal: then its error grows with time or distance."},
+    {"B113", "gate without recovery", "A measurement has a gate and `\"recover\": false`.",
+     "Delete `recover`, unless refusals are expected, as of a zero-velocity update whose gate tests the detector."},
+    {"B114", "no time in common",
+     "The samples of a measurement or reference, none of which was used, have no time in common with the filter's "
+     "driving "
+     "input. Known in a run only: `check` reads no rows.",
+     "Compare the spans in the message: `offset` and `unit` of a source's `time`; GPS time is ahead of UTC by the leap "
+     "seconds."},
+    {"B115", "started anew",
      "Recovery was in vain several times in a row, or a hole was too long to bridge: the filter started anew.",
      "Look at what led to it: the reasons before it, the time that the message names."},
-    {"B114", "stopped",
+    {"B116", "stopped",
      "The driving input had a hole longer than `longest_bridge`, and no initial values came after it.",
      "Look for lost data; give the blocks an `\"again\"` from a channel that comes in motion too."},
 };

@@ -188,7 +188,10 @@ class FilterText {
                  {"max_rows", measurement.max_rows},
                  {"parts", std::move(parts)}};
       if (const auto& gate = measurement.gate; gate.probability > 0)
-        entry["gate"] = {{"probability", gate.probability}, {"by", gate.by}, {"nis_limit", gate.nis_limit}};
+        entry["gate"] = {{"probability", gate.probability},
+                         {"by", gate.by},
+                         {"nis_limit", gate.nis_limit},
+                         {"recovers", measurement.recovers}};
       if (measurement.noise.type) entry["noise"] = measurement.noise.type->full_name();
       measurements.push_back(std::move(entry));
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "binnacle/unit.hpp"
 #include "filter_score.hpp"
 #include "wording/wording.hpp"
 
@@ -24,6 +25,8 @@ Json FilterScore::summary() const {
   if (auto withheld = withheld_figures(); !withheld.empty()) summary["withheld"] = std::move(withheld);
   if (auto consistency = consistency_figures(); !consistency.empty()) summary["consistency"] = std::move(consistency);
   if (auto noise = noise_figures(); !noise.empty()) summary["noise"] = std::move(noise);
+  if (auto unscored = unscored_figures(); !unscored.empty()) summary["unscored"] = std::move(unscored);
+  if (const auto all = notes(); !all.empty()) summary["notes"] = all;
   return summary;
 }
 
@@ -72,6 +75,39 @@ Json FilterScore::noise_figures() const {
     if (!value.is_null()) noise[group.series.name] = std::move(value);
   }
   return noise;
+}
+
+/// The 1-sigma at the end of what has no reference, where withheld samples are one: they show the errors of few blocks.
+Json FilterScore::unscored_figures() const {
+  Json unscored = Json::object();
+  if (scored_measurements_.empty() || !session_->started({filter_}) || !session_->healthy({filter_})) return unscored;
+  const auto is_scored = [&](const BlockInfo& block) {
+    const auto all = reference_series();
+    return std::any_of(all.begin(), all.end(), [&](const Series* series) {
+      return !series->t.empty() && series->name.starts_with(block.name + ".");
+    });
+  };
+  for (std::size_t b = 0; b < info_.blocks.size(); ++b) {
+    const auto& block = info_.blocks[b];
+    if (block.active.empty() || is_scored(block)) continue;
+    const auto& outputs = block.declaration->outputs;
+    std::vector<double> sigmas(outputs.size());
+    session_->read_sigma({{filter_}, static_cast<int>(b)}, sigmas);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const auto& shown = outputs[i].display_unit.empty() ? outputs[i].unit : outputs[i].display_unit;
+      const auto unit = parse_unit(shown);
+      unscored[block.name + "." + outputs[i].name] = {{"sigma", sigmas[i] / (unit ? unit->scale : 1.0)},
+                                                      {"unit", shown}};
+    }
+  }
+  return unscored;
+}
+
+std::vector<std::string> FilterScore::notes() const {
+  std::vector<MeasurementCounts> counts;
+  for (int m = 0; m < static_cast<int>(info_.measurements.size()); ++m)
+    counts.push_back(session_->counts(MeasurementId{{filter_}, m}));
+  return gates_.notes(counts);
 }
 
 std::vector<const Series*> FilterScore::reference_series() const {

@@ -49,7 +49,7 @@ std::pair<int, int> rows_of(const UpdateRecord& record, int group) {
 // ---- before the run
 
 FilterScore::FilterScore(const ScorePlan& plan, int filter)
-    : plan_(plan), filter_(filter), info_(plan.filters[as_size(filter)]) {
+    : plan_(plan), filter_(filter), info_(plan.filters[as_size(filter)]), gates_(info_) {
   size_scratch();
   for (const auto& implied_state : plan.implied_states[as_size(filter)])
     implied_states_.emplace_back(implied_state, info_.blocks[as_size(implied_state.block)]);
@@ -249,6 +249,7 @@ void FilterScore::stepped(const StepRecord& record) {
 
 void FilterScore::offered(const UpdateRecord& record) {
   if (next_) next_->offered(record);
+  gates_.offered(record);
   for (std::size_t r = 0; r < implied_states_.size(); ++r)
     if (implied_states_[r].take(record, record.P0 ? record.P0 : session_->covariance(FilterId{filter_})))
       score_implied_state(static_cast<int>(r));

@@ -13,6 +13,7 @@
 
 #include "binnacle/session.hpp"
 #include "binnacle/step_log.hpp"
+#include "gate_watch.hpp"
 #include "implied_state.hpp"
 #include "plan.hpp"
 #include "score/run.hpp"
@@ -141,6 +142,8 @@ class FilterScore : public StepObserver {
   nlohmann::ordered_json withheld_figures() const;
   nlohmann::ordered_json consistency_figures() const;
   nlohmann::ordered_json noise_figures() const;
+  nlohmann::ordered_json unscored_figures() const;
+  std::vector<std::string> notes() const;
   bool is_component(const Subject& subject) const;
   std::vector<double> with_whole_turns(const Subject& subject) const;
 
@@ -149,6 +152,7 @@ class FilterScore : public StepObserver {
   const FilterInfo& info_;
   Session* session_ = nullptr;
   StepObserver* next_ = nullptr;
+  GateWatch gates_;
   std::vector<Reference> references_;
   std::vector<WithheldGroup> withheld_;
   std::vector<NoiseGroup> noise_;

@@ -47,6 +47,7 @@ class Scorer final : public binnacle::RunObserver {
   void after_instant() override {
     if (recorder_) recorder_->after_instant();
   }
+  void noted(const Diagnostic& note) override { observer_.noted(note); }
   bool progress(Time t) override { return observer_.progress(t); }
 
   void finished() override {

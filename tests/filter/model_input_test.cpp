@@ -186,11 +186,55 @@ TEST_CASE("notes are warnings of a run") {
                               R"(", "time": {"column": "t", "unit": "s"}, "interval": "1 s",
         "columns": {"v": {"unit": "m/s", "kind": "rate"}}},
       "z": {"type": "pushed", "fields": {"z": {"unit": "m"}}})";
-  const RunResult result = run(carried("", sources));
+  /// When each note comes: at 8 s the hole before it is bridged, and a last sample follows.
+  class Listed : public RunObserver {
+   public:
+    void noted(const Diagnostic& note) override { notes.emplace_back(instants, note.message); }
+    void after_instant() override { ++instants; }
+    int instants = 0;
+    std::vector<std::pair<int, std::string>> notes;
+  } listed;
+  RunOptions options;
+  options.observer = &listed;
+  const RunResult result = run(carried("", sources), options);
   fs::remove_all(folder);
+  REQUIRE(listed.notes.size() == 1);
+  CHECK(listed.notes.front().first < 5);
+  CHECK(listed.notes.front().second.find("bridges a hole") != std::string::npos);
   REQUIRE(result.failures.empty());
   REQUIRE(lines(result.warnings).size() == 1);
   CHECK(result.warnings.items().front().origin.line > 0);
   const std::string text = "propagate at 7 s notes: bridges a hole";
   CHECK(lines(result.warnings).front().find(text) != std::string::npos);
+}
+
+TEST_CASE("a measurement that has no time in common with the driving input is a warning with both spans") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("spans." + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  std::ofstream(folder / "speed.csv") << "t,v\n1,1\n2,1\n3,1\n";
+  const auto warned = [&](const std::string& rows) {
+    std::ofstream(folder / "z.csv") << "t,z\n" << rows;
+    const auto csv = [&](const std::string& name) {
+      return R"({"type": "csv", "path": ")" + (folder / name).string() + R"(", "time": {"column": "t", "unit": "s"}, )";
+    };
+    const auto composition =
+        filter_tests::composition_of(R"({"binnacle": 1,
+      "sources": {"speed": )" + csv("speed.csv") +
+                                     R"("interval": "1 s", "columns": {"v": {"unit": "m/s", "kind": "rate"}}},
+                  "z": )" + csv("z.csv") +
+                                     R"("columns": {"z0": {"column": "z", "unit": "m"}}}},
+      "filters": {"f": {
+        "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+        "process": {"go": {"type": "carried", "input": "speed", "blocks": {"x": "x"}}},
+        "measurements": {"see": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1]}}}}})");
+    return lines(run(composition).warnings);
+  };
+  CHECK(warned("2,1\n3,1\n").empty());
+  const std::vector<std::string> apart{
+      "B114 /filters/f/measurements/see channel 'z' has no time in common with the input: speed from 1 s to 3 s, z "
+      "from "
+      "18 s to 19 s; is the offset or the unit of a time missing?"};
+  CHECK(warned("18,1\n19,1\n") == apart);
+  fs::remove_all(folder);
 }

@@ -64,12 +64,12 @@ TEST_CASE(
   REQUIRE(session.started(FilterId{0}));
   recover_in_vain(session, 0);
   REQUIRE(session.counts(MeasurementId{{0}, 0}).recoveries == 3);
-  CHECK_FALSE(has_code(session, "B113"));  // no new value yet
+  CHECK_FALSE(has_code(session, "B115"));  // no new value yet
   CHECK(position(session) > 2000);
   push(session, "first", 15, {7});
   CHECK(position(session) == 7);
   CHECK(variance(session) == 4);
-  CHECK(has_code(session, "B113"));
+  CHECK(has_code(session, "B115"));
   CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
   // It goes on.
   drive(session, 15, 16);
@@ -87,7 +87,7 @@ TEST_CASE("a value that came before the recoveries, or long after, does not star
   recover_in_vain(session, 0);
   drive(session, 15, 70);
   push(session, "first", 70, {7});
-  CHECK_FALSE(has_code(session, "B113"));
+  CHECK_FALSE(has_code(session, "B115"));
 }
 
 TEST_CASE("without \"again\" recovery goes on") {
@@ -116,17 +116,17 @@ TEST_CASE("a hole longer than longest_bridge stops the filter until it can start
   push(session, "first", 0, {5});
   drive(session, 0, 10);
   drive(session, 12, 13);  // bridged
-  CHECK_FALSE(has_code(session, "B114"));
+  CHECK_FALSE(has_code(session, "B116"));
   drive(session, 20, 21);
   CHECK(session.verdict(FilterId{0}) == Verdict::lost);
-  CHECK(has_code(session, "B114"));
+  CHECK(has_code(session, "B116"));
   push(session, "z", 21, {5});
   CHECK(session.counts(MeasurementId{{0}, 0}).before_start == 1);
   push(session, "first", 21, {8});
   CHECK(position(session) == 8);
-  CHECK_FALSE(has_code(session, "B114"));
+  CHECK_FALSE(has_code(session, "B116"));
   CHECK(has_code(session, "B108"));
-  CHECK(has_code(session, "B113"));
+  CHECK(has_code(session, "B115"));
   drive(session, 21, 22);
   push(session, "z", 22, {8});
   CHECK(session.counts(MeasurementId{{0}, 0}).by_outcome[static_cast<int>(Outcome::accepted)] == 1);

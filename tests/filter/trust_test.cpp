@@ -137,6 +137,32 @@ TEST_CASE("a measurement that is never accepted is lost, with its reason") {
   CHECK(said(session).find("the last because NIS beyond the gate") != std::string::npos);
 }
 
+TEST_CASE("samples whose own standard deviation is none are invalid, noted by field, and lost where all are") {
+  const auto composition = composition_of(R"({"binnacle": 1,
+    "sources": {"gnss": {"type": "pushed", "fields": {
+      "lat": {"unit": "rad"}, "lon": {"unit": "rad"}, "height": {"unit": "m"},
+      "position_sd_n": {"unit": "m"}, "position_sd_e": {"unit": "m"}, "position_sd_d": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "navigation/position", "init": {"lat": 0.6, "lon": 2, "height": 0}, "sigma": 1}},
+      "process": {"stay": {"type": "random_constant", "blocks": {"x": "position"}}},
+      "measurements": {"fix": {"type": "position_fix", "channel": "gnss", "blocks": {"position": "position"}}}}}})");
+  for (const double flaw : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    INFO(flaw);
+    Session session(composition);
+    for (int i = 1; i <= 10; ++i) push(session, "gnss", i, {0.6, 2, 0, 1, flaw, 1});
+    CHECK(session.counts(MeasurementId{{0}, 0}).by_outcome[static_cast<int>(Outcome::invalid)] == 10);
+    CHECK(session.verdict(FilterId{0}) == Verdict::lost);
+    CHECK(has_code(session, "B101"));
+    const auto notes = session.notes(FilterId{0}).items();
+    REQUIRE(notes.size() == 1);
+    CHECK(notes[0].pointer == "/filters/f/measurements/fix");
+    CHECK(notes[0].message.find("linearize at 1 s notes: invalid sample of 'gnss': position_sd_e is 0, negative or not "
+                                "finite (10 times)") != std::string::npos);
+    push(session, "gnss", 11, {0.6, 2, 0, 1, 1, 1});
+    CHECK_FALSE(has_code(session, "B101"));
+  }
+}
+
 TEST_CASE("a filter that locks itself out recovers by itself, says so, and is consistent again") {
   const auto composition = composition_of(line("", gated));
   double nees = 0;
@@ -213,6 +239,16 @@ TEST_CASE("without recovery the filter stays locked out, and is lost") {
   INFO(said(session));
   CHECK(session.counts(MeasurementId{{0}, 0}).recoveries == 0);
   CHECK(session.verdict(FilterId{0}) != Verdict::ok);
+}
+
+TEST_CASE("samples that are withheld are no part of those of which most come late") {
+  Session session(composition_of(line("", R"(, "withhold": {"every": 2})")));
+  for (int i = 0; i < 100; ++i) push(session, "z", 0.5 * i, {1.0});
+  for (int i = 0; i < 60; ++i) push(session, "z", 0.5 * i + 0.25, {1.0});
+  const auto counts = session.counts(MeasurementId{{0}, 0});
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::late)] == 60);
+  REQUIRE(counts.by_outcome[static_cast<int>(Outcome::withheld)] == 50);
+  CHECK(has_code(session, "B102"));
 }
 
 TEST_CASE("the limits can be changed and turned off") {

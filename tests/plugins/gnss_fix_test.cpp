@@ -108,6 +108,10 @@ TEST_CASE("a fix that cannot be used is invalid, with a reason", "[gnss_fix]") {
   REQUIRE(refuses(*fix, at_position, {0.6, 2.0, 0.0, nan, 1, 1}));
   REQUIRE(refuses(*speed, at_velocity, {0, 0, nan, 1, 1, 1}));
   REQUIRE(refuses(*speed, at_velocity, {0, 0, 0, 1, 1, 0}));
+  // By the name of the field.
+  Complaints out;
+  const Measured m = linearize(*fix, sample_of({0.6, 2.0, 0.0, 1, 0, 1}), at_position, {}, out);
+  REQUIRE(std::string(m.result.reason).find("position_sd_e") == 0);
 }
 
 TEST_CASE("position and velocity fix: ECEF to north east down, with the whole covariance", "[gnss_fix]") {

@@ -145,6 +145,25 @@ TEST_CASE("a number out of range is reported as it was written", "[spec]") {
   CHECK(said_of(time("v").above(0), "\"0 s\"") == "c.json:1:7: error[B009] /v: 'v' is 0 s, out of range (s, > 0)");
 }
 
+TEST_CASE("a number that no sensor has is let through with a warning", "[spec]") {
+  const auto noise = [] { return vector("v", "rad/s/sqrt(Hz)", 2).at_least(0).plausible(1e-9, 1e-2).defaults("1"); };
+  CHECK(said_of(noise(), "0.5") ==
+        "c.json:1:7: warning[B111] /v: 'v' is 0.5 rad/sqrt(s), which is hardly right: expected is between 1e-09 "
+        "rad/sqrt(s) and 0.01 rad/sqrt(s); a number without unit is SI; did you mean \"0.5 deg/sqrt(h)\"?");
+  CHECK(said_of(noise(), "[\"0.5 deg/sqrt(h)\", \"500 deg/sqrt(h)\"]") ==
+        "c.json:1:27: warning[B111] /v/1: 'v' is 500 deg/sqrt(h) (0.145 rad/sqrt(s)), which is hardly right: expected "
+        "is between 1e-09 rad/sqrt(s) and 0.01 rad/sqrt(s); is its unit right?");
+  CHECK(said_of(number("v", "m").plausible(0, 100), "-1200") ==
+        "c.json:1:7: warning[B111] /v: 'v' is -1200 m, which is hardly right: expected is at most 100 m; a number "
+        "without unit is SI");
+  // Nothing, the bounds themselves, and a default.
+  for (const char* right : {"0", "1e-9", "1e-2", "[0, 1e-4]"}) CHECK(said_of(noise(), right) == "");
+  CHECK(check({noise()}, "{}").text == "");
+  Diagnostics diagnostics;
+  const Document config = document(R"({"v": 0.5})");
+  CHECK(Reader(config, diagnostics).parameters({noise()}, "x").members[0].second.numbers[0] == 0.5);
+}
+
 TEST_CASE("wrong lengths and words", "[spec]") {
   CHECK(said_of(vector("v", "m", 3), "[1, 2]") ==
         "c.json:1:7: error[B013] /v: 'v' has 2 elements; it takes 3 values, m");

@@ -19,6 +19,9 @@ class RunObserver {
   virtual void begin(Session& /*session*/) {}
   /// A sample on a channel that a section subscribes to, once its instant is done.
   virtual void sampled(int /*channel*/, const SampleView& /*sample*/) {}
+  /// At once: a new note of a model (B083), or of a sample that is invalid. RunResult::warnings has them too, with their
+  /// number.
+  virtual void noted(const Diagnostic& /*note*/) {}
   /// After each instant, and once more after the last.
   virtual void after_instant() {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).

@@ -69,6 +69,7 @@ class Reader {
   std::filesystem::path folder() const;
 
   void error(const std::string& code, const std::string& message) const;
+  void warning(const std::string& code, const std::string& message) const;
   /// At the key, not the value.
   void key_error(const std::string& code, const std::string& message) const;
 

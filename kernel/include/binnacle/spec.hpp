@@ -44,6 +44,8 @@ struct ParameterSpec {
   double maximum = std::numeric_limits<double>::infinity();
   bool minimum_excluded = false;
   bool maximum_excluded = false;
+  double least_plausible = 0;
+  double most_plausible = std::numeric_limits<double>::infinity();
   int size = any_size;       // vector: length; matrix: rows
   int cols = any_size;       // matrix
   std::string size_of_port;  // vector/matrix as long as the error dof of the block on this port
@@ -60,6 +62,12 @@ struct ParameterSpec {
   ParameterSpec&& at_least(double bound) && { return from(bound, false); }
   ParameterSpec&& below(double bound) && { return to(bound, true); }
   ParameterSpec&& at_most(double bound) && { return to(bound, false); }
+  /// Bounds (SI) that no such sensor or vehicle is beyond: a number whose magnitude is, and that is not 0, is a warning
+  /// (B111), since most likely its unit is missing or wrong. State wide ones, or none.
+  ParameterSpec&& plausible(double least, double most) && {
+    least_plausible = least;
+    return with(*this, most_plausible, most);
+  }
   /// As many elements (rows and columns for a matrix) as the block on `port` has error dof; one number stands for all.
   ParameterSpec&& sized_by(std::string port) && { return with(*this, size_of_port, std::move(port)); }
 

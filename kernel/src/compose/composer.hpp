@@ -100,6 +100,7 @@ class FilterComposer {
   void read_process_input(ProcessPlan& process, Component& component);
   void add_measurements();
   void read_trust();  // trust.cpp
+  void warn_of_dead_reckoning() const;
 };
 
 class Composer {

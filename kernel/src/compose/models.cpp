@@ -55,7 +55,27 @@ void FilterComposer::finish() {
   add_measurements();
   read_trust();
   if (composer.failures() != failures) is_complete = false;
-  if (is_complete) plan_transition(*this);
+  if (!is_complete) return;
+  plan_transition(*this);
+  warn_of_dead_reckoning();
+}
+
+/// A block of lengths that integrates one of velocities, and that no measurement sees: nothing bounds its error.
+void FilterComposer::warn_of_dead_reckoning() const {
+  const auto has_unit = [](const BlockPlan& block, const char* unit) {
+    const auto its = parse_unit(block.declaration().error.front().unit);
+    return its && its->dimension == parse_unit(unit)->dimension;
+  };
+  for (const auto& [to, from, structure] : info.transition) {
+    const auto& block = plan.blocks[as_size(to)];
+    const auto& rate = plan.blocks[as_size(from)];
+    const auto sees_it = [&](const MeasurementPlan& seen) { return index_of(seen.columns, block.first) >= 0; };
+    if (!has_unit(block, "m") || !has_unit(rate, "m/s") || std::ranges::any_of(plan.measurements, sees_it)) continue;
+    composer.diagnostics().warning("B112", composer.place(block.pointer).key_origin(), block.pointer,
+                                   "filter '" + plan.name +
+                                       "' is without any aiding of position: no measurement sees '" + block.name +
+                                       "', the integral of '" + rate.name + "', so its error grows without bound");
+  }
 }
 
 void FilterComposer::fail() {

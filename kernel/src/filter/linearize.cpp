@@ -2,6 +2,7 @@
 // From a sample to r, H and nominal R: what models read, and the parts of a measurement, one after the other.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include "filter/estimator.hpp"
@@ -131,9 +132,16 @@ void Estimator::roll_back(const MeasurementPlan& measurement) {
 
 Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
                            const Driving& now, int& part_rows) {
+  const auto noted = [&](const Result& result) {
+    if (result.refusal != Refusal::invalid) return result;
+    char text[sizeof KeptNote::text];
+    std::snprintf(text, sizeof text, "invalid sample of '%s': %s", channel.name.c_str(), result.reason);
+    calls_.note_book.keep(part.type, part.pointer, "linearize", calls_.time(), text);
+    return result;
+  };
   for (const auto& item : part.fields.epoch)
     if (item.required && (item.index < 0 || !std::isfinite(sample.fields[item.index])))
-      return Result::invalid("a required field is not a number");
+      return noted(Result::invalid("a required field is not a number"));
   SampleView seen = convert(part.fields, channel, sample, fields_.data());
   seen.available = true;
 
@@ -152,7 +160,7 @@ Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const
                             covariance_of(part),
                             calls_.notes()};
   const Result result = calls_.during(part, "linearize", [&] { return part.model->linearize(in, out); });
-  if (!result) return result;
+  if (!result) return noted(result);
   if (out.rows < 0) return Result::failed("the model says that it wrote a negative number of rows");
   if (out.rows > most) return Result::failed("the model wrote more rows than it declared");
   part_rows = out.rows;
@@ -161,7 +169,7 @@ Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const
     for (int i = j < part_rows ? part_rows : 0; i < most; ++i) out.R(i, j) = 0;
   const MatrixView R = out.R.block(0, 0, part_rows, part_rows);
   // It may come from the sample, as a residual does.
-  if (!is_finite(R)) return Result::invalid("the noise of the residual is not finite");
+  if (!is_finite(R)) return noted(Result::invalid("the noise of the residual is not finite"));
   if (const std::string flaw = flaw_of_noise(R); !flaw.empty())
     throw Stop(call_text(part, "linearize", calls_.time()) + " gave " + flaw);
   return result;

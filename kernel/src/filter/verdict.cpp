@@ -149,7 +149,7 @@ class Examination {
     };
     if (trust_.refused <= 0) return;
     see_share(refused, used + refused);
-    see_share(count(tally, Outcome::late), tally.offered);
+    see_share(count(tally, Outcome::late), tally.offered - count(tally, Outcome::withheld));
   }
 
   void examine_innovations(int m) {

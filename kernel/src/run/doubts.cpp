@@ -82,7 +82,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 
 const char* code_of(Doubt doubt) {
   constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105",
-                                   "B106", "B107", "B108", "B109", "B110", "B113", "B114"};
+                                   "B106", "B107", "B108", "B109", "B110", "B115", "B116"};
   return codes[static_cast<int>(doubt)];
 }
 

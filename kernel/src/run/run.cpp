@@ -108,6 +108,35 @@ std::string why_not_started(Runtime& runtime, const filter::FilterPlan& filter) 
          apart;
 }
 
+/// Measurements that gave nothing and what sections subscribe to, where its samples have no time in common with the
+/// driving input.
+void note_spans_apart(const Runtime& runtime, Diagnostics& warnings) {
+  const auto& plan = runtime.plan();
+  const auto are_apart = [&](int input, int channel) {
+    if (input < 0) return false;
+    const auto &a = runtime.span(input), &b = runtime.span(channel);
+    return a.from != no_time && b.from != no_time && (a.to < b.from || b.to < a.from);
+  };
+  const auto warn = [&](const std::string& pointer, int input, int channel) {
+    warnings.warning("B114", plan.document.key_origin(pointer), pointer,
+                     "channel '" + plan.channels[as_size(channel)].name +
+                         "' has no time in common with the input: " + span_text(runtime, input) + ", " +
+                         span_text(runtime, channel) + "; is the offset or the unit of a time missing?");
+  };
+  for (int f = 0; f < base::count_of(plan.filters); ++f)
+    for (int m = 0; m < base::count_of(plan.filters[as_size(f)].measurements); ++m) {
+      const auto& filter = plan.filters[as_size(f)];
+      const auto& measurement = filter.measurements[as_size(m)];
+      const auto& outcomes = runtime.engine(f).ledger().tally(m).by_outcome;
+      const auto used = outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::withheld)];
+      if (used == 0 && are_apart(filter.input_channel, measurement.channel))
+        warn(measurement.pointer, filter.input_channel, measurement.channel);
+    }
+  for (const auto& [channel, pointer] : plan.subscriptions)
+    if (std::ranges::all_of(plan.filters, [&](const auto& filter) { return are_apart(filter.input_channel, channel); }))
+      warn(pointer, plan.filters.front().input_channel, channel);
+}
+
 void note_failures(Runtime& runtime, Diagnostics& failures) {
   const auto& plan = runtime.plan();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
@@ -124,9 +153,14 @@ void note_failures(Runtime& runtime, Diagnostics& failures) {
 }
 
 /// From the first instant to the end of the sources.
-void run_sources(Runtime& runtime, RunObserver& observer) {
+void run_sources(Session& session, RunObserver& observer) {
+  Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
+  std::vector<std::size_t> noted(runtime.plan().filters.size());
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
+    for (int f = 0; f < base::count_of(noted); ++f)
+      while (noted[as_size(f)] < runtime.engine(f).calls().note_book.notes().size())
+        observer.noted(session.notes({f}).items()[noted[as_size(f)]++]);
     observer.after_instant();
     if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
   }
@@ -153,12 +187,13 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
-  run_sources(runtime, observer);
+  run_sources(session, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });
 
   for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
+  note_spans_apart(runtime, result.warnings);
   note_failures(runtime, result.failures);
   return result;
 }

@@ -81,8 +81,7 @@ void Runtime::deliver(int index, const SampleView& sample) {
   double* const data = channel.storage.data();
   channel.view = unpack(plan, pack(plan, sample, data), data);
   channel.is_present = true;
-  if (channel.span.from == no_time) channel.span.from = sample.t;
-  channel.span.to = sample.t;
+  channel.span.reach(sample.t);
 }
 
 class Runtime::TransformEmitter : public Emitter {

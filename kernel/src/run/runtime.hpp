@@ -70,9 +70,13 @@ class Runtime {
   Engine& engine(int filter) const { return *engines_[as_size(filter)]; }
   const CompositionPlan& plan() const { return plan_; }
   Time time() const { return time_; }
-  /// Of what was delivered on a channel; from no_time: nothing.
+  /// Of what came on a channel; from no_time: nothing.
   struct Span {
     Time from = no_time, to = no_time;
+    void reach(Time t) {
+      if (from == no_time) from = t;
+      to = t;
+    }
   };
   const Span& span(int channel) const { return channels_[as_size(channel)].span; }
   /// Seconds spent inside the filters.
@@ -101,6 +105,7 @@ class Runtime {
       const double* const covariance = slot.has_covariance ? slot.covariance : nullptr;
       view = {slot.t, slot.t0, slot.rows, slot.fields, slot.row_fields, covariance, true};
       is_present = true;
+      span.reach(slot.t);
     }
   };
   class TransformEmitter;

@@ -133,8 +133,36 @@ struct Check {
     if (!std::isfinite(result.number)) return error("B009", name + " is beyond the range of a double");
     if (!in_range(spec, result.number))
       return error("B009", name + " is " + written + ", out of range (" + joined(of_unit, range_text(spec)) + ")");
+    warn_if_implausible(result.number, written, of_unit);
     result.type = Type::number;
     return result;
+  }
+
+  void warn_if_implausible(double value, const std::string& written, const std::string& unit) const {
+    const auto is_plausible = [&](double number) {
+      return number == 0 || (std::abs(number) >= spec.least_plausible && std::abs(number) <= spec.most_plausible);
+    };
+    if (at.is_default() || is_plausible(value)) return;
+    const auto in_unit = [&](double number) { return number_text(number, 3) + (unit.empty() ? "" : " " + unit); };
+    std::string hint = "is its unit right?";
+    if (json().is_number()) {
+      hint = "a number without unit is SI";
+      // As it would be with a usual unit of the dimension.
+      ParameterSpec scalar = spec;
+      scalar.type = ParameterType::number;
+      scalar.default_json.clear();
+      std::string meant = example_of(scalar, ports);
+      std::erase(meant, '"');
+      meant = number_text(value) + meant.substr(std::min(meant.find(' '), meant.size()));
+      const Parsed<Quantity> quantity = parse_quantity(meant);
+      if (quantity && quantity->value != value && is_plausible(quantity->value))
+        hint += "; did you mean \"" + meant + "\"?";
+    }
+    at.warning("B111",
+               name + " is " + written + (json().is_string() ? " (" + in_unit(value) + ")" : "") +
+                   ", which is hardly right: expected is " +
+                   (spec.least_plausible > 0 ? "between " + in_unit(spec.least_plausible) + " and " : "at most ") +
+                   in_unit(spec.most_plausible) + "; " + hint);
   }
 
   std::optional<Quantity> quantity(const WantedUnit& unit, const std::string& written) const {

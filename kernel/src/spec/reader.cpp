@@ -46,6 +46,9 @@ std::filesystem::path Reader::folder() const { return document_->base_dir(pointe
 void Reader::error(const std::string& code, const std::string& message) const {
   diagnostics_->error(code, origin(), pointer_, message);
 }
+void Reader::warning(const std::string& code, const std::string& message) const {
+  diagnostics_->warning(code, origin(), pointer_, message);
+}
 void Reader::key_error(const std::string& code, const std::string& message) const {
   diagnostics_->error(code, key_origin(), pointer_, message);
 }

@@ -160,12 +160,18 @@ int Corrections::keep_highest(std::array<Sighting, most_rows>& sightings, int co
 std::vector<ParameterSpec> ElevationNoise::parameters(const char* unit, bool with_path_errors,
                                                       const char* default_sigma) {
   using namespace parameter;
+  constexpr double least = 1e-4, most = 1e3;
   std::vector<ParameterSpec> specs{
       number("sigma", unit)
           .at_least(0)
+          .plausible(least, most)
           .defaults(default_sigma)
           .about("standard deviation straight up: sigma^2 + (sigma_elevation / sin el)^2 + …"),
-      number("sigma_elevation", unit).at_least(0).defaults("0").about("part of it that grows with 1 / sin(elevation)")};
+      number("sigma_elevation", unit)
+          .at_least(0)
+          .plausible(least, most)
+          .defaults("0")
+          .about("part of it that grows with 1 / sin(elevation)")};
   if (with_path_errors) {
     specs.push_back(
         number("sigma_ionosphere", "1")

@@ -134,10 +134,12 @@ void InertialProcess::describe(ComponentSpec& spec) {
   spec.parameters = {
       parameter::vector("gyro_noise", "rad/s/sqrt(Hz)", 3)
           .at_least(0)
+          .plausible(1e-9, 1e-2)
           .required()
           .about("angle random walk per body axis, root of the power spectral density"),
       parameter::vector("accel_noise", "m/s^2/sqrt(Hz)", 3)
           .at_least(0)
+          .plausible(1e-8, 1)
           .required()
           .about("velocity random walk per body axis, root of the power spectral density"),
       parameter::choice("order", {"first", "second"})

@@ -49,6 +49,8 @@ class RunObserver {
   virtual void record(int /*filter*/, Time /*t*/, std::span<const double> /*values*/) {}
   /// A filter's own step observer, asked for before the run; null: none.
   virtual StepObserver* step_observer(int /*filter*/) { return nullptr; }
+  /// As binnacle::RunObserver::noted().
+  virtual void noted(const Diagnostic& /*note*/) {}
   /// After the run, if records are wanted: every error there is against references and withheld samples.
   virtual void scored(int /*filter*/, const ErrorSeries& /*errors*/) {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
@@ -64,8 +66,9 @@ struct RunOptions {
 };
 
 struct RunResult {
-  /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "measurements", "start_s", "end_s",
-  ///   "steps", "filter_s", "verdict" } }, "metrics", "windows", "warnings", "wall_s" }; figures carry their unit.
+  /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "unscored", "notes", "measurements",
+  ///   "start_s", "end_s", "steps", "filter_s", "verdict" } }, "metrics", "windows", "warnings", "wall_s" }; figures
+  ///   carry their unit.
   nlohmann::ordered_json summary;
   std::vector<MetricValue> metrics;  // those of RunOptions, in their order
   Diagnostics warnings;              // gaps and repairs in the data

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the summary of a run shows of gates, and of blocks that have no reference.
+#include "catch.hpp"
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+using namespace binnacle::test;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The good config's summary over 200 fixes.
+template <class Value>
+std::string summary_of(Value&& value, const std::vector<std::string>& options = {}) {
+  const Workbench bench;
+  std::string fixes = "t,place\n";
+  for (int i = 0; i < 200; ++i) fixes += std::to_string(i) + "," + std::to_string(value(i)) + "\n";
+  bench.write("fix.csv", fixes);
+  std::vector<std::string> arguments{"run", "good.json"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return binnacle::test::binnacle(bench, arguments).out;
+}
+
+/// A short stand of the quickstart, half of its fixes withheld.
+Outcome stand(const std::string& reference, const std::vector<std::string>& options) {
+  const Workbench bench;
+  std::vector<std::string> arguments{"run", BINNACLE_TEST_PROJECT "/configs/quickstart.json"};
+  for (const std::string& set :
+       {std::string("/sources/drive/segments=[{\"do\": \"still\", \"duration\": \"20 s\"}]"),
+        std::string("/filters/ins/measurements/fix/withhold={\"every\": 2}"),
+        std::string("/evaluate/windows={\"late\": [\"start+10 s\", \"start+19 s\"]}"), "/reference=" + reference})
+    arguments.insert(arguments.end(), {"--set", set});
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return binnacle::test::binnacle(bench, arguments);
+}
+
+}  // namespace
+
+TEST_CASE("a gate that refuses far more than its probability says is a note with the figures") {
+  const auto jitter = [](int i) { return i % 2 ? 0.15 : -0.15; };
+  CHECK_FALSE(has(summary_of(jitter), "note:"));
+  CHECK_FALSE(has(summary_of([&](int i) { return i == 50 ? 50.0 : jitter(i); }), "note:"));
+  const auto text = summary_of([&](int i) { return i % 10 == 5 ? 50.0 : jitter(i); });
+  INFO(text);
+  CHECK(has(text, "  note: the gate of 'seen' refused 10 % (20 of 200 samples) where 0.1 % was expected\n"));
+}
+
+TEST_CASE("a gate that no sample came near is a note with the figure") {
+  const auto text = summary_of([](int i) { return i % 2 ? 0.001 : -0.001; });
+  INFO(text);
+  CHECK(has(text, "  note: the gate of 'seen' was never near: the largest NIS of 200 samples is "));
+  const auto by_row =
+      summary_of([](int i) { return i % 2 ? 0.001 : -0.001; },
+                 {"--set", R"(/filters/walk/measurements/seen/gate={"probability": 0.999, "by": "row"})"});
+  CHECK(has(by_row, "  note: the gate of 'seen' was never near: the largest NIS of 200 samples is "));
+}
+
+TEST_CASE("blocks without reference are shown where withheld samples are one") {
+  const auto json = nlohmann::json::parse(stand(R"({"withheld": "fix"})", {"--json"}).out);
+  const auto& unscored = json.at("filters").at("ins").at("unscored");
+  CHECK(unscored.at("attitude.yaw").at("unit") == "deg");
+  CHECK(unscored.at("attitude.yaw").at("sigma") > 0.01);
+  CHECK(unscored.contains("gyro_bias.x"));
+  CHECK_FALSE(unscored.contains("position.lat"));
+  const auto text = stand(R"({"withheld": "fix"})", {}).out;
+  INFO(text);
+  CHECK(has(text, "without reference"));
+  CHECK(has(text, "attitude.roll"));
+}
+
+TEST_CASE("windows show a block that is scored without its norm") {
+  // Roll and pitch alone give no tilt.
+  const auto text = stand(R"([{"withheld": "fix"}, {"channel": "drive.truth",
+    "blocks": {"ins/attitude": {"roll": "roll", "pitch": "pitch"}}}])",
+                          {})
+                        .out;
+  INFO(text);
+  std::istringstream lines(text);
+  bool is_shown = false;
+  for (std::string line; std::getline(lines, line);)
+    is_shown = is_shown || (has(line, "position.horizontal") && has(line, "attitude.roll") && has(line, "[deg]"));
+  CHECK(is_shown);
+}
