@@ -188,7 +188,9 @@ constexpr CodeEntry entries[] = {
     {"B112", "no aiding of position", "A block of lengths integrates one of velocities, and no measurement sees it.",
      "Add a measurement of the position. Dead reckoning is legal: then its error grows with time or distance."},
     {"B113", "gate without recovery", "A measurement has a gate and `\"recover\": false`.",
-     "Delete `recover`, unless refusals are expected, as of a zero-velocity update whose gate tests the detector."},
+     "Delete `recover`; where refusals are expected, as of a zero-velocity update whose gate tests the detector, add "
+     "the "
+     "measurement to `except` of the filter's `trust`."},
     {"B114", "no time in common",
      "The samples of a measurement or reference, none of which was used, have no time in common with the filter's "
      "driving "

@@ -101,6 +101,7 @@ class FilterComposer {
   void add_measurements();
   void read_trust();  // trust.cpp
   void warn_of_dead_reckoning() const;
+  void warn_of_gates() const;
 };
 
 class Composer {

@@ -168,10 +168,6 @@ class MeasurementComposer {
     if (plan_.gate <= 0) plan_.recover_after = 0;
     if (recover && config::JsonOf::at(recover) == false) {
       plan_.recover_after = 0;
-      if (plan_.gate > 0)
-        recover.warning("B113", "the gate of '" + plan_.name +
-                                    "' has no recovery: if the estimate is wrong, right samples stay refused to the "
-                                    "end; leave \"recover\": false where refusals are expected");
       return;
     }
     if (!recover.is_object("'recover'")) return;

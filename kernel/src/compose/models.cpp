@@ -58,6 +58,17 @@ void FilterComposer::finish() {
   if (!is_complete) return;
   plan_transition(*this);
   warn_of_dead_reckoning();
+  warn_of_gates();
+}
+
+/// One whose refusals are expected is excepted from trust.
+void FilterComposer::warn_of_gates() const {
+  for (const auto& measurement : plan.measurements)
+    if (measurement.gate > 0 && measurement.recover_after == 0 && measurement.is_watched)
+      composer.place(measurement.pointer)["recover"].warning(
+          "B113", "the gate of '" + measurement.name +
+                      "' has no recovery: if the estimate is wrong, right samples stay refused to the end; where "
+                      "refusals are expected, add it to \"except\" of the filter's \"trust\"");
 }
 
 /// A block of lengths that integrates one of velocities, and that no measurement sees: nothing bounds its error.
