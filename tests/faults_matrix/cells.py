@@ -14,7 +14,9 @@ ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE.parent / "compare"))
 
 import judge  # noqa: E402
+import names  # noqa: E402
 import netcdf  # noqa: E402
+import trees  # noqa: E402
 
 CLEAN = "clean"
 STUDIES = {"recorded": "configs/faults/matrix.json", "simulated": "configs/faults/simulated.json"}
@@ -23,8 +25,10 @@ TIMEOUT = 600  # s, of one run
 
 def data_folder(named):
     """That of the recorded drives, or None."""
-    root = named or os.environ.get("BINNACLE_DATA") or ROOT.parent / "shared" / "data"
-    folder = Path(root).resolve() / "drives"
+    try:
+        folder = trees.data_folder(named) / "drives"
+    except names.Bad:
+        return None
     return folder if folder.is_dir() else None
 
 
@@ -103,14 +107,14 @@ def judged(study, chosen, jobs, show):
     """(the clean run, [Cell], [what could not be run]) of the chosen variants, all where none is named; in the study's order."""
     clean, config = study.run(CLEAN)
     judge.limits(clean)
-    names = [name for name in config["study"]["variants"] if name != CLEAN]
+    variants = [name for name in config["study"]["variants"] if name != CLEAN]
     for name in chosen:
-        if name not in names:
+        if name not in variants:
             raise judge.Bad(f"{STUDIES[study.name]} has no cell '{name}'")
-    names = [name for name in names if not chosen or name in chosen]
+    variants = [name for name in variants if not chosen or name in chosen]
     cells, failures = [], []
     with concurrent.futures.ThreadPoolExecutor(max(1, jobs)) as pool:
-        for name, future in [(name, pool.submit(study.run, name)) for name in names]:
+        for name, future in [(name, pool.submit(study.run, name)) for name in variants]:
             try:
                 run, config = future.result()
                 cells.append(judge.Cell(name, run, clean, config))
