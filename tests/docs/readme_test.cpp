@@ -86,7 +86,11 @@ TEST_CASE("every JSON excerpt of the README is part of the quickstart") {
 }
 
 TEST_CASE("links between the documents lead somewhere") {
-  std::vector<std::string> documents{"README.md", "kernel/DESIGN.md", "configs/README.md", "configs/drives/README.md",
+  std::vector<std::string> documents{"README.md",
+                                     "kernel/DESIGN.md",
+                                     "configs/README.md",
+                                     "configs/drives/README.md",
+                                     "configs/faults/README.md",
                                      "sdk/docs/diagnostics.md"};
   for (const auto& plugin : fs::directory_iterator(in_project("plugins")))
     if (fs::exists(plugin.path() / "README.md"))
