@@ -24,7 +24,10 @@ ComponentSpec PositionFix::spec() {
   spec.summary = "A geodetic position from a receiver, with its own standard deviations where it has them.";
   spec.source = "paper 003, equation (11)";
   spec.parameters = ReportedSigma::parameters("m");
-  spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm")};
+  spec.ports = {reads("position", "position").about("of the antenna: a position block, or a lever_arm"),
+                reads("bias", "vector:3:m")
+                    .optional()
+                    .about("of the receiver, north, east, down, correlated in time: measured = true + bias")};
   spec.fields = {field::level("lat", "rad").about("geodetic latitude, WGS-84"),
                  field::level("lon", "rad").about("longitude, east positive"),
                  field::level("height", "m").about("above the ellipsoid")};
@@ -36,9 +39,16 @@ ComponentSpec PositionFix::spec() {
 
 PositionFix::PositionFix(const Binding& binding)
     : position_(binding.port("position")),
+<<<<<<< HEAD
       z_(binding.fields("lat", "lon", "height")),
       sigma_(binding, sigma_prefix, sigma_flaws) {
   declaration_.rows(3).reads(position_).group(rows::of("position", position_));
+=======
+      bias_(binding.port("bias")),
+      z_(binding.fields("lat", "lon", "height")),
+      sigma_(binding, sigma_prefix) {
+  declaration_.rows(3).reads(position_).reads(bias_).group(rows::of("position", position_));
+>>>>>>> h1
 }
 
 Result PositionFix::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
@@ -48,7 +58,9 @@ Result PositionFix::linearize(const MeasurementInput& in, MeasurementOutput& out
   if (const Result result = sigma_.write_variances(in.sample, out.R); !result) return result;
   out.rows = 3;
   out.residual.as<3>() = strapdown::position_minus(z, in.x[position_].as<3>());
+  if (bias_.is_bound()) out.residual.as<3>() -= in.x[bias_].as<3>();
   if (const MatrixView H = out.H[position_]) H.as<3, 3>().setIdentity();
+  if (const MatrixView H = out.H[bias_]) H.as<3, 3>().setIdentity();
   return Result::ok();
 }
 

@@ -9,6 +9,7 @@
 namespace binnacle::gnss_fix {
 
 /// r = z ⊟ p̂ [m, north east down, by the radii at p̂], H = I (paper 003 (11), whose I₆ is this and VelocityFix).
+/// With a bias, 3 [m, north east down]: z = p ⊞ (b + v), r = (z ⊟ p̂) − b̂, H = I in b as well.
 class PositionFix final : public MeasurementModel {
  public:
   static ComponentSpec spec();
@@ -18,6 +19,7 @@ class PositionFix final : public MeasurementModel {
 
  private:
   Port position_;
+  Port bias_;    // open: none
   Fields<3> z_;  // latitude, longitude, height
   ReportedSigma sigma_;
 };

@@ -48,6 +48,39 @@ TEST_CASE("position fix: residual and H at several places", "[gnss_fix]") {
   }
 }
 
+TEST_CASE("position fix: a bias is what the receiver adds to the position", "[gnss_fix]") {
+  const PositionKind position;
+  const AdditiveKind bias(3, "m");
+  const auto model = bind<PositionFix>({{}, {{"position", &position}, {"bias", &bias}}, {}});
+  REQUIRE(model->declaration().groups[0].port == 0);
+  const std::vector<double> x{0.65, 2.2, 60.0}, b{2.0, -3.0, 0.5}, offset{12.0, -7.0, 3.0};
+  std::vector<double> z(3);
+  position.plus(x, offset, z);
+  z.insert(z.end(), {1.0, 2.0, 4.0});
+  const PortStates ports{{&position, x, 10.0, 1e-8}, {&bias, b, 10.0}};
+  Complaints out;
+  const Measured m = linearize(*model, sample_of(z), ports, {}, out);
+  REQUIRE_NO_COMPLAINTS(out);
+  REQUIRE((m.residual - Eigen::Vector3d(10, -4, 2.5)).norm() < 1e-8);
+  REQUIRE(m.R.isApprox(Eigen::Vector3d(1, 4, 16).asDiagonal().toDenseMatrix()));
+  REQUIRE(m.H.size() == 2);
+  REQUIRE(m.H[0] == Eigen::Matrix3d::Identity());
+  REQUIRE(m.H[1] == Eigen::Matrix3d::Identity());
+  REQUIRE_NO_COMPLAINTS(check_measurement(*model, PositionFix::spec(), sample_of(z), ports, {}, {1e-5}, 1e-8));
+}
+
+TEST_CASE("position fix: without a bias the residual is z - p to the bit", "[gnss_fix]") {
+  const PositionKind position;
+  const auto model = bind<PositionFix>({{}, {{"position", &position}}, {}});
+  REQUIRE(model->declaration().read_ports == std::vector<int>{0});
+  const std::vector<double> x{0.65, 2.2, 60.0}, z{0.650001, 2.199999, 57.0, 1.0, 2.0, 4.0};
+  Complaints out;
+  const Measured m = linearize(*model, sample_of(z), {{&position, x, 10.0, 1e-8}, {}}, {}, out);
+  REQUIRE_NO_COMPLAINTS(out);
+  REQUIRE(m.residual == strapdown::position_minus({z[0], z[1], z[2]}, {x[0], x[1], x[2]}));
+  REQUIRE(m.H.size() == 1);
+}
+
 TEST_CASE("velocity fix: residual and H", "[gnss_fix]") {
   const AdditiveKind velocity("velocity.ned", 3, "m/s");
   const auto model = bind<VelocityFix>({{}, {{"velocity", &velocity}}, {}});

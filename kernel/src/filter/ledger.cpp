@@ -107,7 +107,7 @@ bool Ledger::is_inflation_due(int measurement) const {
 
 int Ledger::count_recovery(int measurement, Time t) {
   Tally& tally = tally_of(measurement);
-  ++tally.recoveries;
+  if (tally.recoveries++ == 0) tally.first_recovery = t;
   const bool is_soon = tally.last_recovery != no_time &&
                        t - tally.last_recovery < plan_.measurements[as_size(measurement)].recover_against;
   tally.recoveries_in_vain = is_soon ? tally.recoveries_in_vain + 1 : 1;

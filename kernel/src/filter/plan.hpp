@@ -256,7 +256,7 @@ struct Tally : SampleCounts {
   Streak gated;              // in a row
   double nis_sum = 0;
   Time last_accepted = no_time;
-  Time last_recovery = no_time;
+  Time first_recovery = no_time, last_recovery = no_time;
   int recoveries_in_vain = 0;  // in a row, each soon after the one before
   char last_reason[96] = {};
 };

@@ -95,7 +95,7 @@ class Examination {
     examine_lock_out(m, tally);
     examine_share(m, tally);
     if (tally.recoveries > 0)
-      see_({Doubt::recovered, Verdict::doubtful, m, -1, 0, no_time, double(tally.recoveries), 0});
+      see_({Doubt::recovered, Verdict::doubtful, m, -1, 0, tally.first_recovery, double(tally.recoveries), 0});
     if (score_limit_ > 0 && is_tested(m)) examine_innovations(m);
   }
 

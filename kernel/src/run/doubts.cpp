@@ -68,7 +68,9 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::correlation:
       return who + " has innovations that are correlated in time: " + figure +
              " of their variance in the window from " + since(reason) + " (limit " + limit + ")";
-    case Doubt::recovered: return who + " had to be recovered " + figure + " times: it was refused again and again";
+    case Doubt::recovered:
+      return who + " had to be recovered " + figure + " times, first at " + since(reason) +
+             ": it was refused again and again";
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::bridged:
@@ -81,8 +83,8 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105",
-                                   "B106", "B107", "B108", "B109", "B110", "B115", "B116"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106",
+                                   "B107", "B108", "B109", "B110", "B115", "B116"};
   return codes[static_cast<int>(doubt)];
 }
 
