@@ -39,16 +39,10 @@ ComponentSpec PositionFix::spec() {
 
 PositionFix::PositionFix(const Binding& binding)
     : position_(binding.port("position")),
-<<<<<<< HEAD
-      z_(binding.fields("lat", "lon", "height")),
-      sigma_(binding, sigma_prefix, sigma_flaws) {
-  declaration_.rows(3).reads(position_).group(rows::of("position", position_));
-=======
       bias_(binding.port("bias")),
       z_(binding.fields("lat", "lon", "height")),
-      sigma_(binding, sigma_prefix) {
+      sigma_(binding, sigma_prefix, sigma_flaws) {
   declaration_.rows(3).reads(position_).reads(bias_).group(rows::of("position", position_));
->>>>>>> h1
 }
 
 Result PositionFix::linearize(const MeasurementInput& in, MeasurementOutput& out) const {

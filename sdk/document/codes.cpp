@@ -177,7 +177,7 @@ constexpr CodeEntry entries[] = {
      "Look at the time that the message names: a receiver that jumps, freezes or is spoofed, or an estimate that was "
      "wrong for a while."},
     {"B108", "hole in the input", "The driving input had a hole that the filter bridged.",
-     "Look for lost data. The estimates after it are as good as the rates before and after it tell."},
+     "Look for lost data. The estimates after it are as good as the rates before and after it allow."},
     {"B109", "frozen input",
      "The driving input repeated its numbers to the bit, after it had changed from sample to sample.",
      "Look at the sensor and its logger: one that hangs gives its last sample again and again."},

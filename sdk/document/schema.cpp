@@ -372,7 +372,7 @@ void add_trust_definition(Json& definitions) {
     return described(about, {{"anyOf", {off, quantity_schema(parameter::number("", unit))}}});
   };
   definitions["trust"] = {
-      {"description", "limits of the filter's monitors, from which its verdict follows; false: no monitor speaks"},
+      {"description", "limits of the filter's monitors, from which its verdict follows; false: no monitor counts"},
       {"anyOf",
        {off,
         closed_object(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The faults transform: each kind does to a channel what its name says, when and to what it is told, and nothing else.
+// The faults transform: each kind does to a channel what its name says, when and to what it names, and nothing else.
 #include "faults/faults.hpp"
 
 #include <cmath>

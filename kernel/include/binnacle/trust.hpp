@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trust: whether a filter's estimates hold, and what speaks against them.
+// Trust: whether a filter's estimates hold, and what is against them.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace binnacle {
 
-/// Of a filter so far. `ok`: nothing speaks against its estimates; `doubtful`: something does; `lost`: they do not hold.
+/// Of a filter so far. `ok`: nothing is against its estimates; `doubtful`: something does; `lost`: they do not hold.
 enum class Verdict : unsigned char { ok, doubtful, lost };
 
 constexpr const char* verdict_name(Verdict verdict) {
@@ -16,7 +16,7 @@ constexpr const char* verdict_name(Verdict verdict) {
   return names[static_cast<int>(verdict)];
 }
 
-/// What speaks against a filter's estimates. `figure` and `limit` are those of TrustReason.
+/// What is against a filter's estimates. `figure` and `limit` are those of TrustReason.
 enum class Doubt : unsigned char {
   locked_out,      ///< refused `figure` times in a row, and still: at least `limit`
   never_accepted,  ///< `figure` samples were judged, at least `limit`, and none was accepted

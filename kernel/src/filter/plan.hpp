@@ -289,7 +289,7 @@ struct MeasurementPlan : Planned {
   Place<Tally> tally;
   Place<NisMonitor> nis;
   Place<RowMonitor> rows;   // as many as it may have, and for keys that come and go a few more
-  bool is_watched = true;   // its monitors speak against the filter
+  bool is_watched = true;   // its monitors count in the verdict
   Place<std::byte> memory;  // of its parts together
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double ten_minutes = 600;
 
-/// Goes through the monitors of one filter and tells `see` each reason.
+/// Goes through the monitors of one filter and gives `see` each reason.
 template <class See>
 class Examination {
  public:
