@@ -399,7 +399,7 @@ void add_filter_definitions(Json& definitions) {
        {"process", described("how blocks move; each is advanced by exactly one", named(ref("process_model")))},
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
-       {"longest_bridge", quantity},
+       {"longest_bridge", ref("quantity")},
        {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
                                     "filter; scored and recorded",
                                     named(or_patch(closed_object({{"measurement", described("whose samples", name)},

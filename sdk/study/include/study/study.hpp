@@ -12,6 +12,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
+#include "binnacle/trust.hpp"
 #include "score/metric.hpp"
 #include "study/statistics.hpp"
 
