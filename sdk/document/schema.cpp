@@ -384,6 +384,7 @@ void add_trust_definition(Json& definitions) {
              {"after", limit("1", "refusals in a row that are a lock-out")},
              {"refused", limit("1", "share of a measurement's rows beyond which a filter is lost")},
              {"hole", limit("s", "hole in the driving input beyond which a filter is doubtful")},
+             {"silent", limit("s", "time without a sample of use beyond which a filter is doubtful")},
              {"frozen", limit("s", "time that the driving input repeats itself beyond which a filter is doubtful")},
              {"except", described("measurements that are not watched", {{"anyOf", {name, list_of(name)}}})}},
             {})}}};

@@ -38,7 +38,8 @@ void drive(Session& session, double from, double to) {
 }
 
 bool has_code(const Session& session, const std::string& code) {
-  const auto items = session.doubts(FilterId{0}).items();
+  const Diagnostics doubts = session.doubts(FilterId{0});
+  const auto& items = doubts.items();
   return std::ranges::any_of(items, [&](const Diagnostic& item) { return item.code == code; });
 }
 

@@ -66,13 +66,15 @@ Session run(const std::shared_ptr<const Composition>& composition, unsigned seed
 double clean(double /*t*/, double z, Truth& /*truth*/) { return z; }
 
 bool has_code(const Session& session, const std::string& code) {
-  const auto items = session.doubts(FilterId{0}).items();
+  const Diagnostics doubts = session.doubts(FilterId{0});
+  const auto& items = doubts.items();
   return std::ranges::any_of(items, [&](const Diagnostic& item) { return item.code == code; });
 }
 
 std::string said(const Session& session) {
   std::string all = verdict_name(session.verdict(FilterId{0}));
-  for (const auto& item : session.doubts(FilterId{0}).items()) all += "\n" + item.code + " " + item.message;
+  const Diagnostics doubts = session.doubts(FilterId{0});
+  for (const auto& item : doubts.items()) all += "\n" + item.code + " " + item.message;
   return all;
 }
 
@@ -153,7 +155,8 @@ TEST_CASE("samples whose own standard deviation is none are invalid, noted by fi
     CHECK(session.counts(MeasurementId{{0}, 0}).by_outcome[static_cast<int>(Outcome::invalid)] == 10);
     CHECK(session.verdict(FilterId{0}) == Verdict::lost);
     CHECK(has_code(session, "B101"));
-    const auto notes = session.notes(FilterId{0}).items();
+    const Diagnostics all_notes = session.notes(FilterId{0});
+    const auto& notes = all_notes.items();
     REQUIRE(notes.size() == 1);
     CHECK(notes[0].pointer == "/filters/f/measurements/fix");
     CHECK(notes[0].message.find("linearize at 1 s notes: invalid sample of 'gnss': position_sd_e is 0, negative or not "

@@ -168,7 +168,8 @@ TEST_CASE("alignment: the latest quiet block is not in the mean") {
   const binnacle::coarse_alignment::RestLimits limits{8, 0.15, 0.01, 0.05, 0.5};
   binnacle::coarse_alignment::RestWindow window;
   using Event = binnacle::coarse_alignment::RestWindow::Event;
-  const auto add = [&](double fx) { return window.add(limits, 1, {0.001, 0, 0}, {fx, 0, -g}); };
+  binnacle::coarse_alignment::RestFindings findings;
+  const auto add = [&](double fx) { return window.add(limits, 1, {0.001, 0, 0}, {fx, 0, -g}, findings); };
   for (int k = 0; k < 8; ++k) REQUIRE(add(0) == Event::none);
   REQUIRE(add(0.1) == Event::at_rest);
   REQUIRE(window.means().specific_force.x() == 0);

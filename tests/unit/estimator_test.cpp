@@ -46,7 +46,7 @@ struct Fixture {
     calls = std::make_unique<ModelCalls>();
     estimator = std::make_unique<Estimator>(plan(), composition->plan().channels, arena, *calls);
     estimator->reset();
-    estimator->start();
+    estimator->start(false);
   }
   const FilterPlan& plan() const { return composition->plan().filters[0]; }
   const MeasurementPlan& fix() const { return plan().measurements[0]; }

@@ -27,10 +27,13 @@ enum class Doubt : unsigned char {
   recovered,       ///< the covariance was opened `figure` times since samples kept being refused
   was_locked_out,  ///< refused `figure` times in a row, at least `limit`; it passes again
   bridged,         ///< the longest hole in the driving input [s], longer than `limit`
-  frozen,          ///< the longest time that the driving input repeated itself to the bit [s], longer than `limit`
-  unaided,         ///< no sample of any measurement was used
-  restarted,       ///< started anew `figure` times
-  stopped,         ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
+  frozen,     ///< the longest time that the driving input repeated itself to the bit [s], longer than `limit`; or of a
+              ///< measurement: so many refused samples in a row did
+  unaided,    ///< no sample of any measurement was used
+  silent,     ///< the longest time [s] without a sample of use, in which what the measurement sees became 3 times as
+              ///< uncertain; at least `limit`
+  restarted,  ///< started anew `figure` times
+  stopped,    ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
 };
 
 /// One reason against a filter's estimates.

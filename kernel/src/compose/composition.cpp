@@ -193,6 +193,7 @@ void Composer::lay_out() {
     for (auto& measurement : filter.measurements) {
       measurement.tally = layout.add<Tally>(1);
       measurement.nis = layout.add<NisMonitor>(1);
+      measurement.variances = layout.add<double>(measurement.columns.size());
       const std::size_t further = measurement.gate_unit == GateUnit::sample ? 0 : 32;
       measurement.rows = layout.add<RowMonitor>(2 * as_size(measurement.max_rows) + further);
       const std::size_t begin = layout.size();

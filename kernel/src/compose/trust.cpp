@@ -32,7 +32,7 @@ void FilterComposer::read_trust() {
   }
   if (!trust.is_object("'trust'")) return;
   trust.check_keys({"false_alarm", "nis", "bias", "correlation", "beyond_reason", "after", "refused", "hole", "frozen",
-                    "except"},
+                    "silent", "except"},
                    "'trust'");
   TrustPlan& limits = plan.trust;
   read_limit(trust, parameter::number("false_alarm", "1").above(0).below(1), limits.false_alarm);
@@ -42,12 +42,15 @@ void FilterComposer::read_trust() {
   read_switch(trust["bias"], limits.tests_bias);
   read_switch(trust["correlation"], limits.tests_correlation);
   double after = static_cast<double>(limits.after), hole = seconds(limits.hole), frozen = seconds(limits.frozen);
+  double silent = seconds(limits.silent);
   read_limit(trust, parameter::number("after", "1").at_least(1), after);
   read_limit(trust, parameter::number("hole", "s").above(0), hole);
   limits.after = static_cast<std::int64_t>(after);
   read_limit(trust, parameter::number("frozen", "s").above(0), frozen);
   limits.hole = nanoseconds(hole);
   limits.frozen = nanoseconds(frozen);
+  read_limit(trust, parameter::number("silent", "s").above(0), silent);
+  limits.silent = nanoseconds(silent);
   const Reader except = trust["except"];
   for (const auto& name : except.names().value_or(std::vector<std::string>())) {
     const auto found = std::ranges::find(plan.measurements, name, &MeasurementPlan::name);

@@ -27,13 +27,21 @@ constexpr int most_recoveries_in_vain = 3;
 
 /// Asks the ledger about rows of the sample at work.
 struct LockedOut {
-  const Ledger& ledger;
+  Ledger& ledger;
   int measurement;
+  const SampleView& sample;
+  const ChannelPlan& channel;
+  bool is_asked = false, repeats = false;
   LockOutTest test() {
     return {this, [](void* self, const SampleRows& rows, unsigned char* marked) {
-              const auto& its = *static_cast<LockedOut*>(self);
-              return its.ledger.is_locked_out(its.measurement, {rows.keys.data(), as_size(rows.m)}, rows.groups.data(),
-                                              marked);
+              auto& its = *static_cast<LockedOut*>(self);
+              if (!std::exchange(its.is_asked, true))
+                its.repeats = its.ledger.repeats(its.measurement, its.sample, its.channel);
+              return !its.repeats && its.ledger.is_locked_out(its.measurement,
+                                                              {{rows.keys.data(), as_size(rows.m)},
+                                                               rows.groups.data(),
+                                                               rows.square(rows.HPHt)},
+                                                              marked);
             }};
   }
 };
@@ -203,7 +211,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
   }
   const double dt = tally.last_accepted == no_time ? 0.0 : seconds(sample.t - tally.last_accepted);
   const bool withheld = is_withheld(plan, tally.reached, sample.t);
-  LockedOut locked_out{ledger_, measurement};
+  LockedOut locked_out{ledger_, measurement, sample, channels_[as_size(plan.channel)]};
   Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
   if (judged.is_locked_out) {
     // Its rows anew: some may be gone already.
@@ -217,6 +225,10 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   estimator_.roll_back(plan);
+  if (judged.outcome == Outcome::withheld) {
+    ledger_.end_silence(measurement, sample.t, estimator_.form());
+    ledger_.settle(measurement, sample.t, estimator_.form());
+  }
   const SampleRows& rows = estimator_.rows();
   if (judged.outcome == Outcome::gated) {
     ledger_.refuse({rows.keys.data(), as_size(rows.m)}, rows.groups.data());
@@ -229,7 +241,9 @@ void Engine::measure(int measurement, const SampleView& sample) {
 void Engine::correct(int measurement, Time t) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   keep_before(Wants::update_covariance);
+  ledger_.end_silence(measurement, t, estimator_.form());
   estimator_.correct(plan);
+  ledger_.settle(measurement, t, estimator_.form());
   const SampleRows& rows = estimator_.rows();
   ledger_.use(
       {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.square(rows.R), rows.square(rows.S)},

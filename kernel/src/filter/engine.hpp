@@ -43,6 +43,8 @@ class Engine final : private TimeLine::Work {
 
   const TimeHead& status() const { return time_.head(); }
   bool started() const { return time_.is_started(); }
+  Verdict verdict() const { return ledger_.verdict(estimator_.form()); }
+  std::size_t reasons(std::span<TrustReason> into) const { return ledger_.reasons(estimator_.form(), into); }
   bool has_started() const { return time_.head().starts > 0; }
   bool broken() const { return ledger_.is_broken(); }
   const double* state() const { return estimator_.state(); }

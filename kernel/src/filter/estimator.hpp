@@ -168,6 +168,7 @@ class Estimator {
 
   const double* state() const { return plan_.state.in(arena_); }
   ConstMatrixView covariance() const { return P_->expand(); }
+  const CovarianceForm& form() const { return *P_; }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
   void write(SampleWriter& slot);
 

@@ -2,6 +2,7 @@
 #include "filter/ledger.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -69,35 +70,123 @@ void Ledger::refuse(std::span<const std::int64_t> keys, const int* groups) {
   for_each_row(keys, groups, [&](RowMonitor& row, int) { row.refuse(open_t_, judged(open_)); });
 }
 
-bool Ledger::is_locked_out(int measurement, std::span<const std::int64_t> keys, const int* groups,
-                           unsigned char* marked) const {
+bool Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const {
   const auto& plan = plan_.measurements[as_size(measurement)];
   if (plan.recover_after == 0 || !plan.inflations.empty()) return false;
-  const auto row_at = [&](std::size_t i) { return known_row(rows_of(measurement), groups[i], keys[i]); };
-  const auto streak_of = [&](const RowMonitor* row) { return row ? row->streak_at(judged(measurement)) : Streak{}; };
+  const std::size_t count = rows.keys.size();
+  const auto streak_of = [&](std::size_t i) {
+    const RowMonitor* row = known_row(rows_of(measurement), rows.groups[i], rows.keys[i]);
+    return row ? row->streak_at(judged(measurement)) : Streak{};
+  };
   // The one that has been refused for longest.
   Streak longest;
   if (!marked) longest = tally(measurement).gated;
-  for (std::size_t i = 0; marked && i < keys.size(); ++i)
-    if (const Streak streak = streak_of(row_at(i)); marked[i] && streak.count >= longest.count) longest = streak;
+  for (std::size_t i = 0; marked && i < count; ++i)
+    if (const Streak streak = streak_of(i); marked[i] && streak.count >= longest.count) longest = streak;
   if ((longest.count + 1) % plan.recover_after != 0) return false;
   const Time since = longest.count > 0 ? longest.since : open_t_;
 
-  std::int64_t refused = 0, all = 0;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    // A row that the gate has not come to yet will go the way of its last ones.
-    if (marked && streak_of(row_at(i)).count >= std::max(1, plan.recover_after - 1)) marked[i] = 1;
-    ++all;
-    refused += !marked || marked[i];
-  }
-  for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
-    for (const RowMonitor& row : rows_of(m)) {
-      if (m == measurement || !row.is_in_use || row.last < since) continue;
-      ++all;
-      refused += plan_.measurements[as_size(m)].recover_after > 0 &&
-                 row.streak_at(judged(m)).count >= plan_.measurements[as_size(m)].recover_after;
+  // A row that the gate has not come to yet will go the way of its last ones.
+  for (std::size_t i = 0; marked && i < count; ++i)
+    if (streak_of(i).count >= std::max(1, plan.recover_after - 1)) marked[i] = 1;
+  const int own = marked ? 0 : 1;
+  const Votes votes = votes_of(rows, marked);
+  const Votes others = votes_of_others(measurement, since);
+  const int against = own + votes.against + others.against, all = own + votes.all + others.all;
+  return 2 * against > all || open_t_ - since >= plan.recover_against;
+}
+
+/// One for each group of the sample; none without marks, where the sample has one vote.
+Ledger::Votes Ledger::votes_of(const OfferedRows& rows, const unsigned char* marked) {
+  Votes votes;
+  if (!marked) return votes;
+  const auto& groups = rows.groups;
+  const int count = static_cast<int>(rows.keys.size());
+  const auto squared_correlation = [&](int i, int k) {
+    const double product = rows.HPHt(i, i) * rows.HPHt(k, k);
+    return product > 0 ? rows.HPHt(i, k) * rows.HPHt(i, k) / product : 0.0;
+  };
+  for (int first = 0; first < count; ++first) {
+    if (std::find(groups, groups + first, groups[first]) != groups + first) continue;
+    double refused = 0, passing = 0;
+    for (int i = first; i < count; ++i) {
+      if (groups[i] != groups[first]) continue;
+      if (marked[i]) {
+        ++refused;
+        continue;
+      }
+      double closest = 0;
+      for (int k = first; k < count; ++k)
+        if (groups[k] == groups[first] && marked[k]) closest = std::max(closest, squared_correlation(i, k));
+      passing += closest;
     }
-  return 2 * refused > all || open_t_ - since >= plan.recover_against;
+    ++votes.all;
+    votes.against += refused > passing;
+  }
+  return votes;
+}
+
+/// One for each group of other measurements of which rows came since.
+Ledger::Votes Ledger::votes_of_others(int measurement, Time since) const {
+  Votes votes;
+  for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
+    if (m == measurement) continue;
+    const int after = plan_.measurements[as_size(m)].recover_after;
+    const auto table = rows_of(m);
+    const auto came = [&](const RowMonitor& row) { return row.is_in_use && row.last >= since; };
+    for (std::size_t first = 0; first < table.size(); ++first) {
+      const int group = table[first].group;
+      const auto is_same = [&](const RowMonitor& row) { return came(row) && row.group == group; };
+      if (!came(table[first]) ||
+          std::any_of(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(first), is_same))
+        continue;
+      ++votes.all;
+      votes.against += after > 0 && std::ranges::any_of(table, [&](const RowMonitor& row) {
+                         return is_same(row) && row.streak_at(judged(m)).count >= after;
+                       });
+    }
+  }
+  return votes;
+}
+
+bool Ledger::repeats(int measurement, const SampleView& sample, const ChannelPlan& channel) {
+  Tally& its = tally_of(measurement);
+  std::uint64_t fingerprint = 14695981039346656037U;  // FNV-1a, word by word
+  const auto mix = [&](const double* values, int count) {
+    for (int i = 0; i < count; ++i)
+      fingerprint = (fingerprint ^ std::bit_cast<std::uint64_t>(values[i])) * 1099511628211U;
+  };
+  mix(sample.fields, channel.epoch_fields);
+  mix(sample.row_fields, sample.rows * channel.row_fields);
+  const bool repeats = std::exchange(its.fingerprint, fingerprint) == fingerprint;
+  repeats ? its.repeats.refuse(sample.t) : its.repeats.end();
+  return repeats;
+}
+
+Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  const Time last = tally(measurement).last_useful;
+  if (!plan.is_watched || plan_.trust.silent <= 0 || last == no_time || t - last < plan_.trust.silent) return 0;
+  constexpr double much = 3 * 3;  // of the variance
+  const double* const then = plan.variances.in(arena_);
+  for (std::size_t c = 0; c < plan.columns.size(); ++c)
+    if (P.variance(plan.columns[c]) > much * then[c]) return t - last;
+  return 0;
+}
+
+void Ledger::end_silence(int measurement, Time t, const CovarianceForm& P) {
+  Tally& its = tally_of(measurement);
+  const Time silent = silence(measurement, t, P);
+  if (silent <= its.longest_silence) return;
+  its.longest_silence = silent;
+  its.longest_silence_at = its.last_useful;
+}
+
+void Ledger::settle(int measurement, Time t, const CovarianceForm& P) {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  tally_of(measurement).last_useful = t;
+  double* const variances = plan.variances.in(arena_);
+  for (std::size_t c = 0; c < plan.columns.size(); ++c) variances[c] = P.variance(plan.columns[c]);
 }
 
 bool Ledger::is_inflation_due(int measurement) const {

@@ -12,6 +12,13 @@
 
 namespace binnacle::internal::filter {
 
+/// The rows of a sample that is judged; HPHt without R.
+struct OfferedRows {
+  std::span<const std::int64_t> keys;
+  const int* groups = nullptr;
+  ConstMatrixView HPHt;
+};
+
 /// An offered sample is open until it is closed with its outcome or waits in the queue; at most one is open. So
 ///     offered = Σ outcomes + waiting + open.
 class Ledger {
@@ -40,11 +47,14 @@ class Ledger {
   void leave_out(std::span<const std::int64_t> keys, const int* groups);
   /// All rows of the open sample are gated with it.
   void refuse(std::span<const std::int64_t> keys, const int* groups);
-  /// Whether the marked rows of the open sample (null: all), refused once more, are to be recovered: when most of what came
-  /// since their first refusal is locked out too, the state is wrong; when most of it passes, the measurement is, and only
-  /// after `against` the state is believed to be. Marks the other rows that are locked out with them.
-  bool is_locked_out(int measurement, std::span<const std::int64_t> keys, const int* groups,
-                     unsigned char* marked) const;
+  /// Whether the marked rows of the open sample (null: all), refused once more, are to be recovered. The groups that came
+  /// since their first refusal have a vote each; that of a group is against the state where more of its rows are locked
+  /// out than pass, a row that passes counting as its squared correlation with one that does not: the north says nothing
+  /// about the east. Where most are against the state, it is wrong; else the measurement is, and only after `against`
+  /// the state is taken to be. Marks the other rows that are locked out with them.
+  bool is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const;
+  /// Whether a refused sample repeats the refused one before it: a sensor that hangs has nothing to say about the state.
+  bool repeats(int measurement, const SampleView& sample, const ChannelPlan& channel);
   /// The newest sample of a measurement was gated: whether the variances that its config names are due.
   bool is_inflation_due(int measurement) const;
   /// Returns how many there were in a row, each within `against` of the one before.
@@ -68,15 +78,27 @@ class Ledger {
   /// Free places among them.
   std::span<const RowMonitor> rows(int measurement) const { return rows_of(measurement); }
 
+  /// A sample of the measurement is of use now: it is about to correct, or is withheld.
+  void end_silence(int measurement, Time t, const CovarianceForm& P);
+  /// It has corrected: how certain is what it sees.
+  void settle(int measurement, Time t, const CovarianceForm& P);
+  /// Since the last sample of use, if what the measurement sees has become much less certain; else 0.
+  Time silence(int measurement, Time t, const CovarianceForm& P) const;
+
   /// What the monitors make of it so far. Writes as many reasons as there is room for; returns how many there are.
-  Verdict verdict() const;
-  std::size_t reasons(std::span<TrustReason> into) const;
+  Verdict verdict(const CovarianceForm& P) const;
+  std::size_t reasons(const CovarianceForm& P, std::span<TrustReason> into) const;
 
  private:
   std::span<RowMonitor> rows_of(int measurement) const {
     const auto& place = plan_.measurements[as_size(measurement)].rows;
     return {place.in(arena_), place.count};
   }
+  struct Votes {
+    int against = 0, all = 0;
+  };
+  static Votes votes_of(const OfferedRows& rows, const unsigned char* marked);
+  Votes votes_of_others(int measurement, Time since) const;
   template <class Act>
   void for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act);
   Tally& tally_of(int measurement) { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }

@@ -258,6 +258,12 @@ struct Tally : SampleCounts {
   Time last_accepted = no_time;
   Time first_recovery = no_time, last_recovery = no_time;
   int recoveries_in_vain = 0;  // in a row, each soon after the one before
+  // Refused samples that repeat the one before to the bit.
+  std::uint64_t fingerprint = 0;
+  Streak repeats;
+  // The longest time without a sample of use in which what it sees became much less certain.
+  Time last_useful = no_time;
+  Time longest_silence = 0, longest_silence_at = no_time;
   char last_reason[96] = {};
 };
 
@@ -288,6 +294,7 @@ struct MeasurementPlan : Planned {
   std::vector<TimeSpan> withheld;
   Place<Tally> tally;
   Place<NisMonitor> nis;
+  Place<double> variances;  // of its columns, when a sample was last of use
   Place<RowMonitor> rows;   // as many as it may have, and for keys that come and go a few more
   bool is_watched = true;   // its monitors count in the verdict
   Place<std::byte> memory;  // of its parts together
@@ -301,13 +308,14 @@ struct TrustPlan {
   double refused = 0.5;     // share of rows
   double nis = 25;          // NIS over its rows that is beyond all reason
   Time hole = 500'000'000;  // bridged
-  Time frozen = 1 * nanoseconds_per_second;  // an input that repeats itself
+  Time frozen = 1 * nanoseconds_per_second;   // an input that repeats itself
+  Time silent = 30 * nanoseconds_per_second;  // without a sample of use
 };
 
 /// A channel whose latest sample a filter keeps: for initial values, or as an auxiliary input.
 struct LatestPlan {
   int channel = 0;
-  Time max_age = 0;    // initial values only; 0: any age
+  Time max_age = 0;  // initial values only; 0: any age
   // Initial values only: whether the first start needs it, and whether a further one needs a new sample of it.
   bool is_of_start = false, is_of_restart = false;
   Place<double> data;  // as ChannelPlan lays it out
@@ -321,8 +329,8 @@ struct LatestPlan {
 
 /// When a filter is. Lies in the arena.
 struct TimeHead {
-  Time t = no_time;  // the filter's time
-  Time start = no_time;      // the first
+  Time t = no_time;      // the filter's time
+  Time start = no_time;  // the first
   Time last_start = no_time;
   Time restart_until = no_time;  // it starts anew if it can up to this time
   Time input_end = no_time;      // end of the newest input interval

@@ -17,8 +17,8 @@ constexpr double ten_minutes = 600;
 template <class See>
 class Examination {
  public:
-  Examination(const FilterPlan& plan, const std::byte* arena, const Ledger& ledger, See& see)
-      : plan_(plan), trust_(plan.trust), head_(*plan.head.in(arena)), ledger_(ledger), see_(see) {}
+  Examination(const FilterPlan& plan, const std::byte* arena, const Ledger& ledger, const CovarianceForm& P, See& see)
+      : plan_(plan), trust_(plan.trust), head_(*plan.head.in(arena)), ledger_(ledger), P_(P), see_(see) {}
 
   void run() {
     if (head_.starts == 0) return;
@@ -96,7 +96,20 @@ class Examination {
     examine_share(m, tally);
     if (tally.recoveries > 0)
       see_({Doubt::recovered, Verdict::doubtful, m, -1, 0, tally.first_recovery, double(tally.recoveries), 0});
+    if (tally.repeats.longest >= trust_.after && trust_.after > 0)
+      see_({Doubt::frozen, Verdict::doubtful, m, -1, 0, tally.repeats.longest_since, double(tally.repeats.longest),
+            double(trust_.after)});
+    examine_silence(m, tally);
     if (score_limit_ > 0 && is_tested(m)) examine_innovations(m);
+  }
+
+  /// Up to now, or before.
+  void examine_silence(int m, const Tally& tally) {
+    const Time now = ledger_.silence(m, head_.t, P_);
+    const bool is_now = now > tally.longest_silence;
+    if (const Time longest = is_now ? now : tally.longest_silence; longest > 0)
+      see_({Doubt::silent, Verdict::doubtful, m, -1, 0, is_now ? tally.last_useful : tally.longest_silence_at,
+            seconds(longest), seconds(trust_.silent)});
   }
 
   /// All that is refused together is one reason; rows one by one where others pass.
@@ -182,26 +195,27 @@ class Examination {
   const TrustPlan& trust_;
   const TimeHead& head_;
   const Ledger& ledger_;
+  const CovarianceForm& P_;
   See& see_;
   double score_limit_ = 0;  // 0: innovations are not tested
 };
 
 }  // namespace
 
-Verdict Ledger::verdict() const {
+Verdict Ledger::verdict(const CovarianceForm& P) const {
   Verdict worst = is_broken() ? Verdict::lost : Verdict::ok;
   const auto see = [&](const TrustReason& reason) { worst = std::max(worst, reason.verdict); };
-  Examination(plan_, arena_, *this, see).run();
+  Examination(plan_, arena_, *this, P, see).run();
   return worst;
 }
 
-std::size_t Ledger::reasons(std::span<TrustReason> into) const {
+std::size_t Ledger::reasons(const CovarianceForm& P, std::span<TrustReason> into) const {
   std::size_t count = 0;
   const auto see = [&](const TrustReason& reason) {
     if (count < into.size()) into[count] = reason;
     ++count;
   };
-  Examination(plan_, arena_, *this, see).run();
+  Examination(plan_, arena_, *this, P, see).run();
   return count;
 }
 

@@ -37,7 +37,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
   if (reason.doubt == Doubt::bridged)
     return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " +
            limit + " s); what the vehicle did meanwhile is not known";
-  if (reason.doubt == Doubt::frozen)
+  if (reason.doubt == Doubt::frozen && reason.measurement < 0)
     return "the input of '" + filter.name + "' repeats the same numbers for " + figure + " s from " + since(reason) +
            " on (limit " + limit + " s): the sensor hangs";
   if (reason.doubt == Doubt::unaided)
@@ -73,8 +73,13 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
              ": it was refused again and again";
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
-    case Doubt::bridged:
     case Doubt::frozen:
+      return who + " repeats the same numbers: " + figure + " refused samples in a row from " + since(reason) +
+             " on; the sensor hangs";
+    case Doubt::silent:
+      return "no sample of " + who + " was of use for " + figure + " s from " + since(reason) + " on (limit " + limit +
+             " s), and what it sees became 3 times as uncertain or more";
+    case Doubt::bridged:
     case Doubt::unaided:
     case Doubt::restarted:
     case Doubt::stopped: break;
@@ -84,7 +89,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 
 const char* code_of(Doubt doubt) {
   constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106",
-                                   "B107", "B108", "B109", "B110", "B115", "B116"};
+                                   "B107", "B108", "B109", "B110", "B117", "B115", "B116"};
   return codes[static_cast<int>(doubt)];
 }
 

@@ -241,10 +241,10 @@ ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).
 
 void Session::attach(FilterId filter, StepObserver* observer) { engine(filter).attach(observer); }
 
-Verdict Session::verdict(FilterId filter) const { return engine(filter).ledger().verdict(); }
+Verdict Session::verdict(FilterId filter) const { return engine(filter).verdict(); }
 
 std::size_t Session::reasons(FilterId filter, std::span<TrustReason> into) const {
-  return engine(filter).ledger().reasons(into);
+  return engine(filter).reasons(into);
 }
 
 MeasurementCounts Session::counts(MeasurementId measurement) const {
