@@ -93,10 +93,10 @@ class Replay final : public StepObserver {
   void inflated(const InflationRecord& record) override {
     follow("inflated", record.P0, record.P1, [&](Matrix P) {
       for (int i = 0; i < info_.dof && record.variances; ++i) P(i, i) += record.variances[i];
-      for (int j = 0; j < info_.dof && record.direction; ++j)
+      for (int j = 0; j < info_.dof && record.scales; ++j)
         for (int i = 0; i < info_.dof; ++i)
-          P(i, j) += static_cast<long double>(record.direction[i]) * static_cast<long double>(record.direction[j]);
-      if (record.direction) ++events["opened"];
+          P(i, j) *= static_cast<long double>(record.scales[i]) * static_cast<long double>(record.scales[j]);
+      if (record.scales) ++events["opened"];
       return P;
     });
   }
@@ -166,7 +166,7 @@ void drive(Session& session) {
       std::vector<double> list;
       for (int r = 0; r < 4; ++r) {
         const bool has_jumped = i > 12000;  // all rows: the state is wrong, and recovers
-        const double slope = r - 1.5, outlier = has_jumped ? 500 : r == 2 && i % 500 == 35 ? 50 : 0;
+        const double slope = r - 1.5, outlier = has_jumped ? 30 : r == 2 && i % 500 == 35 ? 50 : 0;
         for (const double value : {1.0 + r, pair[0] + slope * pair[1] + normal(engine) + outlier, slope, 1.0})
           list.push_back(value);
       }
@@ -195,7 +195,7 @@ TEST_CASE("a dense replay from the start and the step log alone gives every P") 
   for (const auto& [event, count] : replay.events) UNSCOPED_INFO(event << ": " << count);
   INFO("from event to event " << replay.worst_step << ", over all " << replay.worst_total);
   CHECK(replay.events["stepped"] > 15000);
-  CHECK(replay.events["inflated"] == session.counts({{0}, 0}).recoveries);
+  CHECK(replay.events["inflated"] == session.counts({{0}, 0}).recoveries + session.counts({{0}, 1}).recoveries);
   for (const char* event :
        {"inflated", "opened", "reset", "left out", "fix 0", "fix 1", "fix 5", "pair 0", "exact 6"}) {
     CAPTURE(event);

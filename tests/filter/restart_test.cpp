@@ -14,14 +14,14 @@ using filter_tests::push;
 
 namespace {
 
-constexpr const char* again = R"("init": {"channel": "first", "fields": {"x0": "z0"}, "again": true}, "sigma": 2)";
+constexpr const char* again = R"("init": {"channel": "first", "fields": {"x": "z0"}, "again": true}, "sigma": 2)";
 
 /// A position that is carried by a measured velocity, from a channel's first value on.
 std::string carried(const std::string& start = again, const std::string& keys = "") {
   return R"({"binnacle": 1,
     "sources": {"v": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
                 "first": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
-                "other": {"type": "pushed", "fields": {"x0": {"unit": "m"}}},
+                "other": {"type": "pushed", "fields": {"x": {"unit": "m"}}},
                 "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {)" +
          keys + R"("blocks": {"position": {"type": "vector", "size": 1, "unit": "m", )" + start + R"(}},
@@ -92,7 +92,7 @@ TEST_CASE("a value that came before the recoveries, or long after, does not star
 }
 
 TEST_CASE("without \"again\" recovery goes on") {
-  Session session(composition_of(carried(R"("init": {"channel": "first", "fields": {"x0": "z0"}}, "sigma": 2)")));
+  Session session(composition_of(carried(R"("init": {"channel": "first", "fields": {"x": "z0"}}, "sigma": 2)")));
   push(session, "first", 0, {5});
   recover_in_vain(session, 0);
   push(session, "first", 15, {7});
@@ -101,7 +101,7 @@ TEST_CASE("without \"again\" recovery goes on") {
 
 TEST_CASE("the filter may start anew from another channel than the first time") {
   Session session(composition_of(
-      carried(R"("init": {"channel": "first", "fields": {"x0": "z0"}, "again": {"channel": "other"}}, "sigma": 2)")));
+      carried(R"("init": {"channel": "first", "fields": {"x": "z0"}, "again": {"channel": "other"}}, "sigma": 2)")));
   push(session, "first", 0, {5});
   REQUIRE(session.started(FilterId{0}));
   CHECK(position(session) == 5);
@@ -138,6 +138,6 @@ TEST_CASE("what can not start anew is refused") {
     return composition_of(carried(start, keys));
   };
   CHECK_THROWS_AS(load(R"("init": 5, "sigma": 2)", R"("longest_bridge": "3 s", )"), ConfigError);
-  CHECK_THROWS_AS(load(R"("init": {"x0": 5, "again": true}, "sigma": 2)"), ConfigError);
-  CHECK_THROWS_AS(load(R"("init": {"channel": "first", "again": {"fields": {"x0": "z0"}}}, "sigma": 2)"), ConfigError);
+  CHECK_THROWS_AS(load(R"("init": {"x": 5, "again": true}, "sigma": 2)"), ConfigError);
+  CHECK_THROWS_AS(load(R"("init": {"channel": "first", "again": {"fields": {"x": "z0"}}}, "sigma": 2)"), ConfigError);
 }

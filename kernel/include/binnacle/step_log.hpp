@@ -43,7 +43,7 @@ constexpr bool includes(Wants all, Wants part) {
 //   started, restored   P = P
 //   stepped             P ← Φ P Φᵀ + Qd
 //   offered, accepted   P ← T ((I − K H) P (I − K H)ᵀ + K R Kᵀ) Tᵀ, T the reset (identity where it is null)
-//   inflated            P ← P + diag(variances), or P + d dᵀ with d the direction
+//   inflated            P ← P + diag(variances), or D P D with D = diag(scales)
 // Nothing else changes P. Stored states are laid out as FilterInfo specifies; rows of Φ, Qd, H, K and P are the estimated
 // and considered error components. All pointers are valid during the call.
 
@@ -90,7 +90,7 @@ struct InflationRecord {
   int measurement = 0;
   Time t = no_time;                   // of the last sample that was refused
   const double* variances = nullptr;  // n: added to the diagonal of P; null where the config names none
-  const double* direction = nullptr;  // n: d, where P + d dᵀ was made; null else
+  const double* scales = nullptr;     // n: D, where D P D was made; null else
   ConstMatrixView P0;
   ConstMatrixView P1;
 };

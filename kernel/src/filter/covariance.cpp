@@ -214,9 +214,9 @@ void expand_noise(const TransitionPlan& plan, const double* const* noise, Matrix
     Qd(at % ld, at / ld) = Qd(at / ld, at % ld) += noise[block][place];
 }
 
-void Joseph::open(const double* d) {
+void Joseph::scale(const double* d) {
   for (int j = 0; j < plan_.n; ++j)
-    for (int i = 0; i < plan_.n; ++i) column_at(P_, ld_, j)[i] += d[i] * d[j];
+    for (int i = 0; i < plan_.n; ++i) column_at(P_, ld_, j)[i] *= d[i] * d[j];
 }
 
 bool factor_innovation(const UpdateWork& work) {

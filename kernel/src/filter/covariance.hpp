@@ -98,8 +98,8 @@ class CovarianceForm {
   virtual void transform(const double* T, int first, int d) = 0;
   /// Adds a variance to one component.
   virtual void inflate(int row, double variance) = 0;
-  /// P ← P + d dᵀ.
-  virtual void open(const double* d) = 0;
+  /// P ← D P D, D = diag(d).
+  virtual void scale(const double* d) = 0;
   /// Of one component.
   virtual double variance(int row) const = 0;
   /// P, whole, to be read until it changes.
@@ -118,7 +118,7 @@ class Joseph final : public CovarianceForm {
   void correct(const UpdateWork& work) override;
   void transform(const double* T, int first, int d) override;
   void inflate(int row, double variance) override { matrix()(row, row) += variance; }
-  void open(const double* d) override;
+  void scale(const double* d) override;
   double variance(int row) const override { return matrix()(row, row); }
   ConstMatrixView expand() const override { return matrix(); }
 

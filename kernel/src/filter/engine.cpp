@@ -29,14 +29,13 @@ constexpr int most_recoveries_in_vain = 3;
 struct LockedOut {
   Ledger& ledger;
   int measurement;
-  const SampleView& sample;
-  const ChannelPlan& channel;
-  bool is_asked = false, repeats = false;
+  Time t;
+  bool repeats;
+  bool is_asked = false;
   LockOutTest test() {
     return {this, [](void* self, const SampleRows& rows, unsigned char* marked) {
               auto& its = *static_cast<LockedOut*>(self);
-              if (!std::exchange(its.is_asked, true))
-                its.repeats = its.ledger.repeats(its.measurement, its.sample, its.channel);
+              if (its.repeats && !std::exchange(its.is_asked, true)) its.ledger.count_repeat(its.measurement, its.t);
               return !its.repeats && its.ledger.is_locked_out(its.measurement,
                                                               {{rows.keys.data(), as_size(rows.m)},
                                                                rows.groups.data(),
@@ -211,7 +210,8 @@ void Engine::measure(int measurement, const SampleView& sample) {
   }
   const double dt = tally.last_accepted == no_time ? 0.0 : seconds(sample.t - tally.last_accepted);
   const bool withheld = is_withheld(plan, tally.reached, sample.t);
-  LockedOut locked_out{ledger_, measurement, sample, channels_[as_size(plan.channel)]};
+  const bool repeats = ledger_.repeats(measurement, sample, channels_[as_size(plan.channel)]);
+  LockedOut locked_out{ledger_, measurement, sample.t, repeats};
   Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
   if (judged.is_locked_out) {
     // Its rows anew: some may be gone already.

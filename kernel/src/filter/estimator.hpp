@@ -66,22 +66,23 @@ class OutlierTest {
   std::vector<unsigned char> is_tested_, worst_;
 };
 
-/// The direction along which a lock-out opens P. Sized once: find() does not allocate.
+/// What a lock-out opens P by. Sized once: find() does not allocate.
 class Opening {
  public:
   Opening(int n, int max_rows);
 
-  /// Makes `direction` d such that with P + d dᵀ the marked rows are no outliers any more, and other rows are not moved;
-  /// false where there is none. `marked` null: those that stand out, or all. Needs G and S. recovery.cpp
-  bool find(const SampleRows& rows, const MeasurementPlan& measurement, const std::vector<unsigned char>& corrected,
-            int n, const unsigned char* marked);
+  /// Makes `scales` D such that with D P D the marked rows are no outliers any more, and what moves other rows is not
+  /// opened; false where there is none. `marked` null: those that stand out, or all. Needs G and S. recovery.cpp
+  bool find(const SampleRows& rows, const MeasurementPlan& measurement, const CovarianceForm& P,
+            const std::vector<unsigned char>& corrected, int n, const unsigned char* marked);
 
-  std::vector<double> direction;  // padded(n)
+  std::vector<double> scales;  // padded(n)
 
  private:
   int collect(const SampleRows& rows, const MeasurementPlan& measurement, const unsigned char* marked);
   int member(int k) const { return members_[as_size(k)]; }
 
+  std::vector<double> direction_;  // g, padded(n)
   Eigen::MatrixXd matrix_, inverse_;
   Eigen::VectorXd weights_, s_, z_, part_z_;
   std::vector<int> members_;  // U
@@ -152,9 +153,9 @@ class Estimator {
   bool has_reset() const { return !resets_.empty(); }
   void expand_reset(MatrixView T) const;
 
-  /// P ← P + d dᵀ along what the marked rows of the judged sample see; false where that cannot be. recovery.cpp
+  /// P ← D P D along what the marked rows of the judged sample see; false where that cannot be. recovery.cpp
   bool open(const MeasurementPlan& measurement, const unsigned char* marked);
-  const double* opened() const { return opening_.direction.data(); }
+  const double* opened() const { return opening_.scales.data(); }
   /// Adds a measurement's named variances to P.
   void inflate(const MeasurementPlan& measurement);
 

@@ -158,9 +158,13 @@ bool Ledger::repeats(int measurement, const SampleView& sample, const ChannelPla
   };
   mix(sample.fields, channel.epoch_fields);
   mix(sample.row_fields, sample.rows * channel.row_fields);
-  const bool repeats = std::exchange(its.fingerprint, fingerprint) == fingerprint;
-  repeats ? its.repeats.refuse(sample.t) : its.repeats.end();
-  return repeats;
+  if (std::exchange(its.fingerprint, fingerprint) != fingerprint) {
+    ++its.changes;
+    its.repeats.end();
+    return false;
+  }
+  constexpr std::int64_t least = 20;
+  return its.changes >= least;
 }
 
 Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {

@@ -53,8 +53,10 @@ class Ledger {
   /// about the east. Where most are against the state, it is wrong; else the measurement is, and only after `against`
   /// the state is taken to be. Marks the other rows that are locked out with them.
   bool is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const;
-  /// Whether a refused sample repeats the refused one before it: a sensor that hangs has nothing to say about the state.
+  /// Whether a sample repeats the one before it to the bit, of a sensor that does not always.
   bool repeats(int measurement, const SampleView& sample, const ChannelPlan& channel);
+  /// It is refused: a sensor that hangs means nothing for the state.
+  void count_repeat(int measurement, Time t) { tally_of(measurement).repeats.refuse(t); }
   /// The newest sample of a measurement was gated: whether the variances that its config names are due.
   bool is_inflation_due(int measurement) const;
   /// Returns how many there were in a row, each within `against` of the one before.

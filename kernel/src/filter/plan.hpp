@@ -258,9 +258,10 @@ struct Tally : SampleCounts {
   Time last_accepted = no_time;
   Time first_recovery = no_time, last_recovery = no_time;
   int recoveries_in_vain = 0;  // in a row, each soon after the one before
-  // Refused samples that repeat the one before to the bit.
+  // Samples that repeat the one before to the bit, after others that did not.
   std::uint64_t fingerprint = 0;
-  Streak repeats;
+  std::int64_t changes = 0;  // samples that did not
+  Streak repeats;            // refused ones that did
   // The longest time without a sample of use in which what it sees became much less certain.
   Time last_useful = no_time;
   Time longest_silence = 0, longest_silence_at = no_time;

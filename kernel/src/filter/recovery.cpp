@@ -24,7 +24,8 @@ bool factor_in_place(Matrix&& A, Use&& use) {
 }  // namespace
 
 Opening::Opening(int n, int max_rows)
-    : direction(as_size(padded(n))),
+    : scales(as_size(padded(n))),
+      direction_(as_size(padded(n))),
       matrix_(max_rows, max_rows),
       inverse_(max_rows, max_rows),
       weights_(max_rows),
@@ -42,7 +43,9 @@ Opening::Opening(int n, int max_rows)
 // Morrison, 1950; H g is zero in the other rows),
 //     T(c) = T − c a² / (1 + c b) ,  a = sᵀ z_U, b = sᵀ M s ,
 // and c is chosen so that it is |U|, what right rows would have. Where no c does, g itself is one sigma: c = 1.
-bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement,
+// P + c g gᵀ itself would take the errors of all components to be in the proportion of g, and the next update would be
+// sure of what it made of them. So only the variances are those of P + c g gᵀ, and the correlations stay: P ← D P D.
+bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement, const CovarianceForm& P,
                    const std::vector<unsigned char>& corrected, int n, const unsigned char* marked) {
   constexpr double epsilon = 1e-4;
   const int m = rows.m, count = collect(rows, measurement, marked);
@@ -56,14 +59,14 @@ bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement,
   if (!factor_in_place(A, [&](const auto& factor) { factor.solveInPlace(weights); })) return false;
 
   // g, without what is never corrected, and s.
-  Eigen::Map<Eigen::VectorXd> g(direction.data(), n);
+  Eigen::Map<Eigen::VectorXd> g(direction_.data(), n);
   g.noalias() = ConstMatrixView{rows.G, n, m, padded(n)}.as().lazyProduct(weights);
   for (std::size_t i = 0; i < corrected.size(); ++i)
-    if (!corrected[i]) direction[i] = 0;
+    if (!corrected[i]) direction_[i] = 0;
   for (int k = 0; k < count; ++k) {
     s_[k] = 0;
     for (std::size_t c = 0; c < measurement.columns.size(); ++c)
-      s_[k] += rows.H[as_size(member(k)) + c * as_size(rows.m_max)] * direction[as_size(measurement.columns[c])];
+      s_[k] += rows.H[as_size(member(k)) + c * as_size(rows.m_max)] * direction_[as_size(measurement.columns[c])];
   }
 
   auto inverse = inverse_.topLeftCorner(m, m);
@@ -88,7 +91,10 @@ bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement,
   const double excess = part_z.squaredNorm() - count;
   if (!(excess > 0 && a > 0 && b > 0)) return false;
   const double c = a * a > excess * b ? excess / (a * a - excess * b) : 1.0;
-  g *= std::sqrt(c);
+  for (int i = 0; i < n; ++i) {
+    const double variance = P.variance(i);
+    scales[as_size(i)] = variance > 0 ? std::sqrt(1 + c * g[i] * g[i] / variance) : 1.0;
+  }
   return true;
 }
 
@@ -106,8 +112,8 @@ int Opening::collect(const SampleRows& rows, const MeasurementPlan& measurement,
 }
 
 bool Estimator::open(const MeasurementPlan& measurement, const unsigned char* marked) {
-  if (!opening_.find(rows_, measurement, plan_.corrected, plan_.n, marked)) return false;
-  P_->open(opening_.direction.data());
+  if (!opening_.find(rows_, measurement, *P_, plan_.corrected, plan_.n, marked)) return false;
+  P_->scale(opening_.scales.data());
   return true;
 }
 
