@@ -197,16 +197,16 @@ constexpr CodeEntry entries[] = {
      "input. Known in a run only: `check` reads no rows.",
      "Compare the spans in the message: `offset` and `unit` of a source's `time`; GPS time is ahead of UTC by the leap "
      "seconds."},
-    {"B117", "silent measurement",
-     "For long no sample of a measurement was of use, and what it sees became much less certain.",
-     "Look for the outage in the data; what was estimated meanwhile has the sigma that the filter gives, if its models "
-     "hold."},
     {"B115", "started anew",
      "Recovery was in vain several times in a row, or a hole was too long to bridge: the filter started anew.",
      "Look at what led to it: the reasons before it, the time that the message names."},
     {"B116", "stopped",
      "The driving input had a hole longer than `longest_bridge`, and no initial values came after it.",
      "Look for lost data; give the blocks an `\"again\"` from a channel that comes in motion too."},
+    {"B117", "silent measurement",
+     "For long no sample of a measurement was of use, and what it sees became much less certain.",
+     "Look for the outage in the data; what was estimated meanwhile has the sigma that the filter gives, if its models "
+     "hold."},
 };
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST_CASE(
   CHECK(position(session) == 7);
   CHECK(variance(session) == 4);
   CHECK(has_code(session, "B115"));
-  CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
+  CHECK(session.verdict(FilterId{0}) != Verdict::ok);
   // It goes on.
   drive(session, 15, 16);
   push(session, "z", 16, {7.5});
@@ -95,8 +95,10 @@ TEST_CASE("without \"again\" recovery goes on") {
   Session session(composition_of(carried(R"("init": {"channel": "first", "fields": {"x": "z0"}}, "sigma": 2)")));
   push(session, "first", 0, {5});
   recover_in_vain(session, 0);
+  REQUIRE(session.counts(MeasurementId{{0}, 0}).recoveries == 3);
   push(session, "first", 15, {7});
   CHECK(position(session) > 2000);
+  CHECK_FALSE(has_code(session, "B115"));
 }
 
 TEST_CASE("the filter may start anew from another channel than the first time") {

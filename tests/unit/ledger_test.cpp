@@ -117,17 +117,24 @@ TEST_CASE("recovery is due after so many gated ones in a row, and then again aft
   for (int i = 0; i < 5; ++i) CHECK_FALSE(gate(1));  // has none
 }
 
-TEST_CASE("rows that are left out are counted by key and group, as long as there are places") {
+TEST_CASE("rows that are left out are counted by key and group; a new one takes the place of the oldest") {
   Fixture f;
-  const std::int64_t keys[] = {7, 9, 7, 11};
-  const int groups[] = {0, 0, 0, 0};
+  const std::int64_t keys[] = {7, 9, 7};
+  const int groups[] = {0, 0, 0};
   f.ledger.open(0, 0);
   f.ledger.leave_out(keys, groups);
-  CHECK(f.ledger.tally(0).rows_left_out == 4);
+  CHECK(f.ledger.tally(0).rows_left_out == 3);
   CHECK(f.ledger.rows(0)[0].key == 7);
   CHECK(f.ledger.rows(0)[0].left_out == 2);
   CHECK(f.ledger.rows(0)[1].key == 9);
   CHECK(f.ledger.rows(0)[1].left_out == 1);
+  f.ledger.close(Outcome::accepted, "");
+  f.ledger.open(0, 1);
+  const std::int64_t later[] = {9, 11};
+  f.ledger.leave_out(later, groups);
+  CHECK(f.ledger.rows(0)[0].key == 11);
+  CHECK(f.ledger.rows(0)[0].left_out == 1);
+  CHECK(f.ledger.rows(0)[1].left_out == 2);
 }
 
 TEST_CASE("the first diagnosis stays, cut to its place") {

@@ -258,7 +258,9 @@ void Engine::open_covariance(int measurement, Time t, const unsigned char* marke
   keep_before(Wants::update_covariance);
   if (!estimator_.open(plan_.measurements[as_size(measurement)], marked)) return;
   const auto& plan = plan_.measurements[as_size(measurement)];
-  if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain) time_.ask_restart(t + plan.recover_against);
+  const bool can_restart = std::ranges::any_of(plan_.initial, &LatestPlan::is_of_restart);
+  if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain && can_restart)
+    time_.ask_restart(t + plan.recover_against);
   if (ledger_.observer())
     ledger_.observer()->inflated(inflation_record({measurement, t, nullptr, estimator_.opened(), {}, {}}));
 }
