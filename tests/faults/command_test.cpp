@@ -31,6 +31,7 @@ void write_config(const Workbench& bench, const std::string& sick, const std::st
   "transforms": { "pass": { "type": "passing", "input": "tick")" +
                                of("pass") + R"( } },
   "filters": { "f": {
+    "trust": false,
     "blocks": { "x": { "type": )" +
                                (sick == "x" ? "\"resting\", \"init\": 0" + of("x")
                                             : std::string(R"("vector", "size": 1, "unit": "m", "init": 0)")) +
@@ -205,7 +206,7 @@ TEST_CASE("a block that fails while its initial value is written is named with i
   INFO(thrown.err);
   CHECK(thrown.status == 4);
   CHECK(
-      thrown.err.find("sick.json:7:51: error[B045] /filters/f/blocks/x/init: plugin 'sick', component 'resting': write "
+      thrown.err.find("sick.json:8:51: error[B045] /filters/f/blocks/x/init: plugin 'sick', component 'resting': write "
                       "threw: lost my marbles") != std::string::npos);
 }
 

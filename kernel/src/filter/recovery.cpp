@@ -69,6 +69,14 @@ bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement, c
       s_[k] += rows.H[as_size(member(k)) + c * as_size(rows.m_max)] * direction_[as_size(measurement.columns[c])];
   }
 
+  // r̃ − H g = ε R w is what no error of the state explains while the other rows hold: five ranges hold fast what a sixth
+  // contradicts. Where it is well beyond R, there is nothing to open.
+  double left = 0;
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) left += R(i, j) * weights[i] * weights[j];
+  constexpr double well_beyond = 3;
+  if (epsilon * epsilon * left > well_beyond * well_beyond * m) return false;
+
   auto inverse = inverse_.topLeftCorner(m, m);
   auto z = z_.head(m);
   inverse.setIdentity();
