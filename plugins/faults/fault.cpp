@@ -3,6 +3,7 @@
 #include "fault.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -16,28 +17,25 @@ namespace {
 struct KindWords {
   const char* name;
   Kind kind;
-  std::vector<std::string_view> keys;  // besides those that every kind takes; the first must be there
+  std::array<std::string_view, 2> keys;  // besides those that every kind takes; the first must be there
 };
 
-const std::vector<KindWords>& kinds() {
-  static const std::vector<KindWords> all = {
-      {"step", Kind::step, {"by"}},
-      {"ramp", Kind::ramp, {"by"}},
-      {"noise", Kind::noise, {"sigma|factor"}},
-      {"outliers", Kind::outliers, {"size", "tail"}},
-      {"freeze", Kind::freeze, {}},
-      {"drop", Kind::drop, {}},
-      {"delay", Kind::delay, {"time"}},
-      {"jitter", Kind::jitter, {"time"}},
-      {"scale", Kind::scale, {"factor"}},
-      {"swap", Kind::swap, {}},
-      {"negate", Kind::negate, {}},
-      {"nan", Kind::nan, {}},
-      {"quantize", Kind::quantize, {"by"}},
-      {"duplicate", Kind::duplicate, {}},
-  };
-  return all;
-}
+constexpr KindWords kinds[] = {
+    {"step", Kind::step, {"by"}},
+    {"ramp", Kind::ramp, {"by"}},
+    {"noise", Kind::noise, {"sigma|factor"}},
+    {"outliers", Kind::outliers, {"size", "tail"}},
+    {"freeze", Kind::freeze, {}},
+    {"drop", Kind::drop, {}},
+    {"delay", Kind::delay, {"time"}},
+    {"jitter", Kind::jitter, {"time"}},
+    {"scale", Kind::scale, {"factor"}},
+    {"swap", Kind::swap, {}},
+    {"negate", Kind::negate, {}},
+    {"nan", Kind::nan, {}},
+    {"quantize", Kind::quantize, {"by"}},
+    {"duplicate", Kind::duplicate, {}},
+};
 
 bool is_of_sample(Kind kind) {
   return kind == Kind::drop || kind == Kind::delay || kind == Kind::jitter || kind == Kind::duplicate;
@@ -83,7 +81,7 @@ double student(random::Philox& random, int dof) {
 ParameterSpec Fault::spec() {
   using namespace parameter;
   std::vector<std::string> names;
-  for (const auto& kind : kinds()) names.emplace_back(kind.name);
+  for (const auto& kind : kinds) names.emplace_back(kind.name);
   std::vector<ParameterSpec> members;
   members.push_back(choice("kind", std::move(names)).required().about("what happens; see the plugin's README"));
   members.push_back(list("fields", text("field")).about("of the channel, or \"covariance\"; all if not given"));
@@ -112,7 +110,7 @@ Fault::Fault(const ParameterValue& element, const ChannelDeclaration& channel, c
     : place_(place) {
   const Parameters parameters(element);
   const std::string& name = parameters.text("kind");
-  kind_ = std::find_if(kinds().begin(), kinds().end(), [&](const auto& kind) { return kind.name == name; })->kind;
+  kind_ = std::ranges::find_if(kinds, [&](const auto& kind) { return kind.name == name; })->kind;
   check_keys(element);
   find_fields(parameters, channel);
   find_row_filter(parameters, channel);
@@ -130,7 +128,7 @@ Fault::Fault(const ParameterValue& element, const ChannelDeclaration& channel, c
 }
 
 void Fault::check_keys(const ParameterValue& element) const {
-  const auto& words = *std::find_if(kinds().begin(), kinds().end(), [&](const auto& k) { return k.kind == kind_; });
+  const auto& words = *std::ranges::find_if(kinds, [&](const auto& k) { return k.kind == kind_; });
   const auto takes = [&](std::string_view key) {
     return std::any_of(words.keys.begin(), words.keys.end(), [&](std::string_view keys) {
       return keys == key || keys.starts_with(std::string(key) + "|") || keys.ends_with("|" + std::string(key));
@@ -142,7 +140,7 @@ void Fault::check_keys(const ParameterValue& element) const {
     for (const char* key : {"fields", "row_field", "row_value"})
       if (member(element, key))
         refuse(std::string("'") + words.name + "' is of whole samples and has no '" + key + "'", key);
-  if (words.keys.empty()) return;
+  if (words.keys.front().empty()) return;
   const bool is_noise = kind_ == Kind::noise;
   const int given = (member(element, "sigma") ? 1 : 0) + (member(element, "factor") ? 1 : 0);
   if (is_noise && given != 1) refuse("'noise' needs either 'sigma' or 'factor'");

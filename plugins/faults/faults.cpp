@@ -14,9 +14,11 @@ ComponentSpec Faults::spec() {
   spec.summary =
       "Spoils a channel: steps, ramps, noise, outliers, frozen values, holes, delays and more, in windows or at "
       "random.";
-  spec.inputs = {input("samples", {field::level("lat", "rad"), field::level("lon", "rad"), field::level("height", "m")})
-                     .whole()
-                     .about("any channel")};
+  spec.inputs = {
+      input("samples", {field::level("lat", "rad").about("latitude, for example"),
+                        field::level("lon", "rad").about("longitude"), field::level("height", "m").about("height")})
+          .whole()
+          .about("any channel")};
   spec.parameters = {parameter::list("faults", Fault::spec()).required().about("done one after the other")};
   spec.example = R"json({"input": "gnss", "faults": [
       {"kind": "step", "fields": ["lat"], "by": "20 m", "from": "100 s", "until": "130 s"},

@@ -207,6 +207,8 @@ constexpr CodeEntry entries[] = {
      "For long no sample of a measurement was of use, and what it sees became much less certain.",
      "Look for the outage in the data; what was estimated meanwhile has the sigma that the filter gives, if its models "
      "hold."},
+    {"B118", "input ended", "The driving input ended long before the measurements did.",
+     "Look for lost data at the end; the estimates end with the input."},
 };
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST_CASE("recovery is due after so many gated ones in a row, and then again aft
   for (int i = 0; i < 5; ++i) CHECK_FALSE(gate(1));  // has none
 }
 
-TEST_CASE("rows that are left out are counted by key and group; a new one takes the place of the oldest") {
+TEST_CASE("rows that are left out are counted by key and group, and a new one takes the place of the oldest") {
   Fixture f;
   const std::int64_t keys[] = {7, 9, 7};
   const int groups[] = {0, 0, 0};

@@ -74,6 +74,7 @@ struct Fixture {
     plan.head = layout.add<TimeHead>(1);
     plan.pending = layout.add<PendingInput>(as_size(samples_per_step + 1));
     plan.pending_fields = layout.add<double>(as_size(2 * (samples_per_step + 1)));
+    plan.last_input = layout.add<double>(2);
     plan.driving_rates = layout.add<double>(2);
     plan.queue = layout.add<QueueEntry>(3);
     plan.queue_data = layout.add<double>(3);

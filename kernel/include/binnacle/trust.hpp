@@ -33,7 +33,8 @@ enum class Doubt : unsigned char {
   silent,     ///< the longest time [s] without a sample of use, in which what the measurement sees became 3 times as
               ///< uncertain; at least `limit`
   restarted,  ///< started anew `figure` times
-  stopped,    ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
+  input_ended,  ///< measurements went on for `figure` s after the end of the driving input, longer than `limit`
+  stopped,      ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
 };
 
 /// One reason against a filter's estimates.

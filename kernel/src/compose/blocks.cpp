@@ -157,8 +157,10 @@ class BlockReader {
     }
     again.check_keys({"channel", "fields", "max_age", "covariance"}, "'again' of " + what_);
     block_.again.emplace();
-    if (!again["channel"]) again.key_error("B010", "'again' of " + what_ + " is true, or {\"channel\": …}");
-    else if (LatestPlan* const other = read_channel(again, *block_.again)) other->is_of_restart = true;
+    if (!again["channel"])
+      again.key_error("B010", "'again' of " + what_ + " is true, or {\"channel\": …}");
+    else if (LatestPlan* const other = read_channel(again, *block_.again))
+      other->is_of_restart = true;
   }
 
   /// Null where it failed.

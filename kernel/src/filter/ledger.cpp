@@ -171,6 +171,10 @@ Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
   const auto& plan = plan_.measurements[as_size(measurement)];
   const Time last = tally(measurement).last_useful;
   if (!plan.is_watched || plan_.trust.silent <= 0 || last == no_time || t - last < plan_.trust.silent) return 0;
+  constexpr std::int64_t many = 10;  // mean intervals; a slow sensor is not silent
+  const std::int64_t uses =
+      tally(measurement).nis_count + tally(measurement).by_outcome[static_cast<int>(Outcome::withheld)];
+  if (last - plan_.head.in(arena_)->start > (t - last) / many * std::max<std::int64_t>(1, uses)) return 0;
   constexpr double much = 3 * 3;  // of the variance
   const double* const then = plan.variances.in(arena_);
   for (std::size_t c = 0; c < plan.columns.size(); ++c)

@@ -131,6 +131,7 @@ void TimeLine::add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, con
 }
 
 void TimeLine::offer(int measurement, const SampleView& sample) {
+  head_.newest = std::max(head_.newest, sample.t);
   if (sample.t < head_.t) {
     work_.refuse(Outcome::late, "older than the filter's time");
   } else if (plan_.input_channel >= 0 && sample.t > head_.input_end) {

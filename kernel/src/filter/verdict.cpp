@@ -39,6 +39,12 @@ class Examination {
             .since = head_.longest_hole_at,
             .figure = seconds(head_.longest_hole),
             .limit = seconds(trust_.hole)});
+    if (trust_.silent > 0 && plan_.input_channel >= 0 && head_.newest > head_.input_end &&
+        head_.newest - head_.input_end > trust_.silent)
+      see_({.doubt = Doubt::input_ended,
+            .since = head_.input_end,
+            .figure = seconds(head_.newest - head_.input_end),
+            .limit = seconds(trust_.silent)});
     if (trust_.frozen > 0 && head_.longest_repeat > trust_.frozen)
       see_({.doubt = Doubt::frozen,
             .since = head_.longest_repeat_at,

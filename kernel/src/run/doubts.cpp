@@ -46,6 +46,9 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
   if (reason.doubt == Doubt::restarted)
     return "'" + filter.name + "' started anew " + figure + " times, last at " + since(reason) +
            ": what it estimated before did not hold";
+  if (reason.doubt == Doubt::input_ended)
+    return "the input of '" + filter.name + "' ended at " + since(reason) + ", " + figure +
+           " s before its measurements (limit " + limit + " s)";
   if (reason.doubt == Doubt::stopped)
     return "'" + filter.name + "' stopped at " + since(reason) + ": the input has a hole of " + figure +
            " s (longest_bridge " + limit + " s), and initial values for a new start did not come";
@@ -82,14 +85,15 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::bridged:
     case Doubt::unaided:
     case Doubt::restarted:
+    case Doubt::input_ended:
     case Doubt::stopped: break;
   }
   return who;
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106",
-                                   "B107", "B108", "B109", "B110", "B117", "B115", "B116"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107",
+                                   "B108", "B109", "B110", "B117", "B115", "B118", "B116"};
   return codes[static_cast<int>(doubt)];
 }
 
