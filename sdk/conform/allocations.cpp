@@ -43,6 +43,13 @@ bool allocations_are_counted() {
 #endif
 }
 std::uint64_t allocations() { return count; }
+bool held_bytes_are_counted() {
+#ifdef BINNACLE_REPLACES_MALLOC
+  return true;
+#else
+  return false;
+#endif
+}
 std::int64_t held_bytes() { return held; }
 }  // namespace binnacle::conform
 

@@ -6,11 +6,13 @@
 
 namespace binnacle::conform {
 
-/// False where this C library gives no way to count: then both numbers below stay 0.
+/// False where this C library gives no way to count: then allocations() stays 0.
 bool allocations_are_counted();
 /// Calls of operator new and of malloc, calloc, realloc and their aligned kin, whoever made them.
 std::uint64_t allocations();
-/// Bytes that are allocated and not freed, by all threads. Always 0 under a sanitizer, which has an allocator of its own.
+/// False under a sanitizer as well, which has an allocator of its own: then held_bytes() stays 0.
+bool held_bytes_are_counted();
+/// Bytes that are allocated and not freed, by all threads.
 std::int64_t held_bytes();
 
 }  // namespace binnacle::conform
