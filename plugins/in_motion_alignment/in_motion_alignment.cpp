@@ -61,6 +61,11 @@ ComponentSpec InMotionAlignment::spec() {
           .above(0)
           .defaults("\"5 deg\"")
           .about("an attitude whose heading is less certain (1-sigma) is not given out"),
+      number("course", "rad")
+          .above(0)
+          .about("1-sigma of the x axis against the course over ground, of a vehicle that drives forward: helps before "
+                 "half of window has come; default: the vehicle may drive in any direction"),
+      number("min_speed", "m/s").above(0).defaults("\"3 m/s\"").about("below, there is no course"),
       number("velocity_sd", "m/s").above(0).about("1-sigma per axis; default: as the channel reports it, else 0.2"),
       number("accelerometer_bias", "m/s^2").above(0).defaults("\"20 mg\"").about("1-sigma per axis"),
       number("gyro_bias", "rad/s").above(0).defaults("\"0.5 deg/s\"").about("1-sigma per axis")};
@@ -75,6 +80,7 @@ InMotionAlignment::InMotionAlignment(const Binding& binding) {
   largest_heading_sd_ = p.number("max_heading_sd");
   if (p.has("velocity_sd")) velocity_sd_ = p.number("velocity_sd");
   priors_ = {p.number("accelerometer_bias"), p.number("gyro_bias")};
+  if (p.has("course")) course_ = {p.number("course"), p.number("min_speed")};
   imu_ = binding.input("imu");
   gnss_ = binding.input("gnss");
   w_ = binding.fields(imu_, "wx", "wy", "wz");
@@ -140,8 +146,9 @@ void InMotionAlignment::on_gnss(const SampleView& sample, State& state, Emitter&
   state.integrals = {};
   state.integrals.add(-seconds(age), rate, specific_force);
   const bool is_early = state.t_emitted != no_time && sample.t - state.t_emitted < every_;
-  if (is_early || 2 * state.window.span() < length_) return;
-  const Fit fit = state.window.fit(priors_);
+  const bool is_whole = 2 * state.window.span() >= length_;
+  if (is_early || (!is_whole && course_.sd == 0)) return;
+  const Fit fit = is_whole ? state.window.fit(priors_) : state.window.fit(priors_, course_);
   if (!fit.is_found) return;
   const double sd_heading = std::sqrt(fit.P(2, 2));
   if (state.least_heading_sd == 0 || sd_heading < state.least_heading_sd) state.least_heading_sd = sd_heading;

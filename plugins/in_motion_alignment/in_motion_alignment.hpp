@@ -33,6 +33,7 @@ class InMotionAlignment final : public Transform {
   double largest_heading_sd_ = 0;      // rad
   std::optional<double> velocity_sd_;  // m/s
   Priors priors_;
+  Course course_;
   Input imu_, gnss_;
   Fields<3> w_, f_, velocity_, reported_sd_;
   OutputChannel attitude_channel_, gyro_bias_channel_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
@@ -122,10 +123,37 @@ Matrix3d Window::rotation() const {
 //     v − g t − C a = c − [C a]× φ − C T b_a + C G b_g ,
 // where c goes with the means. At the last epoch φ is less by C T b_g.
 Fit Window::fit(const Priors& priors) const {
-  Fit fit;
   constexpr std::size_t least = 8;
-  if (count_ < least) return fit;
-  Matrix3d C = rotation();
+  return count_ < least ? Fit{} : fit_from(rotation(), priors, {});
+}
+
+Fit Window::fit(const Priors& priors, const Course& course) const {
+  constexpr std::size_t least = 3;
+  if (count_ < least || vector(at(count_ - 1).velocity).norm() < course.min_speed) return {};
+  return fit_from(rotation_by_course(), priors, course);
+}
+
+/// C_nb0 from two directions that both frames know (Black, 1964): what is felt, and the course at the end.
+Matrix3d Window::rotation_by_course() const {
+  const Biases none;
+  Chain chain(none);
+  Vector3d y = Vector3d::Zero();
+  for_each(chain, [&](const Epoch&, const Vector3d& felt) { y = felt; });
+  const auto triad = [](const Vector3d& down, const Vector3d& forward) {
+    Matrix3d axes;
+    axes.col(0) = down.normalized();
+    axes.col(1) = down.cross(forward).normalized();
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    return axes;
+  };
+  const Vector3d velocity = vector(at(count_ - 1).velocity);
+  return triad(-y, velocity) * triad(-chain.force(), chain.rotation().col(0)).transpose();
+}
+
+// Of the course, in the body axes of the last epoch, with v the velocity there:
+//     0 − (C_bn v)_y,z = (C_bn [v]×)_y,z φ_now .
+Fit Window::fit_from(Matrix3d C, const Priors& priors, const Course& course) const {
+  Fit fit;
   Biases biases;
   Unknowns prior_weights = Unknowns::Zero();
   prior_weights.segment<3>(3).setConstant(1 / (priors.accelerometer_bias * priors.accelerometer_bias));
@@ -155,6 +183,18 @@ Fit Window::fit(const Priors& priors) const {
     normal.diagonal() += prior_weights;
     right -= sum_H.transpose() * sum_r / weights + prior_weights.cwiseProduct(found);
     squares += prior_weights.dot(found.cwiseAbs2()) - sum_r.squaredNorm() / weights;
+    Jacobian now;  // φ at the last epoch, and what it is made of
+    now << Matrix3d::Identity(), Matrix3d::Zero(), -C * chain.axes();
+    if (course.sd > 0) {
+      const Vector3d v = vector(at(count_ - 1).velocity);
+      const Matrix3d C_bn = (C * chain.rotation()).transpose();
+      const Eigen::Matrix<double, 2, 9> H = (C_bn * sd::skew(v) * now).bottomRows<2>();
+      const Eigen::Vector2d r = -(C_bn * v).tail<2>();
+      const double weight = 1 / (course.sd * course.sd * v.squaredNorm() + at(count_ - 1).variance);
+      normal += weight * H.transpose() * H;
+      right += weight * H.transpose() * r;
+      squares += weight * r.squaredNorm();
+    }
     const Eigen::LLT<Normal> factor(normal);
     if (factor.info() != Eigen::Success) return fit;
     const Unknowns step = factor.solve(right);
@@ -163,12 +203,10 @@ Fit Window::fit(const Priors& priors) const {
     biases.accelerometer += step.segment<3>(3);
     biases.gyro += step.tail<3>();
 
-    // Residuals and priors: 3 n + 6 numbers, less c and the unknowns.
-    const double freedom = 3.0 * static_cast<double>(count_) - 6.0;
+    // Residuals and priors: 3 n + 6 numbers, less c and the unknowns; two of the course.
+    const double freedom = 3.0 * static_cast<double>(count_) - 6.0 + (course.sd > 0 ? 2 : 0);
     fit.misfit = std::sqrt(std::max(0.0, squares - right.dot(step)) / freedom);
     const double excess = std::max(1.0, fit.misfit * fit.misfit);  // what the model leaves out
-    Jacobian now;                                                  // φ at the last epoch, and what it is made of
-    now << Matrix3d::Identity(), Matrix3d::Zero(), -C * chain.axes();
     fit.P = excess * now * P * now.transpose();
     fit.q_nb = sd::quaternion_from_dcm(C * chain.rotation());
     fit.P_gyro_bias = excess * P.bottomRightCorner<3, 3>();

@@ -40,6 +40,12 @@ struct Priors {
   double accelerometer_bias = 0, gyro_bias = 0;  // 1-sigma per axis, m/s² and rad/s
 };
 
+/// The x axis points where a vehicle drives to: its newest velocity, where that is fast enough to have a direction.
+struct Course {
+  double sd = 0;         // rad, of the x axis in pitch and in yaw; 0: nothing is known of it
+  double min_speed = 0;  // m/s
+};
+
 struct Fit {
   bool is_found = false;
   Eigen::Vector4d q_nb;       // at the last epoch
@@ -63,12 +69,16 @@ class Window {
   Time newest() const { return count_ > 0 ? at(count_ - 1).t : no_time; }
   Time span() const { return count_ > 0 ? at(count_ - 1).t - at(0).t : 0; }
   Fit fit(const Priors& priors) const;
+  /// The same from a few epochs, with the help of the course. Not found below the course's least speed.
+  Fit fit(const Priors& priors, const Course& course) const;
 
  private:
   const Epoch& at(std::size_t i) const { return epochs_[(first_ + i) % capacity]; }
   template <class Use>
   void for_each(Chain& chain, Use&& use) const;
   Eigen::Matrix3d rotation() const;
+  Eigen::Matrix3d rotation_by_course() const;
+  Fit fit_from(Eigen::Matrix3d C, const Priors& priors, const Course& course) const;
 
   std::array<Epoch, capacity> epochs_{};
   std::uint64_t first_ = 0, count_ = 0;

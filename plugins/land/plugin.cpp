@@ -2,6 +2,7 @@
 // What the plugin `land` brings.
 #include "binnacle/plugin.hpp"
 
+#include "level.hpp"
 #include "nhc.hpp"
 #include "odometer.hpp"
 #include "zero_rate.hpp"
@@ -9,6 +10,7 @@
 
 BINNACLE_PLUGIN("land", "1.0.0", registry) {
   using namespace binnacle::land;
+  registry.add<Level>();
   registry.add<Nhc>();
   registry.add<Odometer>();
   registry.add<ZeroRate>();

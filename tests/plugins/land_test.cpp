@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plugin land: non-holonomic constraint, odometer, zero velocity, zero rate: Jacobians, signs of paper 001, refusals.
 #include "../../plugins/frames/mounted_attitude.hpp"
+#include "../../plugins/land/level.hpp"
 #include "../../plugins/land/nhc.hpp"
 #include "../../plugins/land/odometer.hpp"
 #include "../../plugins/land/zero_rate.hpp"
@@ -179,6 +180,22 @@ TEST_CASE("zupt: minus the velocity") {
   const Measured m = measured(*model, at(1), ports);
   REQUIRE((m.residual - Vector3d(-0.1, 0.2, -0.3)).norm() < 1e-15);
   REQUIRE(std::abs(m.R(2, 2) - 9e-4) < 1e-15);
+}
+
+TEST_CASE("level: minus the roll, and its Jacobian at any heading and pitch") {
+  const Bench bench;
+  const auto model = bind<Level>({{{"sigma", 0.1}}, {{"attitude", &bench.attitude}}, {}});
+  for (const double yaw : {-2.0, 0.0, 0.5, 3.0})
+    for (const double pitch : {-0.6, 0.2}) {
+      const PortStates ports{
+          {&bench.attitude, numbers(strapdown::quaternion_from_euler({0.3, pitch, yaw})), 1e-2, 4e-16}};
+      REQUIRE_NO_COMPLAINTS(check_measurement(*model, Level::spec(), at(1), ports, {}, {1e-3}));
+      const Measured m = measured(*model, at(1), ports);
+      REQUIRE(std::abs(m.residual[0] + 0.3) < 1e-14);
+      REQUIRE(std::abs(m.R(0, 0) - 0.01) < 1e-15);
+    }
+  const PortStates upright{{&bench.attitude, numbers(strapdown::quaternion_from_euler({0, M_PI / 2, 0}))}};
+  REQUIRE(measured(*model, at(1), upright).result.refusal == Refusal::unsupported);
 }
 
 TEST_CASE("zero rate: Jacobians, and a gyroscope at rest feels the earth and its bias") {

@@ -39,7 +39,7 @@ struct MeasurementCounts : SampleCounts {
 struct FilterCounts {
   std::int64_t steps = 0;
   std::int64_t input_gaps = 0;  // bridged
-  double seconds = 0;           // of computing time spent in it
+  double seconds = 0;           // of computing time spent in it, estimated from one instant in seven
 };
 
 /// Counts of what was pushed on a channel since the Session was made or reset.

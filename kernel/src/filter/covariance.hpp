@@ -102,6 +102,8 @@ class CovarianceForm {
   virtual void scale(const double* d) = 0;
   /// Of one component.
   virtual double variance(int row) const = 0;
+  /// Of these components.
+  virtual void variances(const std::vector<int>& rows, double* into) const = 0;
   /// P, whole, to be read until it changes.
   virtual ConstMatrixView expand() const = 0;
 };
@@ -120,6 +122,9 @@ class Joseph final : public CovarianceForm {
   void inflate(int row, double variance) override { matrix()(row, row) += variance; }
   void scale(const double* d) override;
   double variance(int row) const override { return matrix()(row, row); }
+  void variances(const std::vector<int>& rows, double* into) const override {
+    for (const int row : rows) *into++ = matrix()(row, row);
+  }
   ConstMatrixView expand() const override { return matrix(); }
 
  private:

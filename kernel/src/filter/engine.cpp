@@ -32,15 +32,16 @@ struct LockedOut {
   Time t;
   bool repeats;
   bool is_asked = false;
+  Belief belief = Belief::none;
   LockOutTest test() {
     return {this, [](void* self, const SampleRows& rows, unsigned char* marked) {
               auto& its = *static_cast<LockedOut*>(self);
               if (its.repeats && !std::exchange(its.is_asked, true)) its.ledger.count_repeat(its.measurement, its.t);
-              return !its.repeats && its.ledger.is_locked_out(its.measurement,
-                                                              {{rows.keys.data(), as_size(rows.m)},
-                                                               rows.groups.data(),
-                                                               rows.square(rows.HPHt)},
-                                                              marked);
+              if (its.repeats) return false;
+              its.belief = its.ledger.is_locked_out(
+                  its.measurement, {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.square(rows.HPHt)},
+                  marked);
+              return its.belief != Belief::none;
             }};
   }
 };
@@ -53,7 +54,8 @@ Engine::Engine(const FilterPlan& plan, const std::vector<ChannelPlan>& channels,
       arena_(arena),
       time_(plan, channels, arena, *this),
       estimator_(plan, channels, arena, calls_),
-      ledger_(plan, arena) {}
+      ledger_(plan, arena),
+      variances_(as_size(plan.n)) {}
 
 void Engine::reset() {
   time_.reset();
@@ -202,6 +204,13 @@ void Engine::measure(int measurement, const SampleView& sample) {
   calls_.set_time(sample.t);
   wants_ = ledger_.wants();
   ledger_.reach();
+  // Only what a recovery may believe is looked at.
+  const bool repeats = plan.recover_after > 0 && ledger_.repeats(measurement, sample, channels_[as_size(plan.channel)]);
+  if (repeats && tally.repeats.count >= plan.recover_after) {
+    ledger_.count_repeat(measurement, sample.t);
+    refuse(Outcome::gated, "it repeats refused samples to the bit");
+    return;
+  }
   const Result seen = estimator_.linearize(plan, sample, moment());
   if (!seen) {
     estimator_.roll_back(plan);
@@ -210,18 +219,21 @@ void Engine::measure(int measurement, const SampleView& sample) {
   }
   const double dt = tally.last_accepted == no_time ? 0.0 : seconds(sample.t - tally.last_accepted);
   const bool withheld = is_withheld(plan, tally.reached, sample.t);
-  const bool repeats = ledger_.repeats(measurement, sample, channels_[as_size(plan.channel)]);
   LockedOut locked_out{ledger_, measurement, sample.t, repeats};
   Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
-  if (judged.is_locked_out) {
+  const bool is_opened = judged.is_locked_out;
+  if (is_opened) {
     // Its rows anew: some may be gone already.
-    open_covariance(measurement, sample.t, judged.marked);
+    keep_before(Wants::update_covariance);
+    if (estimator_.open(plan, judged.marked)) count_opening(measurement, sample.t);
+    if (locked_out.belief == Belief::by_votes) unlearn(measurement, sample.t);
     estimator_.roll_back(plan);
     estimator_.linearize(plan, sample, moment());
     judged = estimator_.judge(plan, sample.t, dt, withheld);
   }
   if (judged.outcome == Outcome::accepted) {
     correct(measurement, sample.t);
+    if (is_opened) keep_open(measurement, sample.t);
     return;
   }
   estimator_.roll_back(plan);
@@ -245,22 +257,54 @@ void Engine::correct(int measurement, Time t) {
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
   const SampleRows& rows = estimator_.rows();
-  ledger_.use(
+  const bool is_biased = ledger_.use(
       {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.square(rows.R), rows.square(rows.S)},
       rows.nis);
   ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));
   estimator_.learn(plan);
   estimator_.check_update(t);
+  if (is_biased) open_biased(measurement, t);
 }
 
-void Engine::open_covariance(int measurement, Time t, const unsigned char* marked) {
+/// By rows that pass, and whose mean says that the state is wrong.
+void Engine::open_biased(int measurement, Time t) {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  SampleRows& rows = estimator_.rows();
+  estimator_.project(plan);
+  const Belief belief =
+      ledger_.is_biased(measurement, {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.square(rows.HPHt)},
+                        t, rows.biased.data(), rows.mean_z.data(), rows.mean_count.data());
+  if (belief == Belief::none) return;
   keep_before(Wants::update_covariance);
-  if (!estimator_.open(plan_.measurements[as_size(measurement)], marked)) return;
+  if (estimator_.open_by_mean(plan)) count_opening(measurement, t);
+  if (belief == Belief::by_votes) unlearn(measurement, t);
+}
+
+/// What was corrected after P was opened was far off.
+void Engine::keep_open(int measurement, Time t) {
+  keep_before(Wants::update_covariance);
+  estimator_.keep_open();
+  note_opening(measurement, t);
+}
+
+/// Most of what came contradicts the state: what it has learnt meanwhile is not worth much.
+void Engine::unlearn(int measurement, Time t) {
+  keep_before(Wants::update_covariance);
+  estimator_.unlearn(variances_.data());
+  if (ledger_.observer())
+    ledger_.observer()->inflated(inflation_record({measurement, t, variances_.data(), nullptr, {}, {}}));
+}
+
+void Engine::count_opening(int measurement, Time t) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   const bool can_restart = std::ranges::any_of(plan_.initial, &LatestPlan::is_of_restart);
   if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain && can_restart)
     time_.ask_restart(t + plan.recover_against);
+  note_opening(measurement, t);
+}
+
+void Engine::note_opening(int measurement, Time t) {
   if (ledger_.observer())
     ledger_.observer()->inflated(inflation_record({measurement, t, nullptr, estimator_.opened(), {}, {}}));
 }
@@ -293,7 +337,6 @@ void Engine::attach(StepObserver* observer) {
   x_before_.resize(as_size(plan_.stored_size));
   for (auto* matrix : {&P_before_, &Phi_, &Qd_, &reset_}) matrix->resize(n * n);
   H_.resize(as_size(plan_.max_rows) * n);
-  variances_.resize(n);
 }
 
 void Engine::keep_before(Wants wanted) {

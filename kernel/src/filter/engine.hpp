@@ -73,7 +73,11 @@ class Engine final : private TimeLine::Work {
   Driving moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
   void correct(int measurement, Time t);
-  void open_covariance(int measurement, Time t, const unsigned char* marked);
+  void open_biased(int measurement, Time t);
+  void keep_open(int measurement, Time t);
+  void unlearn(int measurement, Time t);
+  void count_opening(int measurement, Time t);
+  void note_opening(int measurement, Time t);
   void inflate(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);
 

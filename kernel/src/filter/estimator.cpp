@@ -115,6 +115,7 @@ void Estimator::start(bool anew) {
   const MatrixView P{initial_P_.data(), plan_.n, plan_.n, plan_.n};
   for (const auto& block : plan_.blocks) start_covariance(block, anew, P);
   P_->set(P);
+  for (int i = 0; i < plan_.n; ++i) plan_.initial_variances.in(arena_)[i] = P(i, i);
 }
 
 void Estimator::start_value(const BlockPlan& block, const InitialPlan& initial) {

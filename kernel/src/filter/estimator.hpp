@@ -34,6 +34,9 @@ struct SampleRows : UpdateWork {
   double nis = 0;
   int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
   std::vector<double> R_nominal, delta;
+  // Where an accepted sample's rows are biased: which, the mean of r / √S and of how many it is. Else unused.
+  std::vector<unsigned char> biased;
+  std::vector<double> mean_z, mean_count;
   std::vector<std::int64_t> keys, left_out_keys;
   std::vector<int> groups, left_out_groups;
 
@@ -149,12 +152,20 @@ class Estimator {
   /// After a correction: the noise estimator sees what is left.
   void learn(const MeasurementPlan& measurement);
   const SampleRows& rows() const { return rows_; }
+  SampleRows& rows() { return rows_; }
   /// Whether the last correct() transformed P by reset Jacobians, and by what: n×n.
   bool has_reset() const { return !resets_.empty(); }
   void expand_reset(MatrixView T) const;
 
   /// P ← D P D along what the marked rows of the judged sample see; false where that cannot be. recovery.cpp
   bool open(const MeasurementPlan& measurement, const unsigned char* marked);
+  /// The same for rows that passed, by the means that `rows` holds of them; needs their projection by P as it is now.
+  void project(const MeasurementPlan& measurement);
+  bool open_by_mean(const MeasurementPlan& measurement);
+  /// Adds the variances of the start, which it writes to `added`; of a component that is stationary no more than it has.
+  void unlearn(double* added);
+  /// P ← D P D with a share of the last correction, which was a large one.
+  void keep_open();
   const double* opened() const { return opening_.scales.data(); }
   /// Adds a measurement's named variances to P.
   void inflate(const MeasurementPlan& measurement);
@@ -207,6 +218,8 @@ class Estimator {
   Result evaluate_derived(const std::vector<int>& values, const Driving& now);
   void chain(const DerivedPlan& derived);
 
+  /// Of a component by itself; infinite where it has none.
+  double stationary_variance(int row) const;
   void start_value(const BlockPlan& block, const InitialPlan& initial);
   void start_covariance(const BlockPlan& block, bool anew, MatrixView P);
   bool is_sound() const;

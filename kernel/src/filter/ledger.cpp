@@ -54,10 +54,14 @@ void Ledger::for_each_row(std::span<const std::int64_t> keys, const int* groups,
   for (std::size_t i = 0; i < keys.size(); ++i) act(find_row(table, groups[i], keys[i], i), static_cast<int>(i));
 }
 
-void Ledger::use(const UsedRows& rows, double nis) {
-  for_each_row(rows.keys, rows.groups,
-               [&](RowMonitor& row, int i) { row.use(open_t_, judged(open_), rows.r[i], rows.R(i, i), rows.S(i, i)); });
+bool Ledger::use(const UsedRows& rows, double nis) {
+  bool is_biased = false;
+  const std::int64_t turn = judged(open_);
+  for_each_row(rows.keys, rows.groups, [&](RowMonitor& row, int i) {
+    is_biased |= row.use(open_t_, turn, rows.r[i], rows.R(i, i), rows.S(i, i));
+  });
   plan_.measurements[as_size(open_)].nis.in(arena_)->use(open_t_, nis, static_cast<int>(rows.keys.size()));
+  return is_biased;
 }
 
 void Ledger::leave_out(std::span<const std::int64_t> keys, const int* groups) {
@@ -70,9 +74,9 @@ void Ledger::refuse(std::span<const std::int64_t> keys, const int* groups) {
   for_each_row(keys, groups, [&](RowMonitor& row, int) { row.refuse(open_t_, judged(open_)); });
 }
 
-bool Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const {
+Belief Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const {
   const auto& plan = plan_.measurements[as_size(measurement)];
-  if (plan.recover_after == 0 || !plan.inflations.empty()) return false;
+  if (plan.recover_after == 0 || !plan.inflations.empty()) return Belief::none;
   const std::size_t count = rows.keys.size();
   const auto streak_of = [&](std::size_t i) {
     const RowMonitor* row = known_row(rows_of(measurement), rows.groups[i], rows.keys[i]);
@@ -83,17 +87,45 @@ bool Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned ch
   if (!marked) longest = tally(measurement).gated;
   for (std::size_t i = 0; marked && i < count; ++i)
     if (const Streak streak = streak_of(i); marked[i] && streak.count >= longest.count) longest = streak;
-  if ((longest.count + 1) % plan.recover_after != 0) return false;
+  if ((longest.count + 1) % plan.recover_after != 0) return Belief::none;
   const Time since = longest.count > 0 ? longest.since : open_t_;
 
   // A row that the gate has not come to yet will go the way of its last ones.
   for (std::size_t i = 0; marked && i < count; ++i)
     if (streak_of(i).count >= std::max(1, plan.recover_after - 1)) marked[i] = 1;
+  return belief_in(measurement, rows, marked, open_t_, since);
+}
+
+Belief Ledger::is_biased(int measurement, const OfferedRows& rows, Time t, unsigned char* marked, double* z,
+                         double* counts) {
+  const auto& plan = plan_.measurements[as_size(measurement)];
+  if (plan.recover_after == 0 || !plan.inflations.empty()) return Belief::none;
+  const auto row_of = [&](std::size_t i) -> RowMonitor& {
+    return find_row(rows_of(measurement), rows.groups[i], rows.keys[i], i);
+  };
+  Time since = t;
+  for (std::size_t i = 0; i < rows.keys.size(); ++i) {
+    const RowMonitor& row = row_of(i);
+    marked[i] = row.biased.count > 0;
+    z[i] = marked[i] ? row.biased_z : 0.0;
+    counts[i] = marked[i] ? row.biased_count : 1.0;
+    if (marked[i]) since = std::min(since, row.biased.since);
+  }
+  const Belief belief = belief_in(measurement, rows, marked, t, since);
+  if (belief == Belief::none) return belief;
+  for (std::size_t i = 0; i < rows.keys.size(); ++i)
+    if (marked[i]) row_of(i).biased.end();
+  return belief;
+}
+
+Belief Ledger::belief_in(int measurement, const OfferedRows& rows, const unsigned char* marked, Time t,
+                         Time since) const {
   const int own = marked ? 0 : 1;
   const Votes votes = votes_of(rows, marked);
   const Votes others = votes_of_others(measurement, since);
   const int against = own + votes.against + others.against, all = own + votes.all + others.all;
-  return 2 * against > all || open_t_ - since >= plan.recover_against;
+  if (2 * against > all) return Belief::by_votes;
+  return t - since >= plan_.measurements[as_size(measurement)].recover_against ? Belief::by_time : Belief::none;
 }
 
 /// One for each group of the sample; none without marks, where the sample has one vote.
@@ -126,12 +158,13 @@ Ledger::Votes Ledger::votes_of(const OfferedRows& rows, const unsigned char* mar
   return votes;
 }
 
-/// One for each group of other measurements of which rows came since.
+/// One for each group of other measurements of which rows came since. What has no gate passes always, and has none.
 Ledger::Votes Ledger::votes_of_others(int measurement, Time since) const {
   Votes votes;
   for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
-    if (m == measurement) continue;
-    const int after = plan_.measurements[as_size(m)].recover_after;
+    const auto& plan = plan_.measurements[as_size(m)];
+    if (m == measurement || plan.gate <= 0) continue;
+    const int after = plan.recover_after;
     const auto table = rows_of(m);
     const auto came = [&](const RowMonitor& row) { return row.is_in_use && row.last >= since; };
     for (std::size_t first = 0; first < table.size(); ++first) {
@@ -141,9 +174,9 @@ Ledger::Votes Ledger::votes_of_others(int measurement, Time since) const {
           std::any_of(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(first), is_same))
         continue;
       ++votes.all;
-      votes.against += after > 0 && std::ranges::any_of(table, [&](const RowMonitor& row) {
-                         return is_same(row) && row.streak_at(judged(m)).count >= after;
-                       });
+      votes.against += std::ranges::any_of(table, [&](const RowMonitor& row) {
+        return is_same(row) && row.is_against(judged(m), after);
+      });
     }
   }
   return votes;
@@ -194,7 +227,7 @@ void Ledger::settle(int measurement, Time t, const CovarianceForm& P) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   tally_of(measurement).last_useful = t;
   double* const variances = plan.variances.in(arena_);
-  for (std::size_t c = 0; c < plan.columns.size(); ++c) variances[c] = P.variance(plan.columns[c]);
+  P.variances(plan.columns, variances);
 }
 
 bool Ledger::is_inflation_due(int measurement) const {
@@ -216,7 +249,10 @@ void Ledger::forget_refusals() {
   for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
     tally_of(m).gated.end();
     tally_of(m).recoveries_in_vain = 0;
-    for (RowMonitor& row : rows_of(m)) row.streak.end();
+    for (RowMonitor& row : rows_of(m)) {
+      row.streak.end();
+      row.biased.end();
+    }
   }
 }
 

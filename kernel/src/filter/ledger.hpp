@@ -19,6 +19,9 @@ struct OfferedRows {
   ConstMatrixView HPHt;
 };
 
+/// Whether rows that disagree with the state are believed, since most of what came does, or since they did for long.
+enum class Belief : unsigned char { none, by_votes, by_time };
+
 /// An offered sample is open until it is closed with its outcome or waits in the queue; at most one is open. So
 ///     offered = Σ outcomes + waiting + open.
 class Ledger {
@@ -43,7 +46,8 @@ class Ledger {
   void close(Outcome outcome, const char* reason, UpdateRecord record = {});
 
   /// Rows of the open sample, which is accepted: those that were used, and those that a gate by row or key left out.
-  void use(const UsedRows& rows, double nis);
+  /// use() returns whether one of them ended a window that is surely biased.
+  bool use(const UsedRows& rows, double nis);
   void leave_out(std::span<const std::int64_t> keys, const int* groups);
   /// All rows of the open sample are gated with it.
   void refuse(std::span<const std::int64_t> keys, const int* groups);
@@ -52,7 +56,10 @@ class Ledger {
   /// out than pass, a row that passes counting as its squared correlation with one that does not: the north says nothing
   /// about the east. Where most are against the state, it is wrong; else the measurement is, and only after `against`
   /// the state is taken to be. Marks the other rows that are locked out with them.
-  bool is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const;
+  Belief is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const;
+  /// Whether the state is to be taken for wrong since rows of a sample that was accepted are biased, by the same rule. Marks
+  /// them, and writes the mean of z over their last window, and of how many it is; in other rows zero, of one.
+  Belief is_biased(int measurement, const OfferedRows& rows, Time t, unsigned char* marked, double* z, double* counts);
   /// Whether a sample repeats the one before it to the bit, of a sensor that does not always.
   bool repeats(int measurement, const SampleView& sample, const ChannelPlan& channel);
   /// It is refused: a sensor that hangs means nothing for the state.
@@ -100,6 +107,7 @@ class Ledger {
     int against = 0, all = 0;
   };
   static Votes votes_of(const OfferedRows& rows, const unsigned char* marked);
+  Belief belief_in(int measurement, const OfferedRows& rows, const unsigned char* marked, Time t, Time since) const;
   Votes votes_of_others(int measurement, Time since) const;
   template <class Act>
   void for_each_row(std::span<const std::int64_t> keys, const int* groups, Act&& act);

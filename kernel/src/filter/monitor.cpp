@@ -69,8 +69,14 @@ Extreme NisMonitor::open() const {
   return {normal_score(nis / d, d), nis / d, d, window.since};
 }
 
-void RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, double S) {
+Extreme RowMonitor::open_long_bias() const {
+  const double n = static_cast<double>(std::max<std::int64_t>(1, used - long_used)), sum = z - long_z;
+  return {std::abs(sum) / std::sqrt(n), sum / n, n, long_since};
+}
+
+bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, double S) {
   const double now = r / std::sqrt(S), product = used > 0 ? now * previous : 0.0;
+  if (long_since == no_time) long_since = t;
   ++used;
   last = t;
   turn = its_turn;
@@ -85,12 +91,29 @@ void RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, doub
   window.use(t);
   window_z += now;
   window_lag += product;
-  if (!window.is_full(t)) return;
-  bias.see(open_bias());
+  if (!window.is_full(t)) return false;
+  const Extreme its_bias = open_bias();
+  bias.see(its_bias);
   correlation.see(open_correlation());
+  const bool is_biased = its_bias.score > surely;
+  if (is_biased) {
+    biased.refuse(window.since);
+    biased_z = its_bias.figure;
+    biased_count = its_bias.size;
+  } else {
+    biased.end();
+  }
   ++windows;
   window = {};
   window_z = window_lag = 0;
+  if (t - long_since >= long_time) {
+    long_bias.see(open_long_bias());
+    ++longs;
+    long_since = no_time;
+    long_used = used;
+    long_z = z;
+  }
+  return is_biased;
 }
 
 void NisMonitor::use(Time t, double its_nis, int its_rows) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Monitors of a measurement, kept while the filter runs: what the gate did to each row, and how innovations were
-// distributed, over the whole run and over windows of at least 50 uses and 10 s.
+// distributed, over the whole run, over windows of at least 50 uses and 10 s, and their mean over ten minutes.
 #pragma once
 
 #include <cstdint>
@@ -73,16 +73,32 @@ struct RowMonitor {
   double window_z = 0, window_lag = 0;
   std::int64_t windows = 0;
   Extreme bias, correlation;  // of full windows
+  // Ten minutes, for a mean too small for a window: since when, and what the sums were then.
+  static constexpr Time long_time = 600 * nanoseconds_per_second;
+  Time long_since = no_time;
+  std::int64_t long_used = 0, longs = 0;
+  double long_z = 0;
+  Extreme long_bias;
+  // Full windows in a row whose mean no right filter has: beyond 5 of its standard deviations. Of the last: z and uses.
+  static constexpr double surely = 5;
+  Streak biased;
+  double biased_z = 0, biased_count = 0;
 
-  /// Of the window that is not full yet.
+  /// Of what is not full yet.
   Extreme open_bias() const;
   Extreme open_correlation() const;
+  Extreme open_long_bias() const;
 
-  void use(Time t, std::int64_t its_turn, double r, double its_R, double S);
+  /// Returns whether it ended a window that is surely biased.
+  bool use(Time t, std::int64_t its_turn, double r, double its_R, double S);
   void refuse(Time t, std::int64_t its_turn);
   /// Its refusals in a row, none where it was absent from its measurement's samples meanwhile.
   Streak streak_at(std::int64_t now) const { return now - turn <= most_absent ? streak : Streak{}; }
   static constexpr std::int64_t most_absent = 5;
+  /// It is locked out, or biased though it passes.
+  bool is_against(std::int64_t now, int after) const {
+    return after > 0 && (streak_at(now).count >= after || biased.count > 0);
+  }
 };
 
 /// The NIS of accepted samples. Lies in the arena.

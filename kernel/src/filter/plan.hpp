@@ -415,6 +415,7 @@ struct FilterPlan : Planned {
   Place<Health> health;
   Place<double> state;
   Place<double> covariance;
+  Place<double> initial_variances;  // of the newest start
   Place<PendingInput> pending;
   Place<double> pending_fields;
   Place<double> last_input;     // fields of the newest input sample

@@ -2,6 +2,7 @@
 // Recovery from a lock-out: P is opened along what the refused rows see, as far as their residual asks for.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -10,6 +11,8 @@
 namespace binnacle::internal::filter {
 
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Factors A in place; `use` is called with the factor. False where A is not positive definite.
 template <class Matrix, class Use>
@@ -119,10 +122,60 @@ int Opening::collect(const SampleRows& rows, const MeasurementPlan& measurement,
   return count > 0 ? count : rows.m;
 }
 
+// The linearization was that of an estimate which was wrong by δ: of a rotation by 45 deg it is off by a tenth.
+void Estimator::keep_open() {
+  constexpr double share = 0.1;
+  for (int i = 0; i < plan_.n; ++i) {
+    const double variance = P_->variance(i), left = share * rows_.delta[as_size(i)];
+    opening_.scales[as_size(i)] = variance > 0 ? std::sqrt(1 + left * left / variance) : 1.0;
+  }
+  P_->scale(opening_.scales.data());
+}
+
+void Estimator::project(const MeasurementPlan& measurement) { P_->project(measurement.columns, rows_); }
+
+// The mean residual of n samples has the noise R / n, and what of P is common to all of them.
+bool Estimator::open_by_mean(const MeasurementPlan& measurement) {
+  const MatrixView R = rows_.square(rows_.R), S = rows_.square(rows_.S);
+  for (int i = 0; i < rows_.m; ++i) {
+    rows_.r[i] = rows_.mean_z[as_size(i)] * std::sqrt(S(i, i));
+    for (int j = 0; j < rows_.m; ++j) R(i, j) /= std::sqrt(rows_.mean_count[as_size(i)] * rows_.mean_count[as_size(j)]);
+  }
+  return open(measurement, rows_.biased.data());
+}
+
+// x' = φ x + w with |φ| < 1 has the variance q / (1 − φ²) when nothing is known of it.
+double Estimator::stationary_variance(int row) const {
+  const auto& transition = plan_.transition;
+  const auto diagonal = std::ranges::find(transition.diagonals, row, [](const auto& d) { return d.row; });
+  if (diagonal == transition.diagonals.end()) return infinity;
+  const double phi = phi_[as_size(diagonal->block)][diagonal->offset];
+  const auto noise = std::ranges::find(transition.noise_elements, row * padded(plan_.n) + row,
+                                       [](const auto& element) { return element.at; });
+  if (!(phi > 0 && phi < 1) || noise == transition.noise_elements.end()) return infinity;
+  return noise_[as_size(noise->block)][noise->place] / (1 - phi * phi);
+}
+
 bool Estimator::open(const MeasurementPlan& measurement, const unsigned char* marked) {
   if (!opening_.find(rows_, measurement, *P_, plan_.corrected, plan_.n, marked)) return false;
+  for (int i = 0; i < plan_.n; ++i) {
+    const double now = P_->variance(i), most = stationary_variance(i);
+    double& scale = opening_.scales[as_size(i)];
+    if (scale > 1) scale = std::min(scale, std::sqrt(std::max(1.0, most / now)));
+  }
   P_->scale(opening_.scales.data());
   return true;
+}
+
+// A state that was wrong made wrong values of what it met: 1-sigma of the start, in addition.
+void Estimator::unlearn(double* added) {
+  const double* const initial = plan_.initial_variances.in(arena_);
+  for (int i = 0; i < plan_.n; ++i) {
+    added[i] = 0;
+    if (!plan_.corrected.empty() && !plan_.corrected[as_size(i)]) continue;
+    added[i] = std::clamp(stationary_variance(i) - P_->variance(i), 0.0, initial[i]);
+    P_->inflate(i, added[i]);
+  }
 }
 
 }  // namespace binnacle::internal::filter

@@ -19,6 +19,8 @@ SampleRows::SampleRows(const FilterPlan& plan) {
   for (auto* tall : {&G_, &K_, &U_}) tall->resize(ld * std::max<std::size_t>(rows, 3));
   delta.resize(ld);
   for (auto* list : {&keys, &left_out_keys}) list->resize(rows);
+  for (auto* list : {&mean_z, &mean_count}) list->resize(rows);
+  biased.resize(rows);
   for (auto* list : {&groups, &left_out_groups}) list->resize(rows);
   static_cast<UpdateWork&>(*this) = {0,         plan.max_rows, H_.data(), R_.data(), r_.data(), G_.data(), HPHt_.data(),
                                      S_.data(), L_.data(),     K_.data(), U_.data(), y_.data()};

@@ -31,7 +31,7 @@ class Examination {
     if (head_.starts > 1)
       see_({.doubt = Doubt::restarted, .since = head_.last_start, .figure = double(head_.starts - 1)});
     if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});
-    score_limit_ = score_limit();
+    find_score_limits();
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
       if (plan_.measurements[as_size(m)].is_watched) examine(m);
     if (trust_.hole > 0 && head_.longest_hole > trust_.hole)
@@ -72,21 +72,30 @@ class Examination {
            });
   }
 
-  /// The tests of innovations share the probability of a false alarm (Bonferroni): the score which a right filter passes
-  /// with a probability of 1 − false_alarm · (its run in units of ten minutes, at least one) / tests. Open windows count.
-  double score_limit() const {
-    std::int64_t tests = 0;
+  /// The tests of innovations share the probability of a false alarm (Bonferroni), those of means over ten minutes one
+  /// half of it: the score which a right filter passes with a probability of
+  ///     1 − false_alarm / 2 · (its run in units of ten minutes, at least one) / tests .
+  /// What is not full yet counts.
+  void find_score_limits() {
+    std::int64_t windows = 0, longs = 0;
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
       if (!is_tested(m)) continue;
-      if (trust_.tests_nis) tests += ledger_.nis(m).windows + 1;
+      if (trust_.tests_nis) windows += ledger_.nis(m).windows + 1;
       // The test of a bias has two sides.
-      for (const RowMonitor& row : ledger_.rows(m))
-        if (row.used > 0) tests += (row.windows + 1) * (2 * trust_.tests_bias + trust_.tests_correlation);
+      for (const RowMonitor& row : ledger_.rows(m)) {
+        if (row.used == 0) continue;
+        windows += (row.windows + 1) * (2 * trust_.tests_bias + trust_.tests_correlation);
+        longs += (row.longs + 1) * 2 * trust_.tests_bias;
+      }
     }
-    if (tests == 0 || trust_.false_alarm <= 0) return 0;
     const double runs = std::max(1.0, seconds(head_.t - head_.start) / ten_minutes);
-    const double probability = std::min(0.1, trust_.false_alarm * runs / static_cast<double>(tests));
-    return boost::math::quantile(boost::math::complement(boost::math::normal(), probability));
+    const auto limit = [&](std::int64_t tests) {
+      if (tests == 0 || trust_.false_alarm <= 0) return 0.0;
+      const double probability = std::min(0.1, trust_.false_alarm / 2 * runs / static_cast<double>(tests));
+      return boost::math::quantile(boost::math::complement(boost::math::normal(), probability));
+    };
+    score_limit_ = limit(windows);
+    long_limit_ = limit(longs);
   }
 
   void examine(int m) {
@@ -186,9 +195,16 @@ class Examination {
       Extreme bias = row.bias, correlation = row.correlation;
       bias.see(row.open_bias());
       correlation.see(row.open_correlation());
+      Extreme long_bias = row.long_bias;
+      long_bias.see(row.open_long_bias());
+      const auto see_bias = [&](const Extreme& mean, double limit) {
+        see_({Doubt::bias, Verdict::doubtful, m, row.group, row.key, mean.since, mean.figure,
+              limit / std::sqrt(mean.size)});
+      };
       if (trust_.tests_bias && bias.score > score_limit_)
-        see_({Doubt::bias, Verdict::doubtful, m, row.group, row.key, bias.since, bias.figure,
-              score_limit_ / std::sqrt(bias.size)});
+        see_bias(bias, score_limit_);
+      else if (trust_.tests_bias && long_bias.score > long_limit_)
+        see_bias(long_bias, long_limit_);
       if (trust_.tests_correlation && correlation.score > score_limit_)
         see_({Doubt::correlation, Verdict::doubtful, m, row.group, row.key, correlation.since, correlation.figure,
               lag_of(score_limit_, correlation.size)});
@@ -204,6 +220,7 @@ class Examination {
   const CovarianceForm& P_;
   See& see_;
   double score_limit_ = 0;  // 0: innovations are not tested
+  double long_limit_ = 0;   // of means over ten minutes
 };
 
 }  // namespace

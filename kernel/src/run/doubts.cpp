@@ -23,6 +23,9 @@ std::string since(const TrustReason& reason) {
   return text;
 }
 
+/// "once", "7 times".
+std::string times(const TrustReason& reason) { return reason.figure == 1 ? "once" : number(reason.figure) + " times"; }
+
 /// "'fix'", or "'fix', row velocity 2".
 std::string subject(const TrustReason& reason, const MeasurementInfo& measurement) {
   std::string text = "'" + measurement.name + "'";
@@ -44,7 +47,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     return "no sample of any measurement of '" + filter.name +
            "' was used: channels, or their spans of time, are not " + "those of the driving input";
   if (reason.doubt == Doubt::restarted)
-    return "'" + filter.name + "' started anew " + figure + " times, last at " + since(reason) +
+    return "'" + filter.name + "' started anew " + times(reason) + ", last at " + since(reason) +
            ": what it estimated before did not hold";
   if (reason.doubt == Doubt::input_ended)
     return "the input of '" + filter.name + "' ended at " + since(reason) + ", " + figure +
@@ -72,8 +75,8 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
       return who + " has innovations that are correlated in time: " + figure +
              " of their variance in the window from " + since(reason) + " (limit " + limit + ")";
     case Doubt::recovered:
-      return who + " had to be recovered " + figure + " times, first at " + since(reason) +
-             ": it was refused again and again";
+      return who + " had to be recovered " + times(reason) + ", first at " + since(reason) +
+             ": it was refused, or biased, again and again";
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::frozen:
