@@ -150,63 +150,98 @@ Matrix3d Window::rotation_by_course() const {
   return triad(-y, velocity) * triad(-chain.force(), chain.rotation().col(0)).transpose();
 }
 
-// Of the course, in the body axes of the last epoch, with v the velocity there:
+namespace {
+
+/// Normal equations of residuals r = H u + c, in which c is the same for all and goes with their means.
+struct Equations {
+  Normal normal = Normal::Zero();
+  Unknowns right = Unknowns::Zero();
+  Jacobian sum_H = Jacobian::Zero();
+  Vector3d sum_r = Vector3d::Zero();
+  double weights = 0, squares = 0;
+
+  template <class H, class R>
+  void add(const H& jacobian, const R& r, double weight) {
+    normal += weight * jacobian.transpose() * jacobian;
+    right += weight * jacobian.transpose() * r;
+    squares += weight * r.squaredNorm();
+  }
+  void add_with_constant(const Jacobian& H, const Vector3d& r, double weight) {
+    add(H, r, weight);
+    sum_H += weight * H;
+    sum_r += weight * r;
+    weights += weight;
+  }
+  void take_out_constant() {
+    normal -= sum_H.transpose() * sum_H / weights;
+    right -= sum_H.transpose() * sum_r / weights;
+    squares -= sum_r.squaredNorm() / weights;
+  }
+  /// What is known beforehand: zero, with these weights, where `found` is assumed already.
+  void add_prior(const Unknowns& prior_weights, const Unknowns& found) {
+    normal.diagonal() += prior_weights;
+    right -= prior_weights.cwiseProduct(found);
+    squares += prior_weights.dot(found.cwiseAbs2());
+  }
+};
+
+/// φ at the last epoch, and what it is made of.
+Jacobian at_the_end(const Matrix3d& C, const Chain& chain) {
+  Jacobian now;
+  now << Matrix3d::Identity(), Matrix3d::Zero(), -C * chain.axes();
+  return now;
+}
+
+Unknowns weights_of(const Priors& priors) {
+  Unknowns weights = Unknowns::Zero();
+  weights.segment<3>(3).setConstant(1 / (priors.accelerometer_bias * priors.accelerometer_bias));
+  weights.tail<3>().setConstant(1 / (priors.gyro_bias * priors.gyro_bias));
+  return weights;
+}
+
+// In the body axes of the last epoch, with v the velocity there:
 //     0 − (C_bn v)_y,z = (C_bn [v]×)_y,z φ_now .
+void add_course(const Course& course, const Epoch& last, const Matrix3d& C, const Chain& chain, Equations& equations) {
+  const Vector3d v = vector(last.velocity);
+  const Matrix3d C_bn = (C * chain.rotation()).transpose();
+  const Eigen::Matrix<double, 2, 9> H = (C_bn * sd::skew(v) * at_the_end(C, chain)).bottomRows<2>();
+  const Eigen::Vector2d r = -(C_bn * v).tail<2>();
+  equations.add(H, r, 1 / (course.sd * course.sd * v.squaredNorm() + last.variance));
+}
+
+}  // namespace
+
 Fit Window::fit_from(Matrix3d C, const Priors& priors, const Course& course) const {
   Fit fit;
   Biases biases;
-  Unknowns prior_weights = Unknowns::Zero();
-  prior_weights.segment<3>(3).setConstant(1 / (priors.accelerometer_bias * priors.accelerometer_bias));
-  prior_weights.tail<3>().setConstant(1 / (priors.gyro_bias * priors.gyro_bias));
+  const bool has_course = course.sd > 0;
   for (int iteration = 0; iteration < 5; ++iteration) {
-    Normal normal = Normal::Zero();
-    Unknowns right = Unknowns::Zero();
-    Jacobian sum_H = Jacobian::Zero();
-    Vector3d sum_r = Vector3d::Zero();
-    double weights = 0, squares = 0;
+    Equations equations;
     Chain chain(biases);
     for_each(chain, [&](const Epoch& epoch, const Vector3d& y) {
-      const double weight = 1 / epoch.variance;
-      const Vector3d force = C * chain.force(), r = y - force;
+      const Vector3d force = C * chain.force();
       Jacobian H;
       H << -sd::skew(force), -C * chain.axes(), C * chain.turned();
-      normal += weight * H.transpose() * H;
-      right += weight * H.transpose() * r;
-      squares += weight * r.squaredNorm();
-      sum_H += weight * H;
-      sum_r += weight * r;
-      weights += weight;
+      equations.add_with_constant(H, y - force, 1 / epoch.variance);
     });
+    equations.take_out_constant();
     Unknowns found;
     found << Vector3d::Zero(), biases.accelerometer, biases.gyro;
-    normal -= sum_H.transpose() * sum_H / weights;
-    normal.diagonal() += prior_weights;
-    right -= sum_H.transpose() * sum_r / weights + prior_weights.cwiseProduct(found);
-    squares += prior_weights.dot(found.cwiseAbs2()) - sum_r.squaredNorm() / weights;
-    Jacobian now;  // φ at the last epoch, and what it is made of
-    now << Matrix3d::Identity(), Matrix3d::Zero(), -C * chain.axes();
-    if (course.sd > 0) {
-      const Vector3d v = vector(at(count_ - 1).velocity);
-      const Matrix3d C_bn = (C * chain.rotation()).transpose();
-      const Eigen::Matrix<double, 2, 9> H = (C_bn * sd::skew(v) * now).bottomRows<2>();
-      const Eigen::Vector2d r = -(C_bn * v).tail<2>();
-      const double weight = 1 / (course.sd * course.sd * v.squaredNorm() + at(count_ - 1).variance);
-      normal += weight * H.transpose() * H;
-      right += weight * H.transpose() * r;
-      squares += weight * r.squaredNorm();
-    }
-    const Eigen::LLT<Normal> factor(normal);
+    equations.add_prior(weights_of(priors), found);
+    if (has_course) add_course(course, at(count_ - 1), C, chain, equations);
+    const Eigen::LLT<Normal> factor(equations.normal);
     if (factor.info() != Eigen::Success) return fit;
-    const Unknowns step = factor.solve(right);
+    const Unknowns step = factor.solve(equations.right);
     const Normal P = factor.solve(Normal::Identity());
     C = sd::dcm_from_quaternion(sd::quaternion_exp(step.head<3>())) * C;
     biases.accelerometer += step.segment<3>(3);
     biases.gyro += step.tail<3>();
 
     // Residuals and priors: 3 n + 6 numbers, less c and the unknowns; two of the course.
-    const double freedom = 3.0 * static_cast<double>(count_) - 6.0 + (course.sd > 0 ? 2 : 0);
-    fit.misfit = std::sqrt(std::max(0.0, squares - right.dot(step)) / freedom);
+    const double freedom = 3.0 * static_cast<double>(count_) - 6.0 + (has_course ? 2 : 0);
+    fit.misfit = std::sqrt(std::max(0.0, equations.squares - equations.right.dot(step)) / freedom);
     const double excess = std::max(1.0, fit.misfit * fit.misfit);  // what the model leaves out
+    const Jacobian now = at_the_end(C, chain);
     fit.P = excess * now * P * now.transpose();
     fit.q_nb = sd::quaternion_from_dcm(C * chain.rotation());
     fit.P_gyro_bias = excess * P.bottomRightCorner<3, 3>();

@@ -85,10 +85,10 @@ struct UpdateRecord {
   ConstMatrixView reset;  // n×n, the reset Jacobians of the blocks; null where they are all the identity
 };
 
-/// P was opened because a measurement, or rows of it, kept being refused.
+/// P was opened because a measurement, or rows of it, kept being refused or biased. One recovery may be several records.
 struct InflationRecord {
   int measurement = 0;
-  Time t = no_time;                   // of the last sample that was refused
+  Time t = no_time;                   // of the sample that it was opened for
   const double* variances = nullptr;  // n: added to the diagonal of P; null where the config names none
   const double* scales = nullptr;     // n: D, where D P D was made; null else
   ConstMatrixView P0;
