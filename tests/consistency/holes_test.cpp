@@ -288,8 +288,8 @@ TEST_CASE("after a hole NEES and the share of fixes refused are those of a right
       }
 }
 
-// By up to 50 deg per axis. The first fixes are then refused too often, and NEES after them is not right; no noise of
-// the bridge changes that: the filter is linear, and a tilt φ is an error of φ² g/2 in the vertical acceleration besides.
+// By up to 50 deg per axis. The first fixes are then refused too often, and NEES after them is not right. No noise of
+// the bridge changes that: the filter is linear, and a tilt φ is also an error of φ² g/2 in the vertical acceleration.
 TEST_CASE("after a hole in which the vehicle may have turned far NEES is that of a right filter") {
   for (const std::string& model : models)
     for (const bool has_fixes : {false, true})
