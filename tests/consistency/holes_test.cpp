@@ -56,7 +56,7 @@ struct Hole {
 struct Setting {
   std::string model;
   bool increments = true;    // the channel has them, else rates
-  double bridge_factor = 1;  // on what the vehicle does, to give what the filter is told that it may do
+  double bridge_factor = 1;  // on what the vehicle does: what `bridge` states that it may do
 };
 
 std::string per_axis(const Vector3d& rate) {
