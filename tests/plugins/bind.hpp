@@ -49,9 +49,9 @@ inline double quantity(const Json& json) {
 }
 
 inline std::vector<double> numbers(const Json& json, int size) {
-  if (!json.is_number()) return json.get<std::vector<double>>();
+  if (json.is_array()) return json.get<std::vector<double>>();
   if (size < 0) throw std::logic_error("one number for a vector whose size nobody knows: the kernel wants a list");
-  return std::vector<double>(static_cast<std::size_t>(size), json.get<double>());
+  return std::vector<double>(static_cast<std::size_t>(size), quantity(json));
 }
 
 inline ParameterValue object_value(const std::vector<ParameterSpec>& specs, const Json& json, const Setup& setup);

@@ -135,6 +135,10 @@ class Samples {
     samples_.push_back(sample);
     return *this;
   }
+  /// Whether they bridge a hole.
+  void bridge(bool bridges) {
+    for (InputSample& sample : samples_) sample.bridges = bridges;
+  }
   /// One step of all of them. Valid as long as this object.
   Step step() { return step(0, samples_.size()); }
   /// One step each.
@@ -151,6 +155,7 @@ class Samples {
     step.samples = std::span<const InputSample>(samples_).subspan(first, count);
     step.t0 = step.samples.front().t0, step.t1 = step.samples.back().t1;
     for (const InputSample& sample : step.samples) step.dt += sample.dt;
+    step.bridges = step.samples.front().bridges;
     return step;
   }
 

@@ -96,6 +96,50 @@ TEST_CASE("noise: its size after a second is the random walk of its unit", "[phi
   REQUIRE(std::abs(std::sqrt(100 * p.noise.at({1, 1})(2, 2)) - 0.5) < 1e-6);
 }
 
+// At rest and level v̇ = (−g φ_east, g φ_north, 0): what a constant rate r and acceleration a leave after T.
+TEST_CASE("noise: a bridged step adds what the vehicle may have done, whole and in parts", "[phi_error]") {
+  const double g = 9.8, T = 2, a = 0.7;
+  const Vector3d r(0.01, 0.02, 0.04);
+  const Flight still{"still", {0.6, 2, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, -g}, {0, 0, 0}, {0, 0, 0}};
+  const Bench bench("second", false, 0, 0, {{"bridge", {{"acceleration", a}, {"rate", {r[0], r[1], r[2]}}}}});
+  const auto noise = [&](double from, double to, bool bridges) {
+    Samples samples(still);
+    samples.part(from, to, 0, T).bridge(bridges);
+    Complaints out;
+    return bench.check().propagate(bench.ports(still), samples.step(), bench.check().fresh_memory(), out).noise;
+  };
+  REQUIRE(noise(0, T, false).at({2, 2}).norm() == 0);
+
+  const auto whole = noise(0, T, true);
+  const Eigen::Matrix3d phi = whole.at({2, 2}), v = whole.at({1, 1}), v_phi = whole.at({1, 2});
+  for (int i = 0; i < 3; ++i) REQUIRE(std::abs(phi(i, i) / std::pow(r[i] * T, 2) - 1) < 1e-3);
+  const double of_turn = g * g * std::pow(T, 4) * (1.0 / 3 + 1.0 / 3);  // f turned with the vehicle; f as it was
+  REQUIRE(std::abs(v(0, 0) / (std::pow(a * T, 2) + of_turn * r[1] * r[1]) - 1) < 1e-3);
+  REQUIRE(std::abs(v(1, 1) / (std::pow(a * T, 2) + of_turn * r[0] * r[0]) - 1) < 1e-3);
+  REQUIRE(std::abs(v(2, 2) / std::pow(a * T, 2) - 1) < 1e-3);
+  REQUIRE(std::abs(v_phi(0, 1) / (-g * std::pow(r[1], 2) * std::pow(T, 3) / 2) - 1) < 1e-3);
+  REQUIRE(std::abs(v_phi(1, 0) / (g * std::pow(r[0], 2) * std::pow(T, 3) / 2) - 1) < 1e-3);
+
+  const Eigen::Matrix3d parts = noise(0, 0.3, true).at({2, 2}) + noise(0.3, T, true).at({2, 2});
+  REQUIRE((parts - phi).cwiseAbs().maxCoeff() < 1e-3 * phi.cwiseAbs().maxCoeff());
+}
+
+// A line through the rates before the hole and those held over it would be a motion that nobody measured.
+TEST_CASE("a bridge has no neighbour", "[phi_error]") {
+  const Flight flight = flights[0];
+  const Bench bench;
+  Samples samples(flight);
+  samples.whole(0, 2);
+  const auto place = [&](const std::vector<std::byte>& memory, bool bridges) {
+    Complaints out;
+    samples.bridge(bridges);
+    return bench.check().propagate(bench.ports(flight), samples.step(), memory, out).x_plus;
+  };
+  const auto memory = memory_before(bench, flight, 0.1);
+  REQUIRE(place(memory, true) == place(bench.check().fresh_memory(), true));
+  REQUIRE(place(memory, false) != place(bench.check().fresh_memory(), false));
+}
+
 TEST_CASE("several samples at once are the same as one after another", "[phi_error]") {
   const Bench bench;
   for (const Flight& flight : flights) {

@@ -301,7 +301,9 @@ Nine integrated_noise(const Scenario& s, double dt, const NoiseDensity& density)
     const Nine phi = navigation_part(assembled(transition(sub.mid, input_sensitivity(part), Order::second)));
     Nine q = Nine::Zero();
     q.block<3, 3>(3, 3) = sub.mid.C_nb * density.accel.asDiagonal() * sub.mid.C_nb.transpose();
-    q.block<3, 3>(6, 6) = sub.mid.C_nb * density.gyro.asDiagonal() * sub.mid.C_nb.transpose();
+    const Eigen::Matrix3d G = sub.mid.C_nb * density.gyro.asDiagonal() * sub.mid.C_nb.transpose();
+    q.block<3, 3>(6, 6) = G;
+    q.block<3, 3>(3, 3) += density.turned_squared * skew(sub.mid.f_n) * G * skew(sub.mid.f_n).transpose();
     covariance = (phi * (covariance + 0.5 * part.dt * q) * phi.transpose() + 0.5 * part.dt * q).eval();
     nav = sub.nav;
   }
@@ -316,6 +318,7 @@ TEST_CASE("process noise against fine integration", "[strapdown][error]") {
       {{1e-9, 4e-9, 2e-9}, {1e-6, 3e-6, 9e-6}},
       {{1e-6, 2e-6, 1e-6}, {1e-9, 1e-9, 3e-9}},  // gyro noise through f outweighs the accelerometers
       {Vector3d::Constant(1e-9), Vector3d::Zero()},
+      {{1e-6, 2e-6, 3e-6}, Vector3d::Constant(1e-9), 0.02},
   };
   for (const Scenario& s : scenarios()) {
     for (const NoiseDensity& density : densities) {

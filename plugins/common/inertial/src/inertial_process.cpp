@@ -148,11 +148,14 @@ void InertialProcess::describe(ComponentSpec& spec) {
       attitude::choice_parameter(),
       parameter::object(
           "bridge",
-          {parameter::number("acceleration", "m/s^2").defaults("\"1 m/s^2\"").at_least(0).about("per axis, and"),
-           parameter::number("rate", "rad/s")
+          {parameter::number("acceleration", "m/s^2")
+               .defaults("\"1 m/s^2\"")
+               .at_least(0)
+               .about("over ground, per axis, and"),
+           parameter::vector("rate", "rad/s", 3)
                .defaults("\"5 deg/s\"")
                .at_least(0)
-               .about("per axis: 1-sigma of what the vehicle may have done in a hole of the input beside "
+               .about("per body axis: 1-sigma of what the vehicle may have done in a hole of the input beside "
                       "what it did just before or after it")})
           .defaults("{}")
           .about("noise of a step that bridges a hole"),
@@ -178,7 +181,7 @@ InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
   density_.accel = binding.parameters().vector("accel_noise").cwiseAbs2();
   const Parameters bridge = binding.parameters().object("bridge");
   bridge_acceleration_ = bridge.number("acceleration");
-  bridge_rate_ = bridge.number("rate");
+  bridge_rate_ = bridge.vector("rate");
   for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i] = binding.port(place_names[i]);
   for (const Place place : {gyro_bias, accel_bias, gyro_scale, accel_scale})
     has_sensor_errors_ = has_sensor_errors_ || ports_[place].is_bound();
@@ -214,14 +217,21 @@ void InertialProcess::declare_noise() {
   }
 }
 
-// An acceleration a, unknown and constant over a hole of length T, leaves a velocity error of variance (a T)², as white
-// noise of density a² T does; that adds up right where measurements cut the hole into pieces. Rates likewise.
+// An acceleration a over ground, unknown and constant over a hole of length T, leaves a velocity error of variance
+// (a T)², as white noise of density a² T does; that adds up right where measurements cut the hole into pieces. A rate r
+// likewise: density G = r² T.
+//
+// The specific force f is held in body axes, so noise of the rate turns it, as an aircraft's lift turns with it. A car
+// that rolls goes on as it was, and gravity turns in its axes: its specific force differs from the one held by f × r t,
+// t into the hole (or to its end, where f is that after it). Which of them the vehicle is, is not known, so this too is
+// an acceleration that it may have. Its mean square over the hole is K r² Kᵀ T²/3, K = [f×]: density K G Kᵀ T²/3.
 strapdown::NoiseDensity InertialProcess::density(const Step& step) const {
   strapdown::NoiseDensity density = density_;
   if (!step.bridges || step.samples.empty()) return density;
   const double hole = seconds(step.samples.front().whole_t1 - step.samples.front().whole_t0);
-  density.gyro.array() += bridge_rate_ * bridge_rate_ * hole;
+  density.gyro += bridge_rate_.cwiseAbs2() * hole;
   density.accel.array() += bridge_acceleration_ * bridge_acceleration_ * hole;
+  density.turned_squared = hole * hole / 3.0;
   return density;
 }
 
@@ -272,7 +282,9 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
 strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
                                               SampleMemory& remembered) const {
   if (group.count() == 1) {
-    const strapdown::Previous neighbours = remembered.before(group.sample(0));
+    // Through the rates held over a hole and those measured before it no line goes that means anything.
+    const strapdown::Previous neighbours =
+        group.sample(0).bridges ? strapdown::Previous{} : remembered.before(group.sample(0));
     const strapdown::Increment increment = correct(group.measured(0), errors);
     const strapdown::MeanRates neighbour =
         corrected(increment.sample_offset > 0.0 ? neighbours.before : neighbours.last, errors);

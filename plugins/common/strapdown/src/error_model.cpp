@@ -219,10 +219,11 @@ TransitionBlocks transition(const Midpoint& mid, const InputSensitivity& input, 
 NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density) {
   const double h = mid.dt;
   const Matrix3d gyro = mid.C_nb * density.gyro.asDiagonal() * mid.C_nb.transpose();
-  const Matrix3d accel = mid.C_nb * density.accel.asDiagonal() * mid.C_nb.transpose();
   const Matrix3d k = skew(mid.f_n);
   const Matrix3d k_gyro = k * gyro;
   const Matrix3d k_gyro_k = k_gyro * k.transpose();
+  Matrix3d accel = mid.C_nb * density.accel.asDiagonal() * mid.C_nb.transpose();
+  if (density.turned_squared > 0.0) accel += density.turned_squared * k_gyro_k;
   const double h2 = h * h;
   const double h3 = h2 * h;
   NoiseBlocks q;

@@ -87,8 +87,8 @@ class InertialProcess : public ProcessModel {
   attitude::Algorithm algorithm_;
   bool has_sensor_errors_ = false;
   strapdown::NoiseDensity density_;
-  double bridge_acceleration_ = 0;  // 1-sigma per axis, over a hole of the input [m/s²]
-  double bridge_rate_ = 0;          // [rad/s]
+  double bridge_acceleration_ = 0;                         // 1-sigma per axis, over a hole of the input [m/s²]
+  Eigen::Vector3d bridge_rate_ = Eigen::Vector3d::Zero();  // [rad/s], body
 };
 
 }  // namespace binnacle::inertial

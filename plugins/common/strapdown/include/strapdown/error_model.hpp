@@ -61,6 +61,8 @@ TransitionBlocks transition(const Midpoint& mid, const InputSensitivity& input, 
 struct NoiseDensity {
   Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< rad²/s
   Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< (m/s)²/s
+  /// s²: mean square of the time for which rates of density G turned f; adds turned_squared K G Kᵀ to A below.
+  double turned_squared = 0.0;
 };
 
 /// Q over one step: the upper triangle, by blocks; the diagonal ones are symmetric.
