@@ -146,3 +146,9 @@ class Cell:
     @property
     def is_back(self):
         return self.recovered is not None and self.recovered <= BACK_WITHIN
+
+
+def back(cells):
+    """(how many are back in time, of how many that are wrong for a while)"""
+    a_while = [cell for cell in cells if cell.kind == WHILE]
+    return sum(cell.is_back for cell in a_while), len(a_while)

@@ -65,7 +65,7 @@ def totals(cells, unseeable):
         yield f"Wrong all along: {len(along) - len(unreported)} of {len(along)} reported; not reported: {', '.join(unreported) or 'none'}."
     a_while = [cell for cell in cells if cell.kind == judge.WHILE]
     if a_while:
-        back = sum(cell.is_back for cell in a_while)
+        back, _ = judge.back(cells)
         others = [cell for cell in a_while if not cell.is_back]
         yield (f"Wrong for a while: {back} of {len(a_while)} ({100 * back / len(a_while):.0f} %, at least {100 * judge.BACK_SHARE:.0f} % are asked for) "
                f"back within {judge.BACK_WITHIN} s; the others: {in_words(others)}.")

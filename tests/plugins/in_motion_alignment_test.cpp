@@ -28,13 +28,21 @@ namespace {
 
 constexpr double deg = M_PI / 180, g = 9.80665;
 
-ParameterValue defaults() {
-  return object({{"window", instant(20)},
-                 {"every", instant(1)},
-                 {"max_heading_sd", number(5 * deg)},
-                 {"velocity_sd", number(0.1)},
-                 {"accelerometer_bias", number(0.02 * g)},
-                 {"gyro_bias", number(0.5 * deg)}});
+std::vector<std::pair<std::string, ParameterValue>> defaults() {
+  return {{"window", instant(20)},
+          {"every", instant(1)},
+          {"max_heading_sd", number(5 * deg)},
+          {"velocity_sd", number(0.1)},
+          {"accelerometer_bias", number(0.02 * g)},
+          {"gyro_bias", number(0.5 * deg)}};
+}
+
+/// Of a vehicle that drives forward.
+ParameterValue with_course() {
+  auto parameters = defaults();
+  parameters.push_back({"course", number(3 * deg)});
+  parameters.push_back({"min_speed", number(3)});
+  return object(std::move(parameters));
 }
 
 struct Output {
@@ -46,7 +54,8 @@ struct Output {
 /// The transform with its memory and what it has emitted.
 class Aligner {
  public:
-  Aligner() : transform_(bind_as<InMotionAlignment>(defaults())) {
+  explicit Aligner(const ParameterValue& parameters = object(defaults()))
+      : transform_(bind_as<InMotionAlignment>(parameters)) {
     memory = testing::TransformCaller(transform_, spec_).fresh_memory(1);
   }
   void offer(std::size_t input, Time t0, Time t, const std::vector<double>& fields) {
@@ -202,4 +211,39 @@ TEST_CASE("in motion: a hole in the IMU begins the window anew") {
   aligner.offer(0, nanoseconds(13.0), nanoseconds(13.01), {0, 0, 0, 0, 0, -g});
   aligner.offer(1, no_time, nanoseconds(13.01), {1, 1, 0, std::nan(""), std::nan(""), std::nan("")});
   CHECK(aligner.attitudes.size() == before);
+}
+
+TEST_CASE("in motion: with the course an attitude comes from the third velocity on") {
+  for (int i = 0; i < 24; ++i) {
+    Ride ride;
+    ride.yaw = 15 * i * deg;
+    ride.length = 4;
+    ride.seed = static_cast<std::uint32_t>(i + 1);
+    ride.velocity_noise = 0.1;
+    Aligner aligner(with_course());
+    ride.run(aligner);
+    REQUIRE_FALSE(aligner.attitudes.empty());
+    CHECK(seconds(aligner.attitudes.front().t) == 1.0);
+    for (const auto& attitude : aligner.attitudes) {
+      const Vector3d phi = ride.error(attitude);
+      CHECK(phi.norm() < 6 * deg);
+      CHECK(phi.dot(attitude.P.ldlt().solve(phi)) < 16.3);  // χ² of 3 degrees of freedom, 99.9 %
+    }
+  }
+}
+
+TEST_CASE("in motion: without speed there is no course, and a whole window needs none") {
+  Ride slow;
+  slow.length = 4;
+  slow.speed = [](double) { return 2.0; };
+  Aligner waiting(with_course());
+  slow.run(waiting);
+  CHECK(waiting.attitudes.empty());
+
+  Ride reversing;
+  reversing.speed = [](double t) { return -4 - 2 * std::sin(0.7 * t); };
+  Aligner aligner(with_course());
+  reversing.run(aligner);
+  REQUIRE(aligner.attitudes.size() > 10);
+  CHECK(reversing.error(aligner.attitudes.back()).norm() < 0.02 * deg);
 }

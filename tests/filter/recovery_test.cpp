@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recovery: how far the covariance is opened, for which rows, and when; a mean that is wrong for long.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "catch.hpp"
+#include "line.hpp"
+
+using namespace binnacle;
+
+using filter_tests::composition_of;
+using filter_tests::line;
+using filter_tests::push;
+
+namespace {
+
+/// What an observer sees of a filter of two states.
+class Keep : public StepObserver {
+ public:
+  struct Opening {
+    bool adds = false;
+    Eigen::Vector2d figures;  // variances or scales
+    Eigen::Matrix2d P0, P1;
+  };
+  Wants wants() const override { return Wants::everything; }
+  void offered(const UpdateRecord& record) override {
+    nis = record.nis;
+    outcome = record.outcome;
+    if (record.outcome == Outcome::accepted) delta = Eigen::Map<const Eigen::Vector2d>(record.delta);
+  }
+  void inflated(const InflationRecord& record) override {
+    const double* const figures = record.variances ? record.variances : record.scales;
+    openings.push_back(
+        {record.variances != nullptr, Eigen::Map<const Eigen::Vector2d>(figures), record.P0.as(), record.P1.as()});
+  }
+  double nis = 0;
+  Outcome outcome = Outcome::late;
+  Eigen::Vector2d delta;
+  std::vector<Opening> openings;
+};
+
+MeasurementCounts counts(const Session& session, int measurement = 0) {
+  return session.counts(MeasurementId{{0}, measurement});
+}
+
+/// Position by itself and velocity by itself, each a measurement; the position has a gate.
+std::string two_witnesses(const std::string& position_extra, const std::string& velocity_extra = "") {
+  return R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
+                "v": {"type": "pushed", "fields": {"z0": {"unit": "m/s"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
+                 "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 0.3}},
+      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.01}},
+      "measurements": {
+        "fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [0.5])" +
+         position_extra + R"(},
+        "speed": {"type": "linear_measurement", "channel": "v", "blocks": {"x": "velocity"}, "sigma": [0.01])" +
+         velocity_extra + R"(}}}}})";
+}
+
+/// It stands at zero; from 60 s on the speedometer shows `offset`. Ten fixes a second.
+Session with_wrong_speed(const std::string& config, double offset, double until) {
+  Session session(composition_of(config));
+  for (int i = 0; 0.1 * i < until; ++i) {
+    push(session, "v", 0.1 * i, {0.1 * i < 60 ? 0.0 : offset});
+    push(session, "z", 0.1 * i, {0.1 * ((i * 7) % 11 - 5)});  // within 0.5 m, without a mean
+  }
+  return session;
+}
+
+}  // namespace
+
+TEST_CASE("recovery opens along what the row sees, as far as its residual asks for") {
+  Session session(composition_of(line("", R"(, "gate": 0.999)")));
+  for (int i = 0; i < 200; ++i) push(session, "z", 0.5 * i, {1.0});
+  Keep keep;
+  session.attach({0}, &keep);
+  for (int i = 200; i < 204; ++i) {
+    push(session, "z", 0.5 * i, {101.0});
+    CHECK(keep.outcome == Outcome::gated);
+    CHECK(keep.openings.empty());
+  }
+  push(session, "z", 0.5 * 204, {101.0});
+  CHECK(keep.outcome == Outcome::accepted);
+  REQUIRE(keep.openings.size() == 3);
+
+  // As far as a right sample would have it: one row, NIS 1.
+  const auto& along = keep.openings[0];
+  REQUIRE_FALSE(along.adds);
+  const Eigen::Matrix2d D = along.figures.asDiagonal();
+  CHECK((along.P1 - D * along.P0 * D).norm() < 1e-12 * along.P1.norm());
+  const double S = along.P1(0, 0) + 0.7 * 0.7;
+  CHECK(std::abs(keep.nis * (S + 4) / S - 1) < 1e-9);
+  // Through the correlation the velocity opens in proportion.
+  const Eigen::Vector2d more = (along.P1 - along.P0).diagonal();
+  CHECK(std::abs(std::sqrt(more[1] / more[0]) - along.P0(1, 0) / along.P0(0, 0)) < 1e-9);
+  CHECK(std::sqrt(more[0]) > 50);
+
+  // What was learnt in the wrong place: the variances of the start.
+  const auto& unlearnt = keep.openings[1];
+  REQUIRE(unlearnt.adds);
+  CHECK((unlearnt.figures - Eigen::Vector2d(4, 0.09)).norm() < 1e-12);
+  const Eigen::Matrix2d with_start = unlearnt.P0 + Eigen::Matrix2d(unlearnt.figures.asDiagonal());
+  CHECK((unlearnt.P1 - with_start).norm() < 1e-12 * with_start.norm());
+
+  // And a tenth of the correction, which was linearized far off.
+  const auto& left = keep.openings[2];
+  REQUIRE_FALSE(left.adds);
+  const Eigen::Vector2d kept = left.P0.diagonal() + 0.01 * keep.delta.cwiseAbs2();
+  CHECK((left.P1.diagonal() - kept).norm() < 1e-12 * kept.norm());
+  CHECK(std::abs(left.P1(0, 1) / std::sqrt(left.P1(0, 0) * left.P1(1, 1)) -
+                 left.P0(0, 1) / std::sqrt(left.P0(0, 0) * left.P0(1, 1))) < 1e-12);
+}
+
+TEST_CASE("recovery opens no component beyond what it has when nothing is known of it") {
+  // A correlated error of the receiver, 0.5 m and no more, is seen with the position.
+  Session session(composition_of(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "sigma": [2, 0.5]}},
+      "process": {"drift": {"type": "gauss_markov", "blocks": {"x": "x"}, "tau": ["1000000 s", "20 s"], "sigma": [1000, 0.5]}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "H": [[1, 1]],
+                               "sigma": [0.7], "gate": 0.999}}}}})"));
+  for (int i = 0; i < 200; ++i) push(session, "z", 0.5 * i, {0.0});
+  for (int i = 200; i < 205; ++i) push(session, "z", 0.5 * i, {100.0});
+  REQUIRE(counts(session).recoveries == 1);
+  const auto x = session.state(FilterId{0});
+  CHECK(std::abs(x[0] - 100) < 3);
+  CHECK(std::abs(x[1]) < 2);
+  CHECK(std::sqrt(session.covariance(FilterId{0}).as()(1, 1)) < 0.51);
+}
+
+TEST_CASE("rows that pass and whose mean is wrong for long are believed in the end") {
+  const std::string gate = R"(, "gate": 0.9999)";
+  // 0.05 m/s, five sigma, pull the position away, and the gate does not mind.
+  const Session before = with_wrong_speed(two_witnesses(gate, gate), 0.05, 100);
+  CHECK(counts(before).by_outcome[static_cast<int>(Outcome::gated)] == 0);
+  CHECK(counts(before).recoveries == 0);  // the speed contradicts, and it is not 45 s yet
+  const double pulled = before.state(FilterId{0})[0];
+  CHECK(pulled > 0.4);
+
+  const Session after = with_wrong_speed(two_witnesses(gate, gate), 0.05, 125);
+  CHECK(counts(after).recoveries >= 1);
+  CHECK(after.verdict(FilterId{0}) == Verdict::doubtful);
+
+  const Session off = with_wrong_speed(two_witnesses(gate + R"(, "recover": false)", gate), 0.05, 125);
+  CHECK(counts(off).recoveries == 0);
+}
+
+TEST_CASE("what no gate can refuse is no witness for the state") {
+  // All that could refuse is refused: the state is wrong, whatever passes without a gate.
+  const auto jump = [](const std::string& of_speed) {
+    Session session(composition_of(two_witnesses(R"(, "gate": 0.999)", of_speed)));
+    for (int i = 0; i < 100; ++i) {
+      push(session, "v", i, {0.0});
+      push(session, "z", i, {i < 50 ? 0.0 : 100.0});
+    }
+    return counts(session).by_outcome[static_cast<int>(Outcome::gated)];
+  };
+  CHECK(jump("") < 10);
+  CHECK(jump(R"(, "gate": 0.999)") > 40);
+}
+
+TEST_CASE("a sample that repeats refused ones to the bit is refused, though the state may have come near") {
+  Session session(composition_of(line("", R"(, "gate": 0.999)")));
+  const auto wiggle = [](int i) { return 0.01 * ((i * 7) % 11 - 5); };
+  for (int i = 0; i < 100; ++i) push(session, "z", i, {1 + wiggle(i)});
+  for (int i = 100; i < 160; ++i) push(session, "z", i, {500.0});  // it hangs
+  const auto hanging = counts(session);
+  // The first is no repetition.
+  CHECK(hanging.by_outcome[static_cast<int>(Outcome::gated)] == 60);
+  CHECK(hanging.recoveries == 0);
+  CHECK(hanging.last_reason == "it repeats refused samples to the bit");
+  CHECK(session.verdict(FilterId{0}) == Verdict::lost);
+  for (int i = 160; i < 170; ++i) push(session, "z", i, {1 + wiggle(i)});
+  CHECK(counts(session).by_outcome[static_cast<int>(Outcome::accepted)] > 100);
+}
