@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "input_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "linear_fit.hpp"
+#include "wording/wording.hpp"
+
+namespace binnacle::score {
+
+using namespace wording;
+
+namespace {
+
+constexpr int most_steps = 200;  // of shift, either way
+constexpr std::size_t shifts = 2 * most_steps + 1;
+constexpr Time reach = most_steps * InputHistory::step;
+constexpr Time shortest = 400 * (nanoseconds_per_second / 1000), longest = 2500 * (nanoseconds_per_second / 1000);
+constexpr double least_speed = 2, most_turn = 1.5;  // m/s, rad
+constexpr double least_count = 40;
+constexpr double independent = 0.25;  // of the rows: what is left of neighbours is correlated
+constexpr double least_explained = 0.6, sigmas = 5, least_shift = 0.05;
+constexpr double apart = 1.5;  // s: a second shift that fits as well, this far from the best, makes both worthless
+
+double rows_of(double count) { return independent * count; }
+
+}  // namespace
+
+/// The fits at the best shift.
+struct InputFit::Best {
+  std::size_t shift = most_steps;
+  double seconds = 0, sigma = 0, gain = 0, margin = 0;
+  LinearFit<4> turn, ahead, aside;
+};
+
+InputFit::InputFit() : waiting_(160), sums_(shifts) {}
+
+void InputFit::add_input(Time t0, Time t, const Turns& increment) {
+  history_.add(t0, t, increment);
+  if (waiting_count_ > 0) work_off();
+}
+
+void InputFit::add_velocity(Time t, double north, double east) {
+  if (!std::isfinite(north) || !std::isfinite(east) || (last_ != no_time && t < last_ + shortest)) return;
+  const double before = std::hypot(north_, east_), now = std::hypot(north, east);
+  if (last_ != no_time && t - last_ <= longest && std::min(before, now) > least_speed) {
+    const double turn = std::atan2(north_ * east - east_ * north, north_ * north + east_ * east);
+    if (waiting_count_ == waiting_.size()) {
+      first_ = (first_ + 1) % waiting_.size();
+      --waiting_count_;
+    }
+    if (std::abs(turn) < most_turn)
+      waiting_[(first_ + waiting_count_++) % waiting_.size()] = {last_, t, turn, now - before, 0.5 * (before + now)};
+  }
+  last_ = t;
+  north_ = north;
+  east_ = east;
+}
+
+void InputFit::work_off() {
+  for (; waiting_count_ > 0; first_ = (first_ + 1) % waiting_.size(), --waiting_count_) {
+    const Leg& leg = waiting_[first_];
+    if (history_.is_past(leg.from - reach)) continue;
+    if (!history_.has(leg.from - reach, leg.to + reach)) return;
+    take(leg);
+  }
+}
+
+/// A row of the turn counts less where the vehicle is slow and its course uncertain.
+void InputFit::take(const Leg& leg) {
+  const double weight = leg.speed / (leg.speed + 5), dt = seconds(leg.to - leg.from);
+  const double turn = weight * leg.turn, aside = leg.speed * leg.turn;
+  const std::int64_t a = InputHistory::node(leg.from), b = InputHistory::node(leg.to);
+  const double in_a = seconds(leg.from - a * InputHistory::step) / seconds(InputHistory::step);
+  const double in_b = seconds(leg.to - b * InputHistory::step) / seconds(InputHistory::step);
+  for (std::size_t i = 0; i < shifts; ++i) {
+    const std::int64_t back = static_cast<std::int64_t>(i) - most_steps;
+    const Turns from = (1 - in_a) * history_.at(a - back) + in_a * history_.at(a - back + 1);
+    const Turns over = (1 - in_b) * history_.at(b - back) + in_b * history_.at(b - back + 1) - from;
+    const Eigen::Vector4d gyro(weight * over[0], weight * over[1], weight * over[2], weight * dt);
+    const Eigen::Vector4d accel(over[3], over[4], over[5], dt);
+    Sums& sums = sums_[i];
+    sums.gyro.noalias() += gyro * gyro.transpose();
+    sums.accel.noalias() += accel * accel.transpose();
+    sums.turn += turn * gyro;
+    sums.ahead += leg.faster * accel;
+    sums.aside += aside * accel;
+  }
+  turn2_ += turn * turn;
+  ahead2_ += leg.faster * leg.faster;
+  aside2_ += aside * aside;
+  ++count_;
+}
+
+/// −2 ln of the likelihood, but for what is the same for all shifts.
+double InputFit::misfit(std::size_t shift) const {
+  const Sums& sums = sums_[shift];
+  const auto turn = fit<4>(sums.gyro, sums.turn, turn2_, count_),
+             ahead = fit<4>(sums.accel, sums.ahead, ahead2_, count_);
+  if (!turn.is_determined || !ahead.is_determined) return 0;
+  return rows_of(count_) * (std::log(turn.squares / turn2_) + std::log(ahead.squares / ahead2_));
+}
+
+InputFit::Best InputFit::best() const {
+  Best best;
+  if (count_ < least_count) return best;
+  std::array<double, shifts> misfits;
+  for (std::size_t i = 0; i < shifts; ++i) misfits[i] = misfit(i);
+  best.shift = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  const double least = misfits[best.shift], step = binnacle::seconds(InputHistory::step);
+  best.gain = misfits[most_steps] - least;
+  best.seconds = (static_cast<double>(best.shift) - most_steps) * step;
+  best.margin = best.gain;
+  double second = 1e300;
+  for (std::size_t i = 0; i < shifts; ++i)
+    if (std::abs((static_cast<double>(i) - static_cast<double>(best.shift)) * step) > apart)
+      second = std::min(second, misfits[i]);
+  best.margin = second - least;
+  if (best.shift > 0 && best.shift + 1 < shifts) {
+    const double left = misfits[best.shift - 1], right = misfits[best.shift + 1], bend = left + right - 2 * least;
+    if (bend > 0) {
+      best.seconds += 0.5 * (left - right) / bend * step;
+      best.sigma = step * std::sqrt(2 / bend);
+    }
+  }
+  const Sums& sums = sums_[best.shift];
+  best.turn = fit<4>(sums.gyro, sums.turn, turn2_, count_);
+  best.ahead = fit<4>(sums.accel, sums.ahead, ahead2_, count_);
+  best.aside = fit<4>(sums.accel, sums.aside, aside2_, count_);
+  return best;
+}
+
+std::optional<InputFit::Shift> InputFit::shift() const {
+  const Best its = best();
+  const bool is_inside = its.shift > 0 && its.shift + 1 < shifts && its.sigma > 0;
+  const bool is_clear = its.gain > sigmas * sigmas && its.margin > sigmas * sigmas &&
+                        std::max(its.turn.explained, its.ahead.explained) > least_explained;
+  if (!is_inside || !is_clear || std::abs(its.seconds) < std::max(least_shift, sigmas * its.sigma)) return std::nullopt;
+  return Shift{its.seconds, its.sigma};
+}
+
+std::string InputFit::figures() const {
+  const Best its = best();
+  char text[400];
+  const auto& u = its.turn.coefficients;
+  const auto& a = its.ahead.coefficients;
+  const auto& l = its.aside.coefficients;
+  const Eigen::Vector3d f = history_.mean_force();
+  std::snprintf(
+      text, sizeof text,
+      "n %.0f shift %.3f±%.3f gain %.1f margin %.1f R2 %.3f %.3f %.3f turn %.3f %.3f %.3f ahead %.3f %.3f %.3f aside "
+      "%.3f %.3f %.3f f %.2f %.2f %.2f",
+      count_, its.seconds, its.sigma, its.gain, its.margin, its.turn.explained, its.ahead.explained,
+      its.aside.explained, u[0], u[1], u[2], a[0], a[1], a[2], l[0], l[1], l[2], f[0], f[1], f[2]);
+  return text;
+}
+
+InputFit::Axes InputFit::axes() const {
+  const Best its = best();
+  return {its.turn, its.ahead, its.aside, history_.mean_force(), history_.seconds()};
+}
+
+}  // namespace binnacle::score
