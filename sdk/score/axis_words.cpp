@@ -17,12 +17,17 @@ namespace {
 constexpr double gravity = 9.81, least_seconds = 60;
 constexpr double most_force = 1.05, least_force = 0.5;  // over gravity; a vehicle that tilts has less in the mean
 constexpr double least_explained = 0.6, sigmas = 5, limit = 0.1;
-constexpr double half = 0.5;  // cosine of 60 deg
+constexpr double half = 0.5;
 
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
+}
+
+/// The coefficients of the three axes, each over its 1-sigma.
+Eigen::Vector3d significance(const LinearFit<4>& fit) {
+  return fit.coefficients.head<3>().cwiseQuotient(fit.covariance.diagonal().head<3>().cwiseSqrt());
 }
 
 /// "+'fx'": the axis that the vector is nearest to.
@@ -37,19 +42,15 @@ struct Turn {
   double scale = 1;  // measured over true, where it is significant
 };
 
-/// `down`: along the axes of the accelerometers.
-Turn judged(const LinearFit<4>& turn, const Eigen::Vector3d& down) {
+Turn judged(const InputFit::Axes& axes) {
   using enum Turn::Kind;
-  if (!turn.is_determined || turn.explained < least_explained) return {};
-  const Eigen::Vector3d w = turn.coefficients.head<3>();
-  const double about = w.dot(down), sigma = std::sqrt(down.dot(turn.covariance.topLeftCorner<3, 3>() * down));
-  const double off = (w - about * down).norm();
-  const double off_sigma = std::sqrt(turn.covariance.topLeftCorner<3, 3>().trace());
-  if (std::abs(about) < half * w.norm()) return {off > sigmas * off_sigma ? elsewhere : unknown};
-  if (std::abs(about) < sigmas * sigma) return {};
-  const double scale = 1 / std::abs(about), error = sigma / std::abs(about);
-  const bool is_off =
-      std::abs(scale - 1) > limit + (1 - turn.explained) && std::abs(scale - 1) > sigmas * error * scale;
+  const auto& vertical = axes.vertical;
+  if (!vertical.is_determined || axes.turn.explained < least_explained) return {};
+  if (vertical.explained < half * axes.turn.explained) return {elsewhere};
+  const double about = vertical.coefficients[0], sigma = std::sqrt(vertical.covariance(0, 0));
+  if (vertical.explained < least_explained || std::abs(about) < sigmas * sigma) return {};
+  const double scale = 1 / std::abs(about), off = std::abs(scale - 1);
+  const bool is_off = off > limit + (1 - vertical.explained) && off > sigmas * sigma / std::abs(about) * scale;
   return {about < 0 ? opposite : right, is_off ? scale : 1};
 }
 
@@ -57,8 +58,11 @@ Turn judged(const LinearFit<4>& turn, const Eigen::Vector3d& down) {
 int handedness(const InputFit::Axes& axes, const Eigen::Vector3d& down) {
   for (const auto* fit : {&axes.ahead, &axes.aside})
     if (!fit->is_determined || fit->explained < least_explained) return 0;
-  const Eigen::Vector3d ahead = axes.ahead.coefficients.head<3>(), aside = axes.aside.coefficients.head<3>();
-  const double volume = ahead.cross(aside).dot(down) / (ahead.norm() * aside.norm());
+  const auto level = [&](const LinearFit<4>& fit) {
+    const Eigen::Vector3d along = fit.coefficients.head<3>();
+    return (along - along.dot(down) * down).normalized();
+  };
+  const double volume = level(axes.ahead).cross(level(axes.aside)).dot(down);
   return std::abs(volume) < half ? 0 : volume < 0 ? -1 : 1;
 }
 
@@ -76,7 +80,7 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
     all.push_back("the mean specific force" + its + " is " + number(force) +
                   " times gravity: is its unit or scale wrong?");
   const Eigen::Vector3d down = -axes.force.normalized();
-  const Turn turn = judged(axes.turn, down);
+  const Turn turn = judged(axes);
   const int hand = handedness(axes, down);
   const std::string vertical = axis(-down, input.force);
   if (turn.kind == opposite && hand < 0) {
@@ -91,16 +95,15 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
     all.push_back("the gyros" + its + " turn against " + course + ": is the sign of " +
                   axis(down, input.turn).substr(1) + " wrong?");
   if (turn.kind == elsewhere)
-    all.push_back("the gyros" + its + " turn with " + course + " about " +
-                  axis(axes.turn.coefficients.head<3>(), input.turn) +
+    all.push_back("the gyros" + its + " turn with " + course + " about " + axis(significance(axes.turn), input.turn) +
                   ", while the vertical of the accelerometers is " + vertical + ": are axes swapped?");
   if (turn.scale != 1)
     all.push_back("the turns of the gyros" + its + " are " + number(turn.scale) + " times those of " + course +
                   ": is their unit or scale wrong?");
   if (hand < 0)
     all.push_back("the accelerometers" + its + " feel acceleration ahead along " +
-                  axis(axes.ahead.coefficients.head<3>(), input.force) + ", to the right along " +
-                  axis(axes.aside.coefficients.head<3>(), input.force) + " and the ground's support along " + vertical +
+                  axis(significance(axes.ahead), input.force) + ", to the right along " +
+                  axis(significance(axes.aside), input.force) + " and the ground's support along " + vertical +
                   ": that is a left hand; are two axes swapped, or is a sign wrong?");
   return all;
 }

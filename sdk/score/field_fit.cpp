@@ -119,10 +119,16 @@ std::vector<std::string> FieldFit::words(const FixFields& fix) const {
     return {"the position" + where + " moves as its velocity does only if " + in_quotes(names[0]) + " and " +
             in_quotes(names[1]) + " change places: are they swapped?"};
   }
+  const auto is_main = [&](int row, int column) {
+    int main = 0;
+    its.matrix.col(column).cwiseAbs().maxCoeff(&main);
+    return main == row && its.is_wrong(row, column, limit);
+  };
   for (int field = 0; field < 3; ++field) {
     int main = 0;
     its.matrix.col(field).cwiseAbs().maxCoeff(&main);
     if (!its.is_wrong(field, field, limit) && !its.is_wrong(main, field, limit)) continue;
+    if (main < field && is_main(field, main)) continue;  // the other half of what was said
     const double share = its.matrix(main, field);
     const auto& [there, back] = ways[as_size(main)];
     const std::string follows = "the velocity field " + name(field) + where + " follows the motion " +

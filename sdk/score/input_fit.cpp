@@ -161,7 +161,14 @@ std::string InputFit::figures() const {
 
 InputFit::Axes InputFit::axes() const {
   const Best its = best();
-  return {its.turn, its.ahead, its.aside, history_.mean_force(), history_.seconds()};
+  const Sums& sums = sums_[its.shift];
+  const Eigen::Vector3d force = history_.mean_force();
+  Eigen::Matrix<double, 4, 2> vertical = Eigen::Matrix<double, 4, 2>::Zero();
+  vertical.col(0).head<3>() = -force.normalized();
+  vertical(3, 1) = 1;
+  const Eigen::Matrix2d XtX = vertical.transpose() * sums.gyro * vertical;
+  const Eigen::Vector2d Xty = vertical.transpose() * sums.turn;
+  return {its.turn, fit<2>(XtX, Xty, turn2_, count_), its.ahead, its.aside, force, history_.seconds()};
 }
 
 }  // namespace binnacle::score

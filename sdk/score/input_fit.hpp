@@ -32,6 +32,7 @@ class InputFit {
   /// The motion along the axes of the input, at the best shift.
   struct Axes {
     LinearFit<4> turn;          // of the course, to the right, over the gyros' integrals and time
+    LinearFit<2> vertical;      // the same over the turn about the vertical of the accelerometers, and time
     LinearFit<4> ahead, aside;  // gain of speed, and pull of curves to the right, over the accelerometers' and time
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // mean over all
     double seconds = 0;                               // of the input
