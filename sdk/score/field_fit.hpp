@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the velocity and the position of one channel tell of the same motion.
+// Whether the velocity and the position of one channel show the same motion.
 #pragma once
 
 #include <Eigen/Core>

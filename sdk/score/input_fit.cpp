@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <numbers>
 
 #include "linear_fit.hpp"
@@ -16,24 +17,22 @@ using namespace wording;
 
 namespace {
 
-constexpr int most_steps = 200;  // of shift, either way
-constexpr std::size_t shifts = 2 * most_steps + 1;
-constexpr Time reach = most_steps * InputHistory::step;
 constexpr Time shortest = 400 * (nanoseconds_per_second / 1000), longest = 2500 * (nanoseconds_per_second / 1000);
 constexpr double least_speed = 2, most_turn = 1.5;  // m/s, rad
 constexpr double least_count = 40;
 constexpr double independent = 0.25;  // of the rows: what is left of neighbours is correlated
 constexpr double least_explained = 0.6, sigmas = 5, least_shift = 0.05;
-constexpr double apart = 1.5;  // s: a second shift that fits as well, this far from the best, makes both worthless
-
-double rows_of(double count) { return independent * count; }
+constexpr double longest_arm = 20;  // m, to an antenna
+constexpr std::size_t apart =
+    15;  // steps: a second shift that fits as well, this far from the best, makes both worthless
 
 }  // namespace
 
 /// The fits at the best shift.
 struct InputFit::Best {
   std::size_t shift = most_steps;
-  double seconds = 0, sigma = 0, gain = 0, margin = 0;
+  double margin = 0;            // to the next that is apart
+  Minimum by_speed, by_course;  // near the best
   LinearFit<4> turn, ahead, aside;
 };
 
@@ -62,6 +61,7 @@ void InputFit::add_velocity(Time t, double north, double east) {
 }
 
 void InputFit::work_off() {
+  constexpr Time reach = most_steps * InputHistory::step;
   for (; waiting_count_ > 0; first_ = (first_ + 1) % waiting_.size(), --waiting_count_) {
     const Leg& leg = waiting_[first_];
     if (history_.is_past(leg.from - reach)) continue;
@@ -93,40 +93,52 @@ void InputFit::take(const Leg& leg) {
   turn2_ += turn * turn;
   ahead2_ += leg.faster * leg.faster;
   aside2_ += aside * aside;
+  speed_sum_ += leg.speed;
   ++count_;
 }
 
-/// −2 ln of the likelihood, but for what is the same for all shifts.
-double InputFit::misfit(std::size_t shift) const {
-  const Sums& sums = sums_[shift];
-  const auto turn = fit<4>(sums.gyro, sums.turn, turn2_, count_),
-             ahead = fit<4>(sums.accel, sums.ahead, ahead2_, count_);
-  if (!turn.is_determined || !ahead.is_determined) return 0;
-  return rows_of(count_) * (std::log(turn.squares / turn2_) + std::log(ahead.squares / ahead2_));
+/// −2 ln of the likelihood of each shift, but for what all have in common.
+InputFit::Misfits InputFit::misfits(const Eigen::Matrix4d Sums::*products, const Eigen::Vector4d Sums::*with,
+                                    double squares) const {
+  Misfits all;
+  for (std::size_t i = 0; i < shifts; ++i) {
+    const auto its = fit<4>(sums_[i].*products, sums_[i].*with, squares, count_);
+    all[i] = its.is_determined ? independent * count_ * std::log(its.squares / squares) : 0;
+  }
+  return all;
+}
+
+/// The least within a second of `near`, by a parabola.
+InputFit::Minimum InputFit::minimum(const Misfits& misfits, std::size_t near) {
+  constexpr std::size_t second = nanoseconds_per_second / InputHistory::step;
+  const double step = binnacle::seconds(InputHistory::step);
+  const auto from = misfits.begin() + static_cast<std::ptrdiff_t>(near - std::min(near, second));
+  const auto to = misfits.begin() + static_cast<std::ptrdiff_t>(std::min(near + second + 1, shifts));
+  const auto at = std::min_element(from, to);
+  Minimum its;
+  if (at == misfits.begin() || at + 1 == misfits.end() || at == from || at + 1 == to) return its;
+  const double left = at[-1], right = at[1], bend = left + right - 2 * at[0];
+  if (!(bend > 0)) return its;
+  its.seconds = (static_cast<double>(at - misfits.begin()) - most_steps + 0.5 * (left - right) / bend) * step;
+  its.sigma = step * std::sqrt(2 / bend);
+  its.gain = misfits[most_steps] - at[0];
+  return its;
 }
 
 InputFit::Best InputFit::best() const {
   Best best;
   if (count_ < least_count) return best;
-  std::array<double, shifts> misfits;
-  for (std::size_t i = 0; i < shifts; ++i) misfits[i] = misfit(i);
-  best.shift = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-  const double least = misfits[best.shift], step = binnacle::seconds(InputHistory::step);
-  best.gain = misfits[most_steps] - least;
-  best.seconds = (static_cast<double>(best.shift) - most_steps) * step;
-  best.margin = best.gain;
-  double second = 1e300;
+  const Misfits course = misfits(&Sums::gyro, &Sums::turn, turn2_),
+                speed = misfits(&Sums::accel, &Sums::ahead, ahead2_);
+  Misfits both;
+  std::transform(course.begin(), course.end(), speed.begin(), both.begin(), std::plus<>());
+  best.shift = static_cast<std::size_t>(std::min_element(both.begin(), both.end()) - both.begin());
+  double second = 0;
   for (std::size_t i = 0; i < shifts; ++i)
-    if (std::abs((static_cast<double>(i) - static_cast<double>(best.shift)) * step) > apart)
-      second = std::min(second, misfits[i]);
-  best.margin = second - least;
-  if (best.shift > 0 && best.shift + 1 < shifts) {
-    const double left = misfits[best.shift - 1], right = misfits[best.shift + 1], bend = left + right - 2 * least;
-    if (bend > 0) {
-      best.seconds += 0.5 * (left - right) / bend * step;
-      best.sigma = step * std::sqrt(2 / bend);
-    }
-  }
+    if (i + apart < best.shift || i > best.shift + apart) second = std::min(second, both[i]);
+  best.margin = second - both[best.shift];
+  best.by_speed = minimum(speed, best.shift);
+  best.by_course = minimum(course, best.shift);
   const Sums& sums = sums_[best.shift];
   best.turn = fit<4>(sums.gyro, sums.turn, turn2_, count_);
   best.ahead = fit<4>(sums.accel, sums.ahead, ahead2_, count_);
@@ -134,13 +146,19 @@ InputFit::Best InputFit::best() const {
   return best;
 }
 
+/// An antenna that is ahead of the rear axle by l turns its course earlier by l/v than the vehicle its heading: so the
+/// course alone shows a shift only if no such lever arm can be meant.
 std::optional<InputFit::Shift> InputFit::shift() const {
   const Best its = best();
-  const bool is_inside = its.shift > 0 && its.shift + 1 < shifts && its.sigma > 0;
-  const bool is_clear = its.gain > sigmas * sigmas && its.margin > sigmas * sigmas &&
-                        std::max(its.turn.explained, its.ahead.explained) > least_explained;
-  if (!is_inside || !is_clear || std::abs(its.seconds) < std::max(least_shift, sigmas * its.sigma)) return std::nullopt;
-  return Shift{its.seconds, its.sigma};
+  if (its.margin < sigmas * sigmas) return std::nullopt;
+  const bool has_speed = its.ahead.explained > least_explained;
+  const Minimum& found = has_speed ? its.by_speed : its.by_course;
+  const double least = has_speed ? least_shift : longest_arm / (speed_sum_ / count_);
+  const bool is_clear = found.sigma > 0 && found.gain > sigmas * sigmas &&
+                        (has_speed || its.turn.explained > least_explained) &&
+                        std::abs(found.seconds) > std::max(least, sigmas * found.sigma);
+  if (!is_clear) return std::nullopt;
+  return Shift{found.seconds, found.sigma};
 }
 
 std::string InputFit::figures() const {
@@ -150,12 +168,13 @@ std::string InputFit::figures() const {
   const auto& a = its.ahead.coefficients;
   const auto& l = its.aside.coefficients;
   const Eigen::Vector3d f = history_.mean_force();
-  std::snprintf(
-      text, sizeof text,
-      "n %.0f shift %.3f±%.3f gain %.1f margin %.1f R2 %.3f %.3f %.3f turn %.3f %.3f %.3f ahead %.3f %.3f %.3f aside "
-      "%.3f %.3f %.3f f %.2f %.2f %.2f",
-      count_, its.seconds, its.sigma, its.gain, its.margin, its.turn.explained, its.ahead.explained,
-      its.aside.explained, u[0], u[1], u[2], a[0], a[1], a[2], l[0], l[1], l[2], f[0], f[1], f[2]);
+  std::snprintf(text, sizeof text,
+                "n %.0f speed %.3f±%.3f gain %.1f course %.3f±%.3f margin %.1f R2 %.3f %.3f %.3f turn %.3f %.3f %.3f "
+                "ahead %.3f %.3f %.3f aside "
+                "%.3f %.3f %.3f f %.2f %.2f %.2f",
+                count_, its.by_speed.seconds, its.by_speed.sigma, its.by_speed.gain, its.by_course.seconds,
+                its.by_course.sigma, its.margin, its.turn.explained, its.ahead.explained, its.aside.explained, u[0],
+                u[1], u[2], a[0], a[1], a[2], l[0], l[1], l[2], f[0], f[1], f[2]);
   return text;
 }
 

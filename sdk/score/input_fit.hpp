@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether an inertial input tells of the same motion as velocities over ground do, and at the same time.
+// Whether an inertial input shows the same motion as velocities over ground, and at the same time.
 #pragma once
 
 #include <Eigen/Core>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,11 +54,18 @@ class InputFit {
     Eigen::Matrix4d gyro = Eigen::Matrix4d::Zero(), accel = Eigen::Matrix4d::Zero();  // lower triangles
     Eigen::Vector4d turn = Eigen::Vector4d::Zero(), ahead = Eigen::Vector4d::Zero(), aside = Eigen::Vector4d::Zero();
   };
+  static constexpr int most_steps = 200;  // of shift, either way
+  static constexpr std::size_t shifts = 2 * most_steps + 1;
+  using Misfits = std::array<double, shifts>;
+  struct Minimum {
+    double seconds = 0, sigma = 0, gain = 0;  // over no shift; sigma 0: there is none
+  };
   struct Best;
   void work_off();
   void take(const Leg& leg);
+  Misfits misfits(const Eigen::Matrix4d Sums::*products, const Eigen::Vector4d Sums::*with, double squares) const;
+  static Minimum minimum(const Misfits& misfits, std::size_t near);
   Best best() const;
-  double misfit(std::size_t shift) const;
 
   InputHistory history_;
   std::vector<Leg> waiting_;  // a ring
@@ -65,7 +73,7 @@ class InputFit {
   Time last_ = no_time;
   double north_ = 0, east_ = 0;
   std::vector<Sums> sums_;  // by shift
-  double turn2_ = 0, ahead2_ = 0, aside2_ = 0, count_ = 0;
+  double turn2_ = 0, ahead2_ = 0, aside2_ = 0, speed_sum_ = 0, count_ = 0;
 };
 
 }  // namespace binnacle::score
