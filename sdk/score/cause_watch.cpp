@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "axis_words.hpp"
 #include "wording/wording.hpp"
@@ -64,7 +63,6 @@ Diagnostics CauseWatch::causes() const {
     if (field_words.empty())  // else the course itself is not what it should be
       for (const auto& text : axis_words(fix.input_fit->axes(), *fields_.input, *fix.fields, fix.field_fit.is_right()))
         add("B120", text);
-    if (std::getenv("BINNACLE_CAUSE_FIGURES")) add("B999", fix.input_fit->figures());
   }
   return all;
 }

@@ -20,7 +20,7 @@ namespace {
 constexpr Time shortest = 400 * (nanoseconds_per_second / 1000), longest = 2500 * (nanoseconds_per_second / 1000);
 constexpr double least_speed = 2, most_turn = 1.5;  // m/s, rad
 constexpr double least_count = 40;
-constexpr double independent = 0.25;  // of the rows: what is left of neighbours is correlated
+constexpr double independent = 0.5;  // of the rows: neighbours have a sample of velocity in common
 constexpr double least_explained = 0.6, sigmas = 5, least_shift = 0.05;
 constexpr double longest_arm = 20;  // m, to an antenna
 constexpr std::size_t apart =

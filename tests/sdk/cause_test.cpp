@@ -12,6 +12,7 @@
 #include "../../sdk/score/input_fit.hpp"
 #include "binnacle/geodesy.hpp"
 #include "catch.hpp"
+#include "command.hpp"
 
 using namespace binnacle;
 using namespace binnacle::score;
@@ -226,4 +227,24 @@ TEST_CASE("where no position vouches for the velocity, the course is called a mi
     fit.add_input(sample.t0, sample.t, sample.increment);
   }
   CHECK(has(axis_words(fit.axes(), inertial, fields, false), "'vn' and 've' swapped, or is one's sign wrong?"));
+}
+
+TEST_CASE("a run that is not ok names the likely cause, in its words, its exit and its JSON", "[cause]") {
+  const test::Workbench bench;
+  const std::string simulated = BINNACLE_TEST_PROJECT "/configs/faults/simulated.json";
+  const auto err = [&](const std::string& variant) {
+    return test::binnacle(bench, {"run", simulated, "--variant", variant, "--quiet"}).err;
+  };
+  const auto has_text = [&](const std::string& text, const std::string& part) { return has({text}, part); };
+  CHECK(err("clean").empty());
+  const std::string clock = err("fixes late 2 s"), axes = err("velocity north and east swapped");
+  INFO(clock << axes);
+  CHECK(has_text(clock,
+                 "warning[B119] /filters/ins/measurements/fix: the samples of 'bad_gnss' fit those of 'imu' best"));
+  CHECK(has_text(clock, "s earlier than they are labelled"));
+  CHECK(has_text(axes, "warning[B120] /filters/ins/measurements/fix: the velocity field 'vn' of 'bad_gnss' follows"));
+  CHECK_FALSE(has_text(axes, "B119"));
+  const auto json = test::binnacle(bench, {"run", simulated, "--variant", "velocity scaled 2", "--json", "--quiet"});
+  CHECK(has_text(json.out, "\"likely_causes\""));
+  CHECK(has_text(json.out, "is 2 times the motion north"));
 }
