@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
+#include <utility>
 
 #include "wording/wording.hpp"
 
@@ -17,7 +19,7 @@ namespace {
 constexpr double gravity = 9.81, least_seconds = 60;
 constexpr double most_force = 1.05, least_force = 0.5;  // over gravity; a vehicle that tilts has less in the mean
 constexpr double least_explained = 0.6, sigmas = 5, limit = 0.1;
-constexpr double half = 0.5;
+constexpr double half = 0.5, most_askew = 0.175;  // rad, 10 deg: suspension and slopes make some
 
 std::string number(double value) {
   char text[32];
@@ -52,6 +54,15 @@ Turn judged(const InputFit::Axes& axes) {
   const double scale = 1 / std::abs(about), off = std::abs(scale - 1);
   const bool is_off = off > limit + (1 - vertical.explained) && off > sigmas * sigma / std::abs(about) * scale;
   return {about < 0 ? opposite : right, is_off ? scale : 1};
+}
+
+/// By how much the way ahead lies to the right of the first axis, and its 1-sigma [rad].
+std::pair<double, double> way_ahead(const InputFit::Axes& axes, const Eigen::Vector3d& down) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), ahead = axes.ahead.coefficients.head<3>();
+  const Eigen::Vector3d right = down.cross(x);
+  const double along = ahead.dot((x - x.dot(down) * down).normalized()), aside = ahead.dot(right.normalized());
+  const double sigma = std::sqrt(axes.ahead.covariance.topLeftCorner<2, 2>().trace()) / std::hypot(along, aside);
+  return {std::atan2(aside, along), sigma};
 }
 
 /// Whether the axes along which the vehicle speeds up and is pulled aside make a right hand with down: 1, −1, 0: unknown.
@@ -105,6 +116,13 @@ std::vector<std::string> axis_words(const InputFit::Axes& axes, const InertialFi
                   axis(significance(axes.ahead), input.force) + ", to the right along " +
                   axis(significance(axes.aside), input.force) + " and the ground's support along " + vertical +
                   ": that is a left hand; are two axes swapped, or is a sign wrong?");
+  const auto [angle, sigma] = way_ahead(axes, down);
+  const bool is_askew = hand > 0 && std::abs(angle) > std::max(most_askew, sigmas * sigma);
+  if (is_askew && std::abs(down.x()) < half && !input.rolls.empty())
+    all.push_back("the accelerometers" + its + " feel acceleration ahead " +
+                  number(std::round(std::abs(angle) * 180 / std::numbers::pi)) + " deg to the " +
+                  (angle > 0 ? "right" : "left") + " of the x axis, along which " + in_quotes(input.rolls) +
+                  " takes the vehicle to move: is the sensor mounted otherwise, or are axes exchanged?");
   return all;
 }
 

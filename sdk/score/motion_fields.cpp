@@ -78,6 +78,19 @@ std::optional<InertialFields> inertial_input(const FilterInfo& filter, Compositi
   return std::nullopt;
 }
 
+/// A model that sees no sample and holds a velocity, in rows of m/s, to axes of the vehicle.
+bool holds_to_axis(const MeasurementInfo& info) {
+  const auto is_constraint = [](const BoundInfo<MeasurementModel>& part) {
+    if (!part.type || !part.type->spec.fields.empty() || !part.type->spec.inputs.empty()) return false;
+    const auto& ports = part.type->spec.ports;
+    std::vector<std::string> bound;
+    for (std::size_t i = 0; i < ports.size() && i < part.ports.size(); ++i)
+      if (part.ports[i] >= 0) bound.push_back(ports[i].name);
+    return bound.size() == 2 && index_of(bound, "velocity") >= 0 && index_of(bound, "attitude") >= 0;
+  };
+  return info.parts.size() == 1 && is_constraint(info.parts[0]) && !info.groups.empty() && info.groups[0].unit == "m/s";
+}
+
 std::optional<FixFields> fix(const FilterInfo& filter, const MeasurementInfo& info, const Reader& at,
                              const std::vector<ChannelInfo>& channels) {
   const auto position_names = outputs_in(filter, geodetic_units, "m");
@@ -111,6 +124,8 @@ std::vector<MotionFields> read_motion_fields(CompositionDraft& draft) {
     if (found.fixes.empty()) continue;
     for (const auto& its : found.fixes) draft.subscribe(its.channel, its.pointer);
     found.input = inertial_input(filter, draft);
+    for (const auto& measurement : filter.measurements)
+      if (found.input && holds_to_axis(measurement)) found.input->rolls = measurement.name;
     all.push_back(std::move(found));
   }
   return all;

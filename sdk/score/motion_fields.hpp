@@ -32,6 +32,7 @@ struct InertialFields {
   int channel = -1;
   std::string channel_name;
   VectorFields turn, force;  // angular rate and specific force
+  std::string rolls = {};    // a measurement by which the vehicle moves along the first axis alone; empty: none
 };
 
 struct MotionFields {

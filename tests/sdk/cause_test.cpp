@@ -217,6 +217,28 @@ TEST_CASE("a sensor that is mounted otherwise is no wrong axis", "[cause]") {
             .empty());
 }
 
+TEST_CASE("a sensor mounted askew is named where a measurement takes its x axis to be ahead", "[cause]") {
+  for (const double angle : {-0.35, 0.02, 0.35, 1.57}) {
+    const auto turned = [&](Turns& increment) {  // the sensor's x axis lies `angle` to the left of ahead
+      for (const int i : {0, 3}) {
+        const double x = increment[i], y = increment[i + 1];
+        increment[i] = std::cos(angle) * x - std::sin(angle) * y;
+        increment[i + 1] = std::sin(angle) * x + std::cos(angle) * y;
+      }
+    };
+    const InputFit fit = fitted(0, turned);
+    INFO(fit.figures());
+    CHECK(axis_words(fit.axes(), inertial, fields, true).empty());
+    InertialFields on_wheels = inertial;
+    on_wheels.rolls = "nhc";
+    const auto all = axis_words(fit.axes(), on_wheels, fields, true);
+    CHECK(all.size() == (std::abs(angle) > 0.1));
+    if (std::abs(angle) < 0.1) continue;
+    CHECK(has(all, angle > 0 ? "deg to the right of the x axis" : "deg to the left of the x axis"));
+    CHECK(has(all, angle > 1 ? " 90" : " 20"));
+  }
+}
+
 TEST_CASE("where no position vouches for the velocity, the course is called a mirror", "[cause]") {
   InputFit fit;
   const Drive all = drive(1);
