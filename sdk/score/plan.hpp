@@ -10,6 +10,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/section.hpp"
+#include "motion_fields.hpp"
 #include "score/metric.hpp"
 
 namespace binnacle::score {
@@ -43,6 +44,7 @@ struct ScorePlan : SectionData {
   std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
   std::vector<ReferencePlan> references;
   TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
+  std::vector<MotionFields> motion;  // of the filters that have any
   std::vector<NamedWindow> windows;
   std::vector<Metric> metrics;
   std::vector<UnknownMetric> unknown_metrics;

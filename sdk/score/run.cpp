@@ -7,6 +7,7 @@
 
 #include "binnacle/run.hpp"
 #include "binnacle/unit.hpp"
+#include "cause_watch.hpp"
 #include "filter_score.hpp"
 #include "plan.hpp"
 #include "recorder.hpp"
@@ -28,6 +29,7 @@ class Scorer final : public binnacle::RunObserver {
       : plan_(plan_of(composition)), observer_(options.observer ? *options.observer : nobody_), options_(options) {
     for (std::size_t f = 0; f < plan_->filters.size(); ++f)
       scores_.push_back(std::make_unique<FilterScore>(*plan_, static_cast<int>(f)));
+    for (const auto& motion : plan_->motion) causes_.push_back(std::make_unique<CauseWatch>(motion));
     for (const auto* list : {&plan_->metrics, &options.metrics})
       for (const auto& metric : *list) scores_[as_size(metric.filter)]->watch(metric);
     records_ = options.observer && options.observer->wants_records();
@@ -43,6 +45,7 @@ class Scorer final : public binnacle::RunObserver {
   }
   void sampled(int channel, const SampleView& sample) override {
     for (auto& score : scores_) score->reference(channel, sample);
+    for (auto& watch : causes_) watch->sampled(channel, sample);
   }
   void after_instant() override {
     if (recorder_) recorder_->after_instant();
@@ -62,6 +65,7 @@ class Scorer final : public binnacle::RunObserver {
       doubts_.merge(session_->doubts(filter));
       verdict_ = std::max(verdict_, final_verdict(*session_, filter));
     }
+    add_causes();
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     for (const auto& metric : plan_->metrics) {
       const auto unit = parse_unit(metric.unit);
@@ -86,6 +90,17 @@ class Scorer final : public binnacle::RunObserver {
   }
 
  private:
+  /// Only where there is something to explain.
+  void add_causes() {
+    for (std::size_t i = 0; i < causes_.size(); ++i) {
+      const FilterId filter{plan_->motion[i].filter};
+      if (final_verdict(*session_, filter) == Verdict::ok) continue;
+      const Diagnostics causes = causes_[i]->causes();
+      doubts_.merge(causes);
+      Json& list = filters_[plan_->filters[as_size(filter.index)].name]["verdict"]["likely_causes"] = Json::array();
+      for (const auto& cause : causes.items()) list.push_back({{"code", cause.code}, {"text", cause.message}});
+    }
+  }
   MetricValue value(const Metric& metric) const { return scores_[as_size(metric.filter)]->value(metric); }
 
   std::shared_ptr<const ScorePlan> plan_;
@@ -93,6 +108,7 @@ class Scorer final : public binnacle::RunObserver {
   score::RunObserver& observer_;
   const RunOptions& options_;
   Scores scores_;
+  std::vector<std::unique_ptr<CauseWatch>> causes_;  // of plan_->motion
   std::unique_ptr<Recorder> recorder_;
   bool records_ = false;
   Json filters_ = Json::object(), metrics_ = Json::object(), windows_ = Json::object();

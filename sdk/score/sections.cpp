@@ -106,6 +106,7 @@ class Sections final : public Section {
     read_implied_states(draft, *plan);
     read_references(draft, *plan);
     read_evaluate(draft, *plan);
+    plan->motion = read_motion_fields(draft);
     if (!draft.has_errors()) read_metrics(draft, *plan);
     return plan;
   }

@@ -218,7 +218,7 @@ function filterSections(filter, summary, path) {
 function verdicts() {
   const filters = Object.entries((payload.run && payload.run.summary.filters) || {}).filter(([, filter]) => filter.verdict);
   return filters.length ? el('dl', { class: 'verdicts' }, filters.flatMap(([name, { verdict }]) => [el('dt', { class: verdict.state }, `${name}: ${verdict.state}`),
-    ...verdict.reasons.map((reason) => el('dd', {}, `${reason.code} ${reason.text}`))])) : null;
+    ...[...verdict.reasons, ...(verdict.likely_causes || [])].map((reason) => el('dd', {}, `${reason.code} ${reason.text}`))])) : null;
 }
 
 function header(kind, provenance) {

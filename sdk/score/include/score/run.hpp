@@ -74,7 +74,7 @@ struct RunResult {
   Diagnostics warnings;              // gaps and repairs in the data
   Diagnostics failures;              // B080 broken, B081 never started; empty when all went well
   Verdict verdict = Verdict::ok;     // the worst of all filters'
-  Diagnostics doubts;                // why it is not ok: B100 to B110
+  Diagnostics doubts;                // why it is not ok, and likely causes: B100 to B120
 };
 
 /// As binnacle::run(), of a composition loaded with sections(), whose references and metrics are scored.
