@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/aligned.hpp"
 #include "binnacle/view.hpp"
 #include "filter/strip_loops.hpp"
 
@@ -137,13 +138,13 @@ class Joseph final : public CovarianceForm {
   double* P_;
   int ld_, ld_coupled_;
   // With A the coupled rows (dense groups). Columns of M behind the coupled ones go into rows of Mt that nobody reads.
-  std::vector<double> M_;             // ld × coupled: P Φ_Aᵀ
-  std::vector<double> Mt_;            // ld_coupled × ld: Mᵀ
-  std::vector<double> PAA_;           // ld_coupled × coupled
-  std::vector<double> d_;             // ld: diagonal of Φ, 1 for coupled rows
-  std::vector<double> coefficients_;  // of all groups, one after the other
-  std::vector<double> transformed_;   // ld × most_dof
-  std::vector<int> rows_;             // 0, 1, 2, …
+  base::AlignedVector<double> M_;             // ld × coupled: P Φ_Aᵀ
+  base::AlignedVector<double> Mt_;            // ld_coupled × ld: Mᵀ
+  base::AlignedVector<double> PAA_;           // ld_coupled × coupled
+  base::AlignedVector<double> d_;             // ld: diagonal of Φ, 1 for coupled rows
+  base::AlignedVector<double> coefficients_;  // of all groups, one after the other
+  base::AlignedVector<double> transformed_;   // ld × most_dof
+  std::vector<int> rows_;                     // 0, 1, 2, …
 };
 
 }  // namespace binnacle::internal::filter

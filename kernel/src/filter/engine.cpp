@@ -260,7 +260,8 @@ void Engine::correct(int measurement, Time t) {
   const bool is_biased = ledger_.use(
       {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.square(rows.R), rows.square(rows.S)},
       rows.nis);
-  ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
+  if (rows.left_out > 0)
+    ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));
   estimator_.learn(plan);
   estimator_.check_update(t);

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "base/aligned.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/plan.hpp"
 
@@ -33,7 +34,7 @@ struct SampleRows : UpdateWork {
 
   double nis = 0;
   int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
-  std::vector<double> R_nominal, delta;
+  base::AlignedVector<double> R_nominal, delta;
   // Where an accepted sample's rows are biased: which, the mean of r / √S and of how many it is. Else unused.
   std::vector<unsigned char> biased;
   std::vector<double> mean_z, mean_count;
@@ -41,7 +42,7 @@ struct SampleRows : UpdateWork {
   std::vector<int> groups, left_out_groups;
 
  private:
-  std::vector<double> H_, R_, r_, G_, HPHt_, S_, L_, K_, U_, y_;
+  base::AlignedVector<double> H_, R_, r_, G_, HPHt_, S_, L_, K_, U_, y_;
 };
 
 /// Baarda's data snooping on an innovation (Teunissen, Quality control in integrated navigation systems, 1990). With
