@@ -210,12 +210,14 @@ constexpr CodeEntry entries[] = {
     {"B118", "input ended", "The driving input ended long before the measurements did.",
      "Look for lost data at the end; the estimates end with the input."},
     {"B119", "likely cause: a clock",
-     "A filter is not `ok`, and the velocities of a measurement fit the inertial input far better when they are shifted "
+     "A filter is not `ok`, and the velocities of a measurement fit the inertial input far better when they are "
+     "shifted "
      "in time.",
      "Compare how the two are labelled: leap seconds, `offset` and `unit` of a source's `time`, the delay of the "
      "receiver. Which of the two clocks is off the data do not show."},
     {"B120", "likely cause: axes, signs or scales",
-     "A filter is not `ok`, and fields of a channel contradict each other, or the inertial input, in a way that a swapped "
+     "A filter is not `ok`, and fields of a channel contradict each other, or the inertial input, in a way that a "
+     "swapped "
      "field, a wrong sign or a wrong unit explains.",
      "Compare the fields that the message names with the sensor's manual: order, axes, signs, units."},
 };
