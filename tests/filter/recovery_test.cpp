@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recovery: how far the covariance is opened, for which rows, and when; a mean that is wrong for long.
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,12 @@ class Keep : public StepObserver {
 
 MeasurementCounts counts(const Session& session, int measurement = 0) {
   return session.counts(MeasurementId{{0}, measurement});
+}
+
+std::vector<std::byte> bytes_of(const Session& session) {
+  std::vector<std::byte> bytes(session.snapshot_size());
+  session.snapshot(bytes);
+  return bytes;
 }
 
 /// Position by itself and velocity by itself, each a measurement; the position has a gate.
@@ -119,16 +126,26 @@ TEST_CASE("recovery opens along what the row sees, as far as its residual asks f
 
 TEST_CASE("recovery opens no component beyond what it has when nothing is known of it") {
   // A correlated error of the receiver, 0.5 m and no more, is seen with the position.
-  Session session(composition_of(R"({"binnacle": 1,
-    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+  const auto composition = composition_of(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
+                "vague": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "sigma": [2, 0.5]}},
       "process": {"drift": {"type": "gauss_markov", "blocks": {"x": "x"}, "tau": ["1000000 s", "20 s"], "sigma": [1000, 0.5]}},
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "H": [[1, 1]],
-                               "sigma": [0.7], "gate": 0.999}}}}})"));
+                               "sigma": [0.7], "gate": 0.999},
+        "nothing": {"type": "linear_measurement", "channel": "vague", "blocks": {"x": "x"}, "H": [[1, 1]],
+                    "sigma": [1e6]}}}}})");
+  Session session(composition);
   for (int i = 0; i < 200; ++i) push(session, "z", 0.5 * i, {0.0});
-  for (int i = 200; i < 205; ++i) push(session, "z", 0.5 * i, {100.0});
+  for (int i = 200; i < 204; ++i) push(session, "z", 0.5 * i, {100.0});
+  // Nor does a filter that was restored since its last step: what bounds it is part of a snapshot.
+  push(session, "vague", 0.5 * 204, {0.0});
+  Session restored(composition);
+  restored.restore(bytes_of(session));
+  for (Session* each : {&session, &restored}) push(*each, "z", 0.5 * 204, {100.0});
   REQUIRE(counts(session).recoveries == 1);
+  CHECK(bytes_of(session) == bytes_of(restored));
   const auto x = session.state(FilterId{0});
   CHECK(std::abs(x[0] - 100) < 3);
   CHECK(std::abs(x[1]) < 2);
@@ -179,4 +196,41 @@ TEST_CASE("a sample that repeats refused ones to the bit is refused, though the 
   CHECK(session.verdict(FilterId{0}) == Verdict::lost);
   for (int i = 160; i < 170; ++i) push(session, "z", i, {1 + wiggle(i)});
   CHECK(counts(session).by_outcome[static_cast<int>(Outcome::accepted)] > 100);
+}
+
+TEST_CASE("a gate by row refuses a row once a sample, and recovers after as many as it is told") {
+  for (const int after : {2, 4, 5}) {
+    Session session(composition_of(line("", R"(, "gate": {"probability": 0.999, "by": "row"}, "recover": {"after": )" +
+                                                std::to_string(after) + "}")));
+    for (int i = 0; i < 100; ++i) push(session, "z", 0.5 * i, {i < 50 ? 1.0 : 101.0});
+    INFO(after);
+    CHECK(counts(session).by_outcome[static_cast<int>(Outcome::gated)] == after - 1);
+    CHECK(counts(session).rows.at(0).refused == after - 1);
+  }
+}
+
+TEST_CASE("a logger that holds its values is recovered by those that change") {
+  Session session(composition_of(line("", R"(, "gate": 0.999)")));
+  for (int i = 0; i < 2000; ++i) {
+    const int second = i / 10;
+    push(session, "z", 0.1 * i, {(second < 100 ? 1.0 : 101.0) + 0.01 * ((second * 7) % 11 - 5)});
+  }
+  CHECK(counts(session).recoveries >= 1);
+  CHECK(std::abs(session.state(FilterId{0})[0] - 101) < 2);
+  CHECK(session.verdict(FilterId{0}) != Verdict::lost);
+}
+
+TEST_CASE("a state that is known far better than it is measured is opened too, and that is counted") {
+  Session session(composition_of(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2}},
+      "process": {"stay": {"type": "random_constant", "blocks": {"x": "x"}}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [0.7],
+                               "gate": 0.999}}}}})"));
+  for (int i = 0; i < 20000; ++i) push(session, "z", i, {0.1 * ((i * 7) % 11 - 5)});
+  for (int i = 20000; i < 20100; ++i) push(session, "z", i, {8.4 + 0.1 * ((i * 7) % 11 - 5)});
+  CHECK(counts(session).recoveries == 1);
+  CHECK(session.verdict(FilterId{0}) == Verdict::doubtful);
+  CHECK(std::abs(session.state(FilterId{0})[0] - 8.4) < 0.3);
 }

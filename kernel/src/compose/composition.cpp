@@ -189,6 +189,7 @@ void Composer::lay_out() {
     filter.state = layout.add<double>(as_size(filter.stored_size));
     filter.covariance = layout.add<double>(as_size(padded(filter.n)) * n);
     filter.initial_variances = layout.add<double>(n);
+    filter.stationary_variances = layout.add<double>(n);
     for (auto& process : filter.processes)
       process.memory = layout.add<std::byte>(process.model->declaration().memory_bytes);
     for (auto& measurement : filter.measurements) {

@@ -27,7 +27,7 @@ void FilterComposer::read_trust() {
   if (!trust) return;
   if (is_off(trust)) {
     for (auto& measurement : plan.measurements) measurement.is_watched = false;
-    plan.trust.hole = plan.trust.frozen = 0;
+    plan.trust.hole = plan.trust.frozen = plan.trust.silent = 0;
     return;
   }
   if (!trust.is_object("'trust'")) return;

@@ -169,6 +169,7 @@ void Engine::start(Time t) {
   }
   estimator_.start(anew);
   time_.start(t);
+  for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) ledger_.settle(m, t, estimator_.form());
   estimator_.check_update(t);
   if (ledger_.observer()) ledger_.observer()->started(t, state(), covariance());
 }
@@ -225,10 +226,14 @@ void Engine::measure(int measurement, const SampleView& sample) {
   if (is_opened) {
     // Its rows anew: some may be gone already.
     keep_before(Wants::update_covariance);
-    if (estimator_.open(plan, judged.marked)) count_opening(measurement, sample.t);
-    if (locked_out.belief == Belief::by_votes) unlearn(measurement, sample.t);
+    if (estimator_.open(plan, judged.marked)) note_opening(measurement, sample.t);
+    count_recovery(measurement, sample.t, locked_out.belief);
     estimator_.roll_back(plan);
-    estimator_.linearize(plan, sample, moment());
+    if (const Result again = estimator_.linearize(plan, sample, moment()); !again) {
+      estimator_.roll_back(plan);
+      refuse(outcome_of(again.refusal), again.reason);
+      return;
+    }
     judged = estimator_.judge(plan, sample.t, dt, withheld);
   }
   if (judged.outcome == Outcome::accepted) {
@@ -242,12 +247,13 @@ void Engine::measure(int measurement, const SampleView& sample) {
     ledger_.settle(measurement, sample.t, estimator_.form());
   }
   const SampleRows& rows = estimator_.rows();
-  if (judged.outcome == Outcome::gated) {
+  if (judged.outcome == Outcome::gated && !repeats) {
     ledger_.refuse({rows.keys.data(), as_size(rows.m)}, rows.groups.data());
-    ledger_.refuse({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
+    ledger_.refuse({rows.left_out_keys.data(), as_size(rows.removed)}, rows.left_out_groups.data());
   }
   ledger_.close(judged.outcome, judged.reason, innovation_record(plan));
-  if (judged.outcome == Outcome::gated && ledger_.is_inflation_due(measurement)) inflate(measurement, sample.t);
+  if (judged.outcome == Outcome::gated && !repeats && ledger_.is_inflation_due(measurement))
+    inflate(measurement, sample.t);
 }
 
 void Engine::correct(int measurement, Time t) {
@@ -278,8 +284,8 @@ void Engine::open_biased(int measurement, Time t) {
                         t, rows.biased.data(), rows.mean_z.data(), rows.mean_count.data());
   if (belief == Belief::none) return;
   keep_before(Wants::update_covariance);
-  if (estimator_.open_by_mean(plan)) count_opening(measurement, t);
-  if (belief == Belief::by_votes) unlearn(measurement, t);
+  if (estimator_.open_by_mean(plan)) note_opening(measurement, t);
+  count_recovery(measurement, t, belief);
 }
 
 /// What was corrected after P was opened was far off.
@@ -297,12 +303,11 @@ void Engine::unlearn(int measurement, Time t) {
     ledger_.observer()->inflated(inflation_record({measurement, t, variances_.data(), nullptr, {}, {}}));
 }
 
-void Engine::count_opening(int measurement, Time t) {
-  const auto& plan = plan_.measurements[as_size(measurement)];
+void Engine::count_recovery(int measurement, Time t, Belief belief) {
+  if (belief == Belief::by_votes) unlearn(measurement, t);
   const bool can_restart = std::ranges::any_of(plan_.initial, &LatestPlan::is_of_restart);
   if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain && can_restart)
-    time_.ask_restart(t + plan.recover_against);
-  note_opening(measurement, t);
+    time_.ask_restart(t + plan_.measurements[as_size(measurement)].recover_against);
 }
 
 void Engine::note_opening(int measurement, Time t) {

@@ -76,7 +76,7 @@ class Engine final : private TimeLine::Work {
   void open_biased(int measurement, Time t);
   void keep_open(int measurement, Time t);
   void unlearn(int measurement, Time t);
-  void count_opening(int measurement, Time t);
+  void count_recovery(int measurement, Time t, Belief belief);
   void note_opening(int measurement, Time t);
   void inflate(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace binnacle::internal::filter {
 
@@ -116,6 +117,7 @@ void Estimator::start(bool anew) {
   for (const auto& block : plan_.blocks) start_covariance(block, anew, P);
   P_->set(P);
   for (int i = 0; i < plan_.n; ++i) plan_.initial_variances.in(arena_)[i] = P(i, i);
+  std::fill_n(plan_.stationary_variances.in(arena_), plan_.n, std::numeric_limits<double>::quiet_NaN());
 }
 
 void Estimator::start_value(const BlockPlan& block, const InitialPlan& initial) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -34,6 +35,7 @@ struct SampleRows : UpdateWork {
 
   double nis = 0;
   int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
+  int removed = 0;   // of these, what are no rows here any more: all but the last, where it made the sample gated
   base::AlignedVector<double> R_nominal, delta;
   // Where an accepted sample's rows are biased: which, the mean of r / √S and of how many it is. Else unused.
   std::vector<unsigned char> biased;
@@ -131,7 +133,10 @@ class Estimator {
 
   /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise().
   void propagate(const Driving& now, Time t1, std::span<const InputSample> samples);
-  void predict() { P_->predict(phi(), noise()); }
+  void predict() {
+    P_->predict(phi(), noise());
+    if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
+  }
   void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
   const double* x_plus() const { return x_plus_.data(); }
   /// Tables of blocks.
@@ -219,6 +224,7 @@ class Estimator {
   Result evaluate_derived(const std::vector<int>& values, const Driving& now);
   void chain(const DerivedPlan& derived);
 
+  void note_stationary_variances();
   /// Of a component by itself; infinite where it has none.
   double stationary_variance(int row) const;
   void start_value(const BlockPlan& block, const InitialPlan& initial);

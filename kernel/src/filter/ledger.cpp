@@ -26,6 +26,7 @@ void Ledger::open(int measurement, Time t) {
 void Ledger::reopen(int measurement, Time t) {
   open_ = measurement;
   open_t_ = t;
+  open_repeats_ = false;
 }
 
 void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
@@ -40,9 +41,13 @@ void Ledger::close(Outcome outcome, const char* reason, UpdateRecord record) {
     ++tally.nis_count;
     tally.rows_used += record.rows;
     tally.gated.end();
+    tally.believable = 0;
     tally.last_accepted = record.t;
   } else {
-    if (outcome == Outcome::gated) tally.gated.refuse(record.t);
+    if (outcome == Outcome::gated) {
+      tally.gated.refuse(record.t);
+      ++(open_repeats_ ? tally.repeated : tally.believable);
+    }
     if (reason[0] != '\0') std::strncpy(tally.last_reason, reason, sizeof tally.last_reason - 1);
   }
   if (observer_) observer_->offered(record);  // at last: it must not throw but might
@@ -84,16 +89,22 @@ Belief Ledger::is_locked_out(int measurement, const OfferedRows& rows, unsigned 
   };
   // The one that has been refused for longest.
   Streak longest;
-  if (!marked) longest = tally(measurement).gated;
+  if (!marked) {
+    longest = tally(measurement).gated;
+    longest.count = tally(measurement).believable;
+  }
   for (std::size_t i = 0; marked && i < count; ++i)
     if (const Streak streak = streak_of(i); marked[i] && streak.count >= longest.count) longest = streak;
   if ((longest.count + 1) % plan.recover_after != 0) return Belief::none;
   const Time since = longest.count > 0 ? longest.since : open_t_;
 
   // A row that the gate has not come to yet will go the way of its last ones.
+  constexpr unsigned char also = 2;
   for (std::size_t i = 0; marked && i < count; ++i)
-    if (streak_of(i).count >= std::max(1, plan.recover_after - 1)) marked[i] = 1;
-  return belief_in(measurement, rows, marked, open_t_, since);
+    if (!marked[i] && streak_of(i).count >= std::max(1, plan.recover_after - 1)) marked[i] = also;
+  const Belief belief = belief_in(measurement, rows, marked, open_t_, since);
+  if (belief == Belief::none && marked) std::replace(marked, marked + count, also, static_cast<unsigned char>(0));
+  return belief;
 }
 
 Belief Ledger::is_biased(int measurement, const OfferedRows& rows, Time t, unsigned char* marked, double* z,
@@ -173,10 +184,12 @@ Ledger::Votes Ledger::votes_of_others(int measurement, Time since) const {
       if (!came(table[first]) ||
           std::any_of(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(first), is_same))
         continue;
+      const auto passes = [&](const RowMonitor& row) { return is_same(row) && row.streak.count == 0; };
+      const auto is_against = [&](const RowMonitor& row) { return is_same(row) && row.is_against(judged(m), after); };
+      // Without recovery a refusal says nothing about the state: a vehicle that does not stand.
+      if (after == 0 && std::ranges::none_of(table, passes)) continue;
       ++votes.all;
-      votes.against += std::ranges::any_of(table, [&](const RowMonitor& row) {
-        return is_same(row) && row.is_against(judged(m), after);
-      });
+      votes.against += 2 * std::ranges::count_if(table, is_against) > std::ranges::count_if(table, is_same);
     }
   }
   return votes;
@@ -197,7 +210,8 @@ bool Ledger::repeats(int measurement, const SampleView& sample, const ChannelPla
     return false;
   }
   constexpr std::int64_t least = 20;
-  return its.changes >= least;
+  open_repeats_ = its.changes >= least;
+  return open_repeats_;
 }
 
 Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
@@ -232,7 +246,7 @@ void Ledger::settle(int measurement, Time t, const CovarianceForm& P) {
 
 bool Ledger::is_inflation_due(int measurement) const {
   const auto& plan = plan_.measurements[as_size(measurement)];
-  return plan.recover_after > 0 && !plan.inflations.empty() && tally(measurement).gated.count % plan.recover_after == 0;
+  return plan.recover_after > 0 && !plan.inflations.empty() && tally(measurement).believable % plan.recover_after == 0;
 }
 
 int Ledger::count_recovery(int measurement, Time t) {
@@ -248,10 +262,11 @@ int Ledger::count_recovery(int measurement, Time t) {
 void Ledger::forget_refusals() {
   for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m) {
     tally_of(m).gated.end();
-    tally_of(m).recoveries_in_vain = 0;
+    tally_of(m).believable = tally_of(m).recoveries_in_vain = 0;
+    plan_.measurements[as_size(m)].nis.in(arena_)->begin_anew();
     for (RowMonitor& row : rows_of(m)) {
       row.streak.end();
-      row.biased.end();
+      row.begin_anew();
     }
   }
 }

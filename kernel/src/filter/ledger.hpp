@@ -78,10 +78,11 @@ class Ledger {
   const char* diagnosis() const { return plan_.health.in(arena_)->diagnosis; }
 
   const Tally& tally(int measurement) const { return *plan_.measurements[as_size(measurement)].tally.in(arena_); }
-  /// How many samples of a measurement a gate has judged.
+  /// How many samples of a measurement a gate has judged, without repetitions.
   std::int64_t judged(int measurement) const {
     const auto& outcomes = tally(measurement).by_outcome;
-    return outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::gated)];
+    return outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::gated)] -
+           tally(measurement).repeated;
   }
   const NisMonitor& nis(int measurement) const { return *plan_.measurements[as_size(measurement)].nis.in(arena_); }
   /// Free places among them.
@@ -116,7 +117,8 @@ class Ledger {
   const FilterPlan& plan_;
   std::byte* arena_;
   StepObserver* observer_ = nullptr;
-  int open_ = -1;  // measurement of the open sample
+  int open_ = -1;              // measurement of the open sample
+  bool open_repeats_ = false;  // it repeats the one before
   Time open_t_ = no_time;
 };
 

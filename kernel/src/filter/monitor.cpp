@@ -116,6 +116,21 @@ bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, doub
   return is_biased;
 }
 
+void RowMonitor::begin_anew() {
+  window = {};
+  window_z = window_lag = 0;
+  long_since = no_time;
+  long_used = used;
+  long_z = z;
+  biased.end();
+}
+
+void NisMonitor::begin_anew() {
+  window = {};
+  nis = 0;
+  rows = 0;
+}
+
 void NisMonitor::use(Time t, double its_nis, int its_rows) {
   window.use(t);
   nis += its_nis;
@@ -124,9 +139,7 @@ void NisMonitor::use(Time t, double its_nis, int its_rows) {
   newest = nis / static_cast<double>(rows);
   worst.see(open());
   ++windows;
-  window = {};
-  nis = 0;
-  rows = 0;
+  begin_anew();
 }
 
 RowMonitor& find_row(std::span<RowMonitor> table, int group, std::int64_t key, std::size_t hint) {

@@ -89,6 +89,8 @@ struct RowMonitor {
   Extreme open_correlation() const;
   Extreme open_long_bias() const;
 
+  /// The filter starts anew: windows that are not full yet are of another state.
+  void begin_anew();
   /// Returns whether it ended a window that is surely biased.
   bool use(Time t, std::int64_t its_turn, double r, double its_R, double S);
   void refuse(Time t, std::int64_t its_turn);
@@ -114,6 +116,8 @@ struct NisMonitor {
   Extreme open() const;
 
   void use(Time t, double its_nis, int its_rows);
+  /// As that of a row.
+  void begin_anew();
 };
 
 /// χ²/d of d degrees of freedom as a normal number, and back.

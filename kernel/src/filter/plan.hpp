@@ -260,8 +260,10 @@ struct Tally : SampleCounts {
   int recoveries_in_vain = 0;  // in a row, each soon after the one before
   // Samples that repeat the one before to the bit, after others that did not.
   std::uint64_t fingerprint = 0;
-  std::int64_t changes = 0;  // samples that did not
-  Streak repeats;            // refused ones that did
+  std::int64_t changes = 0;     // samples that did not
+  Streak repeats;               // refused ones that did
+  std::int64_t repeated = 0;    // gated samples that did
+  std::int64_t believable = 0;  // gated in a row, without those
   // The longest time without a sample of use in which what it sees became much less certain.
   Time last_useful = no_time;
   Time longest_silence = 0, longest_silence_at = no_time;
@@ -347,6 +349,8 @@ struct TimeHead {
   std::int32_t bridged = 0;       // the last driving interval bridged a hole
   Time longest_hole = 0;          // that was bridged, and where it began
   Time longest_hole_at = no_time;
+  Time stopped_by = 0;  // the last hole that was not, and where it began
+  Time stopped_at = no_time;
   // Input samples that repeat the one before to the bit, after others that did not.
   std::int64_t changes = 0;  // samples that did not
   std::int64_t repeats = 0;  // in a row
@@ -416,6 +420,8 @@ struct FilterPlan : Planned {
   Place<double> state;
   Place<double> covariance;
   Place<double> initial_variances;  // of the newest start
+  // Of components that have one by themselves, by the first step after it; infinite else, not a number before.
+  Place<double> stationary_variances;
   Place<PendingInput> pending;
   Place<double> pending_fields;
   Place<double> last_input;     // fields of the newest input sample

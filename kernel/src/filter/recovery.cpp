@@ -50,10 +50,11 @@ Opening::Opening(int n, int max_rows)
 // sure of what it made of them. So only the variances are those of P + c g gᵀ, and the correlations stay: P ← D P D.
 bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement, const CovarianceForm& P,
                    const std::vector<unsigned char>& corrected, int n, const unsigned char* marked) {
-  constexpr double epsilon = 1e-4;
   const int m = rows.m, count = collect(rows, measurement, marked);
   const auto HPHt = ConstMatrixView(rows.square(rows.HPHt)).as();
   const auto R = ConstMatrixView(rows.square(rows.R)).as();
+  // A small part of R, and of HPHᵀ where the state is known far better than it is measured.
+  const double epsilon = 1e-4 * std::min(1.0, HPHt.trace() / R.trace());
   auto A = matrix_.topLeftCorner(m, m);
   auto weights = weights_.head(m);
   weights.setZero();
@@ -145,15 +146,22 @@ bool Estimator::open_by_mean(const MeasurementPlan& measurement) {
 }
 
 // x' = φ x + w with |φ| < 1 has the variance q / (1 − φ²) when nothing is known of it.
-double Estimator::stationary_variance(int row) const {
+void Estimator::note_stationary_variances() {
+  double* const kept = plan_.stationary_variances.in(arena_);
+  std::fill_n(kept, plan_.n, infinity);
   const auto& transition = plan_.transition;
-  const auto diagonal = std::ranges::find(transition.diagonals, row, [](const auto& d) { return d.row; });
-  if (diagonal == transition.diagonals.end()) return infinity;
-  const double phi = phi_[as_size(diagonal->block)][diagonal->offset];
-  const auto noise = std::ranges::find(transition.noise_elements, row * padded(plan_.n) + row,
-                                       [](const auto& element) { return element.at; });
-  if (!(phi > 0 && phi < 1) || noise == transition.noise_elements.end()) return infinity;
-  return noise_[as_size(noise->block)][noise->place] / (1 - phi * phi);
+  for (const auto& diagonal : transition.diagonals) {
+    const double phi = phi_[as_size(diagonal.block)][diagonal.offset];
+    const auto noise = std::ranges::find(transition.noise_elements, diagonal.row * padded(plan_.n) + diagonal.row,
+                                         [](const auto& element) { return element.at; });
+    if (phi > 0 && phi < 1 && noise != transition.noise_elements.end())
+      kept[diagonal.row] = noise_[as_size(noise->block)][noise->place] / (1 - phi * phi);
+  }
+}
+
+double Estimator::stationary_variance(int row) const {
+  const double kept = plan_.stationary_variances.in(arena_)[row];
+  return std::isnan(kept) ? infinity : kept;
 }
 
 bool Estimator::open(const MeasurementPlan& measurement, const unsigned char* marked) {

@@ -102,14 +102,16 @@ bool TimeLine::bridge(Time until, const SampleView& sample) {
   if (head_.pending > 0) step_pending(head_.pending);
   const bool rates_only = std::ranges::find(plan_.input_kinds, FieldKind::increment) == plan_.input_kinds.end();
   const double hole = seconds(until - head_.input_end);
+  if (plan_.longest_bridge > 0 && until - head_.input_end > plan_.longest_bridge) {
+    head_.started = 0;
+    head_.stopped_by = until - head_.input_end;
+    head_.stopped_at = head_.input_end;
+    flush(Outcome::unsupported, "in a hole of the input that is too long to bridge");
+    return false;
+  }
   if (until - head_.input_end > head_.longest_hole) {
     head_.longest_hole = until - head_.input_end;
     head_.longest_hole_at = head_.input_end;
-  }
-  if (plan_.longest_bridge > 0 && until - head_.input_end > plan_.longest_bridge) {
-    head_.started = 0;
-    flush(Outcome::unsupported, "in a hole of the input that is too long to bridge");
-    return false;
   }
   if (!rates_only && !head_.driving_rates_known)
     throw Stop("the first input sample after the start has no interval, so its increments have no rate");

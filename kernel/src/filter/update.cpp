@@ -29,7 +29,7 @@ SampleRows::SampleRows(const FilterPlan& plan) {
 void SampleRows::begin(const MeasurementPlan& measurement) {
   m_max = measurement.max_rows;
   m = 0;
-  left_out = 0;
+  left_out = removed = 0;
   nis = 0;
   std::fill_n(H, as_size(m_max) * measurement.columns.size(), 0.0);
   std::fill_n(R_nominal.data(), m_max * m_max, 0.0);
@@ -61,6 +61,7 @@ void SampleRows::remove(const unsigned char* marked, int columns, int n) {
     groups[as_size(kept)] = groups[as_size(i)];
     ++kept;
   }
+  removed += m - kept;
   m = kept;
 }
 

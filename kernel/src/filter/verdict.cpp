@@ -25,8 +25,8 @@ class Examination {
     if (head_.started == 0)
       see_({.doubt = Doubt::stopped,
             .verdict = Verdict::lost,
-            .since = head_.longest_hole_at,
-            .figure = seconds(head_.longest_hole),
+            .since = head_.stopped_at,
+            .figure = seconds(head_.stopped_by),
             .limit = seconds(plan_.longest_bridge)});
     if (head_.starts > 1)
       see_({.doubt = Doubt::restarted, .since = head_.last_start, .figure = double(head_.starts - 1)});
