@@ -198,7 +198,7 @@ TEST_CASE("a sample that repeats refused ones to the bit is refused, though the 
   CHECK(counts(session).by_outcome[static_cast<int>(Outcome::accepted)] > 100);
 }
 
-TEST_CASE("a gate by row refuses a row once a sample, and recovers after as many as it is told") {
+TEST_CASE("a gate by row refuses a row once a sample, and recovers after as many as the config says") {
   for (const int after : {2, 4, 5}) {
     Session session(composition_of(line("", R"(, "gate": {"probability": 0.999, "by": "row"}, "recover": {"after": )" +
                                                 std::to_string(after) + "}")));

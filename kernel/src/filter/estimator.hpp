@@ -85,6 +85,7 @@ class Opening {
   std::vector<double> scales;  // padded(n)
 
  private:
+  bool is_explained(const SampleRows& rows, double epsilon) const;
   int collect(const SampleRows& rows, const MeasurementPlan& measurement, const unsigned char* marked);
   int member(int k) const { return members_[as_size(k)]; }
 

@@ -95,7 +95,7 @@ bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, doub
   const Extreme its_bias = open_bias();
   bias.see(its_bias);
   correlation.see(open_correlation());
-  const bool is_biased = its_bias.score > surely;
+  const bool is_biased = its_bias.score > surely && std::abs(its_bias.figure) > material;
   if (is_biased) {
     biased.refuse(window.since);
     biased_z = its_bias.figure;

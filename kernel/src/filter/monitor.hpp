@@ -79,8 +79,9 @@ struct RowMonitor {
   std::int64_t long_used = 0, longs = 0;
   double long_z = 0;
   Extreme long_bias;
-  // Full windows in a row whose mean no right filter has: beyond 5 of its standard deviations. Of the last: z and uses.
-  static constexpr double surely = 5;
+  // Full windows in a row whose mean no right filter has, beyond 5 of its standard deviations, and which is worth a
+  // correction, beyond what one sample may be off. Of the last: z and uses.
+  static constexpr double surely = 5, material = 1;
   Streak biased;
   double biased_z = 0, biased_count = 0;
 

@@ -73,13 +73,7 @@ bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement, c
       s_[k] += rows.H[as_size(member(k)) + c * as_size(rows.m_max)] * direction_[as_size(measurement.columns[c])];
   }
 
-  // r̃ − H g = ε R w is what no error of the state explains while the other rows hold: five ranges hold fast what a sixth
-  // contradicts. Where it is well beyond R, there is nothing to open.
-  double left = 0;
-  for (int i = 0; i < m; ++i)
-    for (int j = 0; j < m; ++j) left += R(i, j) * weights[i] * weights[j];
-  constexpr double well_beyond = 3;
-  if (epsilon * epsilon * left > well_beyond * well_beyond * m) return false;
+  if (!is_explained(rows, epsilon)) return false;
 
   auto inverse = inverse_.topLeftCorner(m, m);
   auto z = z_.head(m);
@@ -108,6 +102,17 @@ bool Opening::find(const SampleRows& rows, const MeasurementPlan& measurement, c
     scales[as_size(i)] = variance > 0 ? std::sqrt(1 + c * g[i] * g[i] / variance) : 1.0;
   }
   return true;
+}
+
+/// r̃ − H g = ε R w is what no error of the state explains while the other rows hold: five ranges hold fast what a sixth
+/// contradicts. Where it is well beyond R, there is nothing to open.
+bool Opening::is_explained(const SampleRows& rows, double epsilon) const {
+  const auto R = ConstMatrixView(rows.square(rows.R)).as();
+  double left = 0;
+  for (int i = 0; i < rows.m; ++i)
+    for (int j = 0; j < rows.m; ++j) left += R(i, j) * weights_[i] * weights_[j];
+  constexpr double well_beyond = 3;
+  return epsilon * epsilon * left <= well_beyond * well_beyond * rows.m;
 }
 
 /// Lists U: the marked rows; without a mask those beyond the limit of a single row, or all where there is none.
