@@ -221,6 +221,8 @@ Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
   constexpr std::int64_t many = 10;  // mean intervals; a slow sensor is not silent
   const std::int64_t uses =
       tally(measurement).nis_count + tally(measurement).by_outcome[static_cast<int>(Outcome::withheld)];
+  // How often it comes is not known before it has come.
+  if (uses == 0 && t - last < many * plan_.trust.silent) return 0;
   if (last - plan_.head.in(arena_)->start > (t - last) / many * std::max<std::int64_t>(1, uses)) return 0;
   constexpr double much = 3 * 3;  // of the variance
   const double* const then = plan.variances.in(arena_);
