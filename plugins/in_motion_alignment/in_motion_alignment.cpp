@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr Time longest_hole = nanoseconds_per_second / 10;  // between IMU samples
+constexpr std::size_t few = 5;                              // velocities that go with a course
 
 }  // namespace
 
@@ -27,7 +28,7 @@ struct State {
   Time t_emitted;
   // for messages
   std::int64_t samples, velocities;
-  double least_heading_sd;  // rad; 0: none yet
+  double least_heading_sd, least_misfit;  // of fits; rad, and 1; 0: none yet
 
   void forget() {
     integrals = {};
@@ -61,10 +62,16 @@ ComponentSpec InMotionAlignment::spec() {
           .above(0)
           .defaults("\"5 deg\"")
           .about("an attitude whose heading is less certain (1-sigma) is not given out"),
+      number("max_misfit", "1")
+          .above(1)
+          .defaults("3")
+          .about(
+              "nor one whose residuals are larger than so many of their 1-sigma (RMS): a sensor is not what it should "
+              "be, or the antenna is far away"),
       number("course", "rad")
           .above(0)
-          .about("1-sigma of the x axis against the course over ground, of a vehicle that drives forward: helps before "
-                 "half of window has come; default: the vehicle may drive in any direction"),
+          .about("1-sigma of the x axis against the course over ground, of a vehicle that drives forward: helps where "
+                 "the window gives no attitude; default: the vehicle may drive in any direction"),
       number("min_speed", "m/s").above(0).defaults("\"3 m/s\"").about("below, there is no course"),
       number("velocity_sd", "m/s").above(0).about("1-sigma per axis; default: as the channel reports it, else 0.2"),
       number("accelerometer_bias", "m/s^2").above(0).defaults("\"20 mg\"").about("1-sigma per axis"),
@@ -78,6 +85,7 @@ InMotionAlignment::InMotionAlignment(const Binding& binding) {
   length_ = p.time("window");
   every_ = p.time("every");
   largest_heading_sd_ = p.number("max_heading_sd");
+  largest_misfit_ = p.number("max_misfit");
   if (p.has("velocity_sd")) velocity_sd_ = p.number("velocity_sd");
   priors_ = {p.number("accelerometer_bias"), p.number("gyro_bias")};
   if (p.has("course")) course_ = {p.number("course"), p.number("min_speed")};
@@ -145,16 +153,22 @@ void InMotionAlignment::on_gnss(const SampleView& sample, State& state, Emitter&
   state.window.add(epoch, length_);
   state.integrals = {};
   state.integrals.add(-seconds(age), rate, specific_force);
-  const bool is_early = state.t_emitted != no_time && sample.t - state.t_emitted < every_;
-  const bool is_whole = 2 * state.window.span() >= length_;
-  if (is_early || (!is_whole && course_.sd == 0)) return;
-  const Fit fit = is_whole ? state.window.fit(priors_) : state.window.fit(priors_, course_);
-  if (!fit.is_found) return;
-  const double sd_heading = std::sqrt(fit.P(2, 2));
-  if (state.least_heading_sd == 0 || sd_heading < state.least_heading_sd) state.least_heading_sd = sd_heading;
-  if (!(sd_heading <= largest_heading_sd_)) return;
+  if (state.t_emitted != no_time && sample.t - state.t_emitted < every_) return;
+  Fit fit;
+  if (2 * state.window.span() >= length_) fit = state.window.fit(priors_);
+  if (!is_good(fit, state) && course_.sd > 0) fit = state.window.newest(few).fit(priors_, course_);
+  if (!is_good(fit, state)) return;
   state.t_emitted = sample.t;
   emit(sample.t, fit, emitter);
+}
+
+bool InMotionAlignment::is_good(const Fit& fit, State& state) const {
+  if (!fit.is_found) return false;
+  const auto note = [](double& least, double value) { least = least == 0 ? value : std::min(least, value); };
+  const double sd_heading = std::sqrt(fit.P(2, 2));
+  note(state.least_heading_sd, sd_heading);
+  note(state.least_misfit, fit.misfit);
+  return sd_heading <= largest_heading_sd_ && fit.misfit <= largest_misfit_;
 }
 
 void InMotionAlignment::emit(Time t, const Fit& fit, Emitter& emitter) const {
@@ -177,10 +191,18 @@ std::string InMotionAlignment::waits_for(const MemoryView& memory) const {
   if (state.velocities == 0) return "no velocity came while the IMU ran";
   if (state.least_heading_sd == 0) return "velocities and IMU samples without a hole span less than half of window";
   char text[160];
-  std::snprintf(text, sizeof text,
-                "the heading was never better than %.3g deg (max_heading_sd %.3g deg): the vehicle did not accelerate "
-                "or turn enough",
-                state.least_heading_sd * 180 / M_PI, largest_heading_sd_ * 180 / M_PI);
+  if (!(state.least_misfit <= largest_misfit_))
+    std::snprintf(
+        text, sizeof text,
+        "the residuals were never below %.3g of their 1-sigma (max_misfit %.3g): velocities and IMU contradict "
+        "each other",
+        state.least_misfit, largest_misfit_);
+  else
+    std::snprintf(
+        text, sizeof text,
+        "the heading was never better than %.3g deg (max_heading_sd %.3g deg): the vehicle did not accelerate "
+        "or turn enough",
+        state.least_heading_sd * 180 / M_PI, largest_heading_sd_ * 180 / M_PI);
   return text;
 }
 

@@ -27,10 +27,12 @@ class InMotionAlignment final : public Transform {
   void declare_channels();
   void on_imu(const SampleView& sample, State& state) const;
   void on_gnss(const SampleView& sample, State& state, Emitter& emitter) const;
+  bool is_good(const Fit& fit, State& state) const;
   void emit(Time t, const Fit& fit, Emitter& emitter) const;
 
   Time length_ = 0, every_ = 0;
-  double largest_heading_sd_ = 0;      // rad
+  double largest_heading_sd_ = 0;  // rad
+  double largest_misfit_ = 0;
   std::optional<double> velocity_sd_;  // m/s
   Priors priors_;
   Course course_;

@@ -93,6 +93,13 @@ void Window::add(const Epoch& epoch, Time length) {
   }
 }
 
+Window Window::newest(std::size_t count) const {
+  Window window = *this;
+  window.count_ = std::min<std::uint64_t>(count, count_);
+  window.first_ += count_ - window.count_;
+  return window;
+}
+
 template <class Use>
 void Window::for_each(Chain& chain, Use&& use) const {
   for (std::size_t k = 0; k < count_; ++k) {

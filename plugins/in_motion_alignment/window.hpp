@@ -67,6 +67,8 @@ class Window {
   void add(const Epoch& epoch, Time length);
   std::size_t count() const { return count_; }
   Time newest() const { return count_ > 0 ? at(count_ - 1).t : no_time; }
+  /// Of so many epochs.
+  Window newest(std::size_t count) const;
   Time span() const { return count_ > 0 ? at(count_ - 1).t - at(0).t : 0; }
   Fit fit(const Priors& priors) const;
   /// The same from a few epochs, with the help of the course. Not found below the course's least speed.

@@ -169,6 +169,54 @@ TEST_CASE("rows that pass and whose mean is wrong for long are believed in the e
   CHECK(counts(off).recoveries == 0);
 }
 
+TEST_CASE("rows that were wrong for long are believed at once when it has been long enough") {
+  // The window from 70.7 s on is over at 80.8 s, the next at 90.9 s; it has been 13 s at 83.7 s.
+  const std::string gate = R"(, "gate": 0.9999)";
+  Session session(composition_of(two_witnesses(gate + R"(, "recover": {"against": "13 s"})", gate)));
+  Keep keep;
+  session.attach({0}, &keep);
+  const auto drive = [&](int from, int end) {
+    for (int i = from; i < end; ++i) {
+      push(session, "v", 0.1 * i, {i < 600 ? 0.0 : 0.09});
+      push(session, "z", 0.1 * i, {0.1 * ((i * 7) % 11 - 5)});
+    }
+  };
+  drive(0, 830);
+  CHECK(keep.openings.empty());
+  drive(830, 840);
+  CHECK(keep.openings.size() == 1);
+  CHECK(counts(session).recoveries == 1);
+}
+
+TEST_CASE("a wrong state starts anew at once where the channel that it would start from contradicts it") {
+  // Position by fixes, and by another sensor that only gives first values.
+  const auto starts_anew_after = [](double seen) {
+    Session session(composition_of(R"({"binnacle": 1,
+      "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
+                  "other": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+      "filters": {"f": {
+        "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "sigma": 2,
+                         "init": {"channel": "other", "fields": {"x": "z0"}, "max_age": "2 s", "again": true}}},
+        "process": {"stay": {"type": "random_walk", "blocks": {"x": "x"}, "q": 0.01}},
+        "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [0.7],
+                                 "gate": 0.999}}}}})"));
+    const auto wiggle = [](int i) { return 0.1 * ((i * 7) % 11 - 5); };
+    for (int i = 0; i < 120; ++i) {
+      push(session, "other", i, {i < 100 ? 0.0 : seen});
+      push(session, "z", i, {(i < 100 ? 0.0 : 100.0) + wiggle(i)});
+    }
+    std::vector<TrustReason> reasons(8);
+    reasons.resize(session.reasons(FilterId{0}, reasons));
+    CHECK(counts(session).recoveries == 1);
+    CHECK(std::abs(session.state(FilterId{0})[0] - 100) < 2);
+    for (const TrustReason& reason : reasons)
+      if (reason.doubt == Doubt::restarted) return reason.since;
+    return no_time;
+  };
+  CHECK(starts_anew_after(0) == no_time);
+  CHECK(starts_anew_after(100) == nanoseconds(104.0));
+}
+
 TEST_CASE("what no gate can refuse is no witness for the state") {
   // All that could refuse is refused: the state is wrong, whatever passes without a gate.
   const auto jump = [](const std::string& of_speed) {

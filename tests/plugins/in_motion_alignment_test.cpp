@@ -29,11 +29,8 @@ namespace {
 constexpr double deg = M_PI / 180, g = 9.80665;
 
 std::vector<std::pair<std::string, ParameterValue>> defaults() {
-  return {{"window", instant(20)},
-          {"every", instant(1)},
-          {"max_heading_sd", number(5 * deg)},
-          {"velocity_sd", number(0.1)},
-          {"accelerometer_bias", number(0.02 * g)},
+  return {{"window", instant(20)},         {"every", instant(1)},        {"max_heading_sd", number(5 * deg)},
+          {"max_misfit", number(3)},       {"velocity_sd", number(0.1)}, {"accelerometer_bias", number(0.02 * g)},
           {"gyro_bias", number(0.5 * deg)}};
 }
 
@@ -88,6 +85,7 @@ struct Ride {
   std::function<double(double)> speed = [](double t) { return 8 + 3 * std::sin(0.7 * t); };
   Vector3d gyro_bias = Vector3d::Zero(), accelerometer_bias = Vector3d::Zero();
   double velocity_noise = 0;
+  double gyro_noise = 0, noisy_until = 0;  // rad/s, of each sample up to then
   std::uint32_t seed = 1;
 
   Vector4d q(double t) const {
@@ -110,7 +108,9 @@ struct Ride {
       const Vector3d w = sd::quaternion_log(sd::quaternion_product(sd::quaternion_conjugate(q(t0)), q(t1))) / dt;
       const Vector3d a = (velocity(t1) - velocity(t0)) / dt;
       const Vector3d f = sd::dcm_from_quaternion(q(0.5 * (t0 + t1))).transpose() * (a - Vector3d(0, 0, g));
-      const Vector3d rate = w + gyro_bias, force = f + accelerometer_bias;
+      Vector3d rate = w + gyro_bias;
+      const Vector3d force = f + accelerometer_bias;
+      for (int i = 0; i < 3 && t1 < noisy_until; ++i) rate[i] += gyro_noise * normal(generator);
       aligner.offer(0, k == 0 ? no_time : nanoseconds(t0), nanoseconds(t1),
                     {rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z()});
       if (k % 50 != 0) continue;
@@ -246,4 +246,28 @@ TEST_CASE("in motion: without speed there is no course, and a whole window needs
   reversing.run(aligner);
   REQUIRE(aligner.attitudes.size() > 10);
   CHECK(reversing.error(aligner.attitudes.back()).norm() < 0.02 * deg);
+}
+
+TEST_CASE("in motion: of a sensor that is spoilt no attitude comes, and with the course a coarse one") {
+  const auto worst = [](const ParameterValue& parameters, std::size_t& count) {
+    double error = 0;
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+      Ride ride;
+      ride.length = 40;
+      ride.gyro_noise = 100 * deg;
+      ride.noisy_until = 20;
+      ride.velocity_noise = 0.1;
+      ride.seed = seed;
+      Aligner aligner(parameters);
+      ride.run(aligner);
+      count += aligner.attitudes.size();
+      for (const auto& attitude : aligner.attitudes) error = std::max(error, ride.error(attitude).norm());
+    }
+    return error;
+  };
+  std::size_t alone = 0, by_course = 0;
+  CHECK(worst(object(defaults()), alone) < 30 * deg);
+  CHECK(worst(with_course(), by_course) < 30 * deg);
+  CHECK(alone > 0);
+  CHECK(by_course > 2 * alone);
 }

@@ -41,16 +41,17 @@ void FilterComposer::read_trust() {
   read_switch(trust["nis"], limits.tests_nis);
   read_switch(trust["bias"], limits.tests_bias);
   read_switch(trust["correlation"], limits.tests_correlation);
-  double after = static_cast<double>(limits.after), hole = seconds(limits.hole), frozen = seconds(limits.frozen);
-  double silent = seconds(limits.silent);
+  double after = static_cast<double>(limits.after);
   read_limit(trust, parameter::number("after", "1").at_least(1), after);
-  read_limit(trust, parameter::number("hole", "s").above(0), hole);
   limits.after = static_cast<std::int64_t>(after);
-  read_limit(trust, parameter::number("frozen", "s").above(0), frozen);
-  limits.hole = nanoseconds(hole);
-  limits.frozen = nanoseconds(frozen);
-  read_limit(trust, parameter::number("silent", "s").above(0), silent);
-  limits.silent = nanoseconds(silent);
+  const auto read_time = [&](const char* name, Time& limit) {
+    double length = seconds(limit);
+    read_limit(trust, parameter::number(name, "s").above(0), length);
+    limit = nanoseconds(length);
+  };
+  read_time("hole", limits.hole);
+  read_time("frozen", limits.frozen);
+  read_time("silent", limits.silent);
   const Reader except = trust["except"];
   for (const auto& name : except.names().value_or(std::vector<std::string>())) {
     const auto found = std::ranges::find(plan.measurements, name, &MeasurementPlan::name);

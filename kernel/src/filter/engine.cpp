@@ -147,16 +147,19 @@ void Engine::finish() {
 }
 
 void Engine::try_start(Time t) {
-  const bool anew = has_started();
   if (broken() || plan_.initial.empty() || (started() && !time_.is_restart_due(t))) return;
+  if (can_start(t, has_started())) guarded([&] { start(t); });
+}
+
+/// All channels that it needs for it have a sample, for a further start a fresh and new one.
+bool Engine::can_start(Time t, bool anew) const {
   constexpr Time fresh = nanoseconds_per_second;
-  for (const auto& initial : plan_.initial) {
-    if (!(anew ? initial.is_of_restart : initial.is_of_start)) continue;
+  return std::ranges::all_of(plan_.initial, [&](const LatestPlan& initial) {
+    if (!(anew ? initial.is_of_restart : initial.is_of_start)) return true;
     const Time newest = initial.head.in(arena_)->t, max_age = initial.max_age == 0 && anew ? fresh : initial.max_age;
-    if (newest == no_time || (max_age > 0 && t - newest > max_age)) return;
-    if (anew && newest <= time_.head().last_start) return;
-  }
-  guarded([&] { start(t); });
+    if (newest == no_time || (max_age > 0 && t - newest > max_age)) return false;
+    return !anew || newest > time_.head().last_start;
+  });
 }
 
 void Engine::start(Time t) {
@@ -225,6 +228,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
   const bool is_opened = judged.is_locked_out;
   if (is_opened) {
     // Its rows anew: some may be gone already.
+    ask_witnesses(measurement, sample.t, locked_out.belief);
     keep_before(Wants::update_covariance);
     if (estimator_.open(plan, judged.marked)) note_opening(measurement, sample.t);
     count_recovery(measurement, sample.t, locked_out.belief);
@@ -283,6 +287,7 @@ void Engine::open_biased(int measurement, Time t) {
       ledger_.is_biased(measurement, {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.square(rows.HPHt)},
                         t, rows.biased.data(), rows.mean_z.data(), rows.mean_count.data());
   if (belief == Belief::none) return;
+  ask_witnesses(measurement, t, belief);
   keep_before(Wants::update_covariance);
   if (estimator_.open_by_mean(plan)) note_opening(measurement, t);
   count_recovery(measurement, t, belief);
@@ -306,8 +311,16 @@ void Engine::unlearn(int measurement, Time t) {
 void Engine::count_recovery(int measurement, Time t, Belief belief) {
   if (belief == Belief::by_votes) unlearn(measurement, t);
   const bool can_restart = std::ranges::any_of(plan_.initial, &LatestPlan::is_of_restart);
-  if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain && can_restart)
-    time_.ask_restart(t + plan_.measurements[as_size(measurement)].recover_against);
+  if (ledger_.count_recovery(measurement, t) >= most_recoveries_in_vain && can_restart) ask_restart(measurement, t);
+}
+
+void Engine::ask_restart(int measurement, Time t) {
+  time_.ask_restart(t + plan_.measurements[as_size(measurement)].recover_against);
+}
+
+/// A state that is wrong starts anew at once where what it would start from contradicts it, by P before it is opened.
+void Engine::ask_witnesses(int measurement, Time t, Belief belief) {
+  if (belief == Belief::by_votes && can_start(t, true) && estimator_.is_contradicted()) ask_restart(measurement, t);
 }
 
 void Engine::note_opening(int measurement, Time t) {

@@ -71,12 +71,15 @@ class Engine final : private TimeLine::Work {
   void stop(const std::string& diagnosis, const char* reason);
 
   Driving moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
+  bool can_start(Time t, bool anew) const;
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
   void correct(int measurement, Time t);
   void open_biased(int measurement, Time t);
   void keep_open(int measurement, Time t);
   void unlearn(int measurement, Time t);
   void count_recovery(int measurement, Time t, Belief belief);
+  void ask_restart(int measurement, Time t);
+  void ask_witnesses(int measurement, Time t, Belief belief);
   void note_opening(int measurement, Time t);
   void inflate(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);

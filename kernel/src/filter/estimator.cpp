@@ -111,7 +111,7 @@ void Estimator::reset() {
 }
 
 void Estimator::start(bool anew) {
-  for (const auto& block : plan_.blocks) start_value(block, block.start(anew));
+  for (const auto& block : plan_.blocks) start_value(block, block.start(anew), x());
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
   const MatrixView P{initial_P_.data(), plan_.n, plan_.n, plan_.n};
   for (const auto& block : plan_.blocks) start_covariance(block, anew, P);
@@ -120,8 +120,31 @@ void Estimator::start(bool anew) {
   std::fill_n(plan_.stationary_variances.in(arena_), plan_.n, std::numeric_limits<double>::quiet_NaN());
 }
 
-void Estimator::start_value(const BlockPlan& block, const InitialPlan& initial) {
-  const VectorView value = block.in(x());
+bool Estimator::is_contradicted() {
+  constexpr double surely = 5;
+  std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
+  const MatrixView P{initial_P_.data(), plan_.n, plan_.n, plan_.n};
+  for (const auto& block : plan_.blocks) {
+    const InitialPlan& again = block.start(true);
+    if (again.channel < 0) continue;
+    const LatestPlan& witness = plan_.initial[as_size(again.channel)];
+    const auto is_judged = [&](const MeasurementPlan& measurement) { return measurement.channel == witness.channel; };
+    if (!witness.is_of_restart || std::ranges::any_of(plan_.measurements, is_judged)) continue;
+    start_value(block, again, x_corrected_.data());
+    start_covariance(block, true, P);
+    const VectorView delta(block_delta_.data(), block.dof());
+    calls_.during(block, "minus", [&] { block.block->minus(block.in(x_corrected_.data()), block.in(state()), delta); });
+    for (std::size_t a = 0; a < block.active.size(); ++a) {
+      const int row = block.first + static_cast<int>(a);
+      const double off = delta[block.active[a]];
+      if (off * off > surely * surely * (P(row, row) + P_->variance(row))) return true;
+    }
+  }
+  return false;
+}
+
+void Estimator::start_value(const BlockPlan& block, const InitialPlan& initial, double* stored) {
+  const VectorView value = block.in(stored);
   if (initial.channel < 0) {
     std::copy(initial.value.begin(), initial.value.end(), value.data());
     return;

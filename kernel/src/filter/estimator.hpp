@@ -129,6 +129,9 @@ class Estimator {
   void reset();
   /// x and P from the config or from the latest samples of the initial channels; anew: of those that may give them again.
   void start(bool anew);
+  /// Whether the samples that it would start anew from contradict x: a component of a block that no measurement's
+  /// channel gives is off by more than 5 sigma of both.
+  bool is_contradicted();
 
   // ---- a step in three: what the models make of it; P; x. propagate.cpp
 
@@ -228,7 +231,7 @@ class Estimator {
   void note_stationary_variances();
   /// Of a component by itself; infinite where it has none.
   double stationary_variance(int row) const;
-  void start_value(const BlockPlan& block, const InitialPlan& initial);
+  void start_value(const BlockPlan& block, const InitialPlan& initial, double* stored);
   void start_covariance(const BlockPlan& block, bool anew, MatrixView P);
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;

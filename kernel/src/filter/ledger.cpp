@@ -62,8 +62,9 @@ void Ledger::for_each_row(std::span<const std::int64_t> keys, const int* groups,
 bool Ledger::use(const UsedRows& rows, double nis) {
   bool is_biased = false;
   const std::int64_t turn = judged(open_);
+  const Time against = plan_.measurements[as_size(open_)].recover_against;
   for_each_row(rows.keys, rows.groups, [&](RowMonitor& row, int i) {
-    is_biased |= row.use(open_t_, turn, rows.r[i], rows.R(i, i), rows.S(i, i));
+    is_biased |= row.use(open_t_, turn, rows.r[i], rows.R(i, i), rows.S(i, i), against);
   });
   plan_.measurements[as_size(open_)].nis.in(arena_)->use(open_t_, nis, static_cast<int>(rows.keys.size()));
   return is_biased;
@@ -118,7 +119,7 @@ Belief Ledger::is_biased(int measurement, const OfferedRows& rows, Time t, unsig
   for (std::size_t i = 0; i < rows.keys.size(); ++i) {
     const RowMonitor& row = row_of(i);
     marked[i] = row.biased.count > 0;
-    z[i] = marked[i] ? row.biased_z : 0.0;
+    z[i] = marked[i] ? row.biased_z / row.biased_count : 0.0;
     counts[i] = marked[i] ? row.biased_count : 1.0;
     if (marked[i]) since = std::min(since, row.biased.since);
   }

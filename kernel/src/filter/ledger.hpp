@@ -46,7 +46,7 @@ class Ledger {
   void close(Outcome outcome, const char* reason, UpdateRecord record = {});
 
   /// Rows of the open sample, which is accepted: those that were used, and those that a gate by row or key left out.
-  /// use() returns whether one of them ended a window that is surely biased.
+  /// use() returns whether it is time to ask is_biased().
   bool use(const UsedRows& rows, double nis);
   void leave_out(std::span<const std::int64_t> keys, const int* groups);
   /// All rows of the open sample are gated with it.
@@ -58,7 +58,7 @@ class Ledger {
   /// the state is taken to be. Marks the other rows that are locked out with them.
   Belief is_locked_out(int measurement, const OfferedRows& rows, unsigned char* marked) const;
   /// Whether the state is to be taken for wrong since rows of a sample that was accepted are biased, by the same rule. Marks
-  /// them, and writes the mean of z over their last window, and of how many it is; in other rows zero, of one.
+  /// them, and writes the mean of z from their last window on, and of how many it is; in other rows zero, of one.
   Belief is_biased(int measurement, const OfferedRows& rows, Time t, unsigned char* marked, double* z, double* counts);
   /// Whether a sample repeats the one before it to the bit, of a sensor that does not always.
   bool repeats(int measurement, const SampleView& sample, const ChannelPlan& channel);

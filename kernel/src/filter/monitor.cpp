@@ -74,7 +74,16 @@ Extreme RowMonitor::open_long_bias() const {
   return {std::abs(sum) / std::sqrt(n), sum / n, n, long_since};
 }
 
-bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, double S) {
+namespace {
+
+/// Of n numbers: whether their mean is what no right filter has, and worth a correction.
+bool is_surely_biased(double sum, double n) {
+  return std::abs(sum) > RowMonitor::surely * std::sqrt(n) && std::abs(sum) > RowMonitor::material * n;
+}
+
+}  // namespace
+
+bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, double S, Time against) {
   const double now = r / std::sqrt(S), product = used > 0 ? now * previous : 0.0;
   if (long_since == no_time) long_since = t;
   ++used;
@@ -91,18 +100,19 @@ bool RowMonitor::use(Time t, std::int64_t its_turn, double r, double its_R, doub
   window.use(t);
   window_z += now;
   window_lag += product;
-  if (!window.is_full(t)) return false;
-  const Extreme its_bias = open_bias();
-  bias.see(its_bias);
+  biased_z += now;
+  ++biased_count;
+  if (!window.is_full(t))
+    return biased.count > 0 && t - biased.since >= against && is_surely_biased(biased_z, biased_count);
+  bias.see(open_bias());
   correlation.see(open_correlation());
-  const bool is_biased = its_bias.score > surely && std::abs(its_bias.figure) > material;
-  if (is_biased) {
+  biased_z = window_z;
+  biased_count = static_cast<double>(window.count);
+  const bool is_biased = is_surely_biased(biased_z, biased_count);
+  if (is_biased)
     biased.refuse(window.since);
-    biased_z = its_bias.figure;
-    biased_count = its_bias.size;
-  } else {
+  else
     biased.end();
-  }
   ++windows;
   window = {};
   window_z = window_lag = 0;

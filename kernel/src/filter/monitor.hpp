@@ -80,7 +80,7 @@ struct RowMonitor {
   double long_z = 0;
   Extreme long_bias;
   // Full windows in a row whose mean no right filter has, beyond 5 of its standard deviations, and which is worth a
-  // correction, beyond what one sample may be off. Of the last: z and uses.
+  // correction, beyond what one sample may be off. From the last of them on: the sum of z, and uses.
   static constexpr double surely = 5, material = 1;
   Streak biased;
   double biased_z = 0, biased_count = 0;
@@ -92,8 +92,8 @@ struct RowMonitor {
 
   /// The filter starts anew: windows that are not full yet are of another state.
   void begin_anew();
-  /// Returns whether it ended a window that is surely biased.
-  bool use(Time t, std::int64_t its_turn, double r, double its_R, double S);
+  /// Returns whether it ended a window that is surely biased, or has been biased for `against`.
+  bool use(Time t, std::int64_t its_turn, double r, double its_R, double S, Time against);
   void refuse(Time t, std::int64_t its_turn);
   /// Its refusals in a row, none where it was absent from its measurement's samples meanwhile.
   Streak streak_at(std::int64_t now) const { return now - turn <= most_absent ? streak : Streak{}; }
