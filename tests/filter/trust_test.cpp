@@ -215,6 +215,63 @@ TEST_CASE("samples that are withheld are no part of those of which most come lat
   CHECK(has_code(session, "B102"));
 }
 
+namespace {
+
+/// A speedometer that shows next to nothing, ten times a second for five minutes, and fixes from one time on, so often.
+Session with_fixes(double from, double every) {
+  Session session(composition_of(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
+                "v": {"type": "pushed", "fields": {"z0": {"unit": "m/s"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
+                 "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 0.3}},
+      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.01}},
+      "measurements": {
+        "fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [20]},
+        "speed": {"type": "linear_measurement", "channel": "v", "blocks": {"x": "velocity"}, "sigma": [50]}}}}})"));
+  double next = from;
+  for (int i = 0; i < 3000; ++i) {
+    push(session, "v", 0.1 * i, {50.0 * (i % 2 ? 1 : -1)});
+    if (0.1 * i < next) continue;
+    push(session, "z", 0.1 * i, {0.0});
+    next += every;
+  }
+  return session;
+}
+
+}  // namespace
+
+TEST_CASE("fixes that are missing from the start on are a doubt, and a slow sensor is none") {
+  CHECK(has_code(with_fixes(1000, 1), "B117"));  // never
+  CHECK(has_code(with_fixes(299, 1), "B117"));   // one, at the end
+  CHECK(has_code(with_fixes(150, 1), "B117"));
+  CHECK_FALSE(has_code(with_fixes(0, 1), "B117"));
+  CHECK_FALSE(has_code(with_fixes(45, 45), "B117"));
+}
+
+TEST_CASE("a part that is mostly refused makes a filter lost, though others pass") {
+  const auto verdict = [](double jump) {
+    Session session(composition_of(R"({"binnacle": 1,
+      "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m/s"}}}},
+      "filters": {"f": {
+        "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
+                   "velocity": {"type": "vector", "size": 2, "unit": "m/s", "init": [0, 0], "sigma": 0.3}},
+        "process": {"stay": {"type": "random_walk", "blocks": {"x": "position"}, "q": 0.01},
+                    "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.01}},
+        "measurements": {"both": {"channel": "z", "gate": {"probability": 0.999, "by": "row"}, "recover": false, "stack": {
+          "p": {"type": "linear_measurement", "blocks": {"x": "position"}, "sigma": [0.5]},
+          "v": {"type": "linear_measurement", "blocks": {"x": "velocity"}, "fields": {"z0": "z1"}, "H": [[1, 0]], "sigma": [0.5]},
+          "w": {"type": "linear_measurement", "blocks": {"x": "velocity"}, "fields": {"z0": "z1"}, "H": [[0, 1]], "sigma": [0.5]}
+        }}}}}})"));
+    for (int i = 0; i < 200; ++i)
+      push(session, "z", i, {(i < 50 ? 0 : jump) + 0.1 * ((i * 7) % 11 - 5), 0.1 * ((i * 5) % 11 - 5)});
+    return has_code(session, "B102") && session.verdict(FilterId{0}) == Verdict::lost;
+  };
+  CHECK(verdict(100));
+  CHECK_FALSE(verdict(0));
+}
+
 TEST_CASE("a mean that is too small for a window is doubtful over ten minutes") {
   const auto composition = composition_of(line());
   int by_window = 0;

@@ -219,12 +219,8 @@ Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
   const auto& plan = plan_.measurements[as_size(measurement)];
   const Time last = tally(measurement).last_useful;
   if (!plan.is_watched || plan_.trust.silent <= 0 || last == no_time || t - last < plan_.trust.silent) return 0;
-  constexpr std::int64_t many = 10;  // mean intervals; a slow sensor is not silent
-  const std::int64_t uses =
-      tally(measurement).nis_count + tally(measurement).by_outcome[static_cast<int>(Outcome::withheld)];
-  // How often it comes is not known before it has come.
-  if (uses == 0 && t - last < many * plan_.trust.silent) return 0;
-  if (last - plan_.head.in(arena_)->start > (t - last) / many * std::max<std::int64_t>(1, uses)) return 0;
+  const Time since = last - plan_.head.in(arena_)->start;
+  if (since > (t - last) / many_intervals * std::max<std::int64_t>(1, uses(measurement))) return 0;
   constexpr double much = 3 * 3;  // of the variance
   const double* const then = plan.variances.in(arena_);
   for (std::size_t c = 0; c < plan.columns.size(); ++c)
@@ -235,6 +231,11 @@ Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
 void Ledger::end_silence(int measurement, Time t, const CovarianceForm& P) {
   Tally& its = tally_of(measurement);
   const Time silent = silence(measurement, t, P);
+  if (its.first_useful == no_time) {
+    its.first_useful = t;
+    its.first_silence = silent;
+    return;
+  }
   if (silent <= its.longest_silence) return;
   its.longest_silence = silent;
   its.longest_silence_at = its.last_useful;

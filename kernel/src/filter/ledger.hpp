@@ -84,6 +84,11 @@ class Ledger {
     return outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::gated)] -
            tally(measurement).repeated;
   }
+  /// Samples that were of use.
+  std::int64_t uses(int measurement) const {
+    const auto& outcomes = tally(measurement).by_outcome;
+    return outcomes[static_cast<int>(Outcome::accepted)] + outcomes[static_cast<int>(Outcome::withheld)];
+  }
   const NisMonitor& nis(int measurement) const { return *plan_.measurements[as_size(measurement)].nis.in(arena_); }
   /// Free places among them.
   std::span<const RowMonitor> rows(int measurement) const { return rows_of(measurement); }
@@ -92,6 +97,8 @@ class Ledger {
   void end_silence(int measurement, Time t, const CovarianceForm& P);
   /// It has corrected: how certain is what it sees.
   void settle(int measurement, Time t, const CovarianceForm& P);
+  /// A slow sensor is not silent: so many of its mean intervals are.
+  static constexpr std::int64_t many_intervals = 10;
   /// Since the last sample of use, if what the measurement sees has become much less certain; else 0.
   Time silence(int measurement, Time t, const CovarianceForm& P) const;
 

@@ -267,6 +267,7 @@ struct Tally : SampleCounts {
   // The longest time without a sample of use in which what it sees became much less certain.
   Time last_useful = no_time;
   Time longest_silence = 0, longest_silence_at = no_time;
+  Time first_silence = 0, first_useful = no_time;  // up to the first
   char last_reason[96] = {};
 };
 

@@ -118,13 +118,17 @@ class Examination {
     if (score_limit_ > 0 && is_tested(m)) examine_innovations(m);
   }
 
-  /// Up to now, or before.
+  /// Up to now, before, or up to the first sample of use: how often it comes is known only from the second on.
   void examine_silence(int m, const Tally& tally) {
-    const Time now = ledger_.silence(m, head_.t, P_);
-    const bool is_now = now > tally.longest_silence;
-    if (const Time longest = is_now ? now : tally.longest_silence; longest > 0)
-      see_({Doubt::silent, Verdict::doubtful, m, -1, 0, is_now ? tally.last_useful : tally.longest_silence_at,
-            seconds(longest), seconds(trust_.silent)});
+    const std::int64_t intervals = ledger_.uses(m) - 1;
+    const Time usual = intervals > 0 ? (tally.last_useful - tally.first_useful) / intervals : 0;
+    const Time first = tally.first_silence > Ledger::many_intervals * usual ? tally.first_silence : 0;
+    const Time now = ledger_.silence(m, head_.t, P_), longest = std::max({first, now, tally.longest_silence});
+    if (longest == 0) return;
+    const Time since = longest == now     ? tally.last_useful
+                       : longest == first ? tally.first_useful - first
+                                          : tally.longest_silence_at;
+    see_({Doubt::silent, Verdict::doubtful, m, -1, 0, since, seconds(longest), seconds(trust_.silent)});
   }
 
   /// All that is refused together is one reason; rows one by one where others pass.
@@ -162,22 +166,25 @@ class Examination {
             double(streak.longest), double(trust_.after)};
   }
 
-  /// Of rows by the gate, or of samples that came late.
+  /// Of a part's rows by the gate, the worst part's, or of samples that came late.
   void examine_share(int m, const Tally& tally) {
     constexpr std::int64_t least = 10;
-    std::int64_t used = 0, refused = 0;
-    for (const RowMonitor& row : ledger_.rows(m)) {
-      used += row.used;
-      refused += row.refused;
-    }
-    const auto see_share = [&](std::int64_t part, std::int64_t all) {
-      const double share = double(part) / double(std::max<std::int64_t>(1, all));
-      if (part >= least && share > trust_.refused)
-        see_({Doubt::mostly_refused, Verdict::lost, m, -1, 0, no_time, share, trust_.refused});
-    };
     if (trust_.refused <= 0) return;
-    see_share(refused, used + refused);
-    see_share(count(tally, Outcome::late), tally.offered - count(tally, Outcome::withheld));
+    double worst = 0;
+    const auto note = [&](std::int64_t part, std::int64_t all) {
+      if (part >= least) worst = std::max(worst, double(part) / double(all));
+    };
+    for (const RowMonitor& first : ledger_.rows(m)) {
+      std::int64_t used = 0, refused = 0;
+      for (const RowMonitor& row : ledger_.rows(m)) {
+        if (row.group != first.group) continue;
+        used += row.used;
+        refused += row.refused;
+      }
+      note(refused, used + refused);
+    }
+    note(count(tally, Outcome::late), tally.offered - count(tally, Outcome::withheld));
+    if (worst > trust_.refused) see_({Doubt::mostly_refused, Verdict::lost, m, -1, 0, no_time, worst, trust_.refused});
   }
 
   void examine_innovations(int m) {

@@ -76,7 +76,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
              " of their variance in the window from " + since(reason) + " (limit " + limit + ")";
     case Doubt::recovered:
       return who + " had to be recovered " + times(reason) + ", first at " + since(reason) +
-             ": it was refused, or biased, again and again";
+             ": it was refused, or biased, for long";
     case Doubt::was_locked_out:
       return who + " was locked out for a while: refused " + figure + " times in a row from " + since(reason) + " on";
     case Doubt::frozen:
