@@ -56,7 +56,7 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/testing/include/binnacle" DESTINATI
 install(TARGETS binnacle_testing EXPORT BinnacleTestingTargets
   ARCHIVE DESTINATION lib COMPONENT dev OPTIONAL
   INCLUDES DESTINATION include)
-install(TARGETS binnacle_kernel binnacle_score binnacle_document EXPORT BinnacleKernelTargets
+install(TARGETS binnacle_kernel binnacle_score binnacle_smooth binnacle_document EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
 foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets)

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "score/run.hpp"
 #include "table.hpp"
 
 namespace binnacle::command {
@@ -250,6 +251,12 @@ bool is_part_of(const Json& figures, const Json& reference) {
 }
 
 std::string heading(const std::string& name, const Json& filter) {
+  if (filter.contains("smoother")) {
+    const auto& smoother = filter.at("smoother");
+    const std::string type = smoother.at("type").get<std::string>();
+    const double breaks = number_at(smoother, "breaks");
+    return fmt::format("{}: {}{}\n", name, type, breaks > 0 ? fmt::format(", began anew {} times", breaks) : "");
+  }
   std::string text = name + ": never started";
   if (filter.contains("start_s"))
     text = fmt::format("{}: {:.3f} s to {:.3f} s", name, number_at(filter, "start_s"), number_at(filter, "end_s"));
@@ -271,6 +278,7 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
   if (filter.contains("unscored")) text += unscored_table(filter.at("unscored"));
   if (filter.contains("windows")) text += window_table(filter.at("windows"), norms);
   if (filter.contains("consistency")) text += consistency_table(filter.at("consistency"));
+  if (!filter.contains("measurements")) return text;  // of a smoothed filter: they are the filter's
   text += measurement_table(filter.at("measurements"));
   if (filter.contains("notes")) text += notes_text(filter.at("notes"));
   return text + innovation_table(filter.at("measurements"));
@@ -280,12 +288,13 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
 
 std::string summary_text(const Json& summary, const Composition& composition) {
   std::string text = composition.title().empty() ? "" : composition.title() + "\n\n";
-  for (const auto& filter : composition.filters())
+  for (const auto& filter : score::filters_of(composition))
     text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
   if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));
   text += fmt::format("wall time {}\nverdict:", duration(number_at(summary, "wall_s")));
   for (const auto& [name, filter] : summary.at("filters").items())
-    text += fmt::format(" {} {}", name, filter.at("verdict").at("state").get<std::string>());
+    if (filter.contains("verdict"))
+      text += fmt::format(" {} {}", name, filter.at("verdict").at("state").get<std::string>());
   return text + "\n";
 }
 

@@ -401,6 +401,10 @@ void add_filter_definitions(Json& definitions) {
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
+       {"smoother", described("smooths the filter when a run is over; what comes of it is the filter NAME.smoothed",
+                              {{"anyOf",
+                                {{{"const", "fixed_interval"}},
+                                 or_patch(closed_object({{"type", {{"const", "fixed_interval"}}}}, {"type"}))}}})},
        {"implied_states", described("the value of a block that one measurement implies, all else in it taken from the "
                                     "filter; scored and recorded",
                                     named(or_patch(closed_object({{"measurement", described("whose samples", name)},

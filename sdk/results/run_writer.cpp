@@ -183,7 +183,7 @@ struct RunWriter::Contents {
     write_provenance(file.root(), "run", Json::parse(composition.config()), provenance);
     Names names;
     for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path"}) names.take(taken);
-    for (const auto& filter : composition.filters())
+    for (const auto& filter : score::filters_of(composition))
       filters.push_back(std::make_unique<Filter>(file.root().add_group(names.take(filter.name)), filter));
   }
   nc::File file;

@@ -80,7 +80,8 @@ Json FilterScore::noise_figures() const {
 /// The 1-sigma at the end of what has no reference, where withheld samples are one: they show the errors of few blocks.
 Json FilterScore::unscored_figures() const {
   Json unscored = Json::object();
-  if (scored_measurements_.empty() || !session_->started({filter_}) || !session_->healthy({filter_})) return unscored;
+  if (!session_ || scored_measurements_.empty() || !session_->started({filter_}) || !session_->healthy({filter_}))
+    return unscored;
   const auto is_scored = [&](const BlockInfo& block) {
     const auto all = reference_series();
     return std::any_of(all.begin(), all.end(), [&](const Series* series) {
@@ -105,6 +106,7 @@ Json FilterScore::unscored_figures() const {
 
 std::vector<std::string> FilterScore::notes() const {
   std::vector<MeasurementCounts> counts;
+  if (!session_) return {};
   for (int m = 0; m < static_cast<int>(info_.measurements.size()); ++m)
     counts.push_back(session_->counts(MeasurementId{{filter_}, m}));
   return gates_.notes(counts);
@@ -156,6 +158,7 @@ void FilterScore::show_errors(RunObserver& observer) const {
 
 MetricValue FilterScore::value(const Metric& metric) const {
   if (metric.quantity == MetricQuantity::nis) {
+    if (!session_) return {not_a_number, 0, 0};
     const MeasurementCounts counts = session_->counts({{filter_}, metric.subject});
     if (counts.nis_count == 0) return {not_a_number, 0, 0};
     return {counts.nis_mean, counts.dof_mean, static_cast<double>(counts.nis_count)};

@@ -61,6 +61,19 @@ FilterScore::FilterScore(const ScorePlan& plan, int filter)
   add_subjects();
 }
 
+FilterScore::FilterScore(const ScorePlan& plan, const SmoothingPlan& smoothing)
+    : plan_(plan), filter_(smoothing.as), info_(plan.filters[as_size(smoothing.as)]), gates_(info_) {
+  size_scratch();
+  add_references();
+  for (std::size_t m = 0; m < info_.measurements.size(); ++m) add_withheld(static_cast<int>(m));
+  add_subjects();
+}
+
+bool FilterScore::refers_to(int channel) const {
+  return std::ranges::any_of(references_,
+                             [&](const Reference& reference) { return reference.plan->channel == channel; });
+}
+
 void FilterScore::size_scratch() {
   std::size_t dof = 1, stored = 1, outputs = 1;
   for (const auto& block : info_.blocks) {
@@ -203,7 +216,7 @@ void FilterScore::reference(int channel, const SampleView& sample) {
   for (std::size_t i = 0; i < references_.size(); ++i) {
     const auto& plan = *references_[i].plan;
     if (plan.channel != channel) continue;
-    if (!session_->started(FilterId{filter_}) || sample.t < start()) continue;
+    if ((session_ && !session_->started(FilterId{filter_})) || sample.t < start()) continue;
     Pending pending;
     pending.reference = static_cast<int>(i);
     if (!read(plan, sample, pending)) continue;
@@ -213,7 +226,7 @@ void FilterScore::reference(int channel, const SampleView& sample) {
       continue;
     }
     // The filter may have passed this instant already: then only an estimate at that very time will do.
-    if (sample.t == session_->time(FilterId{filter_}) && info_.input_channel < 0) {
+    if (session_ && sample.t == session_->time(FilterId{filter_}) && info_.input_channel < 0) {
       score(pending, session_->state(FilterId{filter_}).data());
       continue;
     }
@@ -261,7 +274,8 @@ void FilterScore::offered(const UpdateRecord& record) {
 
 void FilterScore::finish() {
   for (const auto& pending : pending_)
-    if (pending.t == session_->time(FilterId{filter_})) score(pending, session_->state(FilterId{filter_}).data());
+    if (session_ && pending.t == session_->time(FilterId{filter_}))
+      score(pending, session_->state(FilterId{filter_}).data());
   pending_.clear();
   pending_of_implied_states_.clear();
 }

@@ -37,6 +37,9 @@ struct Scored {
 class FilterScore : public StepObserver {
  public:
   FilterScore(const ScorePlan& plan, int filter);
+  /// Of a filter that is smoothed: its own measurements are not judged, and reference(), stepped() and withheld() are called
+  /// after the run, in order of time.
+  FilterScore(const ScorePlan& plan, const SmoothingPlan& smoothing);
   FilterScore(const FilterScore&) = delete;
   FilterScore& operator=(const FilterScore&) = delete;
 
@@ -65,6 +68,9 @@ class FilterScore : public StepObserver {
   }
   void stepped(const StepRecord& record) override;
   void offered(const UpdateRecord& record) override;
+  void withheld(const UpdateRecord& record) { score_withheld(record); }
+  /// Whether a sample of the channel is a reference of it.
+  bool refers_to(int channel) const;
   /// What still waits for the filter's next step is scored with the last estimate.
   void finish();
 
@@ -83,7 +89,8 @@ class FilterScore : public StepObserver {
   void show_errors(RunObserver& observer) const;
   /// All series that stand under "reference", once per name: channels first, then what was withheld.
   std::vector<const Series*> reference_series() const;
-  Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : no_time; }
+  Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : start_; }
+  void set_start(Time t) { start_ = t; }
 
  private:
   struct Reference {
@@ -151,6 +158,7 @@ class FilterScore : public StepObserver {
   int filter_;
   const FilterInfo& info_;
   Session* session_ = nullptr;
+  Time start_ = no_time;  // of a filter that is smoothed
   StepObserver* next_ = nullptr;
   GateWatch gates_;
   std::vector<Reference> references_;

@@ -39,8 +39,15 @@ struct NamedWindow {
   TimeSpan span;
 };
 
+/// A filter that is smoothed, `of`, and what comes of it, `as`; both of ScorePlan::filters.
+struct SmoothingPlan {
+  int of = 0;
+  int as = 0;
+};
+
 struct ScorePlan : SectionData {
-  std::vector<FilterInfo> filters;                            // of the composition
+  std::vector<FilterInfo> filters;  // of the composition, then "ins.smoothed" and the like
+  std::vector<SmoothingPlan> smoothings;
   std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
   std::vector<ReferencePlan> references;
   TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};

@@ -10,9 +10,6 @@ namespace binnacle::score {
 
 using namespace wording;
 
-namespace {
-
-/// Outputs of all blocks, then their 1-σ.
 std::vector<RecordColumn> estimate_columns(const FilterInfo& filter) {
   std::vector<RecordColumn> columns, sigmas;
   for (const auto& block : filter.blocks)
@@ -23,8 +20,6 @@ std::vector<RecordColumn> estimate_columns(const FilterInfo& filter) {
   columns.insert(columns.end(), sigmas.begin(), sigmas.end());
   return columns;
 }
-
-}  // namespace
 
 Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every)
     : session_(session), scores_(scores), observer_(observer) {
@@ -42,6 +37,7 @@ Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& ob
     observer.begin(static_cast<int>(f), filters[f].name, columns);
   }
   values_.resize(width);
+  times_.resize(filters.size());
 }
 
 void Recorder::after_instant() {
@@ -58,7 +54,7 @@ void Recorder::after_instant() {
     if (choice == take || choice == release_and_take) {
       const std::span<double> values(values_.data(), filter.kept.size());
       read(f, t, values);
-      observer_.record(id.index, t, values);
+      write(f, t, values);
     } else if (choice == keep || choice == release_and_keep) {
       read(f, t, filter.kept);
       filter.kept_at = t;
@@ -71,8 +67,11 @@ void Recorder::finish() {
     if (filters_[f].epochs.finish()) write_kept(f);
 }
 
-void Recorder::write_kept(std::size_t filter) {
-  observer_.record(static_cast<int>(filter), filters_[filter].kept_at, filters_[filter].kept);
+void Recorder::write_kept(std::size_t filter) { write(filter, filters_[filter].kept_at, filters_[filter].kept); }
+
+void Recorder::write(std::size_t filter, Time t, std::span<const double> values) {
+  observer_.record(static_cast<int>(filter), t, values);
+  if (keeps_times_) times_[filter].push_back(t);
 }
 
 void Recorder::read(std::size_t filter, Time t, std::span<double> values) {

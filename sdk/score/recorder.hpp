@@ -14,12 +14,18 @@ namespace binnacle::score {
 
 using Scores = std::vector<std::unique_ptr<FilterScore>>;
 
+/// Outputs of all blocks, then their 1-σ.
+std::vector<RecordColumn> estimate_columns(const FilterInfo& filter);
+
 class Recorder {
  public:
   /// Shows the columns to the observer. `every`: RecordEpochs; 0: after every step.
   Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every);
   void after_instant();
   void finish();
+  /// By filter: what was recorded, once keep_times() was called.
+  void keep_times() { keeps_times_ = true; }
+  const std::vector<std::vector<Time>>& times() const { return times_; }
 
  private:
   struct Filter {
@@ -30,12 +36,15 @@ class Recorder {
   };
   void read(std::size_t filter, Time t, std::span<double> values);
   void write_kept(std::size_t filter);
+  void write(std::size_t filter, Time t, std::span<const double> values);
 
   const Session& session_;
   const Scores& scores_;
   RunObserver& observer_;
   std::vector<Filter> filters_;
   std::vector<double> values_;
+  bool keeps_times_ = false;
+  std::vector<std::vector<Time>> times_;
 };
 
 }  // namespace binnacle::score

@@ -12,6 +12,7 @@
 #include "plan.hpp"
 #include "recorder.hpp"
 #include "run_figures.hpp"
+#include "smoothing.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -27,11 +28,9 @@ class Scorer final : public binnacle::RunObserver {
  public:
   Scorer(const Composition& composition, const RunOptions& options)
       : plan_(plan_of(composition)), observer_(options.observer ? *options.observer : nobody_), options_(options) {
-    for (std::size_t f = 0; f < plan_->filters.size(); ++f)
+    for (std::size_t f = 0; f < plan_->filters.size() - plan_->smoothings.size(); ++f)
       scores_.push_back(std::make_unique<FilterScore>(*plan_, static_cast<int>(f)));
     for (const auto& motion : plan_->motion) causes_.push_back(std::make_unique<CauseWatch>(motion));
-    for (const auto* list : {&plan_->metrics, &options.metrics})
-      for (const auto& metric : *list) scores_[as_size(metric.filter)]->watch(metric);
     records_ = options.observer && options.observer->wants_records();
     if (records_)
       for (auto& score : scores_) score->keep_sigmas();
@@ -42,13 +41,20 @@ class Scorer final : public binnacle::RunObserver {
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
     if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, plan_->record_every);
+    if (!plan_->smoothings.empty()) smoothing_ = std::make_unique<Smoothing>(*plan_, session, observer_, records_);
+    if (recorder_ && smoothing_) recorder_->keep_times();
+    for (const auto* list : {&plan_->metrics, &options_.metrics})
+      for (const auto& metric : *list) score_of(metric.filter).watch(metric);
   }
   void sampled(int channel, const SampleView& sample) override {
+    if (smoothing_ && smoothing_->is_running_again()) return;
+    if (smoothing_) smoothing_->sampled(channel, sample);
     for (auto& score : scores_) score->reference(channel, sample);
     for (auto& watch : causes_) watch->sampled(channel, sample);
   }
   void after_instant() override {
     if (recorder_) recorder_->after_instant();
+    if (smoothing_) smoothing_->after_instant();
   }
   void noted(const Diagnostic& note) override { observer_.noted(note); }
   bool progress(Time t) override { return observer_.progress(t); }
@@ -58,6 +64,8 @@ class Scorer final : public binnacle::RunObserver {
     for (auto& score : scores_) score->finish();
     if (records_)
       for (const auto& score : scores_) score->show_errors(observer_);
+    std::vector<std::vector<Time>> none(scores_.size());
+    if (smoothing_) smoothing_->finish(recorder_ ? recorder_->times() : none);
     for (std::size_t f = 0; f < scores_.size(); ++f) {
       auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
       const FilterId filter{static_cast<int>(f)};
@@ -66,6 +74,8 @@ class Scorer final : public binnacle::RunObserver {
       verdict_ = std::max(verdict_, final_verdict(*session_, filter));
     }
     add_causes();
+    for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)
+      filters_[plan_->filters[as_size(plan_->smoothings[i].as)].name] = smoothing_->summary(i);
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     for (const auto& metric : plan_->metrics) {
       const auto unit = parse_unit(metric.unit);
@@ -101,7 +111,11 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& cause : causes.items()) list.push_back({{"code", cause.code}, {"text", cause.message}});
     }
   }
-  MetricValue value(const Metric& metric) const { return scores_[as_size(metric.filter)]->value(metric); }
+  FilterScore& score_of(int filter) const {
+    if (as_size(filter) < scores_.size()) return *scores_[as_size(filter)];
+    return smoothing_->score(as_size(filter) - scores_.size());
+  }
+  MetricValue value(const Metric& metric) const { return score_of(metric.filter).value(metric); }
 
   std::shared_ptr<const ScorePlan> plan_;
   score::RunObserver nobody_;
@@ -110,6 +124,7 @@ class Scorer final : public binnacle::RunObserver {
   Scores scores_;
   std::vector<std::unique_ptr<CauseWatch>> causes_;  // of plan_->motion
   std::unique_ptr<Recorder> recorder_;
+  std::unique_ptr<Smoothing> smoothing_;
   bool records_ = false;
   Json filters_ = Json::object(), metrics_ = Json::object(), windows_ = Json::object();
   std::vector<MetricValue> values_;

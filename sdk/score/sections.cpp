@@ -2,6 +2,8 @@
 // "evaluate", "record", and who reads what.
 #include "score/sections.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include "binnacle/unit.hpp"
 #include "plan.hpp"
 #include "references.hpp"
+#include "score/run.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -52,6 +55,13 @@ void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
     read_end(evaluate["after"], plan.span.from, plan.span.from_is_relative);
     read_end(evaluate["until"], plan.span.to, plan.span.to_is_relative);
     for (const Reader& window : evaluate["windows"].members("'windows'")) read_window(draft, window, plan);
+    for (const SmoothingPlan& smoothing : plan.smoothings) {
+      std::vector<NamedWindow> copies;
+      std::ranges::copy_if(plan.windows, std::back_inserter(copies),
+                           [&](const NamedWindow& window) { return window.filter == smoothing.of; });
+      for (NamedWindow& window : copies) window.filter = smoothing.as;
+      plan.windows.insert(plan.windows.end(), copies.begin(), copies.end());
+    }
   }
   if (record.is_object("'record'")) {
     record.check_keys({"every"}, "'record'");
@@ -91,12 +101,47 @@ void read_metrics(const CompositionDraft& draft, ScorePlan& plan) {
   for (const Reader& metric : all.children()) read_metric_at(draft, metric, plan);
 }
 
+/// "fixed_interval", or an object with that type.
+void read_smoother(const Reader& at, int of, ScorePlan& plan) {
+  const bool is_object = at.is_object();
+  if (is_object) at.check_keys({"type"}, "'smoother'");
+  if (is_object && !at.require("type", "smoother", "\"fixed_interval\"")) return;
+  const auto type = (is_object ? at["type"] : at).text();
+  if (!type) return;
+  if (*type != "fixed_interval") {
+    (is_object ? at["type"] : at)
+        .error("B010", "there is no smoother '" + *type + "'" + suggestion(*type, {"fixed_interval"}) +
+                           " (smoothers: fixed_interval)");
+    return;
+  }
+  FilterInfo smoothed = plan.filters[as_size(of)];
+  smoothed.name += ".smoothed";
+  if (index_of(names_of(plan.filters), smoothed.name) >= 0)
+    return at.error("B002", "there is a filter '" + smoothed.name + "' already, and what is smoothed has that name");
+  plan.smoothings.push_back({of, static_cast<int>(plan.filters.size())});
+  plan.filters.push_back(std::move(smoothed));
+  plan.implied_states.emplace_back();
+  const std::size_t references = plan.references.size();
+  for (std::size_t r = 0; r < references; ++r) {
+    ReferencePlan reference = plan.references[r];
+    if (reference.filter != of || reference.implied_state >= 0) continue;
+    reference.filter = plan.smoothings.back().as;
+    plan.references.push_back(std::move(reference));
+  }
+}
+
+void read_smoothers(const CompositionDraft& draft, ScorePlan& plan) {
+  for (std::size_t f = 0; f < draft.filters().size(); ++f)
+    if (const Reader at = draft.at("/filters")[draft.filters()[f].name]["smoother"])
+      read_smoother(at, static_cast<int>(f), plan);
+}
+
 class Sections final : public Section {
  public:
   std::vector<std::string> keys() const override {
     return {"reference", "evaluate", "record", "study", "covariance", "metrics"};
   }
-  std::vector<std::string> filter_keys() const override { return {"implied_states"}; }
+  std::vector<std::string> filter_keys() const override { return {"implied_states", "smoother"}; }
   RenamedKeys renamed_keys() const override { return {{"readings", "implied_states"}}; }
   std::vector<std::string> patches() const override { return {"/study/variants", "/study/dimensions/*"}; }
 
@@ -105,6 +150,7 @@ class Sections final : public Section {
     plan->filters = draft.filters();
     read_implied_states(draft, *plan);
     read_references(draft, *plan);
+    read_smoothers(draft, *plan);
     read_evaluate(draft, *plan);
     plan->motion = read_motion_fields(draft);
     if (!draft.has_errors()) read_metrics(draft, *plan);
@@ -131,6 +177,12 @@ std::shared_ptr<const ScorePlan> plan_of(const Composition& composition) {
   plan->filters = composition.filters();
   plan->implied_states.resize(plan->filters.size());
   return plan;
+}
+
+const std::vector<FilterInfo>& filters_of(const Composition& composition) {
+  for (const auto& section : composition.sections())
+    if (const auto plan = std::dynamic_pointer_cast<const ScorePlan>(section)) return plan->filters;
+  return composition.filters();
 }
 
 std::vector<UnknownMetric> unknown_metrics(const Composition& composition) {

@@ -2,8 +2,11 @@
 // run: a composition with its sources, from the first sample to the last.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
@@ -41,6 +44,11 @@ struct RunResult {
   Diagnostics warnings;  // gaps and repairs in the data, notes of models
   Diagnostics failures;  // B080 broken, B081 never started; empty when all went well
 };
+
+/// In RunObserver::finished(): takes the run back to a snapshot that was made in after_instant(), and from there over so
+/// many instants again, to its very end where they reach it. Channels that sections subscribe to are shown again;
+/// sinks, notes and after_instant() are left alone. `each` is called after every instant, and once more after the end.
+void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants, const std::function<void()>& each);
 
 /// Runs to the end of all sources. Throws DataError when data turn out unusable. Sources are opened on the first run of
 /// a composition and stay open. Several threads may run one composition at a time.

@@ -51,6 +51,7 @@ class Engine final : private TimeLine::Work {
   ConstMatrixView covariance() const { return estimator_.covariance(); }
   const Ledger& ledger() const { return ledger_; }
   const ModelCalls& calls() const { return calls_; }
+  ModelCalls& calls() { return calls_; }
   const FilterPlan& plan() const { return plan_; }
   /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could
   /// not be written, and the filter stops.

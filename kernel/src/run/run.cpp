@@ -172,6 +172,26 @@ void run_sources(Session& session, RunObserver& observer) {
 
 }  // namespace
 
+void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants,
+           const std::function<void()>& each) {
+  Runtime& runtime = session.runtime();
+  const int filters = base::count_of(runtime.plan().filters);
+  std::vector<filter::NoteBook> notes;
+  for (int f = 0; f < filters; ++f) notes.push_back(runtime.engine(f).calls().note_book);
+  runtime.feed_sinks(false);
+  session.restore(from);
+  bool is_over = false;
+  for (std::int64_t i = 0; i < instants && !is_over; ++i) {
+    is_over = !runtime.next_instant();
+    if (!is_over) each();
+  }
+  if (is_over || instants == 0) {
+    runtime.finish();
+    each();
+  }
+  for (int f = 0; f < filters; ++f) runtime.engine(f).calls().note_book = notes[as_size(f)];
+}
+
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
   const auto& plan = composition->plan();
   RunResult result;

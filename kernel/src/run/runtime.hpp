@@ -2,6 +2,7 @@
 // One run of a composition: the arena, the engines, and the way of a sample through sources, transforms and filters.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -75,7 +76,7 @@ class Runtime {
     Time from = no_time, to = no_time;
     void reach(Time t) {
       if (from == no_time) from = t;
-      to = t;
+      to = std::max(to, t);  // a stretch may be run again
     }
   };
   const Span& span(int channel) const { return channels_[as_size(channel)].span; }

@@ -77,6 +77,9 @@ struct RunResult {
   Diagnostics doubts;                // why it is not ok, and likely causes: B100 to B120
 };
 
+/// Its filters, and those that come of smoothing: what a RunObserver's `filter` counts.
+const std::vector<FilterInfo>& filters_of(const Composition& composition);
+
 /// As binnacle::run(), of a composition loaded with sections(), whose references and metrics are scored.
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options = {});
 

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "smooth/co_states.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "wording/wording.hpp"
+
+namespace binnacle::smooth {
+
+using namespace wording;
+using Eigen::MatrixXd;
+
+namespace {
+
+/// Rows of P that a block's coupling touches: pairs (to, from).
+void add_coupling(const FilterInfo& filter, const Coupling& coupling, std::vector<std::set<int>>& columns) {
+  const BlockInfo& to = filter.blocks[as_size(coupling.to)];
+  const BlockInfo& from = filter.blocks[as_size(coupling.from)];
+  for (std::size_t a = 0; a < to.active.size(); ++a)
+    for (std::size_t b = 0; b < from.active.size(); ++b)
+      if (coupling.structure == Structure::dense || to.active[a] == from.active[b])
+        columns[as_size(from.first_row) + b].insert(to.first_row + static_cast<int>(a));
+}
+
+void symmetrize(MatrixXd& A) {
+  for (Eigen::Index j = 0; j < A.cols(); ++j)
+    for (Eigen::Index i = j + 1; i < A.rows(); ++i) A(i, j) = A(j, i) = 0.5 * (A(i, j) + A(j, i));
+}
+
+}  // namespace
+
+TransitionPattern::TransitionPattern(const FilterInfo& filter) : n_(filter.dof) {
+  std::vector<std::set<int>> columns(as_size(n_));
+  for (int j = 0; j < n_; ++j) columns[as_size(j)].insert(j);
+  for (const Coupling& coupling : filter.transition) add_coupling(filter, coupling, columns);
+  first_.push_back(0);
+  for (const auto& column : columns) {
+    rows_.insert(rows_.end(), column.begin(), column.end());
+    first_.push_back(static_cast<int>(rows_.size()));
+  }
+}
+
+void TransitionPattern::gather(ConstMatrixView Phi, double* values) const {
+  for (int j = 0; j < n_; ++j)
+    for (int k = first_[as_size(j)]; k < first_[as_size(j) + 1]; ++k) *values++ = Phi(rows_[as_size(k)], j);
+}
+
+CoStates::CoStates(const TransitionPattern& pattern, std::vector<unsigned char> considered, int max_rows)
+    : pattern_(pattern), considered_(std::move(considered)) {
+  const int n = pattern.n();
+  for (auto* vector : {&lambda_, &next_lambda_}) vector->setZero(n);
+  for (auto* square : {&Lambda_, &noise_, &scratch_, &other_}) square->setZero(n, n);
+  V_.resize(n, max_rows);
+  tall_.resize(n, max_rows);
+  D_.resize(max_rows, max_rows);
+  factor_.resize(max_rows, max_rows);
+  s_.resize(max_rows);
+}
+
+bool CoStates::clear() {
+  const bool was_known = !Lambda_.isZero(0);
+  lambda_.setZero();
+  Lambda_.setZero();
+  noise_.setZero();
+  return was_known;
+}
+
+void CoStates::times_transition(const MatrixXd& A, const double* phi, MatrixXd& out) const {
+  const int n = pattern_.n();
+  const auto& first = pattern_.first();
+  const auto& rows = pattern_.rows();
+  for (int j = 0; j < n; ++j) {
+    double* const to = out.col(j).data();
+    const int begin = first[as_size(j)], end = first[as_size(j) + 1];
+    const double* from = A.col(rows[as_size(begin)]).data();
+    for (int i = 0; i < n; ++i) to[i] = phi[begin] * from[i];
+    for (int k = begin + 1; k < end; ++k) {
+      from = A.col(rows[as_size(k)]).data();
+      for (int i = 0; i < n; ++i) to[i] += phi[k] * from[i];
+    }
+  }
+}
+
+void CoStates::transform(MatrixXd& A, const double* phi) {
+  times_transition(A, phi, scratch_);
+  other_ = scratch_.transpose();
+  times_transition(other_, phi, A);
+  symmetrize(A);
+}
+
+void CoStates::step(const double* phi, ConstMatrixView Qd) {
+  if (has_considered()) {
+    scratch_.noalias() = Lambda_ * Qd.as();
+    noise_.noalias() += scratch_ * Lambda_;
+    transform(noise_, phi);
+  }
+  transform(Lambda_, phi);
+  for (int j = 0; j < pattern_.n(); ++j) {
+    double sum = 0;
+    for (int k = pattern_.first()[as_size(j)]; k < pattern_.first()[as_size(j) + 1]; ++k)
+      sum += phi[k] * lambda_[pattern_.rows()[as_size(k)]];
+    next_lambda_[j] = sum;
+  }
+  lambda_.swap(next_lambda_);
+}
+
+void CoStates::undo_reset(ConstMatrixView T) {
+  next_lambda_.noalias() = T.as().transpose() * lambda_;
+  lambda_.swap(next_lambda_);
+  for (MatrixXd* A : {&Lambda_, &noise_}) {
+    if (A == &noise_ && !has_considered()) break;
+    scratch_.noalias() = *A * T.as();
+    A->noalias() = T.as().transpose() * scratch_;
+    symmetrize(*A);
+  }
+}
+
+// With s = S⁻¹ r − Kᵀ λ, V = Λ K and D = S⁻¹ + Kᵀ Λ K,
+//     λ ← Hᵀ S⁻¹ r + (I − K H)ᵀ λ = λ + Hᵀ s ,
+//     Λ ← Hᵀ S⁻¹ H + (I − K H)ᵀ Λ (I − K H) = Λ − V H − Hᵀ Vᵀ + Hᵀ D H .
+void CoStates::update(const UpdateTerms& terms) {
+  if (terms.reset) undo_reset(terms.reset);
+  const int m = terms.S.rows;
+  const auto H = terms.H.as();
+  const auto K = terms.K.as();
+  auto V = V_.leftCols(m);
+  auto D = D_.topLeftCorner(m, m);
+  auto s = s_.head(m);
+  factor_.topLeftCorner(m, m) = terms.S.as();
+  Eigen::Ref<MatrixXd> in_place(factor_.topLeftCorner(m, m));
+  const Eigen::LLT<Eigen::Ref<MatrixXd>> S(in_place);
+  s = ConstVectorView(terms.residual, m).as();
+  S.solveInPlace(s);
+  s.noalias() -= K.transpose() * lambda_;
+  D.setIdentity();
+  S.solveInPlace(D);
+  V.noalias() = Lambda_ * K;
+  D.noalias() += K.transpose() * V;
+  if (has_considered()) update_noise(terms);
+  lambda_.noalias() += H.transpose() * s;
+  scratch_.noalias() = V * H;
+  Lambda_ -= scratch_ + scratch_.transpose();
+  auto HtD = tall_.leftCols(m);
+  HtD.noalias() = H.transpose() * D;
+  Lambda_.noalias() += HtD * H;
+  symmetrize(Lambda_);
+}
+
+// λ ← (Hᵀ S⁻¹ − (I − K H)ᵀ Λ K) v + (I − K H)ᵀ ν with r = H e + v, and the first factor is Hᵀ D − V.
+void CoStates::update_noise(const UpdateTerms& terms) {
+  const int m = terms.S.rows;
+  const auto H = terms.H.as();
+  const auto K = terms.K.as();
+  auto B = tall_.leftCols(m);
+  B.noalias() = noise_ * K;
+  scratch_.noalias() = B * H;
+  noise_ -= scratch_;
+  B.noalias() = noise_.transpose() * K;
+  scratch_.noalias() = H.transpose() * B.transpose();
+  noise_ -= scratch_;
+  B = -V_.leftCols(m);
+  B.noalias() += H.transpose() * D_.topLeftCorner(m, m);
+  noise_.noalias() += B * terms.R.as() * B.transpose();
+  symmetrize(noise_);
+}
+
+void CoStates::inflate(const double* variances) {
+  if (!has_considered()) return;
+  for (int i = 0; i < pattern_.n(); ++i)
+    if (variances[i] != 0) noise_.noalias() += variances[i] * Lambda_.col(i) * Lambda_.row(i);
+}
+
+void CoStates::correction(ConstMatrixView P, double* delta) {
+  Eigen::Map<Eigen::VectorXd> out(delta, pattern_.n());
+  out.noalias() = P.as() * lambda_;
+  for (std::size_t i = 0; i < considered_.size(); ++i)
+    if (considered_[i]) delta[i] = 0;
+}
+
+void CoStates::covariance(ConstMatrixView P, MatrixView smoothed) {
+  auto out = smoothed.as();
+  scratch_.noalias() = P.as() * Lambda_;
+  if (!has_considered()) {
+    out = P.as();
+    out.noalias() -= scratch_ * P.as();
+  } else {
+    // A = I − M P Λ; then M P N P M.
+    other_ = P.as();
+    for (int i = 0; i < pattern_.n(); ++i)
+      if (considered_[as_size(i)]) {
+        scratch_.row(i).setZero();
+        other_.row(i).setZero();
+      }
+    scratch_ = -scratch_;
+    scratch_.diagonal().array() += 1;
+    out.noalias() = scratch_ * P.as() * scratch_.transpose();
+    out.noalias() += other_ * noise_ * other_.transpose();
+  }
+  for (int j = 0; j < smoothed.cols; ++j)
+    for (int i = j + 1; i < smoothed.rows; ++i)
+      smoothed(i, j) = smoothed(j, i) = 0.5 * (smoothed(i, j) + smoothed(j, i));
+}
+
+}  // namespace binnacle::smooth
