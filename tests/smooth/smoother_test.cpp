@@ -263,6 +263,37 @@ TEST_CASE("smoothed estimates are those of one least squares over all states") {
   CHECK(difference(test.smoothed(), batch) < 1e-10);
 }
 
+namespace {
+
+/// λ by the definition, and as a linear function of all that is random.
+struct DenseCoStates {
+  std::vector<Matrix> lambdas;
+  std::vector<Vector> values;
+};
+
+DenseCoStates dense_co_states(const Log& log, const std::vector<Matrix>& residual, Eigen::Index size) {
+  const int n = log.n;
+  Matrix lambda = Matrix::Zero(n, size);
+  Vector value = Vector::Zero(n);
+  std::vector<Matrix> lambdas(log.events.size() + 1, lambda);
+  std::vector<Vector> values(log.events.size() + 1, value);
+  for (std::size_t k = log.events.size(); k-- > 0;) {
+    const Event& event = log.events[k];
+    if (event.kind == Event::step) {
+      lambda = (event.Phi.transpose() * lambda).eval();
+      value = (event.Phi.transpose() * value).eval();
+    } else {
+      const Matrix A = Matrix::Identity(n, n) - event.K * event.H, S = event.S.inverse();
+      lambda = (event.H.transpose() * S * residual[k] + A.transpose() * lambda).eval();
+      value = (event.H.transpose() * S * event.r + A.transpose() * value).eval();
+    }
+    lambdas[k] = lambda, values[k] = value;
+  }
+  return {std::move(lambdas), std::move(values)};
+}
+
+}  // namespace
+
 TEST_CASE("where components are considered, the covariance is that of the gains that were used") {
   for (int seed = 1; seed <= 5; ++seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
@@ -296,22 +327,7 @@ TEST_CASE("where components are considered, the covariance is that of the gains 
         error.push_back(before - event.K * residual.back());
       }
     }
-    Matrix lambda = Matrix::Zero(n, size);
-    Vector value = Vector::Zero(n);
-    std::vector<Matrix> lambdas(log.events.size() + 1, lambda);
-    std::vector<Vector> values(log.events.size() + 1, value);
-    for (std::size_t k = log.events.size(); k-- > 0;) {
-      const Event& event = log.events[k];
-      if (event.kind == Event::step) {
-        lambda = (event.Phi.transpose() * lambda).eval();
-        value = (event.Phi.transpose() * value).eval();
-      } else {
-        const Matrix A = Matrix::Identity(n, n) - event.K * event.H, S = event.S.inverse();
-        lambda = (event.H.transpose() * S * residual[k] + A.transpose() * lambda).eval();
-        value = (event.H.transpose() * S * event.r + A.transpose() * value).eval();
-      }
-      lambdas[k] = lambda, values[k] = value;
-    }
+    const auto [lambdas, values] = dense_co_states(log, residual, size);
     Matrix M = Matrix::Identity(n, n);
     M(4, 4) = 0;  // x, v, then the first of the drift
     std::vector<Smoothed> oracle;
