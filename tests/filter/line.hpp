@@ -45,4 +45,22 @@ inline std::string line(const std::string& blocks_extra = "", const std::string&
          measurement_extra + R"(}}}}})";
 }
 
+/// Position by a fix and velocity by a speedometer, each a measurement of its own: `fix` and `speed` are their sigma and
+/// what else they have.
+inline std::string fix_and_speed(const std::string& fix, const std::string& speed) {
+  return R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
+                "v": {"type": "pushed", "fields": {"z0": {"unit": "m/s"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
+                 "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 0.3}},
+      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.01}},
+      "measurements": {
+        "fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, )" +
+         fix + R"(},
+        "speed": {"type": "linear_measurement", "channel": "v", "blocks": {"x": "velocity"}, )" +
+         speed + R"(}}}}})";
+}
+
 }  // namespace filter_tests

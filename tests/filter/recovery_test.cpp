@@ -13,6 +13,7 @@
 using namespace binnacle;
 
 using filter_tests::composition_of;
+using filter_tests::fix_and_speed;
 using filter_tests::line;
 using filter_tests::push;
 
@@ -55,19 +56,7 @@ std::vector<std::byte> bytes_of(const Session& session) {
 
 /// Position by itself and velocity by itself, each a measurement; the position has a gate.
 std::string two_witnesses(const std::string& position_extra, const std::string& velocity_extra = "") {
-  return R"({"binnacle": 1,
-    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
-                "v": {"type": "pushed", "fields": {"z0": {"unit": "m/s"}}}},
-    "filters": {"f": {
-      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
-                 "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 0.3}},
-      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
-                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.01}},
-      "measurements": {
-        "fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [0.5])" +
-         position_extra + R"(},
-        "speed": {"type": "linear_measurement", "channel": "v", "blocks": {"x": "velocity"}, "sigma": [0.01])" +
-         velocity_extra + R"(}}}}})";
+  return fix_and_speed(R"("sigma": [0.5])" + position_extra, R"("sigma": [0.01])" + velocity_extra);
 }
 
 /// It stands at zero; from 60 s on the speedometer shows `offset`. Ten fixes a second.

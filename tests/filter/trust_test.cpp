@@ -16,6 +16,7 @@
 using namespace binnacle;
 
 using filter_tests::composition_of;
+using filter_tests::fix_and_speed;
 using filter_tests::line;
 using filter_tests::push;
 
@@ -219,17 +220,7 @@ namespace {
 
 /// A speedometer that shows next to nothing, ten times a second for five minutes, and fixes from one time on, so often.
 Session with_fixes(double from, double every) {
-  Session session(composition_of(R"({"binnacle": 1,
-    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
-                "v": {"type": "pushed", "fields": {"z0": {"unit": "m/s"}}}},
-    "filters": {"f": {
-      "blocks": {"position": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 2},
-                 "velocity": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 0.3}},
-      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
-                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.01}},
-      "measurements": {
-        "fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [20]},
-        "speed": {"type": "linear_measurement", "channel": "v", "blocks": {"x": "velocity"}, "sigma": [50]}}}}})"));
+  Session session(composition_of(fix_and_speed(R"("sigma": [20])", R"("sigma": [50])")));
   double next = from;
   for (int i = 0; i < 3000; ++i) {
     push(session, "v", 0.1 * i, {50.0 * (i % 2 ? 1 : -1)});
