@@ -284,6 +284,14 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
   return text + innovation_table(filter.at("measurements"));
 }
 
+/// "ok", or "ok (not watched: zupt)".
+std::string verdict_text(const Json& verdict) {
+  std::string text = verdict.at("state").get<std::string>();
+  if (const auto unwatched = verdict.find("unwatched"); unwatched != verdict.end())
+    text += fmt::format(" (not watched: {})", fmt::join(unwatched->get<Names>(), ", "));
+  return text;
+}
+
 }  // namespace
 
 std::string summary_text(const Json& summary, const Composition& composition) {
@@ -293,8 +301,7 @@ std::string summary_text(const Json& summary, const Composition& composition) {
   if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));
   text += fmt::format("wall time {}\nverdict:", duration(number_at(summary, "wall_s")));
   for (const auto& [name, filter] : summary.at("filters").items())
-    if (filter.contains("verdict"))
-      text += fmt::format(" {} {}", name, filter.at("verdict").at("state").get<std::string>());
+    if (filter.contains("verdict")) text += " " + name + " " + verdict_text(filter.at("verdict"));
   return text + "\n";
 }
 

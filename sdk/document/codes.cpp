@@ -220,6 +220,11 @@ constexpr CodeEntry entries[] = {
      "swapped "
      "field, a wrong sign or a wrong unit explains.",
      "Compare the fields that the message names with the sensor's manual: order, axes, signs, units."},
+    {"B121", "nothing to evaluate",
+     "A span of `evaluate` has no sample of a reference in it, though there are some elsewhere.",
+     "Compare `after`, `until` and the windows with the time that the filter ran; `\"start+60 s\"` counts from its "
+     "start, other "
+     "times are those of the data."},
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "binnacle/unit.hpp"
@@ -37,6 +38,23 @@ Json FilterScore::figures(const TimeSpan& span) const {
     if (!value.is_null()) figures[series->name] = std::move(value);
   }
   return figures;
+}
+
+void FilterScore::warn_of_empty_spans(Diagnostics& warnings) const {
+  bool is_scored = false;
+  for (const Series* series : reference_series()) is_scored = is_scored || !series->t.empty();
+  if (!is_scored) return;
+  const auto look = [&](const TimeSpan& span, const Place& place, const std::string& name) {
+    if (place.pointer.empty() || !figures(span).empty()) return;
+    char ran[80];
+    std::snprintf(ran, sizeof ran, "%.1f s to %.1f s", seconds(start()), seconds(session_->time(FilterId{filter_})));
+    warnings.warning("B121", place.origin, place.pointer,
+                     "no sample of a reference of '" + info_.name + "' lies in " + name +
+                         ", so nothing is evaluated there; the filter ran from " + ran);
+  };
+  look(plan_.span, plan_.place, "'after' to 'until'");
+  for (const auto& window : plan_.windows)
+    if (window.filter < 0 || window.filter == filter_) look(window.span, window.place, "'" + window.name + "'");
 }
 
 Json FilterScore::withheld_figures() const {

@@ -89,6 +89,9 @@ class FilterScore : public StepObserver {
   void show_errors(RunObserver& observer) const;
   /// All series that stand under "reference", once per name: channels first, then what was withheld.
   std::vector<const Series*> reference_series() const;
+
+  /// A warning for each span of "evaluate" that no sample of this filter's references falls into (B121).
+  void warn_of_empty_spans(Diagnostics& warnings) const;
   Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : start_; }
   void set_start(Time t) { start_ = t; }
 

@@ -33,10 +33,17 @@ struct ReferencePlan {
   int measurement = -1;
 };
 
+/// Where a span stands in the config.
+struct Place {
+  std::string pointer;
+  Origin origin;
+};
+
 struct NamedWindow {
   std::string name;
   int filter = -1;  // −1: all
   TimeSpan span;
+  Place place;
 };
 
 /// A filter that is smoothed, `of`, and what comes of it, `as`; both of ScorePlan::filters.
@@ -51,6 +58,7 @@ struct ScorePlan : SectionData {
   std::vector<std::vector<ImpliedStatePlan>> implied_states;  // by filter
   std::vector<ReferencePlan> references;
   TimeSpan span{std::numeric_limits<Time>::min() / 4, std::numeric_limits<Time>::max() / 4, false, false};
+  Place place;                       // of the span, where the config gives one
   std::vector<MotionFields> motion;  // of the filters that have any
   std::vector<NamedWindow> windows;
   std::vector<Metric> metrics;

@@ -72,6 +72,7 @@ class Scorer final : public binnacle::RunObserver {
       figures.update(run_figures(*session_, filter));
       doubts_.merge(session_->doubts(filter));
       verdict_ = std::max(verdict_, final_verdict(*session_, filter));
+      scores_[f]->warn_of_empty_spans(doubts_);
     }
     add_causes();
     for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)

@@ -38,12 +38,12 @@ Json innovations(const MeasurementInfo& info, const MeasurementCounts& counts) {
                     {"rms", row.rms},
                     {"correlation", row.correlation},
                     {"sigma", row.sigma},
-                    {"fitting_sigma", row.fitting_sigma},
+                    {"fitting_sigma", row.fitting_sigma > 0 ? Json(row.fitting_sigma) : Json()},
                     {"unit", info.groups[static_cast<std::size_t>(row.group)].unit}});
   return rows;
 }
 
-/// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }] }
+/// { "state", "reasons": [{ "code", "measurement", "part", "rows", "since_s", "text" }], "unwatched": [names] }
 Json verdict(const Session& session, FilterId filter) {
   const auto& info = session.composition().filters()[static_cast<std::size_t>(filter.index)];
   const Diagnostics doubts = session.doubts(filter);
@@ -68,7 +68,10 @@ Json verdict(const Session& session, FilterId filter) {
     list.push_back({{"code", "B080"}, {"verdict", "lost"}, {"text", "the filter broke: " + session.diagnosis(filter)}});
   if (!session.started(filter))
     list.push_back({{"code", "B081"}, {"verdict", "lost"}, {"text", "the filter never started"}});
-  return {{"state", verdict_name(final_verdict(session, filter))}, {"reasons", std::move(list)}};
+  Json verdict{{"state", verdict_name(final_verdict(session, filter))}, {"reasons", std::move(list)}};
+  for (const auto& measurement : info.measurements)
+    if (!measurement.is_watched) verdict["unwatched"].push_back(measurement.name);
+  return verdict;
 }
 
 Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& counts) {

@@ -28,6 +28,8 @@ void read_end(const Reader& at, Time& time, bool& is_relative) {
   is_relative = when->from_start;
 }
 
+Place place_of(const Reader& at) { return {at.pointer(), at.key_origin()}; }
+
 void read_window(const CompositionDraft& draft, const Reader& at, ScorePlan& plan) {
   NamedWindow window;
   window.name = at.key();
@@ -44,6 +46,7 @@ void read_window(const CompositionDraft& draft, const Reader& at, ScorePlan& pla
   }
   if (const auto span = (is_object ? at["span"] : at).span()) {
     window.span = *span;
+    window.place = place_of(at);
     plan.windows.push_back(std::move(window));
   }
 }
@@ -52,6 +55,7 @@ void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
   const Reader evaluate = draft.at("/evaluate"), record = draft.at("/record");
   if (evaluate.is_object("'evaluate'")) {
     evaluate.check_keys({"after", "until", "windows", "metrics"}, "'evaluate'");
+    plan.place = place_of(evaluate);
     read_end(evaluate["after"], plan.span.from, plan.span.from_is_relative);
     read_end(evaluate["until"], plan.span.to, plan.span.to_is_relative);
     for (const Reader& window : evaluate["windows"].members("'windows'")) read_window(draft, window, plan);

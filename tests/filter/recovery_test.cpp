@@ -206,6 +206,25 @@ TEST_CASE("a wrong state starts anew at once where the channel that it would sta
   CHECK(starts_anew_after(100) == nanoseconds(104.0));
 }
 
+TEST_CASE("a first value that the block refuses contradicts nothing") {
+  Session session(composition_of(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"lat": {"unit": "rad"}, "lon": {"unit": "rad"}, "height": {"unit": "m"}}},
+                "other": {"type": "pushed", "fields": {"lat": {"unit": "rad"}, "lon": {"unit": "rad"}, "height": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"p": {"type": "position", "sigma": "2 m", "init": {"channel": "other", "max_age": "2 s", "again": true}}},
+      "process": {"stay": {"type": "random_constant", "blocks": {"x": "p"}}},
+      "measurements": {"fix": {"type": "position_fix", "channel": "z", "blocks": {"position": "p"}, "sigma": "0.7 m",
+                               "gate": 0.999}}}}})"));
+  constexpr double beyond_a_pole = 2, hundred_metres = 100 / 6.37e6;
+  for (int i = 0; i < 120; ++i) {
+    push(session, "other", i, {i < 100 ? 0.8 : beyond_a_pole, 0.2, 0});
+    push(session, "z", i, {i < 100 ? 0.8 : 0.8 + hundred_metres, 0.2, 0});
+  }
+  CHECK(session.diagnosis(FilterId{0}) == "");
+  CHECK(counts(session).recoveries == 1);
+  CHECK(std::abs(session.state(FilterId{0})[0] - 0.8 - hundred_metres) < 0.02 * hundred_metres);
+}
+
 TEST_CASE("what no gate can refuse is no witness for the state") {
   // All that could refuse is refused: the state is wrong, whatever passes without a gate.
   const auto jump = [](const std::string& of_speed) {

@@ -138,6 +138,7 @@ TEST_CASE("a measurement that is never accepted is lost, with its reason") {
   CHECK(session.verdict(FilterId{0}) == Verdict::lost);
   CHECK(has_code(session, "B101"));
   CHECK(said(session).find("the last because NIS beyond the gate") != std::string::npos);
+  CHECK(said(session).find("of 'f' was used: the last was refused because NIS beyond the gate") != std::string::npos);
 }
 
 TEST_CASE("samples whose own standard deviation is none are invalid, noted by field, and lost where all are") {

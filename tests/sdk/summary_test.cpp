@@ -88,3 +88,24 @@ TEST_CASE("windows show a block that is scored without its norm") {
     is_shown = is_shown || (has(line, "position.horizontal") && has(line, "attitude.roll") && has(line, "[deg]"));
   CHECK(is_shown);
 }
+
+TEST_CASE("the verdict names what was not watched") {
+  const auto jitter = [](int i) { return i % 2 ? 0.15 : -0.15; };
+  CHECK(has(summary_of(jitter), "verdict: walk ok\n"));
+  CHECK(has(summary_of(jitter, {"--set", "/filters/walk/trust=false"}), "verdict: walk ok (not watched: seen)\n"));
+  const auto json =
+      nlohmann::json::parse(summary_of(jitter, {"--json", "--set", R"(/filters/walk/trust={"except": ["seen"]})"}));
+  CHECK(json.at("filters").at("walk").at("verdict").at("unwatched") == std::vector<std::string>{"seen"});
+}
+
+TEST_CASE("a span of evaluate without a sample of a reference is reported") {
+  const std::string reference = R"({"withheld": "fix"})";
+  const auto late = stand(reference, {"--set", R"(/evaluate/after="start+1000 s")"});
+  INFO(late.err);
+  CHECK(late.status == 0);
+  CHECK(has(late.err, "B121"));
+  CHECK(has(late.err, "'ins' lies in 'after' to 'until'"));
+  const auto window = stand(reference, {"--set", R"(/evaluate/windows={"never": ["start+10 h", "start+11 h"]})"});
+  CHECK(has(window.err, "'ins' lies in 'never'"));
+  CHECK_FALSE(has(stand(reference, {}).err, "B121"));
+}

@@ -69,6 +69,7 @@ struct MeasurementInfo {
   std::vector<int> blocks;                         // that its H has columns of, in the filter's order
   BoundInfo<NoiseEstimator> noise;                 // null where it has none
   bool recovers = false;
+  bool is_watched = true;  // not excepted from "trust"
   GateInfo gate;
 };
 

@@ -57,6 +57,7 @@ MeasurementInfo measurement_info(const Catalog& catalog, const FilterPlan& filte
   if (measurement.noise)
     info.noise = {measurement.name, catalog.find(Role::noise_estimator, measurement.noise_type), measurement.noise};
   info.recovers = measurement.recover_after > 0;
+  info.is_watched = measurement.is_watched;
   static constexpr const char* units[] = {"sample", "row", "key"};
   if (measurement.gate > 0)
     info.gate = {measurement.gate, units[static_cast<int>(measurement.gate_unit)],

@@ -130,8 +130,12 @@ bool Estimator::is_contradicted() {
     const LatestPlan& witness = plan_.initial[as_size(again.channel)];
     const auto is_judged = [&](const MeasurementPlan& measurement) { return measurement.channel == witness.channel; };
     if (!witness.is_of_restart || std::ranges::any_of(plan_.measurements, is_judged)) continue;
-    start_value(block, again, x_corrected_.data());
-    start_covariance(block, true, P);
+    try {
+      start_value(block, again, x_corrected_.data());
+      start_covariance(block, true, P);
+    } catch (const Stop&) {
+      continue;  // it could not be started from
+    }
     const VectorView delta(block_delta_.data(), block.dof());
     calls_.during(block, "minus", [&] { block.block->minus(block.in(x_corrected_.data()), block.in(state()), delta); });
     for (std::size_t a = 0; a < block.active.size(); ++a) {

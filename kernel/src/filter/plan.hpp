@@ -335,6 +335,7 @@ struct LatestPlan {
 struct TimeHead {
   Time t = no_time;      // the filter's time
   Time start = no_time;  // the first
+  Time first_restart = no_time;
   Time last_start = no_time;
   Time restart_until = no_time;  // it starts anew if it can up to this time
   Time input_end = no_time;      // end of the newest input interval

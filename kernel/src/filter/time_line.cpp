@@ -31,6 +31,7 @@ void TimeLine::reset() {
 
 void TimeLine::start(Time t) {
   if (head_.starts++ == 0) head_.start = t;
+  if (head_.starts == 2) head_.first_restart = t;
   head_.t = head_.last_start = head_.input_end = t;
   head_.started = 1;
   head_.just_started = 1;

@@ -29,7 +29,7 @@ class Examination {
             .figure = seconds(head_.stopped_by),
             .limit = seconds(plan_.longest_bridge)});
     if (head_.starts > 1)
-      see_({.doubt = Doubt::restarted, .since = head_.last_start, .figure = double(head_.starts - 1)});
+      see_({.doubt = Doubt::restarted, .since = head_.first_restart, .figure = double(head_.starts - 1)});
     if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});
     find_score_limits();
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)

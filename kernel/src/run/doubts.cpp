@@ -44,10 +44,11 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     return "the input of '" + filter.name + "' repeats the same numbers for " + figure + " s from " + since(reason) +
            " on (limit " + limit + " s): the sensor hangs";
   if (reason.doubt == Doubt::unaided)
-    return "no sample of any measurement of '" + filter.name +
-           "' was used: channels, or their spans of time, are not " + "those of the driving input";
+    return "no sample of any measurement of '" + filter.name + "' was used: " +
+           (last_refusal.empty() ? "channels, or their spans of time, are not those of the driving input"
+                                 : "the last was refused because " + last_refusal);
   if (reason.doubt == Doubt::restarted)
-    return "'" + filter.name + "' started anew " + times(reason) + ", last at " + since(reason) +
+    return "'" + filter.name + "' started anew " + times(reason) + ", first at " + since(reason) +
            ": what it estimated before did not hold";
   if (reason.doubt == Doubt::input_ended)
     return "the input of '" + filter.name + "' ended at " + since(reason) + ", " + figure +
@@ -111,8 +112,10 @@ Diagnostics Session::doubts(FilterId filter) const {
   for (const auto& reason : reasons) {
     const std::string& pointer =
         reason.measurement < 0 ? plan.pointer : plan.measurements[internal::base::as_size(reason.measurement)].pointer;
-    const std::string last_refusal =
-        reason.measurement < 0 ? "" : engine(filter).ledger().tally(reason.measurement).last_reason;
+    std::string last_refusal;
+    for (int m = 0; m < static_cast<int>(plan.measurements.size()); ++m)
+      if (reason.measurement == m || (reason.measurement < 0 && last_refusal.empty()))
+        last_refusal = engine(filter).ledger().tally(m).last_reason;
     doubts.warning(code_of(reason.doubt), document.key_origin(pointer), pointer,
                    text_of(reason, composition_->filters()[internal::base::as_size(filter.index)], last_refusal));
   }
