@@ -33,6 +33,7 @@ struct Options {
   bool json = false;
   bool quiet = false;
   bool strict = false;
+  bool smooth = false;
 };
 
 /// One line on a terminal, rewritten: how far the data are, and how fast they go by.
@@ -103,8 +104,9 @@ class Watch : public score::RunObserver {
 
 Json provenance_of(const Options& options, const Composition& composition) {
   Json all = provenance(composition.catalog(),
-                        fmt::format("binnacle run {}{} --seed {} --run {}", shell_quoted(options.config_path),
-                                    options.config.as_typed(), options.run.seed, options.run.run));
+                        fmt::format("binnacle run {}{}{} --seed {} --run {}", shell_quoted(options.config_path),
+                                    options.config.as_typed(), options.smooth ? " --smooth" : "", options.run.seed,
+                                    options.run.run));
   all["seed"] = options.run.seed;
   all["run"] = options.run.run;
   all["created"] = now_in_words();
@@ -146,9 +148,19 @@ void tell_warnings(const Composition& composition, const score::RunResult& resul
   print_abridged(warnings, "--summary has all that came of the data");
 }
 
+/// Each filter gets a smoother that has none.
+void add_smoothers(const Options& options, LoadOptions& load_options) {
+  const Json filters =
+      Json::parse(score::load_config(options.config_path, load_options).text()).value("filters", Json());
+  for (const auto& [name, filter] : filters.items())
+    if (filter.is_object() && !filter.contains("smoother"))
+      load_options.sets.push_back("/filters/" + name + "/smoother=\"fixed_interval\"");
+}
+
 int run_config(const Options& options) {
   watch_signals("nothing was written");
-  const LoadOptions load_options = options.config.load_options(options.config_path);
+  LoadOptions load_options = options.config.load_options(options.config_path);
+  if (options.smooth) add_smoothers(options, load_options);
   const auto composition = score::load(options.config_path, load_options);
   watch_exit();  // again, now that the plugins are loaded
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
@@ -190,6 +202,7 @@ Verb run_verb(CLI::App& command) {
       ->type_name("K")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
+  app->add_flag("--smooth", options->smooth, "Smooth every filter when the run is over: FILTER.smoothed");
   app->add_flag("--json", options->json, "The summary as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors and reasons against trust only: no progress, warnings or summary");
   app->add_flag("--strict", options->strict, "Exit status 1 where a filter is doubtful too, not only where it is lost");

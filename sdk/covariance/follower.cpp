@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "score/block_call.hpp"
+#include "wording/block_call.hpp"
 
 namespace binnacle::covariance {
 
@@ -235,7 +235,7 @@ VectorXd Follower::output_row(const Subject& subject) const {
   for (Index i = 0; i < delta.size(); ++i) {
     const auto read_at = [&](double by, std::vector<double>& outputs) {
       delta[i] = by;
-      score::call_block(*subject.block, "plus and read", no_time, [&] {
+      wording::call_block(*subject.block, "plus and read", no_time, [&] {
         subject.block->block->plus(x, delta, moved);
         subject.block->block->read(moved, outputs);
       });

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "score/block_call.hpp"
+#include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {

@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "score/block_call.hpp"
+#include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {

@@ -79,7 +79,12 @@ std::string read_statistic(std::string_view text, Metric& metric) {
               "statistics");
 }
 
-std::string find_measurement(const FilterInfo& filter, std::string_view subject, Metric& metric) {
+std::string find_measurement(const ScorePlan& plan, std::string_view subject, Metric& metric) {
+  const FilterInfo& filter = plan.filters[as_size(metric.filter)];
+  for (const SmoothingPlan& smoothing : plan.smoothings)
+    if (smoothing.as == metric.filter)
+      return in_quotes(filter.name) + " is smoothed and has no innovations; NIS is of " +
+             in_quotes(plan.filters[as_size(smoothing.of)].name);
   const Names names = names_of(filter.measurements);
   metric.subject = index_of(names, subject);
   if (metric.subject < 0)
@@ -130,9 +135,8 @@ Parsed<Metric> read_metric(const ScorePlan& plan, std::string_view text) {
   if (metric.filter < 0) return failure("there is no filter " + in_quotes(wanted) + help(wanted, filters, "filters"));
   if (auto wrong = read_statistic(text.substr(last + 1), metric); !wrong.empty()) return failure(wrong);
   const auto subject = text.substr(first + 1, last - first - 1);
-  const auto wrong = metric.quantity == MetricQuantity::nis
-                         ? find_measurement(plan.filters[as_size(metric.filter)], subject, metric)
-                         : find_scored(plan, subject, metric);
+  const auto wrong = metric.quantity == MetricQuantity::nis ? find_measurement(plan, subject, metric)
+                                                            : find_scored(plan, subject, metric);
   if (!wrong.empty()) return failure(wrong);
   return metric;
 }

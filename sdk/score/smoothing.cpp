@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "recorder.hpp"
-#include "score/block_call.hpp"
+#include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {

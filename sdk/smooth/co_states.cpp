@@ -56,7 +56,7 @@ CoStates::CoStates(const TransitionPattern& pattern, std::vector<unsigned char> 
   for (auto* square : {&Lambda_, &noise_, &scratch_, &other_}) square->setZero(n, n);
   V_.resize(n, max_rows);
   tall_.resize(n, max_rows);
-  D_.resize(max_rows, max_rows);
+  inverse_.resize(max_rows, max_rows);
   factor_.resize(max_rows, max_rows);
   s_.resize(max_rows);
 }
@@ -119,16 +119,17 @@ void CoStates::undo_reset(ConstMatrixView T) {
   }
 }
 
-// With s = S⁻¹ r − Kᵀ λ, V = Λ K and D = S⁻¹ + Kᵀ Λ K,
+// With s = S⁻¹ r − Kᵀ λ, V = Λ K and W = Λ (I − K H) = Λ − V H,
 //     λ ← Hᵀ S⁻¹ r + (I − K H)ᵀ λ = λ + Hᵀ s ,
-//     Λ ← Hᵀ S⁻¹ H + (I − K H)ᵀ Λ (I − K H) = Λ − V H − Hᵀ Vᵀ + Hᵀ D H .
+//     Λ ← Hᵀ S⁻¹ H + (I − K H)ᵀ W = W + Hᵀ (S⁻¹ H − Kᵀ W) .
+// One factor after the other: where P is large, I − K H is small, and Λ − V H − Hᵀ Vᵀ + … would lose it in the rounding of Λ.
 void CoStates::update(const UpdateTerms& terms) {
   if (terms.reset) undo_reset(terms.reset);
   const int m = terms.S.rows;
   const auto H = terms.H.as();
   const auto K = terms.K.as();
   auto V = V_.leftCols(m);
-  auto D = D_.topLeftCorner(m, m);
+  auto inverse = inverse_.topLeftCorner(m, m);
   auto s = s_.head(m);
   factor_.topLeftCorner(m, m) = terms.S.as();
   Eigen::Ref<MatrixXd> in_place(factor_.topLeftCorner(m, m));
@@ -136,21 +137,20 @@ void CoStates::update(const UpdateTerms& terms) {
   s = ConstVectorView(terms.residual, m).as();
   S.solveInPlace(s);
   s.noalias() -= K.transpose() * lambda_;
-  D.setIdentity();
-  S.solveInPlace(D);
+  inverse.setIdentity();
+  S.solveInPlace(inverse);
   V.noalias() = Lambda_ * K;
-  D.noalias() += K.transpose() * V;
   if (has_considered()) update_noise(terms);
   lambda_.noalias() += H.transpose() * s;
-  scratch_.noalias() = V * H;
-  Lambda_ -= scratch_ + scratch_.transpose();
-  auto HtD = tall_.leftCols(m);
-  HtD.noalias() = H.transpose() * D;
-  Lambda_.noalias() += HtD * H;
+  Lambda_.noalias() -= V * H;
+  auto gain = tall_.leftCols(m);  // transposed
+  gain.noalias() = H.transpose() * inverse;
+  gain.noalias() -= Lambda_.transpose() * K;
+  Lambda_.noalias() += H.transpose() * gain.transpose();
   symmetrize(Lambda_);
 }
 
-// λ ← (Hᵀ S⁻¹ − (I − K H)ᵀ Λ K) v + (I − K H)ᵀ ν with r = H e + v, and the first factor is Hᵀ D − V.
+// λ ← (Hᵀ S⁻¹ − (I − K H)ᵀ V) v + (I − K H)ᵀ ν with r = H e + v.
 void CoStates::update_noise(const UpdateTerms& terms) {
   const int m = terms.S.rows;
   const auto H = terms.H.as();
@@ -162,8 +162,11 @@ void CoStates::update_noise(const UpdateTerms& terms) {
   B.noalias() = noise_.transpose() * K;
   scratch_.noalias() = H.transpose() * B.transpose();
   noise_ -= scratch_;
+  auto KtV = factor_.topLeftCorner(m, m);
+  KtV.noalias() = K.transpose() * V_.leftCols(m);
   B = -V_.leftCols(m);
-  B.noalias() += H.transpose() * D_.topLeftCorner(m, m);
+  B.noalias() += H.transpose() * KtV;
+  B.noalias() += H.transpose() * inverse_.topLeftCorner(m, m);
   noise_.noalias() += B * terms.R.as() * B.transpose();
   symmetrize(noise_);
 }

@@ -5,6 +5,7 @@
 #include <ranges>
 
 #include "binnacle/state_block.hpp"
+#include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::smooth {
@@ -157,7 +158,9 @@ Epoch Stretch::smoothed(const Entry& entry, CoStates& co_states) {
     std::fill_n(delta.data(), delta.size(), 0.0);
     for (std::size_t a = 0; a < block.active.size(); ++a) delta[block.active[a]] = delta_[as_size(block.first_row) + a];
     double* const value = x_.data() + block.stored_offset;
-    block.block->plus(ConstVectorView(x + block.stored_offset, stored), delta, VectorView(value, stored));
+    call_block(block, "plus", entry.t, [&] {
+      block.block->plus(ConstVectorView(x + block.stored_offset, stored), delta, VectorView(value, stored));
+    });
   }
   return {entry.t, x_.data(), of_smoothed};
 }

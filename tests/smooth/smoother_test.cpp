@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <Eigen/Dense>
+#include <boost/math/distributions/chi_squared.hpp>
 
 #include "catch.hpp"
 #include "line.hpp"
@@ -67,14 +68,28 @@ class Log final : public StepObserver {
     }
     next_.offered(record);
   }
-  void inflated(const InflationRecord& record) override { next_.inflated(record); }
+  void inflated(const InflationRecord& record) override {
+    next_.inflated(record);
+    if (record.scales) {
+      breaks.push_back(events.size());
+    } else {
+      Event event;
+      event.Phi = Matrix::Identity(n, n), event.Q = wide(record.variances, n).asDiagonal();
+      event.x0 = event.x1 = events.empty() ? x_first : events.back().x1;
+      event.P0 = wide(record.P0), event.P1 = wide(record.P1);
+      events.push_back(std::move(event));
+      ++inflations;
+    }
+  }
 
   int n = 0;
   Vector x_first;
   Matrix P_first;
   std::vector<Event> events;
+  std::vector<std::size_t> breaks;  // events before P was scaled
   std::map<int, int> outcomes;
   int left_out = 0;
+  int inflations = 0;
 
  private:
   smooth::Stretch& next_;
@@ -340,5 +355,168 @@ TEST_CASE("where components are considered, the covariance is that of the gains 
     }
     INFO(seed);
     CHECK(difference(test.smoothed(), oracle) < 1e-9);
+  }
+}
+
+namespace {
+
+/// Position by fixes with a gate and velocity by a speedometer without one; `recover` of the fixes.
+std::string with_recovery(const std::string& recover) {
+  return filter_tests::fix_and_speed(R"("sigma": [0.5], "gate": 0.999, "recover": )" + recover, R"("sigma": [0.3])");
+}
+
+/// The truth jumps by 200 m at 20 s.
+void drive_with_jump(Case& test) {
+  for (int k = 0; k < 80; ++k) {
+    const double t = 0.5 * k;
+    push(test.session, "v", t, {0.3 * test.normal()});
+    push(test.session, "z", t, {(t < 20 ? 0 : 200) + 0.5 * test.normal()});
+    test.mark();
+  }
+}
+
+}  // namespace
+
+TEST_CASE("variances that are added to P are process noise") {
+  // P − P Λ P leaves the digits that the smaller of the two has: P of (1000 m)², smoothed to (0.16 m)², loses seven.
+  for (const auto& [sigma, tolerance] : {std::pair("10", 1e-10), std::pair("1000", 1e-7)}) {
+    Case test(with_recovery(R"({"after": 5, "inflate": {"position": )" + std::string(sigma) + "}}"), 11);
+    drive_with_jump(test);
+    REQUIRE(test.log->outcomes[static_cast<int>(Outcome::gated)] > 0);
+    REQUIRE(test.log->breaks.empty());
+    REQUIRE(test.log->inflations > 0);
+    const auto oracle = rts(*test.log, test.places);
+    INFO(sigma);
+    CHECK(difference(test.smoothed(), oracle) < tolerance);
+    CHECK(test.filter->breaks() == 0);
+  }
+}
+
+TEST_CASE("where recovery scaled P, what came later says nothing about what was before") {
+  Case test(with_recovery("{}"), 12);
+  drive_with_jump(test);
+  REQUIRE(test.log->breaks.size() >= 1);
+  const std::size_t first = test.log->breaks.front(), last = test.log->breaks.back();
+  const auto smoothed = test.smoothed();
+  CHECK(test.filter->breaks() >= 1);
+  // Before: as if the data ended there. The oracle's log ends with the event before the break.
+  Case half(with_recovery("{}"), 12);
+  drive_with_jump(half);
+  half.log->events.resize(first);
+  std::vector<std::size_t> before, after;
+  for (const std::size_t place : test.places) {
+    if (place <= first) before.push_back(place);
+    if (place > last) after.push_back(place);
+  }
+  REQUIRE(before.size() > 20);
+  REQUIRE(after.size() > 20);
+  const std::vector<Smoothed> head(smoothed.begin(), smoothed.begin() + static_cast<std::ptrdiff_t>(before.size()));
+  const std::vector<Smoothed> tail(smoothed.end() - static_cast<std::ptrdiff_t>(after.size()), smoothed.end());
+  CHECK(difference(head, rts(*half.log, before)) < 1e-10);
+  CHECK(difference(tail, rts(*test.log, after)) < 1e-10);
+}
+
+TEST_CASE("a reset Jacobian is one more transition") {
+  std::mt19937 random(5);
+  const auto filled = [&](int rows, int columns) {
+    Eigen::MatrixXd A(rows, columns);
+    for (double& value : A.reshaped()) value = std::normal_distribution<double>()(random);
+    return A;
+  };
+  const auto view = [](const Eigen::MatrixXd& A) {
+    return ConstMatrixView{A.data(), static_cast<int>(A.rows()), static_cast<int>(A.cols()),
+                           static_cast<int>(A.rows())};
+  };
+  constexpr int n = 4, m = 2;
+  // All elements of Φ.
+  const Case test(R"({"binnacle": 1, "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {"blocks": {"x": {"type": "vector", "size": 4, "unit": "m", "sigma": 1}},
+      "process": {"stay": {"type": "random_constant", "blocks": {"x": "x"}}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "H": [[1, 0, 0, 0]],
+                               "sigma": [1]}}}}})",
+                  1);
+  FilterInfo info = test.session.composition().filters()[0];
+  info.transition = {{0, 0, Structure::dense}};
+  const smooth::TransitionPattern pattern(info);
+  for (const bool considers : {false, true}) {
+    std::vector<unsigned char> considered;
+    if (considers) considered = {0, 0, 0, 1};
+    smooth::CoStates in_one(pattern, considered, m), in_two(pattern, considered, m);
+    for (int k = 0; k < 5; ++k) {
+      const Eigen::MatrixXd Phi = filled(n, n), T = Eigen::MatrixXd::Identity(n, n) + 0.1 * filled(n, n);
+      const Eigen::MatrixXd H = filled(m, n), K = filled(n, m), R = Eigen::MatrixXd::Identity(m, m),
+                            half = filled(m, m), S = R + half * half.transpose(), none = Eigen::MatrixXd::Zero(n, n);
+      const Eigen::VectorXd r = filled(m, 1);
+      std::vector<double> phi(pattern.size()), reset(pattern.size());
+      pattern.gather(view(Phi), phi.data());
+      pattern.gather(view(T), reset.data());
+      smooth::UpdateTerms terms{view(H), view(K), view(S), view(R), r.data(), {}};
+      in_two.step(reset.data(), view(none));
+      in_two.update(terms);
+      terms.reset = view(T);
+      in_one.update(terms);
+      for (auto* co_states : {&in_one, &in_two}) co_states->step(phi.data(), view(none));
+    }
+    CHECK((in_one.lambda() - in_two.lambda()).norm() < 1e-10 * in_two.lambda().norm());
+    CHECK((in_one.Lambda() - in_two.Lambda()).norm() < 1e-10 * in_two.Lambda().norm());
+  }
+}
+
+TEST_CASE("the smoothed errors of 200 runs with a considered component are as large as their covariance says") {
+  const std::string config = R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "sigma": 2},
+                 "v": {"type": "vector", "size": 1, "unit": "m/s", "sigma": 0.5},
+                 "d": {"type": "vector", "size": 1, "unit": "m", "sigma": 1.5, "consider": ["x"]}},
+      "process": {"move": {"type": "integrated", "blocks": {"x": "x", "rate": "v"}},
+                  "wander": {"type": "random_walk", "blocks": {"x": "v"}, "q": 0.3},
+                  "drift": {"type": "gauss_markov", "blocks": {"x": "d"}, "tau": "6 s", "sigma": 1.5}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x", "bias": "d"},
+                               "sigma": [0.4]}}}}})";
+  constexpr int runs = 200, instants = 60;
+  const auto drive = [](Case& test, const std::vector<double>& z) {
+    for (int k = 0; k < instants; ++k) {
+      push(test.session, "z", 0.5 * k, {z[static_cast<std::size_t>(k)]});
+      test.mark();
+    }
+  };
+  Case model(config, 1);  // Φ, Q, H and R are the same whatever is measured
+  drive(model, std::vector<double>(instants, 0.0));
+  const Log& log = *model.log;
+  const auto noise = [](Case& test, const Matrix& covariance) {
+    Vector v(covariance.rows());
+    for (auto& value : v) value = test.normal();
+    return Vector(Matrix(covariance.llt().matrixL()) * v);
+  };
+  std::map<std::size_t, double> nees;  // by place, summed
+  const std::vector<std::size_t> picked = {0, 20, 40, 55};
+  for (int run = 0; run < runs; ++run) {
+    Case test(config, 100 + run);
+    std::vector<double> z;
+    std::vector<Vector> truth = {noise(test, log.P_first)};
+    for (const Event& event : log.events) {
+      if (event.kind == Event::step) {
+        const Matrix Q = event.Q + 1e-18L * Matrix::Identity(3, 3);
+        truth.push_back(event.Phi * truth.back() + noise(test, Q));
+      } else {
+        z.push_back(static_cast<double>((event.H * truth.back() + noise(test, event.R))[0]));
+        truth.push_back(truth.back());
+      }
+    }
+    REQUIRE(z.size() == instants);
+    drive(test, z);
+    const auto smoothed = test.smoothed();
+    for (const std::size_t k : picked) {
+      const Vector error = truth[test.places[k]] - smoothed[k].x;
+      nees[k] += static_cast<double>(error.dot(smoothed[k].P.ldlt().solve(error)));
+    }
+  }
+  const boost::math::chi_squared distribution(3.0 * runs);
+  const double out = 0.01 / static_cast<double>(picked.size()) / 2;
+  for (const auto& [k, sum] : nees) {
+    CAPTURE(k, sum / runs);
+    CHECK(sum > boost::math::quantile(distribution, out));
+    CHECK(sum < boost::math::quantile(boost::math::complement(distribution, out)));
   }
 }

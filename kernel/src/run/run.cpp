@@ -178,6 +178,7 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
   const int filters = base::count_of(runtime.plan().filters);
   std::vector<filter::NoteBook> notes;
   for (int f = 0; f < filters; ++f) notes.push_back(runtime.engine(f).calls().note_book);
+  const auto times = runtime.filter_times();
   runtime.feed_sinks(false);
   session.restore(from);
   bool is_over = false;
@@ -190,6 +191,7 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
     each();
   }
   for (int f = 0; f < filters; ++f) runtime.engine(f).calls().note_book = notes[as_size(f)];
+  runtime.filter_times() = times;
 }
 
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {

@@ -80,8 +80,12 @@ class Runtime {
     }
   };
   const Span& span(int channel) const { return channels_[as_size(channel)].span; }
-  /// Seconds spent inside a filter, estimated from one instant in seven.
-  double filter_seconds(int filter) const { return filter_times_[as_size(filter)].seconds; }
+  /// Spent inside a filter, estimated from one instant in seven.
+  struct FilterTime {
+    std::int64_t instants = 0;
+    double seconds = 0;
+  };
+  std::vector<FilterTime>& filter_times() { return filter_times_; }
 
   std::byte* arena() { return arena_.data()->bytes; }
   const std::byte* arena() const { return arena_.data()->bytes; }
@@ -111,11 +115,6 @@ class Runtime {
   };
   class TransformEmitter;
   class FilterWatch;
-  struct FilterTime {
-    std::int64_t instants = 0;
-    double seconds = 0;
-  };
-
   void fetch(std::size_t source);
   void run_filter(int index, Time t);
   void feed_filter(Engine& engine, Time t);

@@ -234,7 +234,7 @@ std::span<const double> Session::state(FilterId filter) const {
 
 FilterCounts Session::counts(FilterId filter) const {
   const auto& head = engine(filter).status();
-  return {head.steps, head.gaps, runtime_->filter_seconds(filter.index)};
+  return {head.steps, head.gaps, runtime_->filter_times()[as_size(filter.index)].seconds};
 }
 
 ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }

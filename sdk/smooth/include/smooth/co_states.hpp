@@ -80,7 +80,7 @@ class CoStates {
   Eigen::VectorXd lambda_, next_lambda_;
   Eigen::MatrixXd Lambda_, noise_;  // Λ, N
   Eigen::MatrixXd scratch_, other_;
-  Eigen::MatrixXd V_, D_, tall_, factor_;  // Λ K; S⁻¹ + Kᵀ Λ K
+  Eigen::MatrixXd V_, inverse_, tall_, factor_;  // Λ K, S⁻¹
   Eigen::VectorXd s_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of blocks outside a filter's own run: when it is scored, and in a covariance analysis.
+// Calls of blocks outside a filter's own run: when it is scored, smoothed, and in a covariance analysis.
 #pragma once
 
 #include <exception>
@@ -10,7 +10,7 @@
 #include "binnacle/plugin_call.hpp"
 #include "binnacle/time.hpp"
 
-namespace binnacle::score {
+namespace binnacle::wording {
 
 /// Runs `act`, which calls the block, as the plugin call that is under way: a watchdog names it, and what it throws becomes a
 /// FilterError (B045) that names plugin, component, block, call and time.
@@ -22,4 +22,4 @@ auto call_block(const BlockInfo& block, const char* call, Time t, Act&& act) {
   });
 }
 
-}  // namespace binnacle::score
+}  // namespace binnacle::wording

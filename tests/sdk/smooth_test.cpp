@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Smoothing as a user asks for it: by the config, by --smooth, and what is refused.
+#include "catch.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+using namespace binnacle::test;
+
+namespace {
+
+const std::string quickstart = BINNACLE_TEST_PROJECT "/configs/quickstart.json";
+
+Outcome run(const Workbench& bench, std::vector<std::string> options, const std::string& config = quickstart) {
+  options.insert(options.begin(), {"run", config});
+  return binnacle::test::binnacle(bench, options);
+}
+
+nlohmann::json json_of(const Outcome& outcome) {
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  return nlohmann::json::parse(outcome.out).at("filters");
+}
+
+}  // namespace
+
+TEST_CASE("run --smooth does what the config's smoother does, and leaves the filter's figures as they are") {
+  const Workbench bench;
+  const auto plain = json_of(run(bench, {"--json"}));
+  const auto by_option = json_of(run(bench, {"--json", "--smooth"}));
+  const auto by_config =
+      json_of(run(bench, {"--json", "--set", R"(/filters/ins/smoother={"type": "fixed_interval"})"}));
+  CHECK(by_option.at("ins").at("reference") == plain.at("ins").at("reference"));
+  CHECK(by_option.at("ins.smoothed").at("reference") == by_config.at("ins.smoothed").at("reference"));
+  CHECK(by_option.at("ins.smoothed").at("smoother").at("breaks") == 0);
+  const auto rms = [](const nlohmann::json& filter, const char* error) {
+    return filter.at("reference").at(error).at("rms").get<double>();
+  };
+  for (const char* error : {"position.height", "velocity.horizontal", "attitude.yaw", "attitude.tilt"}) {
+    INFO(error);
+    CHECK(rms(by_option.at("ins.smoothed"), error) < 0.7 * rms(by_option.at("ins"), error));
+  }
+  // Nothing later than the last estimate says more about it.
+  CHECK(by_option.at("ins.smoothed").at("reference").at("attitude.yaw").at("final") ==
+        by_option.at("ins").at("reference").at("attitude.yaw").at("final"));
+}
+
+TEST_CASE("what is smoothed is recorded beside the filter, and a metric has its name") {
+  const Workbench bench;
+  const auto outcome = run(bench, {"--json", "--smooth", "--out", "out", "--set",
+                                   R"(/evaluate/metrics=["ins/attitude.yaw/rms", "ins.smoothed/attitude.yaw/rms"])"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  CHECK(std::filesystem::exists(bench.path("out/ins.smoothed.csv")));
+  const auto metrics = nlohmann::json::parse(outcome.out).at("metrics");
+  CHECK(metrics.at("ins.smoothed/attitude.yaw/rms").at("value") < metrics.at("ins/attitude.yaw/rms").at("value"));
+  const auto config = nlohmann::json::parse(std::ifstream(bench.path("out/config.json")));
+  CHECK(config.at("filters").at("ins").at("smoother") == "fixed_interval");
+}
+
+TEST_CASE("what a smoother cannot be is refused with the likely intent") {
+  const Workbench bench;
+  const auto refused = [&](const std::string& set, const std::string& text) {
+    const auto outcome = run(bench, {"--set", set});
+    INFO(outcome.err);
+    CHECK(outcome.status == 3);
+    CHECK(outcome.err.find(text) != std::string::npos);
+  };
+  refused("/filters/ins/smoother=fixed_intervals", "did you mean 'fixed_interval'?");
+  refused(R"(/filters/ins/smoother={"typ": "fixed_interval"})", "did you mean 'type'?");
+  refused("/filters/ins/smoother=3", "/filters/ins/smoother");
+  const auto nis = run(bench, {"--smooth", "--set", R"(/evaluate/metrics=["ins.smoothed/fix/nis"])"});
+  CHECK(nis.status == 3);
+  CHECK(nis.err.find("is smoothed and has no innovations; NIS is of 'ins'") != std::string::npos);
+}
