@@ -250,12 +250,25 @@ bool is_part_of(const Json& figures, const Json& reference) {
   return true;
 }
 
+/// ", 3 iterations, converged (last change 0.0002 sigma)".
+std::string iterations_text(const Json& smoother) {
+  if (!smoother.contains("iterations")) return "";
+  std::string text = ", " + counted(smoother.at("iterations"), "iteration");
+  if (smoother.contains("change"))
+    text += fmt::format(", {} (last change {:.2g} sigma)",
+                        smoother.at("converged").get<bool>() ? "converged" : "not converged",
+                        number_at(smoother, "change"));
+  if (smoother.contains("reason")) text += ": " + smoother.at("reason").get<std::string>();
+  return text;
+}
+
 std::string heading(const std::string& name, const Json& filter) {
   if (filter.contains("smoother")) {
     const auto& smoother = filter.at("smoother");
     const std::string type = smoother.at("type").get<std::string>();
     const double breaks = number_at(smoother, "breaks");
-    return fmt::format("{}: {}{}\n", name, type, breaks > 0 ? fmt::format(", began anew {} times", breaks) : "");
+    return fmt::format("{}: {}{}{}\n", name, type, breaks > 0 ? fmt::format(", began anew {} times", breaks) : "",
+                       iterations_text(smoother));
   }
   std::string text = name + ": never started";
   if (filter.contains("start_s"))

@@ -50,6 +50,7 @@ struct NamedWindow {
 struct SmoothingPlan {
   int of = 0;
   int as = 0;
+  int iterations = 0;
 };
 
 struct ScorePlan : SectionData {

@@ -108,7 +108,7 @@ void read_metrics(const CompositionDraft& draft, ScorePlan& plan) {
 /// "fixed_interval", or an object with that type.
 void read_smoother(const Reader& at, int of, ScorePlan& plan) {
   const bool is_object = at.is_object();
-  if (is_object) at.check_keys({"type"}, "'smoother'");
+  if (is_object) at.check_keys({"type", "iterations"}, "'smoother'");
   if (is_object && !at.require("type", "smoother", "\"fixed_interval\"")) return;
   const auto type = (is_object ? at["type"] : at).text();
   if (!type) return;
@@ -122,7 +122,9 @@ void read_smoother(const Reader& at, int of, ScorePlan& plan) {
   smoothed.name += ".smoothed";
   if (index_of(names_of(plan.filters), smoothed.name) >= 0)
     return at.error("B002", "there is a filter '" + smoothed.name + "' already, and what is smoothed has that name");
-  plan.smoothings.push_back({of, static_cast<int>(plan.filters.size())});
+  const auto iterations =
+      is_object ? at["iterations"].integer(parameter::integer("iterations").at_least(0).at_most(100)) : std::nullopt;
+  plan.smoothings.push_back({of, static_cast<int>(plan.filters.size()), static_cast<int>(iterations.value_or(0))});
   plan.filters.push_back(std::move(smoothed));
   plan.implied_states.emplace_back();
   const std::size_t references = plan.references.size();

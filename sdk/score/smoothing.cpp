@@ -32,6 +32,11 @@ void EpochFile::write(const smooth::Epoch& epoch) {
   ++count_;
 }
 
+void EpochFile::clear() {
+  std::rewind(file_.get());
+  count_ = 0;
+}
+
 bool EpochFile::read_back(smooth::Epoch& epoch) {
   if (count_ == 0) return false;
   const auto size = static_cast<std::int64_t>(record_.size() * sizeof(double));
@@ -52,7 +57,7 @@ bool EpochFile::read_back(smooth::Epoch& epoch) {
 Smoothing::Filter::Filter(const ScorePlan& all, const SmoothingPlan& smoothing, Session& session)
     : plan(smoothing),
       info(all.filters[as_size(smoothing.as)]),
-      backward(session, smoothing.of),
+      backward(session, smoothing.of, smoothing.iterations),
       score(std::make_unique<FilterScore>(all, smoothing)),
       epochs(info) {}
 
@@ -97,15 +102,19 @@ void Smoothing::finish(const std::vector<std::vector<Time>>& recorded) {
     filter->recorded = recorded[as_size(filter->plan.of)];
     backward.filters.push_back(&filter->backward);
   }
-  backward.each = [&] {
-    for (auto& filter : filters_) mark(*filter);
+  const auto of = [&](smooth::SmoothedFilter& swept) -> Filter& {
+    return **std::ranges::find_if(filters_, [&](const auto& filter) { return &filter->backward == &swept; });
   };
-  backward.sweep = [&] {
-    for (auto& filter : filters_) {
-      filter->backward.sweep([&](const smooth::Epoch& epoch) { filter->epochs.write(epoch); },
-                             [&](smooth::WithheldSample sample) { filter->withheld.push_back(std::move(sample)); });
-      filter->marked = no_time;
-    }
+  backward.each = [&](smooth::SmoothedFilter& filter) { mark(of(filter)); };
+  backward.sweep = [&](smooth::SmoothedFilter& swept) {
+    Filter& filter = of(swept);
+    swept.sweep([&](const smooth::Epoch& epoch) { filter.epochs.write(epoch); },
+                [&](smooth::WithheldSample sample) { filter.withheld.push_back(std::move(sample)); });
+    filter.marked = no_time;
+  };
+  backward.again = [&](smooth::SmoothedFilter& filter) {
+    of(filter).epochs.clear();
+    of(filter).withheld.clear();
   };
   is_running_again_ = true;
   smoother_.run_back(backward);
@@ -180,6 +189,12 @@ nlohmann::ordered_json Smoothing::summary(std::size_t index) const {
   const Filter& filter = *filters_[index];
   auto figures = filter.score->summary();
   figures["smoother"] = {{"type", "fixed_interval"}, {"breaks", filter.backward.breaks()}};
+  const smooth::Iterations& iterations = filter.backward.iterations();
+  if (iterations.wanted == 0) return figures;
+  figures["smoother"]["iterations"] = iterations.done;
+  figures["smoother"]["converged"] = iterations.converged;
+  if (iterations.done > 0) figures["smoother"]["change"] = iterations.change;
+  if (!iterations.reason.empty()) figures["smoother"]["reason"] = iterations.reason;
   return figures;
 }
 

@@ -24,6 +24,7 @@ class EpochFile {
   void write(const smooth::Epoch& epoch);
   /// What was written last, and before that, and so on; false at the end. Spans end with the next call.
   bool read_back(smooth::Epoch& epoch);
+  void clear();
 
  private:
   struct Close {

@@ -2,9 +2,11 @@
 #include "smooth/stretch.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <ranges>
 
 #include "binnacle/state_block.hpp"
+#include "smooth/path.hpp"
 #include "wording/block_call.hpp"
 #include "wording/wording.hpp"
 
@@ -27,7 +29,7 @@ Stretch::Stretch(const Session& session, FilterId filter, const TransitionPatter
 
 Wants Stretch::wants() const {
   const Wants always = Wants::transition | Wants::jacobian | Wants::reset;
-  return wanted_.empty() ? always : always | Wants::step_covariance;
+  return wanted_.empty() && !take_path_ ? always : always | Wants::step_covariance;
 }
 
 double* Stretch::add(Kind kind, std::size_t doubles, Time t) {
@@ -45,26 +47,44 @@ void Stretch::clear() {
   entries_.clear();
   numbers_.clear();
   withheld_.clear();
+  decisions_.clear();
 }
 
-void Stretch::started(Time t, const double*, ConstMatrixView) {
-  if (t > session_.start_time(id_)) add(Kind::cut, 0);
+bool Stretch::is_wanted(Time t0, Time t1) const {
+  const auto next = std::ranges::lower_bound(wanted_, t0);
+  return next != wanted_.end() && *next < t1;
+}
+
+void Stretch::started(Time t, const double* x, ConstMatrixView P) {
+  if (t > session_.start_time(id_)) {
+    was_opened_ = true;
+    add(Kind::cut, 0);
+  }
+  if (take_path_) add_mark(Kind::path, t, x, P, nullptr);
 }
 
 void Stretch::stepped(const StepRecord& record) {
-  const auto next = std::ranges::lower_bound(wanted_, record.t0);
-  const bool is_wanted = next != wanted_.end() && *next < record.t1;
-  if (is_wanted) mark(record.t0, record.x0, record.P0);
+  const bool wanted = is_wanted(record.t0, record.t1);
+  if (wanted) mark(record.t0, record.x0, record.P0);
+  add_step(record);
+  if (take_path_) add_mark(Kind::path, record.t1, record.x1, record.P1, nullptr);
+  if (wanted) mark(record.t1, record.x1, record.P1);
+}
+
+void Stretch::add_step(const StepRecord& record) {
   const std::size_t of_noise = has_considered_ ? P_.size() : 0;
   double* const to = add(Kind::step, pattern_.size() + of_noise);
   pattern_.gather(record.Phi, to);
   if (has_considered_) keep(to + pattern_.size(), record.Qd);
-  if (is_wanted) mark(record.t1, record.x1, record.P1);
 }
 
 void Stretch::offered(const UpdateRecord& record) {
-  if (record.outcome == Outcome::withheld) withhold(record);
-  if (record.outcome != Outcome::accepted) return;
+  if (take_path_) decisions_.note(record);
+  if (record.outcome == Outcome::withheld) withhold(record, session_.covariance(id_));
+  if (record.outcome == Outcome::accepted) add_update(record);
+}
+
+void Stretch::add_update(const UpdateRecord& record) {
   const auto n = as_size(filter_.dof), m = as_size(record.rows);
   double* to = add(Kind::update, 2 * n * m + 2 * m * m + m + (record.reset ? n * n : 0));
   entries_.back().rows = record.rows;
@@ -75,23 +95,34 @@ void Stretch::offered(const UpdateRecord& record) {
 }
 
 void Stretch::inflated(const InflationRecord& record) {
+  was_opened_ = true;
   if (record.variances)
     std::copy_n(record.variances, filter_.dof, add(Kind::variances, as_size(filter_.dof)));
   else
     add(Kind::cut, 0);
 }
 
-void Stretch::mark(Time t, const double* x, ConstMatrixView P) {
-  double* const to = add(Kind::mark, x_.size() + P_.size(), t);
-  keep(std::copy_n(x, x_.size(), to), P);
+void Stretch::mark(Time t, const double* x, ConstMatrixView P, const double* deviation) {
+  add_mark(Kind::mark, t, x, P, deviation);
 }
 
-/// P is that before the sample, which changes nothing.
-void Stretch::withhold(const UpdateRecord& record) {
+void Stretch::mark_path(const PathFilter& filter, Time t) {
+  add_mark(Kind::path, t, filter.x(), filter.covariance(), filter.deviation());
+}
+
+void Stretch::add_mark(Kind kind, Time t, const double* x, ConstMatrixView P, const double* deviation) {
+  double* const to = keep(std::copy_n(x, x_.size(), add(kind, x_.size() + P_.size() + delta_.size(), t)), P);
+  if (deviation)
+    std::copy_n(deviation, delta_.size(), to);
+  else
+    std::fill_n(to, delta_.size(), 0.0);
+}
+
+void Stretch::withhold(const UpdateRecord& record, ConstMatrixView P) {
   const auto n = as_size(filter_.dof), m = as_size(record.rows);
   double* const to = add(Kind::withheld, n * m + n * n, record.t);
   entries_.back().rows = static_cast<int>(withheld_.size());
-  keep(keep(to, record.H), session_.covariance(id_));
+  keep(keep(to, record.H), P);
   withheld_.push_back({record.measurement,
                        record.t,
                        {record.residual, record.residual + m},
@@ -120,6 +151,11 @@ void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& t
       case Kind::variances: co_states.inflate(from); break;
       case Kind::cut: breaks_ += co_states.clear(); break;
       case Kind::mark: take(smoothed(entry, co_states)); break;
+      case Kind::path:
+        move(entry, co_states);
+        note_change({from + x_.size(), n, n, n});
+        take_path_(x_.data());
+        break;
       case Kind::withheld: take_withheld(withheld(entry, co_states)); break;
     }
   }
@@ -143,13 +179,13 @@ UpdateTerms Stretch::terms_of(const Entry& entry) const {
   return terms;
 }
 
-Epoch Stretch::smoothed(const Entry& entry, CoStates& co_states) {
+void Stretch::move(const Entry& entry, CoStates& co_states) {
   const int n = filter_.dof;
   const double* const x = numbers_.data() + entry.at;
-  const ConstMatrixView P{x + x_.size(), n, n, n};
-  const MatrixView of_smoothed{P_.data(), n, n, n};
-  co_states.correction(P, delta_.data());
-  co_states.covariance(P, of_smoothed);
+  const double* const P = x + x_.size();
+  co_states.correction({P, n, n, n}, delta_.data());
+  const double* const deviation = P + P_.size();
+  for (std::size_t i = 0; i < delta_.size(); ++i) delta_[i] += deviation[i];
   std::copy_n(x, x_.size(), x_.data());
   for (const BlockInfo& block : filter_.blocks) {
     if (block.active.empty()) continue;
@@ -162,7 +198,19 @@ Epoch Stretch::smoothed(const Entry& entry, CoStates& co_states) {
       block.block->plus(ConstVectorView(x + block.stored_offset, stored), delta, VectorView(value, stored));
     });
   }
-  return {entry.t, x_.data(), of_smoothed};
+}
+
+Epoch Stretch::smoothed(const Entry& entry, CoStates& co_states) {
+  const int n = filter_.dof;
+  const MatrixView P{P_.data(), n, n, n};
+  move(entry, co_states);
+  co_states.covariance({numbers_.data() + entry.at + x_.size(), n, n, n}, P);
+  return {entry.t, x_.data(), P};
+}
+
+void Stretch::note_change(ConstMatrixView P) {
+  for (int i = 0; i < P.rows; ++i)
+    if (P(i, i) > 0) largest_change_ = std::max(largest_change_, std::abs(delta_[as_size(i)]) / std::sqrt(P(i, i)));
 }
 
 }  // namespace binnacle::smooth

@@ -54,11 +54,11 @@ class Smoothed final : public RunObserver {
   }
   void after_instant() override { smoother_->after_instant(); }
   void finished() override {
-    const auto mark = [&] {
+    const auto mark = [&](smooth::SmoothedFilter&) {
       const Time period = session_->started({0}) ? session_->time({0}) / every_ : last_;
       if (std::exchange(last_, period) != period) filter_->mark();
     };
-    const auto sweep = [&] {
+    const auto sweep = [&](smooth::SmoothedFilter&) {
       filter_->sweep([&](const smooth::Epoch& epoch) { epochs += epoch.P(0, 0) > 0; }, [](smooth::WithheldSample) {});
     };
     smoother_->run_back({{filter_.get()}, mark, sweep});

@@ -91,8 +91,8 @@ class Everything final : public RunObserver {
     std::vector<std::byte> before(session_->snapshot_size()), after(before.size());
     session_->snapshot(before);
     smoother_->run_back({{filter_.get()},
-                         [&] { filter_->mark(); },
-                         [&] {
+                         [&](smooth::SmoothedFilter&) { filter_->mark(); },
+                         [&](smooth::SmoothedFilter&) {
                            filter_->sweep(
                                [&](const smooth::Epoch& epoch) {
                                  numbers.insert(numbers.end(), epoch.x, epoch.x + filter_->info().stored_size);

@@ -101,6 +101,9 @@ class StepObserver {
   virtual ~StepObserver() = default;
   /// Asked before each step and each sample: the answer may change.
   virtual Wants wants() const { return Wants::nothing; }
+  /// Asked before each step and each sample: a stored state that the filter is put to, to be linearized along a path that is
+  /// known; null: its own. Along a path P stands still, and every sample is withheld, whatever its gate.
+  virtual const double* nominal() { return nullptr; }
   /// The filter has just started: x and P are its initial values.
   virtual void started(Time /*t*/, const double* /*x*/, ConstMatrixView /*P*/) {}
   /// The filter was put back to a snapshot.

@@ -177,12 +177,20 @@ void Engine::start(Time t) {
   if (ledger_.observer()) ledger_.observer()->started(t, state(), covariance());
 }
 
+/// Along the observer's path, if it has one.
+bool Engine::follow() {
+  const double* const x = ledger_.observer() ? ledger_.observer()->nominal() : nullptr;
+  if (x) estimator_.put(x);
+  return x;
+}
+
 void Engine::step(Time t1, std::span<const InputSample> samples) {
   calls_.set_time(t1);
+  const bool follows = follow();
   estimator_.propagate(moment(), t1, samples);
   wants_ = ledger_.wants();
   keep_before(Wants::step_covariance);
-  estimator_.predict();
+  if (!follows) estimator_.predict();
   if (ledger_.observer()) ledger_.observer()->stepped(step_record(t1));
   estimator_.advance();
 }
@@ -215,6 +223,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
     refuse(Outcome::gated, "it repeats refused samples to the bit");
     return;
   }
+  const bool follows = follow();
   const Result seen = estimator_.linearize(plan, sample, moment());
   if (!seen) {
     estimator_.roll_back(plan);
@@ -222,7 +231,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   const double dt = tally.last_accepted == no_time ? 0.0 : seconds(sample.t - tally.last_accepted);
-  const bool withheld = is_withheld(plan, tally.reached, sample.t);
+  const bool withheld = follows || is_withheld(plan, tally.reached, sample.t);
   LockedOut locked_out{ledger_, measurement, sample.t, repeats};
   Judgement judged = estimator_.judge(plan, sample.t, dt, withheld, locked_out.test());
   const bool is_opened = judged.is_locked_out;

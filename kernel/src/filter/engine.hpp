@@ -80,6 +80,7 @@ class Engine final : private TimeLine::Work {
   void unlearn(int measurement, Time t);
   void count_recovery(int measurement, Time t, Belief belief);
   void ask_restart(int measurement, Time t);
+  bool follow();
   void ask_witnesses(int measurement, Time t, Belief belief);
   void note_opening(int measurement, Time t);
   void inflate(int measurement, Time t);

@@ -141,6 +141,7 @@ class Estimator {
     P_->predict(phi(), noise());
     if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
   }
+  void put(const double* stored) { std::copy_n(stored, plan_.stored_size, x()); }
   void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
   const double* x_plus() const { return x_plus_.data(); }
   /// Tables of blocks.

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "binnacle/session.hpp"
 #include "binnacle/step_log.hpp"
 #include "binnacle/time.hpp"
 #include "smooth/co_states.hpp"
+#include "smooth/path.hpp"
 
 namespace binnacle::smooth {
 
@@ -29,6 +31,8 @@ struct WithheldSample {
   std::vector<int> groups;
 };
 
+class PathFilter;
+
 /// Takes the step log of a filter, and goes back over it.
 ///
 /// At a restart the co-states begin anew: what came after says nothing about the state before. So they do where recovery
@@ -37,6 +41,7 @@ class Stretch final : public StepObserver {
  public:
   using Take = std::function<void(const Epoch&)>;
   using TakeWithheld = std::function<void(WithheldSample)>;
+  using TakePath = std::function<void(const double* x)>;
 
   Stretch(const Session& session, FilterId filter, const TransitionPattern& pattern, bool has_considered);
 
@@ -46,10 +51,25 @@ class Stretch final : public StepObserver {
   void offered(const UpdateRecord& record) override;
   void inflated(const InflationRecord& record) override;
 
-  /// The filter's estimate at t, its a-posteriori one so far, is wanted smoothed.
-  void mark(Time t, const double* x, ConstMatrixView P);
+  /// The filter's estimate at t, its a-posteriori one so far, is wanted smoothed: x ⊞ deviation, whose covariance is P.
+  void mark(Time t, const double* x, ConstMatrixView P, const double* deviation = nullptr);
   /// The steps that contain one of these times, ascending, are wanted smoothed at both ends.
   void want(std::span<const Time> times) { wanted_ = times; }
+  bool is_wanted(Time t0, Time t1) const;
+
+  /// The smoothed state after the start and after each step is given to `take`, and decisions are noted.
+  void keep_path(TakePath take) { take_path_ = std::move(take); }
+  const Decisions& decisions() const { return decisions_; }
+  /// The largest change of the path in the last sweep, over its 1-sigma.
+  double largest_change() const { return largest_change_; }
+  void forget_change() { largest_change_ = 0; }
+
+  // ---- what a PathFilter logs
+  void mark_path(const PathFilter& filter, Time t);
+  void add_step(const StepRecord& record);
+  void add_update(const UpdateRecord& record);
+  /// P is that before the sample, which changes nothing.
+  void withhold(const UpdateRecord& record, ConstMatrixView P);
 
   void clear();
   /// Takes the co-states from the stretch's end to its begin; marked epochs and withheld samples are given, the last first.
@@ -57,9 +77,11 @@ class Stretch final : public StepObserver {
 
   /// Where the co-states began anew.
   int breaks() const { return breaks_; }
+  /// P was opened, or the filter started anew.
+  bool was_opened() const { return was_opened_; }
 
  private:
-  enum class Kind { step, update, variances, cut, mark, withheld };
+  enum class Kind { step, update, variances, cut, mark, path, withheld };
   struct Entry {
     Kind kind;
     int rows = 0;
@@ -71,8 +93,11 @@ class Stretch final : public StepObserver {
   double* keep(double* to, ConstMatrixView A);
   /// Reads matrices that keep() wrote.
   UpdateTerms terms_of(const Entry& entry) const;
+  void add_mark(Kind kind, Time t, const double* x, ConstMatrixView P, const double* deviation);
+  /// x_ of a mark; delta_ is its correction.
+  void move(const Entry& entry, CoStates& co_states);
   Epoch smoothed(const Entry& entry, CoStates& co_states);
-  void withhold(const UpdateRecord& record);
+  void note_change(ConstMatrixView P);
   WithheldSample withheld(const Entry& entry, CoStates& co_states);
 
   const Session& session_;
@@ -85,6 +110,10 @@ class Stretch final : public StepObserver {
   std::vector<WithheldSample> withheld_;
   std::span<const Time> wanted_;
   int breaks_ = 0;
+  bool was_opened_ = false;
+  TakePath take_path_;
+  Decisions decisions_;
+  double largest_change_ = 0;
   std::vector<double> x_, delta_, block_delta_, P_;
 };
 
