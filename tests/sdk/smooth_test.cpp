@@ -79,3 +79,23 @@ TEST_CASE("what a smoother cannot be is refused with the likely intent") {
   CHECK(nis.status == 3);
   CHECK(nis.err.find("is smoothed and has no innovations; NIS is of 'ins'") != std::string::npos);
 }
+
+TEST_CASE("iterations are reported, and why there are none") {
+  const Workbench bench;
+  const auto smoother = [&](std::vector<std::string> options) {
+    options.insert(options.end(),
+                   {"--json", "--set", R"(/filters/ins/smoother={"type": "fixed_interval", "iterations": 9})"});
+    return nlohmann::json::parse(run(bench, options).out).at("filters").at("ins.smoothed").at("smoother");
+  };
+  const auto iterated = smoother({});
+  CHECK(iterated.at("converged") == true);
+  CHECK(iterated.at("iterations") >= 1);
+  CHECK(iterated.at("change") < 1e-3);
+  const auto opened =
+      smoother({"--set", R"(/filters/ins/blocks/attitude/init={"roll": 0, "pitch": 0, "yaw": "50 deg"})", "--set",
+                R"(/filters/ins/blocks/attitude/sigma="1 deg")"});
+  CHECK(opened.at("iterations") == 0);
+  CHECK(opened.at("reason") == "its covariance was opened, or it started anew");
+  const auto text = run(bench, {"--set", R"(/filters/ins/smoother={"type": "fixed_interval", "iterations": 9})"}).out;
+  CHECK(text.find("ins.smoothed: fixed_interval, 2 iterations, converged (last change ") != std::string::npos);
+}
