@@ -53,9 +53,10 @@ CoStates::CoStates(const TransitionPattern& pattern, std::vector<unsigned char> 
     : pattern_(pattern), considered_(std::move(considered)) {
   const int n = pattern.n();
   for (auto* vector : {&lambda_, &next_lambda_}) vector->setZero(n);
-  for (auto* square : {&Lambda_, &noise_, &scratch_, &other_}) square->setZero(n, n);
+  for (auto* square : {&Lambda_, &noise_, &scratch_, &other_, &third_}) square->setZero(n, n);
   V_.resize(n, max_rows);
   tall_.resize(n, max_rows);
+  other_tall_.resize(n, max_rows);
   inverse_.resize(max_rows, max_rows);
   factor_.resize(max_rows, max_rows);
   s_.resize(max_rows);
@@ -167,7 +168,9 @@ void CoStates::update_noise(const UpdateTerms& terms) {
   B = -V_.leftCols(m);
   B.noalias() += H.transpose() * KtV;
   B.noalias() += H.transpose() * inverse_.topLeftCorner(m, m);
-  noise_.noalias() += B * terms.R.as() * B.transpose();
+  auto BR = other_tall_.leftCols(m);
+  BR.noalias() = B * terms.R.as();
+  noise_.noalias() += BR * B.transpose();
   symmetrize(noise_);
 }
 
@@ -200,8 +203,10 @@ void CoStates::covariance(ConstMatrixView P, MatrixView smoothed) {
       }
     scratch_ = -scratch_;
     scratch_.diagonal().array() += 1;
-    out.noalias() = scratch_ * P.as() * scratch_.transpose();
-    out.noalias() += other_ * noise_ * other_.transpose();
+    third_.noalias() = scratch_ * P.as();
+    out.noalias() = third_ * scratch_.transpose();
+    third_.noalias() = other_ * noise_;
+    out.noalias() += third_ * other_.transpose();
   }
   for (int j = 0; j < smoothed.cols; ++j)
     for (int i = j + 1; i < smoothed.rows; ++i)

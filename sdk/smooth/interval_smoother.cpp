@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <ranges>
 #include <utility>
 
 #include "binnacle/run.hpp"
+#include "rows.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::smooth {
@@ -14,22 +14,6 @@ namespace binnacle::smooth {
 using namespace wording;
 
 namespace {
-
-/// Per row of P; empty where nothing is considered.
-std::vector<unsigned char> considered_rows(const FilterInfo& filter) {
-  std::vector<unsigned char> rows(as_size(filter.dof), 0);
-  for (const BlockInfo& block : filter.blocks)
-    for (std::size_t a = 0; a < block.active.size(); ++a)
-      rows[as_size(block.first_row) + a] = block.use[as_size(block.active[a])] == "considered";
-  if (std::ranges::find(rows, 1) == rows.end()) rows.clear();
-  return rows;
-}
-
-int most_rows(const FilterInfo& filter) {
-  int most = 1;
-  for (const auto& measurement : filter.measurements) most = std::max(most, measurement.max_rows);
-  return most;
-}
 
 /// Why a filter cannot be linearized about a path of its own; empty: it can.
 std::string why_not_iterated(const FilterInfo& filter) {

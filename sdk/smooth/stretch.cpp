@@ -139,7 +139,7 @@ WithheldSample Stretch::withheld(const Entry& entry, CoStates& co_states) {
   return sample;
 }
 
-void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld) {
+void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld, Window window) {
   const int n = filter_.dof;
   for (const Entry& entry : entries_ | std::views::reverse) {
     const double* const from = numbers_.data() + entry.at;
@@ -150,7 +150,9 @@ void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& t
       case Kind::update: co_states.update(terms_of(entry)); break;
       case Kind::variances: co_states.inflate(from); break;
       case Kind::cut: breaks_ += co_states.clear(); break;
-      case Kind::mark: take(smoothed(entry, co_states)); break;
+      case Kind::mark:
+        if (entry.t > window.after && entry.t <= window.until) take(smoothed(entry, co_states));
+        break;
       case Kind::path:
         move(entry, co_states);
         note_change({from + x_.size(), n, n, n});

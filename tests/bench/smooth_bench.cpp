@@ -12,6 +12,7 @@
 #include <sys/resource.h>
 
 #include "binnacle/run.hpp"
+#include "smooth/fixed_lag.hpp"
 #include "smooth/interval_smoother.hpp"
 
 using namespace binnacle;
@@ -72,6 +73,23 @@ class Smoothed final : public RunObserver {
   std::unique_ptr<smooth::SmoothedFilter> filter_;
 };
 
+/// Smooths with a lag, on the way.
+class Lagging final : public RunObserver {
+ public:
+  explicit Lagging(smooth::Lag lag) : lag_(lag) {}
+  void begin(Session& session) override {
+    smoother_ = std::make_unique<smooth::FixedLag>(session, FilterId{0}, lag_,
+                                                   [&](const smooth::Epoch& epoch) { epochs += epoch.P(0, 0) > 0; });
+    session.attach({0}, smoother_.get());
+  }
+  void finished() override { smoother_->finish(); }
+  std::int64_t epochs = 0;
+
+ private:
+  smooth::Lag lag_;
+  std::unique_ptr<smooth::FixedLag> smoother_;
+};
+
 double median(std::vector<double> values) {
   std::ranges::sort(values);
   return values[values.size() / 2];
@@ -89,8 +107,8 @@ double cpu_of(Run&& run) {
 int main(int argc, char** argv) {
   const int minutes = argc > 1 ? std::atoi(argv[1]) : 60, pairs = argc > 2 ? std::atoi(argv[2]) : 5;
   const auto composition = drive(minutes);
-  std::vector<double> forward, each_second, every_epoch;
-  std::int64_t seconds_smoothed = 0, epochs_smoothed = 0;
+  std::vector<double> forward, each_second, every_epoch, lag;
+  std::int64_t seconds_smoothed = 0, epochs_smoothed = 0, lagged = 0;
   const auto smooth = [&](Time every, std::int64_t& epochs) {
     Smoothed smoothed(every);
     RunOptions options;
@@ -104,6 +122,11 @@ int main(int argc, char** argv) {
     forward.push_back(alone);
     each_second.push_back(smooth(nanoseconds_per_second, seconds_smoothed) / alone);
     every_epoch.push_back(smooth(1, epochs_smoothed) / alone);
+    Lagging lagging({5 * nanoseconds_per_second, nanoseconds_per_second});
+    RunOptions options;
+    options.observer = &lagging;
+    lag.push_back(cpu_of([&] { run(composition, options); }) / alone);
+    lagged = lagging.epochs;
   }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -111,6 +134,8 @@ int main(int argc, char** argv) {
   std::printf("smoothed, %7lld covariances     %.2f x\n", static_cast<long long>(seconds_smoothed),
               median(each_second));
   std::printf("smoothed, %7lld covariances     %.2f x\n", static_cast<long long>(epochs_smoothed), median(every_epoch));
+  std::printf("lag of 5 s, swept each second, %7lld covariances  %.2f x\n", static_cast<long long>(lagged),
+              median(lag));
   std::printf("largest memory                    %.0f MB\n", static_cast<double>(usage.ru_maxrss) / 1024);
   return seconds_smoothed > 0 && epochs_smoothed > seconds_smoothed ? 0 : 1;
 }

@@ -79,8 +79,8 @@ class CoStates {
   std::vector<unsigned char> considered_;
   Eigen::VectorXd lambda_, next_lambda_;
   Eigen::MatrixXd Lambda_, noise_;  // Λ, N
-  Eigen::MatrixXd scratch_, other_;
-  Eigen::MatrixXd V_, inverse_, tall_, factor_;  // Λ K, S⁻¹
+  Eigen::MatrixXd scratch_, other_, third_;
+  Eigen::MatrixXd V_, inverse_, tall_, other_tall_, factor_;  // Λ K, S⁻¹
   Eigen::VectorXd s_;
 };
 

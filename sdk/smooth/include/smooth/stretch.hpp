@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -72,8 +73,16 @@ class Stretch final : public StepObserver {
   void withhold(const UpdateRecord& record, ConstMatrixView P);
 
   void clear();
-  /// Takes the co-states from the stretch's end to its begin; marked epochs and withheld samples are given, the last first.
-  void sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld);
+  /// Which marks of a sweep are wanted: those after `after`, up to `until`.
+  struct Window {
+    Time after = no_time, until = std::numeric_limits<Time>::max();
+  };
+  /// Takes the co-states from the stretch's end to its begin; marked epochs of the window and withheld samples are given, the
+  /// last first.
+  void sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld, Window window);
+  void sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld) {
+    sweep(co_states, take, take_withheld, {});
+  }
 
   /// Where the co-states began anew.
   int breaks() const { return breaks_; }

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "smooth/fixed_lag.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <ranges>
+#include <stdexcept>
+#include <utility>
+
+#include "rows.hpp"
+#include "wording/wording.hpp"
+
+namespace binnacle::smooth {
+
+using namespace wording;
+
+FixedLag::FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit)
+    : session_(session),
+      id_(filter),
+      filter_(session.composition().filters()[as_size(filter.index)]),
+      lag_(lag),
+      emit_(std::move(emit)),
+      pattern_(filter_),
+      co_states_(pattern_, considered_rows(filter_), most_rows(filter_)) {
+  if (lag.lag < 0 || lag.every <= 0)
+    throw std::invalid_argument("a lag is not negative, and sweeps are some time apart");
+  open_part();
+}
+
+Wants FixedLag::wants() const { return Wants::transition | Wants::jacobian | Wants::reset | Wants::step_covariance; }
+
+void FixedLag::open_part() {
+  if (spare_.empty()) {
+    spare_.emplace_back();
+    spare_.back().stretch = std::make_unique<Stretch>(session_, id_, pattern_, co_states_.has_considered());
+  }
+  log_.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+}
+
+void FixedLag::started(Time t, const double* x, ConstMatrixView P) {
+  newest().started(t, x, P);
+  newest().mark(t, x, P);
+  log_.back().end = t;
+  if (next_sweep_ == no_time) next_sweep_ = t + lag_.every;
+}
+
+/// What is smoothed begins anew there.
+void FixedLag::restored(Time t, const double* x, ConstMatrixView P) {
+  for (Part& part : log_) {
+    part.stretch->clear();
+    spare_.push_back(std::move(part));
+  }
+  log_.clear();
+  open_part();
+  newest().mark(t, x, P);
+  log_.back().end = t;
+  next_sweep_ = t + lag_.every;
+  emitted_ = no_time;
+}
+
+void FixedLag::stepped(const StepRecord& record) {
+  if (next_sweep_ == no_time) next_sweep_ = record.t0 + lag_.every;  // attached on the way
+  if (record.t0 >= next_sweep_) {
+    sweep(record.t0 - lag_.lag);
+    open_part();
+    while (next_sweep_ <= record.t0) next_sweep_ += lag_.every;
+  }
+  newest().add_step(record);
+  newest().mark(record.t1, record.x1, record.P1);
+  log_.back().end = record.t1;
+}
+
+void FixedLag::offered(const UpdateRecord& record) {
+  if (record.outcome == Outcome::accepted) newest().add_update(record);
+}
+
+void FixedLag::inflated(const InflationRecord& record) { newest().inflated(record); }
+
+void FixedLag::finish() { sweep(std::numeric_limits<Time>::max()); }
+
+/// Emits what came after the last emission, up to `until`, and forgets what is emitted as a whole.
+void FixedLag::sweep(Time until) {
+  co_states_.clear();
+  for (Part& part : log_ | std::views::reverse) {
+    if (part.end <= emitted_) break;
+    part.stretch->sweep(
+        co_states_, [&](const Epoch& epoch) { keep(epoch); }, [](WithheldSample) {}, {emitted_, until});
+    has_breaks_ = has_breaks_ || part.stretch->breaks() > 0;
+  }
+  emit_kept();
+  const auto is_emitted = [&](const Part& part) { return part.end <= emitted_; };
+  const auto rest = std::ranges::find_if_not(log_, is_emitted);
+  for (auto part = log_.begin(); part != rest; ++part) {
+    part->stretch->clear();
+    spare_.push_back(std::move(*part));
+  }
+  log_.erase(log_.begin(), rest);
+}
+
+void FixedLag::keep(const Epoch& epoch) {
+  const std::size_t stored = as_size(filter_.stored_size), n = as_size(filter_.dof), size = 1 + stored + n * n;
+  if (kept_.size() < ++kept_count_ * size) kept_.resize(kept_count_ * size);
+  double* to = kept_.data() + (kept_count_ - 1) * size;
+  *to++ = std::bit_cast<double>(epoch.t);
+  to = std::copy_n(epoch.x, stored, to);
+  MatrixView(to, filter_.dof, filter_.dof, filter_.dof).as() = epoch.P.as();
+}
+
+void FixedLag::emit_kept() {
+  const int n = filter_.dof;
+  const std::size_t stored = as_size(filter_.stored_size), size = 1 + stored + as_size(n) * as_size(n);
+  for (; kept_count_ > 0; --kept_count_) {
+    const double* const from = kept_.data() + (kept_count_ - 1) * size;
+    emitted_ = std::bit_cast<Time>(*from);
+    emit_({emitted_, from + 1, ConstMatrixView{from + 1 + stored, n, n, n}});
+  }
+}
+
+}  // namespace binnacle::smooth
