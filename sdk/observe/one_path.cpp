@@ -65,7 +65,9 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
     information_->step(phi_.data(), record.Qd);
   }
   void offered(const UpdateRecord& record) override {
-    if (!is_inside_ || next_ == stay_.accepted.size() || record.outcome != Outcome::withheld) return;
+    if (!is_inside_ || record.outcome != Outcome::withheld) return;
+    while (next_ < stay_.accepted.size() && stay_.accepted[next_].t < record.t) ++next_;
+    if (next_ == stay_.accepted.size()) return;
     const Accepted& sample = stay_.accepted[next_];
     if (sample.t != record.t || sample.measurement != record.measurement) return;
     const std::vector<int> rows = rows_of(sample, record);
@@ -75,14 +77,16 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
     information_->update(sample.measurement, ConstMatrixView(H_.data(), m, record.H.cols, m),
                          ConstMatrixView(sample.R.data(), m, m, m));
     ++next_;
+    ++found_;
   }
 
   OnePath result() const {
     if (has_restarted_) return {{}, "without corrections the filter starts anew inside of the window"};
-    if (next_ < stay_.accepted.size())
+    const std::size_t missing = stay_.accepted.size() - found_;
+    if (missing > 0)
       return {{},
-              "without corrections only " + std::to_string(next_) + " of " + std::to_string(stay_.accepted.size()) +
-                  " samples can be linearized"};
+              std::to_string(missing) + " of " + std::to_string(stay_.accepted.size()) +
+                  " samples cannot be linearized without corrections; a shorter window may do"};
     return {information_->removed(), ""};
   }
 
@@ -106,7 +110,7 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
   std::optional<Information> information_;
   std::vector<double> phi_;
   Eigen::MatrixXd H_;
-  std::size_t next_ = 0;  // of the accepted samples
+  std::size_t next_ = 0, found_ = 0;  // of the accepted samples
   bool is_inside_ = false, has_restarted_ = false;
 };
 
