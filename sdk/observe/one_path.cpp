@@ -53,13 +53,16 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
 
   void begin(Session& session) override { session.attach({index_}, this); }
   bool progress(Time t) override { return key_.goes_on() && t <= stay_.to; }
-  Wants wants() const override { return Wants::transition | Wants::jacobian; }
-  void started(Time t, const double*, ConstMatrixView) override {
+  Wants wants() const override {
+    const Wants always = Wants::transition | Wants::jacobian;
+    return is_inside_ ? always : always | Wants::step_covariance;
+  }
+  void started(Time t, const double*, ConstMatrixView P) override {
     if (is_inside_ && t <= stay_.to) has_restarted_ = true;
-    is_inside_ = is_inside_ || (stay_.at_start && t == stay_.from);
+    if (!is_inside_ && stay_.at_start && t == stay_.from) enter(P);
   }
   void stepped(const StepRecord& record) override {
-    is_inside_ = is_inside_ || (!stay_.at_start && record.t0 == stay_.from);
+    if (!is_inside_ && !stay_.at_start && record.t0 == stay_.from) enter(record.P0);
     if (!is_inside_ || record.t1 > stay_.to) return;
     pattern_.gather(record.Phi, phi_.data());
     information_->step(phi_.data(), record.Qd);
@@ -81,6 +84,7 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
   }
 
   OnePath result() const {
+    if (!is_inside_ || !is_same_) return {{}, "run again, the filter does not come to the window as it did"};
     if (has_restarted_) return {{}, "without corrections the filter starts anew inside of the window"};
     const std::size_t missing = stay_.accepted.size() - found_;
     if (missing > 0)
@@ -91,6 +95,10 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
   }
 
  private:
+  void enter(ConstMatrixView P) {
+    is_inside_ = true;
+    is_same_ = P.as() == stay_.P0;
+  }
   /// Where the sample's rows are among those of the record; empty where one is missing.
   static std::vector<int> rows_of(const Accepted& sample, const UpdateRecord& record) {
     std::vector<int> rows;
@@ -111,7 +119,7 @@ class Walk final : public binnacle::RunObserver, public StepObserver {
   std::vector<double> phi_;
   Eigen::MatrixXd H_;
   std::size_t next_ = 0, found_ = 0;  // of the accepted samples
-  bool is_inside_ = false, has_restarted_ = false;
+  bool is_inside_ = false, is_same_ = false, has_restarted_ = false;
 };
 
 }  // namespace

@@ -38,7 +38,8 @@ struct Log {
     StepRecord record;
     record.t0 = t;
     record.t1 = t = nanoseconds(until);
-    record.P0 = record.P1 = scalar(P);
+    record.P0 = scalar(P);
+    record.P1 = scalar(other);
     record.Phi = scalar(one);
     record.Qd = scalar(zero);
     to.stepped(record);
@@ -59,7 +60,7 @@ struct Log {
   FilterWatch& to;
   Time t = no_time;
   double P = 1;
-  static constexpr double one = 1, zero = 0;
+  static constexpr double one = 1, zero = 0, other = 77;
 };
 
 Window window(double from, double to, bool is_relative = false) {
