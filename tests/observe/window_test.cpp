@@ -143,7 +143,7 @@ TEST_CASE("where the filter starts anew, windows end and go on as others") {
   CHECK_FALSE(std::next(watch.stays().begin())->restarted);
 }
 
-TEST_CASE("what recovery opens is counted and shows nothing; named variances are noise") {
+TEST_CASE("what recovery opens is counted and shows nothing, named variances are noise") {
   const FilterInfo filter = constant();
   for (const bool is_named : {false, true}) {
     FilterWatch watch(filter, {observe::whole_run()});
