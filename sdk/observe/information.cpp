@@ -5,7 +5,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCore>
 
 namespace binnacle::observe {
 
@@ -39,20 +38,27 @@ MatrixXd square_root(const MatrixXd& P) {
 
 Information::Information(const smooth::TransitionPattern& pattern, const MatrixXd& P, int measurements,
                          bool without_noise)
-    : pattern_(pattern), without_noise_(without_noise), W_(square_root(P)), P_(P), M_(W_) {
+    : pattern_(pattern), without_noise_(without_noise), W_(square_root(P)), P_(P), Mt_(W_.transpose()) {
   D_.setZero(W_.cols(), W_.cols());
   by_.assign(static_cast<std::size_t>(measurements), D_);
 }
 
+void Information::times_transition(const MatrixXd& A, const double* phi, MatrixXd& out) const {
+  out.setZero(A.rows(), A.cols());
+  const auto& first = pattern_.first();
+  const auto& rows = pattern_.rows();
+  for (Index j = 0; j < A.cols(); ++j)
+    for (auto k = static_cast<std::size_t>(first[static_cast<std::size_t>(j)]);
+         k < static_cast<std::size_t>(first[static_cast<std::size_t>(j) + 1]); ++k)
+      if (phi[k] != 0) out.col(rows[k]) += phi[k] * A.col(j);
+}
+
 void Information::step(const double* phi, ConstMatrixView Qd) {
-  const Index n = P_.rows();
-  const Eigen::Map<const Eigen::SparseMatrix<double>> Phi(n, n, static_cast<Index>(pattern_.size()),
-                                                          pattern_.first().data(), pattern_.rows().data(), phi);
-  next_M_.noalias() = Phi * M_;
-  M_.swap(next_M_);
-  scratch_.noalias() = Phi * P_;
+  times_transition(Mt_, phi, next_Mt_);
+  Mt_.swap(next_Mt_);
+  times_transition(P_, phi, scratch_);
   scratch_.transposeInPlace();
-  P_.noalias() = Phi * scratch_;
+  times_transition(scratch_, phi, P_);
   if (!without_noise_) P_ += Qd.as();
   symmetrize(P_);
 }
@@ -64,21 +70,21 @@ bool Information::update(int measurement, ConstMatrixView H, ConstMatrixView R) 
   factor_ += R.as();
   const Eigen::LLT<MatrixXd> S(factor_);
   if (S.info() != Eigen::Success) return false;
-  Z_.noalias() = H.as() * M_;
+  Z_.noalias() = H.as() * Mt_.transpose();
   S.matrixL().solveInPlace(V_);
   S.matrixL().solveInPlace(Z_);
   gain_.noalias() = Z_.transpose() * Z_;
   D_ += gain_;
   by_[static_cast<std::size_t>(measurement)] += gain_;
-  M_.noalias() -= V_.transpose() * Z_;
+  Mt_.noalias() -= Z_.transpose() * V_;
   P_.noalias() -= V_.transpose() * V_;
   symmetrize(P_);
   return true;
 }
 
 void Information::reset(ConstMatrixView T) {
-  next_M_.noalias() = T.as() * M_;
-  M_.swap(next_M_);
+  next_Mt_.noalias() = Mt_ * T.as().transpose();
+  Mt_.swap(next_Mt_);
   scratch_.noalias() = T.as() * P_;
   P_.noalias() = scratch_ * T.as().transpose();
   symmetrize(P_);

@@ -47,11 +47,14 @@ class Information {
   const Eigen::MatrixXd& covariance() const { return P_; }
 
  private:
+  /// out ← A Φᵀ.
+  void times_transition(const Eigen::MatrixXd& A, const double* phi, Eigen::MatrixXd& out) const;
+
   const smooth::TransitionPattern& pattern_;
   bool without_noise_;
-  Eigen::MatrixXd W_, P_, M_, D_;
+  Eigen::MatrixXd W_, P_, Mt_, D_;  // Mt: Mᵀ
   std::vector<Eigen::MatrixXd> by_;
-  Eigen::MatrixXd next_M_, scratch_, gain_, factor_, V_, Z_;
+  Eigen::MatrixXd next_Mt_, scratch_, gain_, factor_, V_, Z_;
 };
 
 /// D over time, at no more than so many times: when it is full, every other one is dropped.
