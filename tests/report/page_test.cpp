@@ -299,6 +299,30 @@ TEST_CASE("binnacle report: what the guide shows, and the quickstart's results a
   require_quiet(*chromium);
 }
 
+TEST_CASE("binnacle observe --out: the page shows what is seen, what is not, and what the filter only thinks so") {
+  const Folder folder;
+  const std::string command = BINNACLE_TEST_COMMAND, project = BINNACLE_TEST_PROJECT;
+  const std::string out = (folder.path() / "out").string();
+  REQUIRE(std::system((command + " observe '" + project +
+                       "/configs/quickstart.json' --window :20 --window 40:60 --quiet --out '" + out + "'")
+                          .c_str()) == 0);
+  Json summary = Json::parse(contents(folder.path() / "out/summary.json"));
+  auto& windows = summary["filters"]["ins"]["observability"];
+  REQUIRE(windows.size() == 2);
+  REQUIRE(windows[0]["inconsistent"].empty());
+  const auto chromium = browser();
+  if (!chromium) return;
+  chromium->open(folder.path() / "out/report.html");
+  require_figures(*chromium, summary, "/run");
+  const std::string section = "document.querySelector('#observability').textContent";
+  const Json text = chromium->value_of(section);
+  for (const auto& window : windows)
+    for (const auto& direction : window["weak"])
+      REQUIRE(text.get<std::string>().find(direction["name"]) != std::string::npos);
+  REQUIRE(chromium->value_of(section + ".includes('consistent')") == Json(true));
+  require_quiet(*chromium);
+}
+
 TEST_CASE("binnacle report: a folder without results is an error that states what to do") {
   const Folder folder;
   const std::string command = BINNACLE_TEST_COMMAND, answer = (folder.path() / "answer").string();

@@ -209,7 +209,7 @@ function trackSection(filter) {
 function filterSections(filter, summary, path) {
   // Never started, or with one sample only: nothing is drawn over time.
   if (!filter.span || !(filter.span[1] > filter.span[0])) return [summarySection(filter, summary, path)];
-  return [summarySection(filter, summary, path), trackSection(filter), statesSection(filter), consistencySection(filter), measurementsSection(filter), adaptedSection(filter)].filter(Boolean);
+  return [summarySection(filter, summary, path), trackSection(filter), observabilitySection(summary, path), statesSection(filter), consistencySection(filter), measurementsSection(filter), adaptedSection(filter)].filter(Boolean);
 }
 
 // ---- the whole
