@@ -250,8 +250,10 @@ bool is_part_of(const Json& figures, const Json& reference) {
   return true;
 }
 
-/// ", 3 iterations, converged (last change 0.0002 sigma)".
-std::string iterations_text(const Json& smoother) {
+/// ", 3 iterations, converged (last change 0.0002 sigma)"; ", 5 s, swept every 1 s".
+std::string smoother_text(const Json& smoother) {
+  if (smoother.contains("lag_s"))
+    return fmt::format(", {} s, swept every {} s", number_at(smoother, "lag_s"), number_at(smoother, "every_s"));
   if (!smoother.contains("iterations")) return "";
   std::string text = ", " + counted(smoother.at("iterations"), "iteration");
   if (smoother.contains("change"))
@@ -267,8 +269,9 @@ std::string heading(const std::string& name, const Json& filter) {
     const auto& smoother = filter.at("smoother");
     const std::string type = smoother.at("type").get<std::string>();
     const double breaks = number_at(smoother, "breaks");
-    return fmt::format("{}: {}{}{}\n", name, type, breaks > 0 ? fmt::format(", began anew {} times", breaks) : "",
-                       iterations_text(smoother));
+    return fmt::format("{}: {}{}{}\n", name, type,
+                       breaks > 0 ? fmt::format(", began anew {}", counted(smoother.at("breaks"), "time")) : "",
+                       smoother_text(smoother));
   }
   std::string text = name + ": never started";
   if (filter.contains("start_s"))

@@ -402,9 +402,12 @@ void add_filter_definitions(Json& definitions) {
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
        {"smoother",
-        described("smooths the filter when a run is over; what comes of it is the filter NAME.smoothed",
+        described("smooths the filter; what comes of it is the filter NAME.smoothed",
                   {{"anyOf",
                     {{{"const", "fixed_interval"}},
+                     or_patch(closed_object(
+                         {{"type", {{"const", "fixed_lag"}}}, {"lag", ref("quantity")}, {"every", ref("quantity")}},
+                         {"type", "lag"})),
                      or_patch(closed_object({{"type", {{"const", "fixed_interval"}}},
                                              {"iterations", {{"type", "integer"}, {"minimum", 0}, {"maximum", 100}}}},
                                             {"type"}))}}})},

@@ -12,6 +12,7 @@
 #include "binnacle/section.hpp"
 #include "motion_fields.hpp"
 #include "score/metric.hpp"
+#include "smooth/fixed_lag.hpp"
 
 namespace binnacle::score {
 
@@ -51,6 +52,7 @@ struct SmoothingPlan {
   int of = 0;
   int as = 0;
   int iterations = 0;
+  std::optional<smooth::Lag> lag;  // nothing: fixed interval
 };
 
 struct ScorePlan : SectionData {

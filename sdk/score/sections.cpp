@@ -105,26 +105,50 @@ void read_metrics(const CompositionDraft& draft, ScorePlan& plan) {
   for (const Reader& metric : all.children()) read_metric_at(draft, metric, plan);
 }
 
-/// "fixed_interval", or an object with that type.
-void read_smoother(const Reader& at, int of, ScorePlan& plan) {
+/// "fixed_interval", or an object with a type; nothing where something is wrong.
+std::optional<SmoothingPlan> read_type_of_smoother(const Reader& at) {
   const bool is_object = at.is_object();
-  if (is_object) at.check_keys({"type", "iterations"}, "'smoother'");
-  if (is_object && !at.require("type", "smoother", "\"fixed_interval\"")) return;
-  const auto type = (is_object ? at["type"] : at).text();
-  if (!type) return;
-  if (*type != "fixed_interval") {
-    (is_object ? at["type"] : at)
-        .error("B010", "there is no smoother '" + *type + "'" + suggestion(*type, {"fixed_interval"}) +
-                           " (smoothers: fixed_interval)");
-    return;
+  if (is_object && !at["type"]) at.check_keys({"type", "iterations", "lag", "every"}, "'smoother'");
+  if (is_object && !at.require("type", "smoother", "\"fixed_interval\" or \"fixed_lag\"")) return {};
+  const Reader type_at = is_object ? at["type"] : at;
+  const auto type = type_at.text();
+  if (!type) return {};
+  SmoothingPlan plan;
+  if (*type == "fixed_interval") {
+    if (!is_object) return plan;
+    at.check_keys({"type", "iterations"}, "'smoother'");
+    const auto iterations = at["iterations"].integer(parameter::integer("iterations").at_least(0).at_most(100));
+    plan.iterations = static_cast<int>(iterations.value_or(0));
+    return plan;
   }
+  if (*type == "fixed_lag" && !is_object) {
+    type_at.error("B010",
+                  "a fixed lag needs its times: {\"type\": \"fixed_lag\", \"lag\": \"5 s\", \"every\": \"1 s\"}");
+    return {};
+  }
+  if (*type == "fixed_lag") {
+    at.check_keys({"type", "lag", "every"}, "'smoother'");
+    if (!at.require("lag", "smoother", "a time, such as \"5 s\"")) return {};
+    const auto lag = at["lag"].number(parameter::number("lag", "s").at_least(0));
+    const auto every = at["every"].number(parameter::number("every", "s").above(0));
+    if (lag) plan.lag = smooth::Lag{nanoseconds(*lag), nanoseconds(every.value_or(1))};
+    return plan;
+  }
+  type_at.error("B010", "there is no smoother '" + *type + "'" + suggestion(*type, {"fixed_interval", "fixed_lag"}) +
+                            " (smoothers: fixed_interval, fixed_lag)");
+  return {};
+}
+
+void read_smoother(const Reader& at, int of, ScorePlan& plan) {
+  auto smoothing = read_type_of_smoother(at);
+  if (!smoothing) return;
   FilterInfo smoothed = plan.filters[as_size(of)];
   smoothed.name += ".smoothed";
   if (index_of(names_of(plan.filters), smoothed.name) >= 0)
     return at.error("B002", "there is a filter '" + smoothed.name + "' already, and what is smoothed has that name");
-  const auto iterations =
-      is_object ? at["iterations"].integer(parameter::integer("iterations").at_least(0).at_most(100)) : std::nullopt;
-  plan.smoothings.push_back({of, static_cast<int>(plan.filters.size()), static_cast<int>(iterations.value_or(0))});
+  smoothing->of = of;
+  smoothing->as = static_cast<int>(plan.filters.size());
+  plan.smoothings.push_back(*smoothing);
   plan.filters.push_back(std::move(smoothed));
   plan.implied_states.emplace_back();
   const std::size_t references = plan.references.size();

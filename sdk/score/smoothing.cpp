@@ -37,13 +37,13 @@ void EpochFile::clear() {
   count_ = 0;
 }
 
-bool EpochFile::read_back(smooth::Epoch& epoch) {
-  if (count_ == 0) return false;
+smooth::Epoch EpochFile::read(std::int64_t index) {
   const auto size = static_cast<std::int64_t>(record_.size() * sizeof(double));
-  if (fseeko(file_.get(), --count_ * size, SEEK_SET) != 0 ||
+  if (fseeko(file_.get(), index * size, SEEK_SET) != 0 ||
       std::fread(record_.data(), sizeof(double), record_.size(), file_.get()) != record_.size())
     throw std::runtime_error("the temporary file of a smoother cannot be read");
   const double* from = record_.data();
+  smooth::Epoch epoch;
   epoch.t = std::bit_cast<Time>(*from++);
   epoch.x = from;
   from += stored_size_;
@@ -51,15 +51,37 @@ bool EpochFile::read_back(smooth::Epoch& epoch) {
   for (int j = 0; j < dof_; ++j)
     for (int i = j; i < dof_; ++i) P(i, j) = P(j, i) = *from++;
   epoch.P = P;
-  return true;
+  return epoch;
 }
 
 Smoothing::Filter::Filter(const ScorePlan& all, const SmoothingPlan& smoothing, Session& session)
     : plan(smoothing),
       info(all.filters[as_size(smoothing.as)]),
-      backward(session, smoothing.of, smoothing.iterations),
       score(std::make_unique<FilterScore>(all, smoothing)),
-      epochs(info) {}
+      epochs(info) {
+  if (!smoothing.lag) {
+    backward = std::make_unique<smooth::SmoothedFilter>(session, smoothing.of, smoothing.iterations);
+    return;
+  }
+  // Both ends of a step in which a reference lies, and what is recorded.
+  const auto keep = [this](const smooth::Epoch& epoch) {
+    const auto next = std::ranges::lower_bound(wanted, last.t);
+    const bool is_wanted = next != wanted.end() && *next < epoch.t;
+    if (is_wanted && !is_written) epochs.write({last.t, last_x.data(), {last_P.data(), info.dof, info.dof, info.dof}});
+    is_written = is_wanted || std::ranges::binary_search(recorded, epoch.t);
+    if (is_written) epochs.write(epoch);
+    last.t = epoch.t;
+    std::copy_n(epoch.x, last_x.size(), last_x.begin());
+    MatrixView(last_P.data(), info.dof, info.dof, info.dof).as() = epoch.P.as();
+  };
+  last_x.resize(as_size(info.stored_size));
+  last_P.resize(as_size(info.dof) * as_size(info.dof));
+  is_written = true;  // there is no epoch before the first
+  lag = std::make_unique<smooth::FixedLag>(session, FilterId{smoothing.of}, *smoothing.lag, keep,
+                                           [this](smooth::WithheldSample sample) {
+                                             withheld.push_back(std::move(sample));
+                                           });
+}
 
 Smoothing::Smoothing(const ScorePlan& plan, Session& session, RunObserver& observer, bool records)
     : session_(session), observer_(observer), records_(records), smoother_(session) {
@@ -91,19 +113,41 @@ void Smoothing::mark(Filter& filter) {
   const Time t = session_.time(id);
   if (t == filter.marked || !std::ranges::binary_search(filter.recorded, t)) return;
   filter.marked = t;
-  filter.backward.mark();
+  filter.backward->mark();
 }
 
 void Smoothing::finish(const std::vector<std::vector<Time>>& recorded) {
-  smooth::IntervalSmoother::Backward backward;
   for (auto& filter : filters_) {
     std::ranges::sort(filter->wanted);
-    filter->backward.stretch().want(filter->wanted);
     filter->recorded = recorded[as_size(filter->plan.of)];
-    backward.filters.push_back(&filter->backward);
   }
+  is_running_again_ = true;
+  smooth_with_lag();
+  smooth_intervals();
+  is_running_again_ = false;
+  for (auto& filter : filters_) replay(*filter);
+}
+
+void Smoothing::smooth_with_lag() {
+  std::vector<std::pair<FilterId, StepObserver*>> observers;
+  for (auto& filter : filters_)
+    if (filter->lag) observers.emplace_back(FilterId{filter->plan.of}, filter->lag.get());
+  if (observers.empty()) return;
+  smoother_.run_again(observers);
+  for (auto& filter : filters_)
+    if (filter->lag) filter->lag->finish();
+}
+
+void Smoothing::smooth_intervals() {
+  smooth::IntervalSmoother::Backward backward;
+  for (auto& filter : filters_) {
+    if (!filter->backward) continue;
+    filter->backward->stretch().want(filter->wanted);
+    backward.filters.push_back(filter->backward.get());
+  }
+  if (backward.filters.empty()) return;
   const auto of = [&](smooth::SmoothedFilter& swept) -> Filter& {
-    return **std::ranges::find_if(filters_, [&](const auto& filter) { return &filter->backward == &swept; });
+    return **std::ranges::find_if(filters_, [&](const auto& filter) { return filter->backward.get() == &swept; });
   };
   backward.each = [&](smooth::SmoothedFilter& filter) { mark(of(filter)); };
   backward.sweep = [&](smooth::SmoothedFilter& swept) {
@@ -116,10 +160,7 @@ void Smoothing::finish(const std::vector<std::vector<Time>>& recorded) {
     of(filter).epochs.clear();
     of(filter).withheld.clear();
   };
-  is_running_again_ = true;
   smoother_.run_back(backward);
-  is_running_again_ = false;
-  for (auto& filter : filters_) replay(*filter);
 }
 
 /// Shows the smoothed estimates in order of time, with the references and withheld samples between them.
@@ -131,7 +172,9 @@ void Smoothing::replay(Filter& filter) {
   std::vector<double> x(as_size(filter.info.stored_size)), P(as_size(filter.info.dof) * as_size(filter.info.dof));
   const MatrixView P0{P.data(), filter.info.dof, filter.info.dof, filter.info.dof};
   Time t0 = no_time;
-  for (smooth::Epoch epoch; filter.epochs.read_back(epoch);) {
+  const std::int64_t count = filter.epochs.count();
+  for (std::int64_t i = 0; i < count; ++i) {
+    const smooth::Epoch epoch = filter.epochs.read(filter.lag ? i : count - 1 - i);
     for (; reference != filter.references.end() && reference->t < epoch.t; ++reference) {
       SampleView sample;
       sample.t = reference->t;
@@ -152,14 +195,15 @@ void Smoothing::replay(Filter& filter) {
     std::copy_n(epoch.x, x.size(), x.begin());
     P0.as() = epoch.P.as();
   }
-  for (auto sample = filter.withheld.rbegin(); sample != filter.withheld.rend(); ++sample) {
+  std::ranges::stable_sort(filter.withheld, {}, &smooth::WithheldSample::t);
+  for (const smooth::WithheldSample& sample : filter.withheld) {
     UpdateRecord update;
-    update.measurement = sample->measurement;
-    update.t = sample->t;
+    update.measurement = sample.measurement;
+    update.t = sample.t;
     update.outcome = Outcome::withheld;
-    update.rows = static_cast<int>(sample->residual.size());
-    update.row_groups = sample->groups.data();
-    update.residual = sample->residual.data();
+    update.rows = static_cast<int>(sample.residual.size());
+    update.row_groups = sample.groups.data();
+    update.residual = sample.residual.data();
     score.withheld(update);
   }
   score.finish();
@@ -188,8 +232,15 @@ void Smoothing::record(const Filter& filter, const smooth::Epoch& epoch) {
 nlohmann::ordered_json Smoothing::summary(std::size_t index) const {
   const Filter& filter = *filters_[index];
   auto figures = filter.score->summary();
-  figures["smoother"] = {{"type", "fixed_interval"}, {"breaks", filter.backward.breaks()}};
-  const smooth::Iterations& iterations = filter.backward.iterations();
+  if (filter.lag) {
+    figures["smoother"] = {{"type", "fixed_lag"},
+                           {"lag_s", seconds(filter.plan.lag->lag)},
+                           {"every_s", seconds(filter.plan.lag->every)},
+                           {"breaks", filter.lag->has_breaks() ? 1 : 0}};
+    return figures;
+  }
+  figures["smoother"] = {{"type", "fixed_interval"}, {"breaks", filter.backward->breaks()}};
+  const smooth::Iterations& iterations = filter.backward->iterations();
   if (iterations.wanted == 0) return figures;
   figures["smoother"]["iterations"] = iterations.done;
   figures["smoother"]["converged"] = iterations.converged;

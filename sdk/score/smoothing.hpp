@@ -13,17 +13,19 @@
 #include "filter_score.hpp"
 #include "plan.hpp"
 #include "score/run.hpp"
+#include "smooth/fixed_lag.hpp"
 #include "smooth/interval_smoother.hpp"
 
 namespace binnacle::score {
 
-/// Smoothed epochs of one filter as they come, the last first, in a file without a name.
+/// Smoothed epochs of one filter as they come, in a file without a name.
 class EpochFile {
  public:
   explicit EpochFile(const FilterInfo& filter);
   void write(const smooth::Epoch& epoch);
-  /// What was written last, and before that, and so on; false at the end. Spans end with the next call.
-  bool read_back(smooth::Epoch& epoch);
+  std::int64_t count() const { return count_; }
+  /// In the order in which they were written. What is shown lasts until the next call.
+  smooth::Epoch read(std::int64_t index);
   void clear();
 
  private:
@@ -66,15 +68,21 @@ class Smoothing {
     Filter(const ScorePlan& plan, const SmoothingPlan& smoothing, Session& session);
     const SmoothingPlan& plan;
     const FilterInfo& info;
-    smooth::SmoothedFilter backward;
+    std::unique_ptr<smooth::SmoothedFilter> backward;  // of a fixed interval
+    std::unique_ptr<smooth::FixedLag> lag;
     std::unique_ptr<FilterScore> score;
     EpochFile epochs;
     std::vector<Reference> references;
-    std::vector<Time> wanted;                      // of references
-    std::vector<smooth::WithheldSample> withheld;  // the last first
+    std::vector<Time> wanted;  // of references
+    std::vector<smooth::WithheldSample> withheld;
     std::span<const Time> recorded;
     Time marked = no_time;
+    smooth::Epoch last;  // of the lag: what was emitted last, in last_x and last_P
+    std::vector<double> last_x, last_P;
+    bool is_written = false;
   };
+  void smooth_with_lag();
+  void smooth_intervals();
   void mark(Filter& filter);
   void replay(Filter& filter);
   void record(const Filter& filter, const smooth::Epoch& epoch);

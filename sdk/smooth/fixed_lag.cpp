@@ -15,12 +15,13 @@ namespace binnacle::smooth {
 
 using namespace wording;
 
-FixedLag::FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit)
+FixedLag::FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit, Stretch::TakeWithheld take_withheld)
     : session_(session),
       id_(filter),
       filter_(session.composition().filters()[as_size(filter.index)]),
       lag_(lag),
       emit_(std::move(emit)),
+      take_withheld_(std::move(take_withheld)),
       pattern_(filter_),
       co_states_(pattern_, considered_rows(filter_), most_rows(filter_)) {
   if (lag.lag < 0 || lag.every <= 0)
@@ -74,6 +75,7 @@ void FixedLag::stepped(const StepRecord& record) {
 
 void FixedLag::offered(const UpdateRecord& record) {
   if (record.outcome == Outcome::accepted) newest().add_update(record);
+  if (record.outcome == Outcome::withheld && take_withheld_) newest().withhold(record, session_.covariance(id_));
 }
 
 void FixedLag::inflated(const InflationRecord& record) { newest().inflated(record); }
@@ -85,8 +87,7 @@ void FixedLag::sweep(Time until) {
   co_states_.clear();
   for (Part& part : log_ | std::views::reverse) {
     if (part.end <= emitted_) break;
-    part.stretch->sweep(
-        co_states_, [&](const Epoch& epoch) { keep(epoch); }, [](WithheldSample) {}, {emitted_, until});
+    part.stretch->sweep(co_states_, [&](const Epoch& epoch) { keep(epoch); }, take_withheld_, {emitted_, until});
     has_breaks_ = has_breaks_ || part.stretch->breaks() > 0;
   }
   emit_kept();

@@ -123,6 +123,15 @@ void IntervalSmoother::run_back(const Backward& backward) {
   session_.restore(end);
 }
 
+void IntervalSmoother::run_again(const std::vector<std::pair<FilterId, StepObserver*>>& observers) {
+  std::vector<std::byte> end(session_.snapshot_size());
+  session_.snapshot(end);
+  for (const auto& [filter, observer] : observers) session_.attach(filter, observer);
+  rerun(session_, snapshots_.front().bytes, std::numeric_limits<std::int64_t>::max(), [] {});
+  for (const auto& [filter, observer] : observers) session_.attach(filter, nullptr);
+  session_.restore(end);
+}
+
 /// All stretches, the last first; of the snapshots the first stays.
 void IntervalSmoother::sweep_back(const Backward& backward) {
   // The last call of after_instant() came after the end.

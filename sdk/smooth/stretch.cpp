@@ -151,14 +151,16 @@ void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& t
       case Kind::variances: co_states.inflate(from); break;
       case Kind::cut: breaks_ += co_states.clear(); break;
       case Kind::mark:
-        if (entry.t > window.after && entry.t <= window.until) take(smoothed(entry, co_states));
+        if (window.contains(entry.t)) take(smoothed(entry, co_states));
         break;
       case Kind::path:
         move(entry, co_states);
         note_change({from + x_.size(), n, n, n});
         take_path_(x_.data());
         break;
-      case Kind::withheld: take_withheld(withheld(entry, co_states)); break;
+      case Kind::withheld:
+        if (window.contains(entry.t)) take_withheld(withheld(entry, co_states));
+        break;
     }
   }
 }

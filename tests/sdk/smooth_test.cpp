@@ -2,6 +2,7 @@
 // Smoothing as a user asks for it: by the config, by --smooth, and what is refused.
 #include "catch.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -75,6 +76,11 @@ TEST_CASE("what a smoother cannot be is refused with the likely intent") {
   refused("/filters/ins/smoother=fixed_intervals", "did you mean 'fixed_interval'?");
   refused(R"(/filters/ins/smoother={"typ": "fixed_interval"})", "did you mean 'type'?");
   refused("/filters/ins/smoother=3", "/filters/ins/smoother");
+  refused("/filters/ins/smoother=fixed_lag", "a fixed lag needs its times");
+  refused(R"(/filters/ins/smoother={"type": "fixed_lag"})", "missing key 'lag'");
+  refused(R"(/filters/ins/smoother={"type": "fixed_lag", "lag": "5 s", "every": "0 s"})",
+          "/filters/ins/smoother/every");
+  refused(R"(/filters/ins/smoother={"type": "fixed_lag", "lag": "5 s", "iterations": 3})", "unknown key of 'smoother'");
   const auto nis = run(bench, {"--smooth", "--set", R"(/evaluate/metrics=["ins.smoothed/fix/nis"])"});
   CHECK(nis.status == 3);
   CHECK(nis.err.find("is smoothed and has no innovations; NIS is of 'ins'") != std::string::npos);
@@ -98,4 +104,34 @@ TEST_CASE("iterations are reported, and why there are none") {
   CHECK(opened.at("reason") == "its covariance was opened, or it started anew");
   const auto text = run(bench, {"--set", R"(/filters/ins/smoother={"type": "fixed_interval", "iterations": 9})"}).out;
   CHECK(text.find("ins.smoothed: fixed_interval, 2 iterations, converged (last change ") != std::string::npos);
+}
+
+TEST_CASE("a lag as long as the run gives what the interval gives, and a shorter one something between") {
+  const Workbench bench;
+  const auto smoothed = [&](const std::string& smoother) {
+    return json_of(run(bench, {"--json", "--set", "/filters/ins/smoother=" + smoother, "--set",
+                               R"(/filters/ins/measurements/fix/withhold={"every": 5})"}));
+  };
+  const auto interval = smoothed(R"("fixed_interval")").at("ins.smoothed");
+  const auto whole = smoothed(R"({"type": "fixed_lag", "lag": "1000 s", "every": "30 s"})");
+  const auto lagged = smoothed(R"({"type": "fixed_lag", "lag": "10 s"})").at("ins.smoothed");
+  const auto& of_whole = whole.at("ins.smoothed");
+  for (const auto& [group, name] :
+       {std::pair("reference", "attitude.yaw"), std::pair("reference", "position.height")}) {
+    const double a = of_whole.at(group).at(name).at("rms"), b = interval.at(group).at(name).at("rms");
+    CHECK(std::abs(a - b) < 1e-9 * b);
+    CHECK(of_whole.at(group).at(name).at("n") == interval.at(group).at(name).at("n"));
+    const double c = lagged.at(group).at(name).at("rms"), d = whole.at("ins").at(group).at(name).at("rms");
+    CHECK(c < 0.9 * d);
+    CHECK(c != b);
+  }
+  const auto& withheld = of_whole.at("withheld").at("fix");
+  CHECK(withheld.size() > 2);
+  for (const auto& [name, figures] : withheld.items()) {
+    const auto& others = interval.at("withheld").at("fix").at(name);
+    CHECK(figures.at("n") == others.at("n"));
+    CHECK(std::abs(figures.at("rms").get<double>() - others.at("rms").get<double>()) < 1e-9);
+  }
+  CHECK(lagged.at("smoother") ==
+        nlohmann::json{{"type", "fixed_lag"}, {"lag_s", 10.0}, {"every_s", 1.0}, {"breaks", 0}});
 }

@@ -25,7 +25,8 @@ class FixedLag final : public StepObserver {
  public:
   using Emit = std::function<void(const Epoch&)>;
 
-  FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit);
+  /// take_withheld: gets withheld samples with their sweep; empty: nobody.
+  FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit, Stretch::TakeWithheld take_withheld = {});
   FixedLag(const FixedLag&) = delete;
   FixedLag& operator=(const FixedLag&) = delete;
 
@@ -53,6 +54,7 @@ class FixedLag final : public StepObserver {
   const FilterInfo& filter_;
   Lag lag_;
   Emit emit_;
+  Stretch::TakeWithheld take_withheld_;
   TransitionPattern pattern_;
   CoStates co_states_;
   /// The log from one sweep to the next.

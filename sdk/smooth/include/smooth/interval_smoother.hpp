@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/session.hpp"
@@ -88,6 +89,9 @@ class IntervalSmoother {
   };
   /// In RunObserver::finished(): the whole run, stretch by stretch, and then the session as it was.
   void run_back(const Backward& backward);
+  /// In RunObserver::finished(), before run_back(): the whole run again, with observers by filter, and then the session as it
+  /// was.
+  void run_again(const std::vector<std::pair<FilterId, StepObserver*>>& observers);
 
  private:
   struct Snapshot {

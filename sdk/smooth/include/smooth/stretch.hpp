@@ -73,11 +73,12 @@ class Stretch final : public StepObserver {
   void withhold(const UpdateRecord& record, ConstMatrixView P);
 
   void clear();
-  /// Which marks of a sweep are wanted: those after `after`, up to `until`.
+  /// What of a sweep is wanted: what comes after `after`, up to `until`.
   struct Window {
     Time after = no_time, until = std::numeric_limits<Time>::max();
+    bool contains(Time t) const { return t > after && t <= until; }
   };
-  /// Takes the co-states from the stretch's end to its begin; marked epochs of the window and withheld samples are given, the
+  /// Takes the co-states from the stretch's end to its begin; marked epochs and withheld samples of the window are given, the
   /// last first.
   void sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld, Window window);
   void sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld) {
