@@ -22,6 +22,7 @@ struct Verb {
 Verb run_verb(CLI::App& command);
 Verb study_verb(CLI::App& command);
 Verb covariance_verb(CLI::App& command);
+Verb tune_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);

@@ -44,6 +44,11 @@ TransitionPattern::TransitionPattern(const FilterInfo& filter) : n_(filter.dof) 
   }
 }
 
+TransitionPattern::TransitionPattern(int n) : n_(n) {
+  for (int j = 0; j <= n; ++j) first_.push_back(j * n);
+  for (int k = 0; k < n * n; ++k) rows_.push_back(k % n);
+}
+
 void TransitionPattern::gather(ConstMatrixView Phi, double* values) const {
   for (int j = 0; j < n_; ++j)
     for (int k = first_[as_size(j)]; k < first_[as_size(j) + 1]; ++k) *values++ = Phi(rows_[as_size(k)], j);
