@@ -122,6 +122,13 @@ bool LinearLog::update(std::size_t index, std::span<const double> c, Forward& st
   return true;
 }
 
+void LinearLog::step(std::size_t event, std::span<const double> c, Forward& state) const {
+  const auto Phi = Eigen::Map<const MatrixXd>(numbers_.data() + events_[event].at + n_ * n_, n_, n_);
+  state.d = (Phi * state.d).eval();
+  state.P = (Phi * state.P * Phi.transpose()).eval() + noise(event, c);
+  state.P = 0.5 * (state.P + state.P.transpose()).eval();
+}
+
 double LinearLog::likelihood(std::span<const double> c, double* gradient) const {
   std::vector<Innovation> innovations;
   Forward state{MatrixXd::Zero(n_, n_), VectorXd::Zero(n_), 0, gradient ? &innovations : nullptr};
@@ -132,13 +139,7 @@ double LinearLog::likelihood(std::span<const double> c, double* gradient) const 
         state.P = noise(e, c);
         state.d.setZero();
         break;
-      case Kind::step: {
-        const auto Phi = Eigen::Map<const MatrixXd>(from + n_ * n_, n_, n_);
-        state.d = (Phi * state.d).eval();
-        state.P = (Phi * state.P * Phi.transpose()).eval() + noise(e, c);
-        state.P = 0.5 * (state.P + state.P.transpose()).eval();
-        break;
-      }
+      case Kind::step: step(e, c, state); break;
       case Kind::update:
         if (!update(e, c, state)) return -std::numeric_limits<double>::infinity();
         break;
@@ -197,6 +198,105 @@ void LinearLog::sweep(const std::vector<Innovation>& innovations, double* gradie
       case Kind::variances: break;
     }
   }
+}
+
+// ---- sensitivities
+
+struct LinearLog::Sensitivity {
+  std::vector<MatrixXd> P;        // ∂P/∂c_i
+  std::vector<VectorXd> d;        // ∂d/∂c_i
+  std::vector<MatrixXd> between;  // Σ_ij, j ≤ i
+  VectorXd gradient;
+  MatrixXd information;
+
+  MatrixXd& covariance(std::size_t i, std::size_t j) { return between[i * (i + 1) / 2 + j]; }
+  void transform(const MatrixXd& A) {
+    for (auto& dP : P) dP = (A * dP * A.transpose()).eval();
+    for (auto& dd : d) dd = (A * dd).eval();
+    for (auto& sigma : between) sigma = (A * sigma * A.transpose()).eval();
+  }
+  void clear() {
+    for (auto* list : {&P, &between})
+      for (auto& A : *list) A.setZero();
+    for (auto& dd : d) dd.setZero();
+  }
+};
+
+MatrixXd LinearLog::term(std::size_t event, std::size_t parameter) const {
+  const auto size = noise(event).rows;
+  MatrixXd A = MatrixXd::Zero(size, size);
+  const SparseTerm& term = terms_[parameter][event];
+  for (std::size_t k = 0; k < term.at.size(); ++k) {
+    const auto i = term.at[k] % size, j = term.at[k] / size;
+    A(i, j) = A(j, i) = term.value[k];
+  }
+  return A;
+}
+
+void LinearLog::update(std::size_t event, const Innovation& it, Sensitivity& all) const {
+  const int m = events_[event].rows;
+  const double* from = numbers_.data() + events_[event].at + m * m;
+  const auto H = Eigen::Map<const MatrixXd>(from, m, n_);
+  const std::size_t count = all.P.size();
+  const Eigen::LLT<MatrixXd> S(it.S);
+  const VectorXd y = S.solve(it.r);
+  const MatrixXd left = MatrixXd::Identity(n_, n_) - it.K * H, weight = H.transpose() * S.solve(H);
+  std::vector<MatrixXd> dR(count), SdS(count), dK(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    dR[i] = term(event, i);
+    const MatrixXd PHt = all.P[i] * H.transpose(), dS = H * PHt + dR[i];
+    SdS[i] = S.solve(dS);
+    dK[i] = S.solve((PHt - it.K * dS).transpose()).transpose();
+    const VectorXd dr = -H * all.d[i];
+    all.gradient[static_cast<Eigen::Index>(i)] += 0.5 * (y.dot(dS * y) - SdS[i].trace()) - dr.dot(y);
+    for (std::size_t j = 0; j <= i; ++j)
+      all.information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
+          0.5 * (SdS[i] * SdS[j]).trace() + (weight * all.covariance(i, j)).trace();
+  }
+  all.transform(left);
+  for (std::size_t i = 0; i < count; ++i) {
+    all.P[i] += it.K * dR[i] * it.K.transpose();
+    all.d[i] += dK[i] * it.r;
+    for (std::size_t j = 0; j <= i; ++j) all.covariance(i, j) += dK[i] * it.S * dK[j].transpose();
+  }
+  if (events_[event].has_reset) all.transform(Eigen::Map<const MatrixXd>(from + m * n_ + m + n_, n_, n_));
+}
+
+double LinearLog::information(std::span<const double> c, VectorXd& gradient, MatrixXd& information) const {
+  const std::size_t count = terms_.size();
+  const auto size = static_cast<Eigen::Index>(count);
+  const MatrixXd zero = MatrixXd::Zero(n_, n_);
+  Sensitivity all{std::vector<MatrixXd>(count, zero), std::vector<VectorXd>(count, VectorXd::Zero(n_)),
+                  std::vector<MatrixXd>(count * (count + 1) / 2, zero), VectorXd::Zero(size),
+                  MatrixXd::Zero(size, size)};
+  std::vector<Innovation> innovations;
+  Forward state{zero, VectorXd::Zero(n_), 0, &innovations};
+  for (std::size_t e = 0; e < events_.size(); ++e) {
+    const double* from = numbers_.data() + events_[e].at;
+    switch (events_[e].kind) {
+      case Kind::start:
+        state.P = noise(e, c);
+        state.d.setZero();
+        all.clear();
+        for (std::size_t i = 0; i < count; ++i) all.P[i] = term(e, i);
+        break;
+      case Kind::step:
+        step(e, c, state);
+        all.transform(Eigen::Map<const MatrixXd>(from + n_ * n_, n_, n_));
+        for (std::size_t i = 0; i < count; ++i) all.P[i] += term(e, i);
+        break;
+      case Kind::update: {
+        innovations.clear();
+        if (!update(e, c, state)) return -std::numeric_limits<double>::infinity();
+        update(e, innovations.back(), all);
+        break;
+      }
+      case Kind::variances: state.P.diagonal() += Eigen::Map<const VectorXd>(from, n_); break;
+    }
+  }
+  gradient = all.gradient;
+  information = all.information.selfadjointView<Eigen::Lower>();
+  return state.likelihood;
 }
 
 }  // namespace binnacle::tune

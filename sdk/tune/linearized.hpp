@@ -17,6 +17,11 @@ class Linearized {
 
   /// Σ over all logs, at another u that differs in noise alone; gradient (as long as u) by the sweep.
   double likelihood(const std::vector<double>& u, double* gradient) const;
+  /// The likelihood, and of the parameters of noise its gradient and Fisher's information by ln g, g what the noise is affine
+  /// in: as long as noise().
+  double information(const std::vector<double>& u, Eigen::VectorXd& gradient, Eigen::MatrixXd& information) const;
+  /// Which parameters are of noise.
+  std::vector<std::size_t> noise() const;
   /// The same by central differences.
   void differences(const std::vector<double>& u, double* gradient) const;
 
@@ -26,6 +31,9 @@ class Linearized {
   bool has_considered() const;
 
  private:
+  std::vector<double> changes(const std::vector<double>& u) const;
+  std::vector<const LinearLog*> logs() const;
+
   const Plan& plan_;
   std::vector<MemberRun> runs_;
   std::vector<double> u_;

@@ -15,48 +15,55 @@ namespace {
 /// What NLopt is shown: the best that was seen is kept, for L-BFGS may end elsewhere.
 struct Watched {
   const Function& function;
+  std::vector<double> weights;
   Minimum best;
 };
 
-double shown(const std::vector<double>& u, std::vector<double>& gradient, void* data) {
+double shown(const std::vector<double>& z, std::vector<double>& gradient, void* data) {
   auto& watched = *static_cast<Watched*>(data);
-  const double scale = watched.function.scale;
-  double value = watched.function.value(u, gradient.empty() ? nullptr : gradient.data());
+  auto u = z;
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] /= watched.weights[i];
+  const double value = watched.function.value(u, gradient.empty() ? nullptr : gradient.data());
   if (watched.best.evaluations++ == 0) watched.best.first = value;
   if (value < watched.best.value) {
     watched.best.value = value;
     watched.best.u = u;
   }
   if (!std::isfinite(value)) {
-    value = std::numeric_limits<double>::max() / 1e10 * scale;
     std::ranges::fill(gradient, 0.0);
+    return 1e30;
   }
-  for (double& slope : gradient) slope /= scale;
-  return value / scale;
+  for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] /= watched.weights[i];
+  return value;
 }
 
 }  // namespace
 
 Minimum minimize(const Function& function, const std::vector<double>& start, int most_evaluations) {
-  Watched watched{function, {start, std::numeric_limits<double>::infinity(), 0, 0, false}};
+  std::vector<double> weights = function.weights;
+  weights.resize(start.size(), 1.0);
+  Watched watched{function, weights, {start, std::numeric_limits<double>::infinity(), 0, 0, false}};
+  const auto weighted = [&](std::vector<double> values) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] *= weights[i];
+    return values;
+  };
   nlopt::opt optimizer(function.has_gradient ? nlopt::LD_LBFGS : nlopt::LN_BOBYQA, static_cast<unsigned>(start.size()));
   optimizer.set_min_objective(shown, &watched);
-  optimizer.set_lower_bounds(function.lower);
-  optimizer.set_upper_bounds(function.upper);
-  optimizer.set_ftol_abs(function.tolerance / function.scale);
+  optimizer.set_lower_bounds(weighted(function.lower));
+  optimizer.set_upper_bounds(weighted(function.upper));
+  optimizer.set_ftol_abs(function.tolerance);
   optimizer.set_maxeval(most_evaluations);
   if (!function.has_gradient) {
     optimizer.set_initial_step(0.5);
     optimizer.set_xtol_abs(1e-3);
   }
-  auto u = start;
+  auto z = weighted(start);
   double value = 0;
   try {
-    const auto result = optimizer.optimize(u, value);
+    const auto result = optimizer.optimize(z, value);
     watched.best.is_converged = result > 0 && result != nlopt::MAXEVAL_REACHED;
   } catch (const nlopt::roundoff_limited&) {
     watched.best.is_converged = true;
-  } catch (const nlopt::forced_stop&) {
   } catch (const std::runtime_error&) {
     // No descent along a line: at the end, or nowhere to go. What follows looks at the curvature.
   }

@@ -15,8 +15,8 @@ struct Function {
   std::function<double(const std::vector<double>& u, double* gradient)> value;
   std::vector<double> lower, upper;
   bool has_gradient = true;
-  double scale = 1;      // the optimizer sees value / scale
-  double tolerance = 0;  // of the value
+  std::vector<double> weights;  // the optimizer sees weight × u; empty: u
+  double tolerance = 0;         // of the value
 };
 
 struct Minimum {

@@ -18,6 +18,7 @@ Response::Response(const FilterInfo& filter) : n_(filter.dof), stored_size_(filt
     size += as_size(measurement.max_rows * measurement.max_rows);
   }
   noise_.resize(size);
+  size_.resize(size);
 }
 
 /// FNV-1a of their bits.
@@ -29,18 +30,23 @@ void Response::take(ConstMatrixView A) {
   for (int j = 0; j < A.cols; ++j) take(&A(0, j), as_size(A.rows));
 }
 
+void Response::add(ConstMatrixView A, std::size_t at, int ld) {
+  for (int j = 0; j < A.cols; ++j)
+    for (int i = 0; i < A.rows; ++i) {
+      noise_[at + as_size(i + ld * j)] += A(i, j);
+      size_[at + as_size(i + ld * j)] += std::sqrt(std::abs(A(i, i) * A(j, j)));
+    }
+}
+
 void Response::started(Time, const double* x, ConstMatrixView P) {
   take(x, as_size(stored_size_));
-  for (int j = 0; j < n_; ++j)
-    for (int i = 0; i < n_; ++i) noise_[as_size(i + n_ * j)] += P(i, j);
+  add(P, 0, n_);
 }
 
 void Response::stepped(const StepRecord& record) {
   take(record.x1, as_size(stored_size_));
   take(record.Phi);
-  double* const sum = noise_.data() + n_ * n_;
-  for (int j = 0; j < n_; ++j)
-    for (int i = 0; i < n_; ++i) sum[i + n_ * j] += record.Qd(i, j);
+  add(record.Qd, as_size(n_ * n_), n_);
 }
 
 void Response::offered(const UpdateRecord& record) {
@@ -48,9 +54,7 @@ void Response::offered(const UpdateRecord& record) {
   const auto m = as_size(record.measurement);
   take(record.residual, as_size(record.rows));
   take(record.H);
-  double* const sum = noise_.data() + of_measurement_[m];
-  for (int j = 0; j < record.rows; ++j)
-    for (int i = 0; i < record.rows; ++i) sum[i + max_rows_[m] * j] += record.R(i, j);
+  add(record.R, of_measurement_[m], max_rows_[m]);
 }
 
 Law law_of(const std::vector<const Response*>& once, const std::vector<const Response*>& twice,
@@ -60,7 +64,7 @@ Law law_of(const std::vector<const Response*>& once, const std::vector<const Res
     if (once[k]->path() != twice[k]->path() || once[k]->path() != four_times[k]->path()) return Law::other;
     for (std::size_t i = 0; i < once[k]->noise().size(); ++i) {
       const double at = once[k]->noise()[i], two = twice[k]->noise()[i] - at, four = four_times[k]->noise()[i] - at;
-      const double rounding = 1e-9 * std::abs(at);
+      const double rounding = 1e-9 * once[k]->size()[i];
       if (std::abs(two) <= rounding && std::abs(four) <= rounding) continue;
       is_there = true;
       // θ² grows by 3 and 15, θ by 1 and 3.

@@ -29,14 +29,17 @@ class Response final : public StepObserver {
   std::uint64_t path() const { return path_; }
   /// P₀, Σ Qd, and Σ R by measurement.
   const std::vector<double>& noise() const { return noise_; }
+  /// √(A_ii A_jj) of the same: what rounding is measured by.
+  const std::vector<double>& size() const { return size_; }
 
  private:
   void take(const double* numbers, std::size_t count);
   void take(ConstMatrixView A);
+  void add(ConstMatrixView A, std::size_t at, int ld);
 
   int n_, stored_size_;
   std::uint64_t path_ = 14695981039346656037u;
-  std::vector<double> noise_;
+  std::vector<double> noise_, size_;
   std::vector<std::size_t> of_measurement_;  // where its R is in noise_
   std::vector<int> max_rows_;
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "score/run.hpp"
 #include "score/sections.hpp"
 #include "wording/wording.hpp"
@@ -20,7 +22,11 @@ constexpr double settled = 0.01;        // gain of a round in ln p: a seventh of
 constexpr double tolerance = 1e-3;      // of ln p, within a round
 constexpr double largest_share = 0.1;   // refused, beyond which gates are left out of a round
 constexpr double largest_error = 1e-4;  // of the sweep's gradient
-constexpr double curved_reach = 0.7;    // by which a round may change what noise is not affine in: a factor of 2
+constexpr int most_scorings = 12;
+constexpr double least_information = 1e-8;  // in ln g: what is less has no direction
+constexpr double deepest_cut = 0.01;        // of g, in a step of scoring
+constexpr double least_weight = 0.3;        // of a parameter that says little
+constexpr double curved_reach = 0.7;        // by which a round may change what noise is not affine in: a factor of 2
 
 std::vector<double> picked(const std::vector<double>& all, const std::vector<std::size_t>& free) {
   std::vector<double> values;
@@ -92,7 +98,6 @@ Function Search::linearized(Found& found, Round round) {
                     ? "with considered components gains are not optimal, and the sweep's gradient is not exact"
                     : "the sweep's gradient differs from differences of the likelihood";
   Function function;
-  function.scale = std::max(1, round.counts.rows);
   function.tolerance = tolerance;
   const bool by_differences = !fallback_.empty();
   function.value = [this, log, u = found.u, free = found.free, by_differences](const std::vector<double>& values,
@@ -108,6 +113,53 @@ Function Search::linearized(Found& found, Round round) {
     return prior - likelihood;
   };
   return function;
+}
+
+/// Fisher's scoring by g, in which the likelihood of a variance is nearly a parabola from above and from below: from a start
+/// that is decades off it arrives in a few steps, where in ln g what is far too small has no slope.
+std::vector<double> Search::approach(Found& found, const Linearized& log, Function& function) {
+  auto u = found.u;
+  const auto noise = log.noise();
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd information;
+  double value = log.information(u, gradient, information);
+  ++evaluations_;
+  for (int k = 0; k < most_scorings && std::isfinite(value); ++k) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
+    Eigen::VectorXd along = solver.eigenvectors().transpose() * gradient;
+    for (Eigen::Index i = 0; i < along.size(); ++i)
+      along[i] = solver.eigenvalues()[i] > least_information ? along[i] / solver.eigenvalues()[i] : 0;
+    const Eigen::VectorXd step = solver.eigenvectors() * along;
+    if (!(gradient.dot(step) > 2 * settled)) break;
+    auto next = u;
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+      const std::size_t p = noise[i];
+      const double g = law_value(laws_[p], plan_.parameters[p].value_of(u[p])) *
+                       std::max(1 + step[static_cast<Eigen::Index>(i)], deepest_cut);
+      next[p] = std::clamp(plan_.parameters[p].u_of(laws_[p] == Law::linear ? g : std::sqrt(g)), function.lower[i],
+                           function.upper[i]);
+    }
+    const double before = value;
+    for (int halving = 0; halving < 4; ++halving) {
+      value = log.information(next, gradient, information);
+      ++evaluations_;
+      if (value > before) break;
+      for (std::size_t p = 0; p < u.size(); ++p) next[p] = 0.5 * (u[p] + next[p]);
+    }
+    if (!(value > before)) break;
+    u = next;
+    if (value - before < settled) break;
+  }
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const Parameter& parameter = plan_.parameters[noise[i]];
+    const double at = parameter.value_of(u[noise[i]]);
+    const double by_u = law_slope(laws_[noise[i]], parameter, at) / law_value(laws_[noise[i]], at);
+    const auto k = static_cast<Eigen::Index>(i);
+    const bool is_known = information.rows() > k && std::isfinite(information(k, k));
+    function.weights.push_back(is_known ? std::max(least_weight, by_u * std::sqrt(std::max(0.0, information(k, k))))
+                                        : 1);
+  }
+  return u;
 }
 
 Function Search::by_runs(const Found& found) {
@@ -210,7 +262,7 @@ Function Search::by_judgement(const Found& found) {
   return function;
 }
 
-Function Search::function_of(Found& found, Round round) {
+Function Search::function_of(Found& found, Round round, std::vector<double>& start) {
   const bool is_of_noise_alone = std::ranges::all_of(found.free, [&](std::size_t p) { return is_of_noise(laws_[p]); });
   Function function;
   if (is_of_noise_alone) {
@@ -219,10 +271,10 @@ Function Search::function_of(Found& found, Round round) {
   } else {
     runs_.freeze(round.runs);
     function = by_runs(found);
-    function.scale = std::max(1, round.counts.rows);
     found.curvature_step = 1e-2;
   }
   set_bounds(function, found);
+  start = is_of_noise_alone ? approach(found, *found.linearized, function) : found.u;
   return function;
 }
 
@@ -251,20 +303,24 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     const Gates gates = recorded.gates;
     if (counts.rows == 0)
       throw FilterError({Severity::error, "B131", {}, "/tune", "no sample was accepted, so there is no likelihood"});
-    found.function = function_of(found, std::move(recorded));
-    const Minimum minimum = minimize(found.function, picked(found.u, found.free), most_evaluations);
+    const int before = evaluations_;
+    std::vector<double> start;
+    found.function = function_of(found, std::move(recorded), start);
+    const double cost = found.function.value(picked(found.u, found.free), nullptr);
+    Minimum minimum = minimize(found.function, picked(start, found.free), most_evaluations);
     evaluations_ += minimum.evaluations;
+    minimum.first = cost;
     found.u = expanded(found.u, found.free, minimum.u);
     found.cost = minimum.value;
-    Json entry = {{"evaluations", minimum.evaluations},
+    Json entry = {{"evaluations", evaluations_ - before},
                   {"start", minimum.first},
                   {"end", minimum.value},
                   {"gates", gates == Gates::off ? "off" : "as configured"}};
     entry.update(shown(counts));
     found.rounds.push_back(entry);
-    options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(minimum.evaluations) +
-                      " evaluations, " + std::to_string(counts.rows) + " rows, gain " +
-                      std::to_string(minimum.first - minimum.value));
+    options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(evaluations_ - before) + " (" +
+                      std::to_string(minimum.evaluations) + ")" + " evaluations, " + std::to_string(counts.rows) +
+                      " rows, gain " + std::to_string(minimum.first - minimum.value));
     found.is_converged = round > 0 && minimum.first - minimum.value < settled && are_equal(counts, last);
     last = counts;
   }

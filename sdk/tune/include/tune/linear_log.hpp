@@ -62,6 +62,12 @@ class LinearLog {
   ///     ∂/∂Qd = ½ (λ λᵀ − Λ) at the step's end,  ∂/∂R = ½ (s sᵀ − D),  ∂/∂P₀ = ½ (λ λᵀ − Λ) at the start.
   double likelihood(std::span<const double> c, double* gradient = nullptr) const;
 
+  /// The likelihood, its gradient and Fisher's information by sensitivities forwards: what the innovations would tell of c if
+  /// the noise at c were true. Of optimal gains,
+  ///     I_ij = Σ ½ tr(S⁻¹ ∂S_i S⁻¹ ∂S_j) + tr(S⁻¹ H Σ_ij Hᵀ) ,
+  /// Σ_ij the covariance of ∂d/∂c_i and ∂d/∂c_j.
+  double information(std::span<const double> c, Eigen::VectorXd& gradient, Eigen::MatrixXd& information) const;
+
  private:
   struct Event {
     Kind kind;
@@ -75,10 +81,14 @@ class LinearLog {
     Eigen::VectorXd r;
   };
   struct Forward;
+  struct Sensitivity;
 
   double* add(Kind kind, std::size_t doubles, int rows = 0);
   Eigen::MatrixXd noise(std::size_t event, std::span<const double> c) const;
   bool update(std::size_t event, std::span<const double> c, Forward& state) const;
+  void step(std::size_t event, std::span<const double> c, Forward& state) const;
+  Eigen::MatrixXd term(std::size_t event, std::size_t parameter) const;
+  void update(std::size_t event, const Innovation& innovation, Sensitivity& all) const;
   void sweep(const std::vector<Innovation>& innovations, double* gradient) const;
   void add_slope(std::size_t event, const Eigen::VectorXd& v, const Eigen::MatrixXd& A, double* gradient) const;
 
