@@ -92,6 +92,7 @@ void LogRecorder::offered(const UpdateRecord& record) {
   flush();
   const auto m = as_size(record.rows);
   run_.rows += record.rows;
+  run_.nis += record.nis;
   run_.rows_left_out += record.left_out;
   run_.accepted.push_back({record.measurement,
                            record.t,

@@ -58,6 +58,7 @@ struct RecordedRun {
   std::vector<AcceptedSample> accepted;
   std::vector<RefusedSample> refused;  // or thinned out
   int rows = 0, rows_left_out = 0, recoveries = 0;
+  double nis = 0;
 };
 
 /// A ← Φ A Φᵀ with gathered Φ, A symmetric.

@@ -57,6 +57,13 @@ void Response::offered(const UpdateRecord& record) {
   add(record.R, of_measurement_[m], max_rows_[m]);
 }
 
+bool differ_in_R(const std::vector<const Response*>& a, const std::vector<const Response*>& b) {
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (std::size_t i = a[k]->first_R(); i < a[k]->noise().size(); ++i)
+      if (std::abs(b[k]->noise()[i] - a[k]->noise()[i]) > 1e-9 * a[k]->size()[i]) return true;
+  return false;
+}
+
 Law law_of(const std::vector<const Response*>& once, const std::vector<const Response*>& twice,
            const std::vector<const Response*>& four_times) {
   bool is_there = false, is_square = true, is_linear = true;

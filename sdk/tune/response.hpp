@@ -29,6 +29,8 @@ class Response final : public StepObserver {
   std::uint64_t path() const { return path_; }
   /// P₀, Σ Qd, and Σ R by measurement.
   const std::vector<double>& noise() const { return noise_; }
+  /// Where R begins in it.
+  std::size_t first_R() const { return 2 * static_cast<std::size_t>(n_ * n_); }
   /// √(A_ii A_jj) of the same: what rounding is measured by.
   const std::vector<double>& size() const { return size_; }
 
@@ -43,6 +45,9 @@ class Response final : public StepObserver {
   std::vector<std::size_t> of_measurement_;  // where its R is in noise_
   std::vector<int> max_rows_;
 };
+
+/// Whether R differs.
+bool differ_in_R(const std::vector<const Response*>& a, const std::vector<const Response*>& b);
 
 /// By the responses at θ, 2 θ and 4 θ (each of every filter and config).
 Law law_of(const std::vector<const Response*>& once, const std::vector<const Response*>& twice,

@@ -178,6 +178,7 @@ std::vector<Law> Runs::laws() {
       }
     }
     laws.push_back(is_whole ? law_of(seen[0], seen[1], seen[2]) : Law::other);
+    acts_on_R_.push_back(is_of_noise(laws.back()) && differ_in_R(seen[0], seen[1]));
   }
   return laws;
 }
@@ -286,6 +287,8 @@ Counts Runs::count(const std::vector<MemberRun>& runs) const {
       all.refused += static_cast<int>(filter->refused.size());
       all.rows_left_out += filter->rows_left_out;
       all.recoveries += filter->recoveries;
+      all.nis += filter->nis;
+      all.likelihood += filter->log.likelihood(std::vector<double>(as_size(filter->log.parameters())));
     }
   return all;
 }

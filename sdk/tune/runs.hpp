@@ -36,6 +36,7 @@ struct MemberRun {
 /// Counts of what the likelihood is made of.
 struct Counts {
   int samples = 0, rows = 0, refused = 0, rows_left_out = 0, recoveries = 0;
+  double nis = 0, likelihood = 0;
 };
 
 class Runs {
@@ -45,6 +46,8 @@ class Runs {
 
   /// By open-loop runs: Response.
   std::vector<Law> laws();
+  /// Of a parameter of noise; known after laws().
+  bool acts_on_R(std::size_t parameter) const { return parameter < acts_on_R_.size() && acts_on_R_[parameter]; }
 
   /// One run each, without slopes. Throws FilterError where a filter breaks or has no update.
   std::vector<MemberRun> record(const std::vector<double>& u, Gates gates);
@@ -71,6 +74,7 @@ class Runs {
   RunSettings settings_;
   std::vector<Json> configs_;                     // by member, as resolved
   std::vector<std::vector<std::string>> frozen_;  // by member: what --set withholds
+  std::vector<bool> acts_on_R_;
   int made_ = 0, missed_ = 0;
 };
 

@@ -23,10 +23,13 @@ constexpr double tolerance = 1e-3;      // of ln p, within a round
 constexpr double largest_share = 0.1;   // refused, beyond which gates are left out of a round
 constexpr double largest_error = 1e-4;  // of the sweep's gradient
 constexpr int most_scorings = 12;
-constexpr double least_information = 1e-8;  // in ln g: what is less has no direction
-constexpr double deepest_cut = 0.01;        // of g, in a step of scoring
-constexpr double least_weight = 0.3;        // of a parameter that says little
-constexpr double curved_reach = 0.7;        // by which a round may change what noise is not affine in: a factor of 2
+constexpr double least_correlation = 1e-9;  // eigenvalue below which parameters act as one
+constexpr double deepest_cut = 0.1;         // of g, in a step of scoring
+constexpr double scored_share = 0.01;       // of its gain, below which a step of scoring is the last
+constexpr double far_off = 10;   // gain of scoring beyond which the path itself will change: linearize again at once
+constexpr double most_nis = 25;  // per row, beyond which R is far too small for the path to be of use
+constexpr double least_weight = 0.3;  // of a parameter that says little
+constexpr double curved_reach = 0.7;  // by which a round may change what noise is not affine in: a factor of 2
 
 std::vector<double> picked(const std::vector<double>& all, const std::vector<std::size_t>& free) {
   std::vector<double> values;
@@ -115,21 +118,58 @@ Function Search::linearized(Found& found, Round round) {
   return function;
 }
 
+namespace {
+
+/// I⁻¹ g by I's correlations, so that no parameter is too small to count. What would be cut below a tenth is cut to that,
+/// and the others move as they do best then.
+Eigen::VectorXd scoring_step(const Eigen::VectorXd& gradient, const Eigen::MatrixXd& information) {
+  const Eigen::Index n = gradient.size();
+  const Eigen::VectorXd size = information.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd correlation = size.cwiseInverse().asDiagonal() * information * size.cwiseInverse().asDiagonal();
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+  std::vector<bool> is_cut(static_cast<std::size_t>(n), false);
+  for (bool is_new = true; is_new;) {
+    is_new = false;
+    Eigen::VectorXd right = gradient - information * step;
+    Eigen::MatrixXd left = correlation;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      right[i] /= size[i];
+      if (!is_cut[static_cast<std::size_t>(i)]) continue;
+      right[i] = 0;
+      left.row(i).setZero();
+      left.col(i).setZero();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(left);
+    Eigen::VectorXd along = solver.eigenvectors().transpose() * right;
+    for (Eigen::Index i = 0; i < n; ++i)
+      along[i] = solver.eigenvalues()[i] > least_correlation ? along[i] / solver.eigenvalues()[i] : 0;
+    step += (solver.eigenvectors() * along).cwiseQuotient(size);
+    Eigen::VectorXd cut = Eigen::VectorXd::Zero(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (is_cut[static_cast<std::size_t>(i)]) cut[i] = step[i];
+      if (is_cut[static_cast<std::size_t>(i)] || step[i] >= deepest_cut - 1) continue;
+      is_cut[static_cast<std::size_t>(i)] = is_new = true;
+      cut[i] = deepest_cut - 1;
+    }
+    if (is_new) step = cut;
+  }
+  return step;
+}
+
+}  // namespace
+
 /// Fisher's scoring by g, in which the likelihood of a variance is nearly a parabola from above and from below: from a start
 /// that is decades off it arrives in a few steps, where in ln g what is far too small has no slope.
-std::vector<double> Search::approach(Found& found, const Linearized& log, Function& function) {
+std::vector<double> Search::approach(const Found& found, const Linearized& log, Function& function, double& gain) {
   auto u = found.u;
   const auto noise = log.noise();
   Eigen::VectorXd gradient;
   Eigen::MatrixXd information;
   double value = log.information(u, gradient, information);
+  const double start = value;
   ++evaluations_;
   for (int k = 0; k < most_scorings && std::isfinite(value); ++k) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
-    Eigen::VectorXd along = solver.eigenvectors().transpose() * gradient;
-    for (Eigen::Index i = 0; i < along.size(); ++i)
-      along[i] = solver.eigenvalues()[i] > least_information ? along[i] / solver.eigenvalues()[i] : 0;
-    const Eigen::VectorXd step = solver.eigenvectors() * along;
+    const Eigen::VectorXd step = scoring_step(gradient, information);
     if (!(gradient.dot(step) > 2 * settled)) break;
     auto next = u;
     for (std::size_t i = 0; i < noise.size(); ++i) {
@@ -148,7 +188,8 @@ std::vector<double> Search::approach(Found& found, const Linearized& log, Functi
     }
     if (!(value > before)) break;
     u = next;
-    if (value - before < settled) break;
+    gain = value - start;
+    if (value - before < std::max(settled, scored_share * gain)) break;
   }
   for (std::size_t i = 0; i < noise.size(); ++i) {
     const Parameter& parameter = plan_.parameters[noise[i]];
@@ -262,7 +303,7 @@ Function Search::by_judgement(const Found& found) {
   return function;
 }
 
-Function Search::function_of(Found& found, Round round, std::vector<double>& start) {
+Function Search::function_of(Found& found, Round round, std::vector<double>& start, double& gain) {
   const bool is_of_noise_alone = std::ranges::all_of(found.free, [&](std::size_t p) { return is_of_noise(laws_[p]); });
   Function function;
   if (is_of_noise_alone) {
@@ -274,8 +315,34 @@ Function Search::function_of(Found& found, Round round, std::vector<double>& sta
     found.curvature_step = 1e-2;
   }
   set_bounds(function, found);
-  start = is_of_noise_alone ? approach(found, *found.linearized, function) : found.u;
+  if (is_of_noise_alone) start = approach(found, *found.linearized, function, gain);
   return function;
+}
+
+/// A filter whose R is far too small may leave the truth altogether, and about such a path nothing is linear: R is raised
+/// by as much as the NIS asks for, where that is likelier.
+void Search::open_up(Found& found) {
+  const auto measured = [&](const std::vector<double>& u, double& nis, double& likelihood) {
+    const Round round = record(u);
+    nis = round.counts.nis / std::max(1, round.counts.rows);
+    likelihood = round.counts.likelihood;
+    ++evaluations_;
+  };
+  double nis = 0, likelihood = 0;
+  if (std::ranges::none_of(found.free, [&](std::size_t p) { return runs_.acts_on_R(p); })) return;
+  measured(found.u, nis, likelihood);
+  for (int k = 0; k < 3 && nis > most_nis; ++k) {
+    auto u = found.u;
+    for (const std::size_t p : found.free) {
+      const Parameter& parameter = plan_.parameters[p];
+      const double by = 0.5 * std::log(std::min(nis, 1e4)) * (laws_[p] == Law::linear ? 2 : 1);
+      if (parameter.is_log && runs_.acts_on_R(p)) u[p] = std::min(u[p] + by, parameter.upper);
+    }
+    double next_nis = 0, next_likelihood = 0;
+    measured(u, next_nis, next_likelihood);
+    if (!(next_likelihood > likelihood)) return;
+    found.u = u, nis = next_nis, likelihood = next_likelihood;
+  }
 }
 
 Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
@@ -296,6 +363,7 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     found.rounds.push_back({{"evaluations", minimum.evaluations}, {"start", minimum.first}, {"end", minimum.value}});
     return found;
   }
+  open_up(found);
   Counts last;
   for (int round = 0; round < most_rounds && !found.is_converged; ++round) {
     Round recorded = record(found.u);
@@ -304,12 +372,18 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     if (counts.rows == 0)
       throw FilterError({Severity::error, "B131", {}, "/tune", "no sample was accepted, so there is no likelihood"});
     const int before = evaluations_;
-    std::vector<double> start;
-    found.function = function_of(found, std::move(recorded), start);
-    const double cost = found.function.value(picked(found.u, found.free), nullptr);
-    Minimum minimum = minimize(found.function, picked(start, found.free), most_evaluations);
-    evaluations_ += minimum.evaluations;
-    minimum.first = cost;
+    std::vector<double> start = found.u;
+    double scored = 0;
+    found.function = function_of(found, std::move(recorded), start, scored);
+    Minimum minimum{picked(start, found.free), 0, 0, 0, false};
+    minimum.first = found.function.value(picked(found.u, found.free), nullptr);
+    minimum.value = minimum.first - scored;
+    if (scored < far_off) {
+      const double first = minimum.first;
+      minimum = minimize(found.function, minimum.u, most_evaluations);
+      minimum.first = first;
+      evaluations_ += minimum.evaluations;
+    }
     found.u = expanded(found.u, found.free, minimum.u);
     found.cost = minimum.value;
     Json entry = {{"evaluations", evaluations_ - before},

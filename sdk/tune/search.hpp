@@ -46,13 +46,14 @@ class Search {
   /// About the runs' path.
   Function linearized(Found& found, Round round);
   /// Scoring from where the round begins, for the optimizer to begin at; and the weights there.
-  std::vector<double> approach(Found& found, const Linearized& log, Function& function);
+  std::vector<double> approach(const Found& found, const Linearized& log, Function& function, double& gain);
+  void open_up(Found& found);
   /// By runs whose accepted samples are frozen.
   Function by_runs(const Found& found);
   Function by_judgement(const Found& found);
   double judged(const std::vector<double>& u) const;
   void set_bounds(Function& function, const Found& found) const;
-  Function function_of(Found& found, Round round, std::vector<double>& start);
+  Function function_of(Found& found, Round round, std::vector<double>& start, double& gain);
 
   const Plan& plan_;
   const TuneOptions& options_;
