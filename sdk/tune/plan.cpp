@@ -103,8 +103,18 @@ class Reading {
   void read(const std::string& pointer, std::vector<Parameter>& parameters) const {
     const std::string at = join_pointer("/tune/parameters", pointer);
     if (!section_.object(at)) return;
-    section_.check_keys(at, {"scale", "step", "bounds", "prior", "ties", "elements"}, "a parameter");
-    std::vector<Place> places = this->places(pointer, at);
+    section_.check_keys(at, {"start", "scale", "step", "bounds", "prior", "ties", "elements"}, "a parameter");
+    std::vector<Place> places;
+    bool has_start = false;
+    if (const Json* start = section_.at(at + "/start")) {
+      if (const auto place = place_at(*start, pointer, -1))
+        places.push_back(*place);
+      else
+        section_.error("B006", at + "/start", "'start' is a number or quantity; found " + start->dump());
+      has_start = true;
+    } else {
+      places = this->places(pointer, at);
+    }
     const bool is_together = section_.choice(at + "/elements", {"each", "together"}).value_or("each") == "together";
     std::vector<Parameter> own;
     for (const Place& place : places) {
@@ -112,6 +122,7 @@ class Reading {
         own.front().ties.push_back(place);
       else
         own.emplace_back().place = place;
+      own.back().has_start = has_start;
     }
     for (std::size_t i = 0; i < own.size(); ++i) {
       read_ties(at, i, own);
@@ -247,7 +258,7 @@ void check_members(const Plan& plan, Diagnostics& diagnostics) {
       const Config config = score::load_config(member.config, member.load);
       const Json json = Json::parse(config.text());
       for (const Parameter& parameter : plan.parameters)
-        if (!json.contains(Json::json_pointer(parameter.place.pointer)))
+        if (!parameter.has_start && !json.contains(Json::json_pointer(parameter.place.pointer)))
           diagnostics.error("B027", {member.config.string(), 0, 0}, parameter.place.pointer,
                             "there is nothing here, and 'tune' has it as a parameter");
     }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <random>
 #include <utility>
 
@@ -24,6 +26,20 @@ constexpr double undetermined_sigma = 1.0;
 constexpr double restart_reach = 2.302585092994046;  // a factor of 10
 
 enum class State { determined, undetermined, at_bound, without_effect };
+
+/// "12.3"
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// To six digits: what is more says nothing, and nobody reads it.
+double rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return std::strtod(text, nullptr);
+}
 
 const char* word_of(State state) {
   switch (state) {
@@ -173,7 +189,7 @@ class Tuner {
     }
     std::string text = listed(names);
     if (involved.size() > 1) text += ": together, in this direction,";
-    text += std::isfinite(sigma) ? " known no better than by a factor of " + Json(std::exp(sigma)).dump()
+    text += std::isfinite(sigma) ? " known no better than by a factor of " + three_digits(std::exp(sigma))
                                  : ": the objective does not change, or goes on to the end of the range";
     Json entry = {{"direction", direction}, {"sigma", std::isfinite(sigma) ? Json(sigma) : Json()}, {"text", text}};
     if (involved.size() == 1) note_limit(involved.front(), entry);
@@ -192,7 +208,7 @@ class Tuner {
     }
     const Parameter& parameter = plan_.parameters[p];
     const char* const side = found_.u[p] < start_[p] ? "below " : "above ";
-    const Json limit = shown_value(parameter.place, parameter.value_of(outside));
+    const Json limit = shown_value(parameter.place, rounded(parameter.value_of(outside)));
     entry["limit"] = {{"side", side}, {"value", limit}};
     entry["text"] = entry.at("text").get<std::string>() + "; the data only show that it is " + side +
                     (limit.is_string() ? limit.get<std::string>() : limit.dump()) + ", and the start is not";
@@ -301,7 +317,10 @@ class Tuner {
     result["evaluations"] = search_->evaluations();
     result["judged"] = judged_parts();
     result["runs"] = runs_.made();
-    result["patch"] = patch_of(plan_.parameters, found_.u, is_returned, runs_.config(0));
+    auto end = found_.u;
+    for (std::size_t p = 0; p < end.size(); ++p)
+      end[p] = plan_.parameters[p].u_of(rounded(plan_.parameters[p].value_of(end[p])));
+    result["patch"] = patch_of(plan_.parameters, end, is_returned, runs_.config(0));
     result["notes"] = notes();
     return result;
   }

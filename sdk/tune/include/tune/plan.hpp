@@ -31,6 +31,7 @@ struct Place {
 struct Parameter {
   Place place;
   std::vector<Place> ties;  // keep their ratio to it
+  bool has_start = false;   // of its own: it need not stand in the config
   bool is_log = true;
   double step = 1;              // of a linear scale
   double lower = 0, upper = 0;  // of u
