@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include <Eigen/Cholesky>
 
@@ -203,20 +204,21 @@ void LinearLog::sweep(const std::vector<Innovation>& innovations, double* gradie
 // ---- sensitivities
 
 struct LinearLog::Sensitivity {
-  std::vector<MatrixXd> P;        // ∂P/∂c_i
-  std::vector<VectorXd> d;        // ∂d/∂c_i
-  std::vector<MatrixXd> between;  // Σ_ij, j ≤ i
+  std::vector<MatrixXd> P;      // ∂P/∂c_i
+  std::vector<VectorXd> d;      // ∂d/∂c_i
+  std::vector<MatrixXd> drawn;  // the same of drawn innovations, a column each
   VectorXd gradient;
   MatrixXd information;
+  std::mt19937_64 random{};
+  std::normal_distribution<double> normal{};
 
-  MatrixXd& covariance(std::size_t i, std::size_t j) { return between[i * (i + 1) / 2 + j]; }
   void transform(const MatrixXd& A) {
     for (auto& dP : P) dP = (A * dP * A.transpose()).eval();
     for (auto& dd : d) dd = (A * dd).eval();
-    for (auto& sigma : between) sigma = (A * sigma * A.transpose()).eval();
+    for (auto& dd : drawn) dd = (A * dd).eval();
   }
   void clear() {
-    for (auto* list : {&P, &between})
+    for (auto* list : {&P, &drawn})
       for (auto& A : *list) A.setZero();
     for (auto& dd : d) dd.setZero();
   }
@@ -240,34 +242,39 @@ void LinearLog::update(std::size_t event, const Innovation& it, Sensitivity& all
   const std::size_t count = all.P.size();
   const Eigen::LLT<MatrixXd> S(it.S);
   const VectorXd y = S.solve(it.r);
-  const MatrixXd left = MatrixXd::Identity(n_, n_) - it.K * H, weight = H.transpose() * S.solve(H);
-  std::vector<MatrixXd> dR(count), SdS(count), dK(count);
+  const MatrixXd left = MatrixXd::Identity(n_, n_) - it.K * H;
+  std::vector<MatrixXd> dR(count), SdS(count), dK(count), seen(count);  // seen: S^-½ H ∂d_i of drawn innovations
   for (std::size_t i = 0; i < count; ++i) {
     dR[i] = term(event, i);
     const MatrixXd PHt = all.P[i] * H.transpose(), dS = H * PHt + dR[i];
     SdS[i] = S.solve(dS);
     dK[i] = S.solve((PHt - it.K * dS).transpose()).transpose();
+    seen[i] = S.matrixL().solve(H * all.drawn[i]);
     const VectorXd dr = -H * all.d[i];
     all.gradient[static_cast<Eigen::Index>(i)] += 0.5 * (y.dot(dS * y) - SdS[i].trace()) - dr.dot(y);
     for (std::size_t j = 0; j <= i; ++j)
       all.information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
-          0.5 * (SdS[i] * SdS[j]).trace() + (weight * all.covariance(i, j)).trace();
+          0.5 * SdS[i].cwiseProduct(SdS[j].transpose()).sum() +
+          seen[i].cwiseProduct(seen[j]).sum() / static_cast<double>(seen[i].cols());
   }
   all.transform(left);
+  MatrixXd innovations(m, count > 0 ? all.drawn[0].cols() : 0);
+  for (double& value : innovations.reshaped()) value = all.normal(all.random);
+  innovations = S.matrixL() * innovations;
   for (std::size_t i = 0; i < count; ++i) {
     all.P[i] += it.K * dR[i] * it.K.transpose();
     all.d[i] += dK[i] * it.r;
-    for (std::size_t j = 0; j <= i; ++j) all.covariance(i, j) += dK[i] * it.S * dK[j].transpose();
+    all.drawn[i] += dK[i] * innovations;
   }
   if (events_[event].has_reset) all.transform(Eigen::Map<const MatrixXd>(from + m * n_ + m + n_, n_, n_));
 }
 
-double LinearLog::information(std::span<const double> c, VectorXd& gradient, MatrixXd& information) const {
+double LinearLog::information(std::span<const double> c, VectorXd& gradient, MatrixXd& information, int draws) const {
   const std::size_t count = terms_.size();
   const auto size = static_cast<Eigen::Index>(count);
   const MatrixXd zero = MatrixXd::Zero(n_, n_);
   Sensitivity all{std::vector<MatrixXd>(count, zero), std::vector<VectorXd>(count, VectorXd::Zero(n_)),
-                  std::vector<MatrixXd>(count * (count + 1) / 2, zero), VectorXd::Zero(size),
+                  std::vector<MatrixXd>(count, MatrixXd::Zero(n_, draws)), VectorXd::Zero(size),
                   MatrixXd::Zero(size, size)};
   std::vector<Innovation> innovations;
   Forward state{zero, VectorXd::Zero(n_), 0, &innovations};

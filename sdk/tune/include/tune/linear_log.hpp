@@ -64,9 +64,10 @@ class LinearLog {
 
   /// The likelihood, its gradient and Fisher's information by sensitivities forwards: what the innovations would tell of c if
   /// the noise at c were true. Of optimal gains,
-  ///     I_ij = Σ ½ tr(S⁻¹ ∂S_i S⁻¹ ∂S_j) + tr(S⁻¹ H Σ_ij Hᵀ) ,
-  /// Σ_ij the covariance of ∂d/∂c_i and ∂d/∂c_j.
-  double information(std::span<const double> c, Eigen::VectorXd& gradient, Eigen::MatrixXd& information) const;
+  ///     I_ij = Σ ½ tr(S⁻¹ ∂S_i S⁻¹ ∂S_j) + E[ (H ∂d_i)ᵀ S⁻¹ H ∂d_j ] ,
+  /// with the mean over so many draws of innovations, always the same.
+  double information(std::span<const double> c, Eigen::VectorXd& gradient, Eigen::MatrixXd& information,
+                     int draws = 8) const;
 
  private:
   struct Event {
