@@ -120,6 +120,12 @@ Function Search::linearized(Found& found, Round round) {
 
 namespace {
 
+/// d ln g / du.
+double growth(Law law, const Parameter& parameter, double u) {
+  const double value = parameter.value_of(u);
+  return law_slope(law, parameter, value) / law_value(law, value);
+}
+
 /// I⁻¹ g by I's correlations, so that no parameter is too small to count. What would be cut below a tenth is cut to that,
 /// and the others move as they do best then.
 Eigen::VectorXd scoring_step(const Eigen::VectorXd& gradient, const Eigen::MatrixXd& information) {
@@ -158,6 +164,24 @@ Eigen::VectorXd scoring_step(const Eigen::VectorXd& gradient, const Eigen::Matri
 
 }  // namespace
 
+/// The likelihood and the priors, with slopes and information by ln g.
+double Search::informed(const Linearized& log, const std::vector<double>& u, Eigen::VectorXd& gradient,
+                        Eigen::MatrixXd& information) {
+  ++evaluations_;
+  const double value = log.information(u, gradient, information);
+  if (!std::isfinite(value)) return value;
+  const auto noise = log.noise();
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const Parameter& parameter = plan_.parameters[noise[i]];
+    if (!parameter.prior) continue;
+    const double scale = parameter.prior->sigma * growth(laws_[noise[i]], parameter, u[noise[i]]);
+    const auto k = static_cast<Eigen::Index>(i);
+    gradient[k] -= (u[noise[i]] - parameter.prior->mean) / parameter.prior->sigma / scale;
+    information(k, k) += 1 / (scale * scale);
+  }
+  return value - prior_cost(plan_, u, nullptr);
+}
+
 /// Fisher's scoring by g, in which the likelihood of a variance is nearly a parabola from above and from below: from a start
 /// that is decades off it arrives in a few steps, where in ln g what is far too small has no slope.
 std::vector<double> Search::approach(const Found& found, const Linearized& log, Function& function, double& gain) {
@@ -165,9 +189,8 @@ std::vector<double> Search::approach(const Found& found, const Linearized& log, 
   const auto noise = log.noise();
   Eigen::VectorXd gradient;
   Eigen::MatrixXd information;
-  double value = log.information(u, gradient, information);
+  double value = informed(log, u, gradient, information);
   const double start = value;
-  ++evaluations_;
   for (int k = 0; k < most_scorings && std::isfinite(value); ++k) {
     const Eigen::VectorXd step = scoring_step(gradient, information);
     if (!(gradient.dot(step) > 2 * settled)) break;
@@ -181,8 +204,7 @@ std::vector<double> Search::approach(const Found& found, const Linearized& log, 
     }
     const double before = value;
     for (int halving = 0; halving < 4; ++halving) {
-      value = log.information(next, gradient, information);
-      ++evaluations_;
+      value = informed(log, next, gradient, information);
       if (value > before) break;
       for (std::size_t p = 0; p < u.size(); ++p) next[p] = 0.5 * (u[p] + next[p]);
     }
@@ -193,8 +215,7 @@ std::vector<double> Search::approach(const Found& found, const Linearized& log, 
   }
   for (std::size_t i = 0; i < noise.size(); ++i) {
     const Parameter& parameter = plan_.parameters[noise[i]];
-    const double at = parameter.value_of(u[noise[i]]);
-    const double by_u = law_slope(laws_[noise[i]], parameter, at) / law_value(laws_[noise[i]], at);
+    const double by_u = growth(laws_[noise[i]], parameter, u[noise[i]]);
     const auto k = static_cast<Eigen::Index>(i);
     const bool is_known = information.rows() > k && std::isfinite(information(k, k));
     function.weights.push_back(is_known ? std::max(least_weight, by_u * std::sqrt(std::max(0.0, information(k, k))))

@@ -47,6 +47,8 @@ class Search {
   Function linearized(Found& found, Round round);
   /// Scoring from where the round begins, for the optimizer to begin at; and the weights there.
   std::vector<double> approach(const Found& found, const Linearized& log, Function& function, double& gain);
+  double informed(const Linearized& log, const std::vector<double>& u, Eigen::VectorXd& gradient,
+                  Eigen::MatrixXd& information);
   void open_up(Found& found);
   /// By runs whose accepted samples are frozen.
   Function by_runs(const Found& found);
