@@ -220,6 +220,13 @@ constexpr CodeEntry entries[] = {
      "swapped "
      "field, a wrong sign or a wrong unit explains.",
      "Compare the fields that the message names with the sensor's manual: order, axes, signs, units."},
+    {"B130", "adaptive noise in tuning",
+     "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
+     "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},
+    {"B131", "nothing to tune by",
+     "No sample was accepted, none was withheld, or nothing was scored, so the objective of `tune` has no value.",
+     "Look at the outcomes in the summary of `run`; `withheld` needs a measurement with `withhold`, a metric a "
+     "reference."},
 };
 
 }  // namespace

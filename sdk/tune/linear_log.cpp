@@ -203,24 +203,40 @@ void LinearLog::sweep(const std::vector<Innovation>& innovations, double* gradie
 
 // ---- sensitivities
 
+/// What belongs to a parameter stands beside that of the one before.
 struct LinearLog::Sensitivity {
-  std::vector<MatrixXd> P;      // ∂P/∂c_i
-  std::vector<VectorXd> d;      // ∂d/∂c_i
-  std::vector<MatrixXd> drawn;  // the same of drawn innovations, a column each
+  Sensitivity(int n, int parameters, int draws)
+      : count(parameters),
+        P(MatrixXd::Zero(n, n * parameters)),
+        d(MatrixXd::Zero(n, parameters)),
+        drawn(MatrixXd::Zero(n, draws * parameters)),
+        gradient(VectorXd::Zero(parameters)),
+        information(MatrixXd::Zero(parameters, parameters)) {}
+
+  int count;
+  MatrixXd P;      // ∂P/∂c_i
+  MatrixXd d;      // ∂d/∂c_i
+  MatrixXd drawn;  // the same of drawn innovations, a column each
   VectorXd gradient;
   MatrixXd information;
   std::mt19937_64 random{};
   std::normal_distribution<double> normal{};
+  MatrixXd scratch{};
 
-  void transform(const MatrixXd& A) {
-    for (auto& dP : P) dP = (A * dP * A.transpose()).eval();
-    for (auto& dd : d) dd = (A * dd).eval();
-    for (auto& dd : drawn) dd = (A * dd).eval();
+  auto P_of(int i) { return P.middleCols(i * P.rows(), P.rows()); }
+  auto drawn_of(int i) { return drawn.middleCols(i * (drawn.cols() / count), drawn.cols() / count); }
+  void transform(const Eigen::Ref<const MatrixXd>& A) {
+    scratch.noalias() = A * P;
+    for (int i = 0; i < count; ++i) P_of(i) = scratch.middleCols(i * P.rows(), P.rows()).transpose();
+    scratch.noalias() = A * P;
+    P.swap(scratch);
+    d = A * d;
+    drawn = A * drawn;
   }
   void clear() {
-    for (auto* list : {&P, &drawn})
-      for (auto& A : *list) A.setZero();
-    for (auto& dd : d) dd.setZero();
+    P.setZero();
+    d.setZero();
+    drawn.setZero();
   }
 };
 
@@ -236,46 +252,45 @@ MatrixXd LinearLog::term(std::size_t event, std::size_t parameter) const {
 }
 
 void LinearLog::update(std::size_t event, const Innovation& it, Sensitivity& all) const {
-  const int m = events_[event].rows;
+  const int m = events_[event].rows, count = all.count;
   const double* from = numbers_.data() + events_[event].at + m * m;
   const auto H = Eigen::Map<const MatrixXd>(from, m, n_);
-  const std::size_t count = all.P.size();
   const Eigen::LLT<MatrixXd> S(it.S);
   const VectorXd y = S.solve(it.r);
-  const MatrixXd left = MatrixXd::Identity(n_, n_) - it.K * H;
-  std::vector<MatrixXd> dR(count), SdS(count), dK(count), seen(count);  // seen: S^-½ H ∂d_i of drawn innovations
-  for (std::size_t i = 0; i < count; ++i) {
-    dR[i] = term(event, i);
-    const MatrixXd PHt = all.P[i] * H.transpose(), dS = H * PHt + dR[i];
-    SdS[i] = S.solve(dS);
-    dK[i] = S.solve((PHt - it.K * dS).transpose()).transpose();
-    seen[i] = S.matrixL().solve(H * all.drawn[i]);
-    const VectorXd dr = -H * all.d[i];
-    all.gradient[static_cast<Eigen::Index>(i)] += 0.5 * (y.dot(dS * y) - SdS[i].trace()) - dr.dot(y);
-    for (std::size_t j = 0; j <= i; ++j)
-      all.information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
-          0.5 * SdS[i].cwiseProduct(SdS[j].transpose()).sum() +
-          seen[i].cwiseProduct(seen[j]).sum() / static_cast<double>(seen[i].cols());
+  const MatrixXd HP = H * all.P, Hd = H * all.d, H_drawn = H * all.drawn;
+  const auto draws = all.drawn.cols() / std::max(1, count);
+  std::vector<MatrixXd> dR, SdS, dK, seen;  // seen: S^-½ H ∂d_i of drawn innovations
+  for (int i = 0; i < count; ++i) {
+    const auto of_i = HP.middleCols(i * n_, n_);
+    dR.push_back(term(event, as_size(i)));
+    const MatrixXd dS = of_i * H.transpose() + dR.back();
+    SdS.push_back(S.solve(dS));
+    dK.push_back(S.solve(of_i - dS * it.K.transpose()).transpose());
+    seen.push_back(S.matrixL().solve(H_drawn.middleCols(i * draws, draws)));
+    all.gradient[i] += 0.5 * (y.dot(dS * y) - SdS.back().trace()) + Hd.col(i).dot(y);
+    for (int j = 0; j <= i; ++j)
+      all.information(i, j) += 0.5 * SdS[as_size(i)].cwiseProduct(SdS[as_size(j)].transpose()).sum() +
+                               seen[as_size(i)].cwiseProduct(seen[as_size(j)]).sum() / static_cast<double>(draws);
   }
-  all.transform(left);
-  MatrixXd innovations(m, count > 0 ? all.drawn[0].cols() : 0);
+  MatrixXd innovations(m, draws);
   for (double& value : innovations.reshaped()) value = all.normal(all.random);
   innovations = S.matrixL() * innovations;
-  for (std::size_t i = 0; i < count; ++i) {
-    all.P[i] += it.K * dR[i] * it.K.transpose();
-    all.d[i] += dK[i] * it.r;
-    all.drawn[i] += dK[i] * innovations;
+  all.P.noalias() -= it.K * HP;
+  all.d.noalias() -= it.K * Hd;
+  all.drawn.noalias() -= it.K * H_drawn;
+  for (int i = 0; i < count; ++i) {
+    const MatrixXd PHt = all.P_of(i) * H.transpose() - it.K * dR[as_size(i)];
+    all.P_of(i).noalias() -= PHt * it.K.transpose();
+    all.d.col(i) += dK[as_size(i)] * it.r;
+    all.drawn_of(i).noalias() += dK[as_size(i)] * innovations;
   }
   if (events_[event].has_reset) all.transform(Eigen::Map<const MatrixXd>(from + m * n_ + m + n_, n_, n_));
 }
 
 double LinearLog::information(std::span<const double> c, VectorXd& gradient, MatrixXd& information, int draws) const {
-  const std::size_t count = terms_.size();
-  const auto size = static_cast<Eigen::Index>(count);
+  const int count = parameters();
   const MatrixXd zero = MatrixXd::Zero(n_, n_);
-  Sensitivity all{std::vector<MatrixXd>(count, zero), std::vector<VectorXd>(count, VectorXd::Zero(n_)),
-                  std::vector<MatrixXd>(count, MatrixXd::Zero(n_, draws)), VectorXd::Zero(size),
-                  MatrixXd::Zero(size, size)};
+  Sensitivity all(n_, count, draws);
   std::vector<Innovation> innovations;
   Forward state{zero, VectorXd::Zero(n_), 0, &innovations};
   for (std::size_t e = 0; e < events_.size(); ++e) {
@@ -285,12 +300,12 @@ double LinearLog::information(std::span<const double> c, VectorXd& gradient, Mat
         state.P = noise(e, c);
         state.d.setZero();
         all.clear();
-        for (std::size_t i = 0; i < count; ++i) all.P[i] = term(e, i);
+        for (int i = 0; i < count; ++i) all.P_of(i) = term(e, as_size(i));
         break;
       case Kind::step:
         step(e, c, state);
         all.transform(Eigen::Map<const MatrixXd>(from + n_ * n_, n_, n_));
-        for (std::size_t i = 0; i < count; ++i) all.P[i] += term(e, i);
+        for (int i = 0; i < count; ++i) all.P_of(i) += term(e, as_size(i));
         break;
       case Kind::update: {
         innovations.clear();

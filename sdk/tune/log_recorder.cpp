@@ -88,12 +88,12 @@ void LogRecorder::offered(const UpdateRecord& record) {
   const bool is_refused = record.outcome == Outcome::gated || record.outcome == Outcome::rejected;
   if (is_refused || (record.outcome == Outcome::accepted && record.left_out > 0))
     run_.refused.push_back({record.measurement, record.t});
+  run_.rows_refused += record.left_out + (is_refused ? record.rows : 0);
   if (record.outcome != Outcome::accepted) return;
   flush();
   const auto m = as_size(record.rows);
   run_.rows += record.rows;
   run_.nis += record.nis;
-  run_.rows_left_out += record.left_out;
   run_.accepted.push_back({record.measurement,
                            record.t,
                            {record.row_keys, record.row_keys + m},

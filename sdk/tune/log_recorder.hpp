@@ -57,7 +57,7 @@ struct RecordedRun {
   std::vector<std::size_t> starts;  // events that are starts of the filter
   std::vector<AcceptedSample> accepted;
   std::vector<RefusedSample> refused;  // or thinned out
-  int rows = 0, rows_left_out = 0, recoveries = 0;
+  int rows = 0, rows_refused = 0, recoveries = 0;
   double nis = 0;
 };
 

@@ -244,10 +244,12 @@ void read_objective(const Section& section, Plan& plan) {
 std::vector<Member> members_of(const Section& section, const std::string& pointer, const std::filesystem::path& config,
                                const LoadOptions& load) {
   std::vector<Member> members;
+  LoadOptions own = load;
+  std::erase_if(own.sets, [](const std::string& set) { return set.starts_with("/tune/"); });  // of this config alone
   const Json* list = section.list(pointer);
   for (std::size_t i = 0; list && i < list->size(); ++i)
     if (const auto name = section.text(join_pointer(pointer, i)))
-      members.push_back({config.parent_path() / *name, load});
+      members.push_back({config.parent_path() / *name, own});
   return members;
 }
 

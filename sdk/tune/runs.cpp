@@ -285,7 +285,7 @@ Counts Runs::count(const std::vector<MemberRun>& runs) const {
       all.samples += static_cast<int>(filter->accepted.size());
       all.rows += filter->rows;
       all.refused += static_cast<int>(filter->refused.size());
-      all.rows_left_out += filter->rows_left_out;
+      all.rows_refused += filter->rows_refused;
       all.recoveries += filter->recoveries;
       all.nis += filter->nis;
       all.likelihood += filter->log.likelihood(std::vector<double>(as_size(filter->log.parameters())));

@@ -35,7 +35,7 @@ struct MemberRun {
 
 /// Counts of what the likelihood is made of.
 struct Counts {
-  int samples = 0, rows = 0, refused = 0, rows_left_out = 0, recoveries = 0;
+  int samples = 0, rows = 0, refused = 0, rows_refused = 0, recoveries = 0;
   double nis = 0, likelihood = 0;
 };
 

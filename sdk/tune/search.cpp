@@ -22,6 +22,7 @@ constexpr double settled = 0.01;        // gain of a round in ln p: a seventh of
 constexpr double tolerance = 1e-3;      // of ln p, within a round
 constexpr double largest_share = 0.1;   // refused, beyond which gates are left out of a round
 constexpr double largest_error = 1e-4;  // of the sweep's gradient
+constexpr int most_shrinkings = 3;      // of what gates accept, beyond which that feeds on itself
 constexpr int most_scorings = 12;
 constexpr double least_correlation = 1e-9;  // eigenvalue below which parameters act as one
 constexpr double deepest_cut = 0.1;         // of g, in a step of scoring
@@ -41,8 +42,12 @@ Json shown(const Counts& counts) {
   return {{"samples", counts.samples},
           {"rows", counts.rows},
           {"refused", counts.refused},
-          {"rows_left_out", counts.rows_left_out},
+          {"rows_refused", counts.rows_refused},
           {"recoveries", counts.recoveries}};
+}
+
+const char* word_of(Gates gates) {
+  return gates == Gates::off ? "off" : gates == Gates::frozen ? "frozen" : "as configured";
 }
 
 bool are_equal(const Counts& a, const Counts& b) { return a.samples == b.samples && a.rows == b.rows; }
@@ -62,6 +67,12 @@ Search::Search(const Plan& plan, const TuneOptions& options, Runs& runs, std::ve
 /// As configured, unless its gates refuse much of what comes: then they say more of the start than of the data.
 Search::Round Search::record(const std::vector<double>& u) {
   Round round;
+  if (is_frozen_) {
+    round.gates = Gates::frozen;
+    round.runs = runs_.record(u, Gates::frozen);
+    round.counts = runs_.count(round.runs);
+    return round;
+  }
   bool is_broken = false;
   try {
     round.runs = runs_.record(u, Gates::as_configured);
@@ -70,7 +81,7 @@ Search::Round Search::record(const std::vector<double>& u) {
     is_broken = true;
   }
   const Counts& counts = round.counts;
-  if (is_broken || counts.refused > largest_share * (counts.samples + counts.refused)) {
+  if (is_broken || counts.rows_refused > largest_share * (counts.rows + counts.rows_refused)) {
     round.gates = Gates::off;
     round.runs = runs_.record(u, Gates::off);
     round.counts = runs_.count(round.runs);
@@ -88,18 +99,22 @@ void Search::set_bounds(Function& function, const Found& found) const {
   }
 }
 
+void Search::check_gradient(const Linearized& log, const std::vector<double>& u) {
+  gradient_error_ = std::max(gradient_error_, tune::gradient_error(log, u));
+  if (gradient_error_ > largest_error)
+    fallback_ = log.has_considered()
+                    ? "with considered components gains are not optimal, and the sweep's gradient is not exact"
+                    : "the sweep's gradient differs from differences of the likelihood";
+}
+
 Function Search::linearized(Found& found, Round round) {
   std::vector<Law> laws(laws_.size(), Law::none);
   for (const std::size_t p : found.free) laws[p] = laws_[p];
   runs_.add_slopes(round.runs, found.u, laws, round.gates);
   const auto log = std::make_shared<const Linearized>(plan_, std::move(round.runs), found.u, laws, options_.jobs);
   found.linearized = log;
-  const double error = tune::gradient_error(*log, found.u);
-  gradient_error_ = std::max(gradient_error_, error);
-  if (error > largest_error)
-    fallback_ = log->has_considered()
-                    ? "with considered components gains are not optimal, and the sweep's gradient is not exact"
-                    : "the sweep's gradient differs from differences of the likelihood";
+  if (!is_checked_) check_gradient(*log, found.u);
+  is_checked_ = true;
   Function function;
   function.tolerance = tolerance;
   const bool by_differences = !fallback_.empty();
@@ -331,7 +346,7 @@ Function Search::function_of(Found& found, Round round, std::vector<double>& sta
     function = linearized(found, std::move(round));
     found.curvature_step = 1e-3;
   } else {
-    runs_.freeze(round.runs);
+    if (!is_frozen_) runs_.freeze(round.runs);
     function = by_runs(found);
     found.curvature_step = 1e-2;
   }
@@ -384,14 +399,22 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     found.rounds.push_back({{"evaluations", minimum.evaluations}, {"start", minimum.first}, {"end", minimum.value}});
     return found;
   }
+  is_frozen_ = false;
   open_up(found);
   Counts last;
+  int shrinkings = 0;  // one after the other
   for (int round = 0; round < most_rounds && !found.is_converged; ++round) {
     Round recorded = record(found.u);
     const Counts counts = recorded.counts;
     const Gates gates = recorded.gates;
     if (counts.rows == 0)
       throw FilterError({Severity::error, "B131", {}, "/tune", "no sample was accepted, so there is no likelihood"});
+    if (gates == Gates::as_configured && !is_frozen_) {
+      shrinkings = round > 0 && counts.rows < last.rows ? shrinkings + 1 : 0;
+      if (shrinkings == 0) runs_.freeze(recorded.runs);
+      is_frozen_ = shrinkings == most_shrinkings;
+      if (is_frozen_) continue;
+    }
     const int before = evaluations_;
     std::vector<double> start = found.u;
     double scored = 0;
@@ -410,7 +433,7 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     Json entry = {{"evaluations", evaluations_ - before},
                   {"start", minimum.first},
                   {"end", minimum.value},
-                  {"gates", gates == Gates::off ? "off" : "as configured"}};
+                  {"gates", word_of(gates)}};
     entry.update(shown(counts));
     found.rounds.push_back(entry);
     options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(evaluations_ - before) + " (" +

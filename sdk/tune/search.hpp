@@ -35,6 +35,8 @@ class Search {
   /// Why differences stand in for the sweep; empty where they do not.
   const std::string& fallback() const { return fallback_; }
   double gradient_error() const { return gradient_error_; }
+  /// The sweep's gradient there against differences: what goes into gradient_error() and fallback().
+  void check_gradient(const Linearized& log, const std::vector<double>& u);
 
  private:
   struct Round {
@@ -62,6 +64,8 @@ class Search {
   Runs& runs_;
   std::vector<Law> laws_;
   int evaluations_ = 0;
+  bool is_checked_ = false;
+  bool is_frozen_ = false;  // what is accepted, for the rest of the rounds
   std::string fallback_;
   double gradient_error_ = 0;
 };

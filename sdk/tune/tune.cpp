@@ -189,8 +189,8 @@ class Tuner {
     }
     std::string text = listed(names);
     if (involved.size() > 1) text += ": together, in this direction,";
-    text += std::isfinite(sigma) ? " known no better than by a factor of " + three_digits(std::exp(sigma))
-                                 : ": the objective does not change, or goes on to the end of the range";
+    text += sigma < 5 ? " known no better than by a factor of " + three_digits(std::exp(sigma))
+                      : ": the objective does not depend on it there, or goes on to the end of the range";
     Json entry = {{"direction", direction}, {"sigma", std::isfinite(sigma) ? Json(sigma) : Json()}, {"text", text}};
     if (involved.size() == 1) note_limit(involved.front(), entry);
     undetermined_.push_back(std::move(entry));
@@ -284,7 +284,12 @@ class Tuner {
     if (!found_.free.empty() && !found_.is_converged)
       notes.push_back("not converged: the last round still gained, or accepted other samples");
     if (!found_.rounds.empty() && found_.rounds.back().value("gates", "") == "off")
-      notes.push_back("gates are off: with them on, a tenth or more of the samples is refused at the end");
+      notes.push_back("gates are off: with them on, a tenth or more of the samples is refused");
+    if (!found_.rounds.empty() && found_.rounds.back().value("gates", "") == "frozen")
+      notes.push_back(
+          "with each round the gates refused more: the errors have heavier tails than a Gaussian; what is accepted was "
+          "frozen "
+          "where they refused least");
     if (plan_.unseen.empty() && !plan_.until)
       notes.push_back("nothing was left unused to judge by: 'until' or 'unseen' of 'tune'");
     if (runs_.missed() > 0)
@@ -304,6 +309,7 @@ class Tuner {
     if (!found_.rounds.empty()) {
       result["value"] = {{"end", -found_.cost}};
       if (found_.linearized) {
+        search_->check_gradient(*found_.linearized, found_.u);
         result["gradient_error"] = search_->gradient_error();
         const double start = loss_at(start_);
         result["value"] = {{"start", std::isfinite(start) ? Json(-start) : Json()}, {"end", -loss_at(found_.u)}};

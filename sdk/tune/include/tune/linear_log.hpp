@@ -62,7 +62,7 @@ class LinearLog {
   ///     ∂/∂Qd = ½ (λ λᵀ − Λ) at the step's end,  ∂/∂R = ½ (s sᵀ − D),  ∂/∂P₀ = ½ (λ λᵀ − Λ) at the start.
   double likelihood(std::span<const double> c, double* gradient = nullptr) const;
 
-  /// The likelihood, its gradient and Fisher's information by sensitivities forwards: what the innovations would tell of c if
+  /// The likelihood, its gradient and Fisher's information by sensitivities forwards: what the innovations would show of c if
   /// the noise at c were true. Of optimal gains,
   ///     I_ij = Σ ½ tr(S⁻¹ ∂S_i S⁻¹ ∂S_j) + E[ (H ∂d_i)ᵀ S⁻¹ H ∂d_j ] ,
   /// with the mean over so many draws of innovations, always the same.
