@@ -22,6 +22,7 @@ constexpr double settled = 0.01;        // gain of a round in ln p: a seventh of
 constexpr double tolerance = 1e-3;      // of ln p, within a round
 constexpr double largest_share = 0.1;   // refused, beyond which gates are left out of a round
 constexpr double largest_error = 1e-4;  // of the sweep's gradient
+constexpr int most_refreshes = 6;       // of what is accepted
 constexpr int most_shrinkings = 3;      // of what gates accept, beyond which that feeds on itself
 constexpr int most_scorings = 12;
 constexpr double least_correlation = 1e-9;  // eigenvalue below which parameters act as one
@@ -399,7 +400,6 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     found.rounds.push_back({{"evaluations", minimum.evaluations}, {"start", minimum.first}, {"end", minimum.value}});
     return found;
   }
-  is_frozen_ = false;
   open_up(found);
   Counts last;
   int shrinkings = 0;  // one after the other
@@ -412,7 +412,7 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     if (gates == Gates::as_configured && !is_frozen_) {
       shrinkings = round > 0 && counts.rows < last.rows ? shrinkings + 1 : 0;
       if (shrinkings == 0) runs_.freeze(recorded.runs);
-      is_frozen_ = shrinkings == most_shrinkings;
+      is_frozen_ = shrinkings == most_shrinkings || round == most_refreshes;
       if (is_frozen_) continue;
     }
     const int before = evaluations_;

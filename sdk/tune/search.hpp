@@ -30,7 +30,9 @@ class Search {
  public:
   Search(const Plan& plan, const TuneOptions& options, Runs& runs, std::vector<Law> laws);
 
+  /// What is accepted stays frozen from one call to the next, once it is.
   Found from(std::vector<double> u, const std::vector<bool>& is_free);
+  void thaw() { is_frozen_ = false; }
   int evaluations() const { return evaluations_; }
   /// Why differences stand in for the sweep; empty where they do not.
   const std::string& fallback() const { return fallback_; }

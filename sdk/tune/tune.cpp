@@ -111,6 +111,7 @@ class Tuner {
         const double reach = restart_reach * (2 * std::generate_canonical<double, 53>(random) - 1);
         if (states_[p] == State::determined) u[p] = std::clamp(u[p] + reach, parameter.lower, parameter.upper);
       }
+      search_->thaw();
       try {
         Found other = search_->from(u, free());
         restarts_.push_back({{"end", values(other.u)}, {"cost", other.cost}});
@@ -287,9 +288,8 @@ class Tuner {
       notes.push_back("gates are off: with them on, a tenth or more of the samples is refused");
     if (!found_.rounds.empty() && found_.rounds.back().value("gates", "") == "frozen")
       notes.push_back(
-          "with each round the gates refused more: the errors have heavier tails than a Gaussian; what is accepted was "
-          "frozen "
-          "where they refused least");
+          "what the gates accept did not settle (tails are heavier than a Gaussian's): it was frozen where they "
+          "refused least");
     if (plan_.unseen.empty() && !plan_.until)
       notes.push_back("nothing was left unused to judge by: 'until' or 'unseen' of 'tune'");
     if (runs_.missed() > 0)
