@@ -382,26 +382,37 @@ void Search::open_up(Found& found) {
   }
 }
 
+/// Withheld samples or a metric, without a gradient.
+void Search::judge_all(Found& found) {
+  found.function = by_judgement(found);
+  found.function.tolerance = plan_.objective == Objective::metric ? 0 : tolerance;
+  found.curvature_step = 0.1;
+  set_bounds(found.function, found);
+  const Minimum minimum = minimize(found.function, picked(found.u, found.free), most_evaluations);
+  evaluations_ += minimum.evaluations;
+  found.u = expanded(found.u, found.free, minimum.u);
+  found.cost = minimum.value;
+  found.is_converged = minimum.is_converged;
+  found.rounds.push_back({{"evaluations", minimum.evaluations}, {"start", minimum.first}, {"end", minimum.value}});
+}
+
 Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
   Found found;
   found.u = std::move(u);
   for (std::size_t p = 0; p < is_free.size(); ++p)
     if (is_free[p]) found.free.push_back(p);
-  if (plan_.objective != Objective::likelihood) {
-    found.function = by_judgement(found);
-    found.function.tolerance = plan_.objective == Objective::metric ? 0 : tolerance;
-    found.curvature_step = 0.1;
-    set_bounds(found.function, found);
-    const Minimum minimum = minimize(found.function, picked(found.u, found.free), most_evaluations);
-    evaluations_ += minimum.evaluations;
-    found.u = expanded(found.u, found.free, minimum.u);
-    found.cost = minimum.value;
-    found.is_converged = minimum.is_converged;
-    found.rounds.push_back({{"evaluations", minimum.evaluations}, {"start", minimum.first}, {"end", minimum.value}});
-    return found;
-  }
+  if (plan_.objective == Objective::likelihood)
+    search(found);
+  else
+    judge_all(found);
+  return found;
+}
+
+/// By likelihood.
+void Search::search(Found& found) {
   open_up(found);
   Counts last;
+  Gates last_gates = Gates::off;
   int shrinkings = 0;  // one after the other
   for (int round = 0; round < most_rounds && !found.is_converged; ++round) {
     Round recorded = record(found.u);
@@ -410,7 +421,7 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     if (counts.rows == 0)
       throw FilterError({Severity::error, "B131", {}, "/tune", "no sample was accepted, so there is no likelihood"});
     if (gates == Gates::as_configured && !is_frozen_) {
-      shrinkings = round > 0 && counts.rows < last.rows ? shrinkings + 1 : 0;
+      shrinkings = last_gates == Gates::as_configured && counts.rows < last.rows ? shrinkings + 1 : 0;
       if (shrinkings == 0) runs_.freeze(recorded.runs);
       is_frozen_ = shrinkings == most_shrinkings || round == most_refreshes;
       if (is_frozen_) continue;
@@ -421,6 +432,7 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
     found.function = function_of(found, std::move(recorded), start, scored);
     Minimum minimum{picked(start, found.free), 0, 0, 0, false};
     minimum.first = found.function.value(picked(found.u, found.free), nullptr);
+    ++evaluations_;
     minimum.value = minimum.first - scored;
     if (scored < far_off) {
       const double first = minimum.first;
@@ -436,13 +448,13 @@ Found Search::from(std::vector<double> u, const std::vector<bool>& is_free) {
                   {"gates", word_of(gates)}};
     entry.update(shown(counts));
     found.rounds.push_back(entry);
-    options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(evaluations_ - before) + " (" +
-                      std::to_string(minimum.evaluations) + ")" + " evaluations, " + std::to_string(counts.rows) +
-                      " rows, gain " + std::to_string(minimum.first - minimum.value));
+    options_.on_round("round " + std::to_string(round + 1) + ": " + std::to_string(evaluations_ - before) +
+                      " evaluations, " + std::to_string(counts.rows) + " rows, ln likelihood + " +
+                      std::to_string(minimum.first - minimum.value));
     found.is_converged = round > 0 && minimum.first - minimum.value < settled && are_equal(counts, last);
     last = counts;
+    last_gates = gates;
   }
-  return found;
 }
 
 }  // namespace binnacle::tune

@@ -57,6 +57,8 @@ class Search {
   /// By runs whose accepted samples are frozen.
   Function by_runs(const Found& found);
   Function by_judgement(const Found& found);
+  void judge_all(Found& found);
+  void search(Found& found);
   double judged(const std::vector<double>& u) const;
   void set_bounds(Function& function, const Found& found) const;
   Function function_of(Found& found, Round round, std::vector<double>& start, double& gain);
