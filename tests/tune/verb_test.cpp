@@ -265,6 +265,9 @@ TEST_CASE("tune reports mistakes at their places") {
   json wrong = config();
   wrong["tune"]["objectiv"] = "likelihood";
   is_refused(bench, wrong, 3, "B012", "did you mean 'objective'?");
+  const auto check = binnacle::test::binnacle(bench, {"check", "c.json"});
+  CHECK(check.status == 3);
+  CHECK(has(check.err, "did you mean 'objective'?"));
   wrong = config();
   wrong["tune"]["parameters"]["/filters/walk/process/wander/sigma"] = json::object();
   is_refused(bench, wrong, 3, "B027", "there is nothing at '/filters/walk/process/wander/sigma'");
