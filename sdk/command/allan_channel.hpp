@@ -28,16 +28,16 @@ struct AllanChannel {
   double interval = 0;  // the median between labels, s
   double seconds = 0;   // from the first label to the last
   std::int64_t samples = 0;
-  std::int64_t gaps = 0;  // longer than 1.5 intervals: averages do not reach over them
-  double missing = 0;     // s, in gaps
+  std::int64_t gaps = 0;      // longer than 1.5 intervals: averages do not reach over them
+  double missing = 0;         // s, in gaps
   std::int64_t repeated = 0;  // labels less than half an interval after the one before, or not after it: left out
   std::vector<AllanField> fields;
 };
 
 /// Runs the sources and transforms of a config, without its filters where these give nothing to it, and takes the channel.
 /// full: up to this averaging time [s] differences overlap fully. Throws UsageError where there is no such channel.
-AllanChannel allan_channel(const std::string& config, const LoadOptions& options, const std::string& channel, double full,
-                           std::uint64_t seed);
+AllanChannel allan_channel(const std::string& config, const LoadOptions& options, const std::string& channel,
+                           double full, std::uint64_t seed);
 
 nlohmann::ordered_json allan_json(const AllanChannel& channel);
 std::string allan_text(const AllanChannel& channel);

@@ -6,6 +6,7 @@
 #include "output.hpp"
 #include "score/sections.hpp"
 #include "study/study.hpp"
+#include "tune/plan.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -30,6 +31,7 @@ Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
   const Config config = score::load_config(path, options);
   study::StudyOptions study_options;
   study_options.load = options;
+  if (tune::is_in(config)) tune::read_plan(path, options);
   if (covariance::is_in(config)) {
     const auto warnings = covariance::load(path, options).warnings();
     const bool is_study = Json::parse(config.text()).contains(Json::json_pointer("/study/metrics"));

@@ -23,6 +23,8 @@ Verb run_verb(CLI::App& command);
 Verb study_verb(CLI::App& command);
 Verb covariance_verb(CLI::App& command);
 Verb observe_verb(CLI::App& command);
+Verb allan_verb(CLI::App& command);
+Verb tune_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);

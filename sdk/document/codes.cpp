@@ -225,6 +225,13 @@ constexpr CodeEntry entries[] = {
      "Compare `after`, `until` and the windows with the time that the filter ran; `\"start+60 s\"` counts from its "
      "start, other "
      "times are those of the data."},
+    {"B130", "adaptive noise in tuning",
+     "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
+     "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},
+    {"B131", "nothing to tune by",
+     "No sample was accepted, none was withheld, or nothing was scored, so the objective of `tune` has no value.",
+     "Look at the outcomes in the summary of `run`; `withheld` needs a measurement with `withhold`, a metric a "
+     "reference."},
 };
 
 }  // namespace

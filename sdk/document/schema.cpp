@@ -468,6 +468,7 @@ Json sections() {
           {"study", described("variants, runs and tables: see the guide to studies", {{"type", "object"}})},
           {"covariance",
            described("truth models and outputs: see the guide to covariance analysis", {{"type", "object"}})},
+          {"tune", described("parameters and objective: see the guide to tuning", {{"type", "object"}})},
           {"metrics", described("what a study reports of every run, as \"metrics\" of \"study\"", Json::object())}};
 }
 

@@ -169,7 +169,7 @@ void read_smoothers(const CompositionDraft& draft, ScorePlan& plan) {
 class Sections final : public Section {
  public:
   std::vector<std::string> keys() const override {
-    return {"reference", "evaluate", "record", "study", "covariance", "metrics"};
+    return {"reference", "evaluate", "record", "study", "covariance", "tune", "metrics"};
   }
   std::vector<std::string> filter_keys() const override { return {"implied_states", "smoother"}; }
   RenamedKeys renamed_keys() const override { return {{"readings", "implied_states"}}; }

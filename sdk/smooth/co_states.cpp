@@ -44,6 +44,11 @@ TransitionPattern::TransitionPattern(const FilterInfo& filter) : n_(filter.dof) 
   }
 }
 
+TransitionPattern::TransitionPattern(int n) : n_(n) {
+  for (int j = 0; j <= n; ++j) first_.push_back(j * n);
+  for (int k = 0; k < n * n; ++k) rows_.push_back(k % n);
+}
+
 void TransitionPattern::gather(ConstMatrixView Phi, double* values) const {
   for (int j = 0; j < n_; ++j)
     for (int k = first_[as_size(j)]; k < first_[as_size(j) + 1]; ++k) *values++ = Phi(rows_[as_size(k)], j);
@@ -58,6 +63,7 @@ CoStates::CoStates(const TransitionPattern& pattern, std::vector<unsigned char> 
   tall_.resize(n, max_rows);
   other_tall_.resize(n, max_rows);
   inverse_.resize(max_rows, max_rows);
+  D_.resize(max_rows, max_rows);
   factor_.resize(max_rows, max_rows);
   s_.resize(max_rows);
 }
@@ -141,6 +147,9 @@ void CoStates::update(const UpdateTerms& terms) {
   inverse.setIdentity();
   S.solveInPlace(inverse);
   V.noalias() = Lambda_ * K;
+  auto D = D_.topLeftCorner(m, m);
+  D = inverse;
+  D.noalias() += K.transpose() * V;
   if (has_considered()) update_noise(terms);
   lambda_.noalias() += H.transpose() * s;
   Lambda_.noalias() -= V * H;
@@ -163,11 +172,8 @@ void CoStates::update_noise(const UpdateTerms& terms) {
   B.noalias() = noise_.transpose() * K;
   scratch_.noalias() = H.transpose() * B.transpose();
   noise_ -= scratch_;
-  auto KtV = factor_.topLeftCorner(m, m);
-  KtV.noalias() = K.transpose() * V_.leftCols(m);
   B = -V_.leftCols(m);
-  B.noalias() += H.transpose() * KtV;
-  B.noalias() += H.transpose() * inverse_.topLeftCorner(m, m);
+  B.noalias() += H.transpose() * D_.topLeftCorner(m, m);
   auto BR = other_tall_.leftCols(m);
   BR.noalias() = B * terms.R.as();
   noise_.noalias() += BR * B.transpose();

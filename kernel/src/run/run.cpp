@@ -133,7 +133,8 @@ void note_spans_apart(const Runtime& runtime, Diagnostics& warnings) {
         warn(measurement.pointer, filter.input_channel, measurement.channel);
     }
   for (const auto& [channel, pointer] : plan.subscriptions)
-    if (std::ranges::all_of(plan.filters, [&](const auto& filter) { return are_apart(filter.input_channel, channel); }))
+    if (!plan.filters.empty() &&
+        std::ranges::all_of(plan.filters, [&](const auto& filter) { return are_apart(filter.input_channel, channel); }))
       warn(pointer, plan.filters.front().input_channel, channel);
 }
 

@@ -15,6 +15,8 @@ namespace binnacle::smooth {
 class TransitionPattern {
  public:
   explicit TransitionPattern(const FilterInfo& filter);
+  /// All of it.
+  explicit TransitionPattern(int n);
   int n() const { return n_; }
   /// Doubles that gather() writes.
   std::size_t size() const { return rows_.size(); }
@@ -64,6 +66,10 @@ class CoStates {
   /// P_s, which may not be P itself.
   void covariance(ConstMatrixView P, MatrixView smoothed);
 
+  /// s = S⁻¹ r − Kᵀ λ and D = S⁻¹ + Kᵀ Λ K of the last update, of m rows, with the co-states behind it.
+  auto s(int m) const { return s_.head(m); }
+  auto D(int m) const { return D_.topLeftCorner(m, m); }
+
   const Eigen::VectorXd& lambda() const { return lambda_; }
   const Eigen::MatrixXd& Lambda() const { return Lambda_; }
 
@@ -80,7 +86,7 @@ class CoStates {
   Eigen::VectorXd lambda_, next_lambda_;
   Eigen::MatrixXd Lambda_, noise_;  // Λ, N
   Eigen::MatrixXd scratch_, other_, third_;
-  Eigen::MatrixXd V_, inverse_, tall_, other_tall_, factor_;  // Λ K, S⁻¹
+  Eigen::MatrixXd V_, inverse_, D_, tall_, other_tall_, factor_;  // Λ K, S⁻¹
   Eigen::VectorXd s_;
 };
 

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// allan: the noise of a channel by its Allan deviation.
+#include <memory>
+#include <string>
+
+#include "allan_channel.hpp"
+#include "atomic_file.hpp"
+#include "interrupt.hpp"
+#include "output.hpp"
+#include "sentinel.hpp"
+#include "verbs.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+struct Options {
+  std::string config_path;
+  ConfigOptions config;
+  std::string channel, picture;
+  double full = 1;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+int allan_of(const Options& options) {
+  watch_signals("nothing was written");
+  std::unique_ptr<AtomicFile> picture;
+  if (!options.picture.empty()) picture = std::make_unique<AtomicFile>(options.picture);
+  const AllanChannel channel = allan_channel(options.config_path, options.config.load_options(options.config_path),
+                                             options.channel, options.full, options.seed);
+  stand_down();
+  if (interrupted_by() != 0) {
+    picture.reset();
+    print_error("interrupted; nothing was written");
+    die_of_signal();
+  }
+  if (picture) {
+    picture->write(allan_svg(channel));
+    picture->commit();
+  }
+  if (options.json)
+    print_json(allan_json(channel));
+  else
+    print(allan_text(channel));
+  if (channel.samples > 0) return ok;
+  print_error("no sample came on '" + options.channel + "'");
+  return data;
+}
+
+}  // namespace
+
+Verb allan_verb(CLI::App& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = command.add_subcommand("allan", "The noise of a channel by its Allan deviation");
+  app->add_option("CONFIG", options->config_path, "The config")->required();
+  options->config.add_to(*app);
+  options->config.add_variant_to(*app);
+  app->add_option("--channel", options->channel, "The channel, such as imu")->type_name("NAME")->required();
+  app->add_option("--overlap", options->full, "Averages overlap fully up to so many seconds, beyond by 15/16 or more")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--seed", options->seed, "Seed of everything random")->type_name("N")->capture_default_str();
+  app->add_option("--picture", options->picture, "Write the deviations as a picture")->type_name("FILE.svg");
+  app->add_flag("--json", options->json, "The figures as JSON on stdout");
+  return {app, [options] { return allan_of(*options); }};
+}
+
+}  // namespace binnacle::command
