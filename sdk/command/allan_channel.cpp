@@ -44,7 +44,7 @@ std::shared_ptr<const Composition> composition_with(const std::string& config, L
   bare.sets.insert(bare.sets.end(), {"/filters={}", "/sinks=null"});
   try {
     return Composition::load(config, bare);
-  } catch (const Error&) {  // something listens to a filter
+  } catch (const Error&) {  // something subscribes to a filter
     return Composition::load(config, options);
   }
 }

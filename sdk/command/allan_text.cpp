@@ -132,7 +132,7 @@ std::string allan_text(const AllanChannel& channel) {
     }
     if (field.fit.chi_square > 3)
       text +=
-          fmt::format("  {}: no sum of these terms fits (chi-square {} per degree of freedom): motion is no noise\n",
+          fmt::format("  {}: no sum of these terms fits (chi-square {} per degree of freedom): it moves, or drifts otherwise\n",
                       field.name, figure(field.fit.chi_square));
     name = field.name;
     for (int t = 0; t < allan::term_count && field.fit.used > 0; ++t) {
