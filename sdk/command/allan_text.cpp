@@ -131,9 +131,9 @@ std::string allan_text(const AllanChannel& channel) {
                  usual.unit.empty() ? "" : figure(estimate.value * usual.factor), usual.unit});
     }
     if (field.fit.chi_square > 3)
-      text +=
-          fmt::format("  {}: no sum of these terms fits (chi-square {} per degree of freedom): it moves, or drifts otherwise\n",
-                      field.name, figure(field.fit.chi_square));
+      text += fmt::format(
+          "  {}: no sum of these terms fits (chi-square {} per degree of freedom): it moves, or drifts otherwise\n",
+          field.name, figure(field.fit.chi_square));
     name = field.name;
     for (int t = 0; t < allan::term_count && field.fit.used > 0; ++t) {
       const auto term = static_cast<Term>(t);
