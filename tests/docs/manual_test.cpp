@@ -76,6 +76,19 @@ TEST_CASE("what the tutorial says to type works and prints what it shows") {
   if (!untried.empty()) skip("no data for " + std::to_string(untried.size()) + " of the commands: " + untried.front());
 }
 
+TEST_CASE("what the guides to consistency and smoothing say to type works and prints what they show") {
+  std::vector<std::string> without_data;
+  for (const char* name : {"consistent-filter", "smoothing", "observability", "tuning"}) {
+    const MarkdownFile page("sdk/docs/" + std::string(name) + ".md");
+    INFO(name);
+    const auto [faults, untried] = session_of(page);
+    for (const auto& fault : faults) FAIL_CHECK(fault);
+    without_data.insert(without_data.end(), untried.begin(), untried.end());
+  }
+  if (!without_data.empty())
+    skip("no data for " + std::to_string(without_data.size()) + " of the commands: " + without_data.front());
+}
+
 TEST_CASE("every JSON excerpt of the tutorial is part of its config") {
   const std::string config = without_blanks(text_of(in_project("configs/tutorial/drive.json")));
   int excerpts = 0;
