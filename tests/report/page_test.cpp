@@ -323,6 +323,30 @@ TEST_CASE("binnacle observe --out: the page shows what is seen, what is not, and
   require_quiet(*chromium);
 }
 
+TEST_CASE("binnacle run --smooth --out: what is smoothed is drawn over its filter, and has its own figures") {
+  const Folder folder;
+  const std::string command = BINNACLE_TEST_COMMAND, project = BINNACLE_TEST_PROJECT;
+  const std::string out = (folder.path() / "out").string();
+  REQUIRE(std::system((command + " run '" + project + "/configs/quickstart.json' --smooth --quiet --out '" + out + "'")
+                          .c_str()) == 0);
+  const auto chromium = browser();
+  if (!chromium) return;
+  chromium->open(folder.path() / "out/report.html");
+  require_figures(*chromium, Json::parse(contents(folder.path() / "out/summary.json")), "/run");
+  const auto overlaid = [&](const std::string& plot) {
+    return chromium
+        ->value_of("(() => { const m = document.querySelector(`[data-name=\"" + plot +
+                   "\"]`).item.spec.moving; return m ? column(m.v).length : 0; })()")
+        .get<int>();
+  };
+  for (const char* name : {"position.north error", "attitude.roll", "gyro_bias.x"}) {
+    CHECK(overlaid("ins " + std::string(name)) > 100);
+    CHECK(overlaid("ins.smoothed " + std::string(name)) == 0);
+  }
+  CHECK(chromium->value_of("document.body.textContent.includes('The dark line is ins.smoothed.')") == Json(true));
+  require_quiet(*chromium);
+}
+
 TEST_CASE("binnacle report: a folder without results is an error that states what to do") {
   const Folder folder;
   const std::string command = BINNACLE_TEST_COMMAND, answer = (folder.path() / "answer").string();

@@ -108,11 +108,21 @@ function besideEstimates(block) {
   return [beside, block.errors.filter((error) => !beside.includes(error))];
 }
 
+const smoothedFilter = (filter) => payload.run.filters.find((other) => other.name === `${filter.name}.smoothed`);
+
+/// The same error or estimate of what the filter became smoothed, to be drawn over it.
+function smoothed(filter, block, list, entry) {
+  const other = smoothedFilter(filter), same = other && other.blocks.find(({ name }) => name === block.name);
+  const found = same && !entry.turn && same[list].find(({ name, unit }) => name === entry.name && unit === entry.unit);
+  return found && { t: found.t, v: found.v };
+}
+
 function errorPlot(filter, block, entry) {
   const isLength = !!entry.length;
   return timePlot(filter, {
     title: entry.name, unit: entry.unit, name: `${block.name}.${entry.name} error`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, isLength, within: entry.within,
     colour: colourOf(entry.name, block.errors.indexOf(entry)), stat: withinText(entry.within) || 'error', centre: 'zero',
+    moving: smoothed(filter, block, 'errors', entry),
   });
 }
 
@@ -120,12 +130,13 @@ function estimatePlot(filter, block, entry, i) {
   return timePlot(filter, {
     title: entry.name, unit: entry.unit, name: `${block.name}.${entry.name}`, t: entry.t, v: entry.v, s: entry.s, n: entry.n, turn: entry.turn,
     colour: colourOf(entry.name, i), stat: entry.s ? 'estimate \u00b13\u03c3' : 'estimate', centre: 'value',
+    moving: smoothed(filter, block, 'estimates', entry),
   });
 }
 
 function statesSection(filter) {
   if (!filter.blocks.length) return null;
-  const part = section('States', 'Errors with the filter\u2019s \u00b13\u03c3 about zero, where there is a reference: of a good filter 99.7 % lie inside, and the band is not much wider than they are. Estimates within their \u00b13\u03c3.' + (filter.windows.length ? ' Shaded: windows that are scored by themselves, and what was withheld.' : ''));
+  const part = section('States', 'Errors with the filter\u2019s \u00b13\u03c3 about zero, where there is a reference: of a good filter 99.7 % lie inside, and the band is not much wider than they are. Estimates within their \u00b13\u03c3.' + (filter.windows.length ? ' Shaded: windows that are scored by themselves, and what was withheld.' : '') + (smoothedFilter(filter) ? ` The dark line is ${filter.name}.smoothed.` : ''));
   for (const block of filter.blocks) {
     const [beside, others] = besideEstimates(block);
     const errors = beside.map((entry) => errorPlot(filter, block, entry));
