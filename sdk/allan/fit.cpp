@@ -14,7 +14,7 @@ namespace {
 using Eigen::MatrixXd, Eigen::VectorXd;
 using std::numbers::pi;
 
-constexpr double needed_gain = 9;  // of χ²: three standard deviations
+constexpr double needed_gain = 9;  // of twice the log-likelihood: three standard deviations
 constexpr double two_sided = 1.959963984540054;
 
 /// σ²(τ) of a coefficient of 1 (IEEE 952-1997, C.1).
@@ -70,13 +70,28 @@ class Fitter {
       covariance_(i, i) = 2 * std::pow(point(i).variance, 2) * point(i).tau / point(i).seconds + 1e-300;
   }
 
+  /// The likeliest set of terms, each with the covariance that it gives itself, of which each term raises 2 ln L by enough.
   Selection run() {
     Selection best;
-    for (int round = 0; round < 8; ++round) {
-      best = select();
-      update_covariance(best);
+    double best_score = 0;
+    const MatrixXd first = covariance_;
+    MatrixXd best_covariance = first;
+    for (unsigned set = 1; set < 1U << term_count; ++set) {
+      std::vector<int> terms;
+      for (int k = 0; k < term_count; ++k)
+        if (set >> k & 1U) terms.push_back(k);
+      if (static_cast<Eigen::Index>(terms.size()) >= measured_.size()) continue;
+      covariance_ = first;
+      const Selection selection = settle(terms);
+      if (!(selection.squares.minCoeff() > 0)) continue;
+      const double score = minus_two_log_likelihood(selection) + needed_gain * static_cast<double>(terms.size());
+      if (!best.terms.empty() && !(score < best_score)) continue;
+      best_score = score;
+      best = selection;
+      best_covariance = covariance_;
     }
-    return solve(best.terms);
+    covariance_ = best_covariance;
+    return best;
   }
   Selection with(std::vector<int> terms) const { return solve(std::move(terms)); }
 
@@ -101,23 +116,19 @@ class Fitter {
     return selection;
   }
 
-  /// The best set of terms, all above zero, of which each lowers χ² by enough.
-  Selection select() const {
-    Selection best;
-    double best_score = 0;
-    for (unsigned set = 1; set < 1U << term_count; ++set) {
-      std::vector<int> terms;
-      for (int k = 0; k < term_count; ++k)
-        if (set >> k & 1U) terms.push_back(k);
-      if (static_cast<Eigen::Index>(terms.size()) >= measured_.size()) continue;
-      const Selection selection = solve(terms);
-      if (!(selection.squares.minCoeff() > 0)) continue;
-      const double score = selection.chi_square + needed_gain * static_cast<double>(terms.size());
-      if (!best.terms.empty() && !(score < best_score)) continue;
-      best_score = score;
-      best = selection;
+  /// With the covariance that it gives itself.
+  Selection settle(const std::vector<int>& terms) {
+    Selection selection = solve(terms);
+    for (int round = 0; round < 5 && selection.squares.minCoeff() > 0; ++round) {
+      update_covariance(selection);
+      selection = solve(terms);
     }
-    return best;
+    return selection;
+  }
+
+  double minus_two_log_likelihood(const Selection& selection) const {
+    const MatrixXd L = Eigen::LLT<MatrixXd>(covariance_).matrixL();
+    return selection.chi_square + 2 * L.diagonal().array().log().sum();
   }
 
   /// Of σ̂² at τ_a and τ_b, where the terms hold: (1/T) ∫ S² A_a A_b df, with T the time that both averaged over.

@@ -80,7 +80,7 @@ struct Fit {
 double variance_at(const std::vector<Fit::Estimate>& estimates, double tau);
 
 /// Non-negative generalized least squares of σ²(τ) with the covariance that estimates of a record of this length have where
-/// the fitted terms hold. A term is there when it lowers χ² by more than 9. Averaging times up to a sixth of the record.
+/// the fitted terms hold. A term is there when it raises twice the log-likelihood by more than 9. Averaging times up to a sixth of the record.
 Fit fit(const std::vector<Point>& points, double interval);
 
 }  // namespace binnacle::allan
