@@ -69,6 +69,8 @@ struct ScorePlan : SectionData {
   Time record_every = 0;  // 0: at every step
 
   std::string explain(int filter) const override;
+  /// Emits on the channels of fixed lags (lag_channels.cpp).
+  std::shared_ptr<binnacle::RunObserver> part() const override;
 };
 
 /// The composition's own; one that scores nothing where it was loaded without the sections.

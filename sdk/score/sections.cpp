@@ -139,9 +139,33 @@ std::optional<SmoothingPlan> read_type_of_smoother(const Reader& at) {
   return {};
 }
 
-void read_smoother(const Reader& at, int of, ScorePlan& plan) {
+/// What is wrong with it is reported when it is read.
+bool has_fixed_lag(const Reader& smoother) {
+  if (!smoother.is_object()) return false;
+  const Reader type = smoother["type"];
+  return type && type.shown() == "the text \"fixed_lag\"";
+}
+
+/// What is smoothed is run again, and what a fixed lag emits comes once: a filter that it may feed cannot be smoothed.
+void refuse_behind_lag(const CompositionDraft& draft, const Reader& at, int of) {
+  for (const FilterInfo& filter : draft.filters()) {
+    const std::string& name = draft.filters()[as_size(of)].name;
+    if (filter.name == name || !has_fixed_lag(draft.at("/filters")[filter.name]["smoother"])) continue;
+    const auto channel = std::ranges::find(draft.channels(), filter.name + ".smoothed", &ChannelInfo::name);
+    if (channel == draft.channels().end()) continue;
+    const auto feeds = [](const std::string& subscriber) { return !subscriber.starts_with("/sinks/"); };
+    const auto fed = std::ranges::find_if(channel->subscribers, feeds);
+    if (fed == channel->subscribers.end()) continue;
+    return at.error("B010", "filter '" + name + "' cannot be smoothed: a smoother runs the data again, and what '" +
+                                channel->name + "' emits to " + *fed +
+                                " comes only once; smooth it in a run of its own");
+  }
+}
+
+void read_smoother(const CompositionDraft& draft, const Reader& at, int of, ScorePlan& plan) {
   auto smoothing = read_type_of_smoother(at);
   if (!smoothing) return;
+  refuse_behind_lag(draft, at, of);
   FilterInfo smoothed = plan.filters[as_size(of)];
   smoothed.name += ".smoothed";
   if (index_of(names_of(plan.filters), smoothed.name) >= 0)
@@ -163,7 +187,7 @@ void read_smoother(const Reader& at, int of, ScorePlan& plan) {
 void read_smoothers(const CompositionDraft& draft, ScorePlan& plan) {
   for (std::size_t f = 0; f < draft.filters().size(); ++f)
     if (const Reader at = draft.at("/filters")[draft.filters()[f].name]["smoother"])
-      read_smoother(at, static_cast<int>(f), plan);
+      read_smoother(draft, at, static_cast<int>(f), plan);
 }
 
 class Sections final : public Section {
@@ -172,6 +196,9 @@ class Sections final : public Section {
     return {"reference", "evaluate", "record", "study", "covariance", "tune", "metrics"};
   }
   std::vector<std::string> filter_keys() const override { return {"implied_states", "smoother"}; }
+  std::vector<std::string> filter_channels(const Reader& filter) const override {
+    return has_fixed_lag(filter["smoother"]) ? std::vector<std::string>{"smoothed"} : std::vector<std::string>();
+  }
   RenamedKeys renamed_keys() const override { return {{"readings", "implied_states"}}; }
   std::vector<std::string> patches() const override { return {"/study/variants", "/study/dimensions/*"}; }
 

@@ -2,7 +2,6 @@
 #include "smooth/fixed_lag.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 #include <ranges>
 #include <stdexcept>
@@ -23,7 +22,8 @@ FixedLag::FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit, 
       emit_(std::move(emit)),
       take_withheld_(std::move(take_withheld)),
       pattern_(filter_),
-      co_states_(pattern_, considered_rows(filter_), most_rows(filter_)) {
+      co_states_(pattern_, considered_rows(filter_), most_rows(filter_)),
+      kept_(filter_) {
   if (lag.lag < 0 || lag.every <= 0)
     throw std::invalid_argument("a lag is not negative, and sweeps are some time apart");
   open_part();
@@ -87,7 +87,8 @@ void FixedLag::sweep(Time until) {
   co_states_.clear();
   for (Part& part : log_ | std::views::reverse) {
     if (part.end <= emitted_) break;
-    part.stretch->sweep(co_states_, [&](const Epoch& epoch) { keep(epoch); }, take_withheld_, {emitted_, until});
+    part.stretch->sweep(co_states_, [&](const Epoch& epoch) { kept_.push_back(epoch); }, take_withheld_,
+                        {emitted_, until});
     has_breaks_ = has_breaks_ || part.stretch->breaks() > 0;
   }
   emit_kept();
@@ -100,22 +101,11 @@ void FixedLag::sweep(Time until) {
   log_.erase(log_.begin(), rest);
 }
 
-void FixedLag::keep(const Epoch& epoch) {
-  const std::size_t stored = as_size(filter_.stored_size), n = as_size(filter_.dof), size = 1 + stored + n * n;
-  if (kept_.size() < ++kept_count_ * size) kept_.resize(kept_count_ * size);
-  double* to = kept_.data() + (kept_count_ - 1) * size;
-  *to++ = std::bit_cast<double>(epoch.t);
-  to = std::copy_n(epoch.x, stored, to);
-  MatrixView(to, filter_.dof, filter_.dof, filter_.dof).as() = epoch.P.as();
-}
-
 void FixedLag::emit_kept() {
-  const int n = filter_.dof;
-  const std::size_t stored = as_size(filter_.stored_size), size = 1 + stored + as_size(n) * as_size(n);
-  for (; kept_count_ > 0; --kept_count_) {
-    const double* const from = kept_.data() + (kept_count_ - 1) * size;
-    emitted_ = std::bit_cast<Time>(*from);
-    emit_({emitted_, from + 1, ConstMatrixView{from + 1 + stored, n, n, n}});
+  for (; kept_.count() > 0; kept_.pop_back()) {
+    const Epoch epoch = kept_[kept_.count() - 1];
+    emitted_ = epoch.t;
+    emit_(epoch);
   }
 }
 

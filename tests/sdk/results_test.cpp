@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "csv_columns.hpp"
 #include "results/results.hpp"
 
 using namespace binnacle::test;
@@ -25,30 +26,6 @@ namespace fs = std::filesystem;
 namespace results = binnacle::results;
 
 namespace {
-
-/// A CSV of numbers: its header's names, and its columns.
-struct Csv {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> columns;
-};
-
-Csv read_csv(const fs::path& path) {
-  Csv csv;
-  std::istringstream lines(read_file(path));
-  std::string line, cell;
-  std::getline(lines, line);
-  std::istringstream header(line);
-  while (std::getline(header, cell, ',')) csv.names.push_back(cell);
-  csv.columns.resize(csv.names.size());
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    for (auto& column : csv.columns) {
-      std::getline(cells, cell, ',');
-      column.push_back(std::stod(cell));
-    }
-  }
-  return csv;
-}
 
 bool are_same(const std::vector<double>& a, const std::vector<double>& b) {
   if (a.size() != b.size()) return false;

@@ -2,15 +2,19 @@
 // Smoothing as a user asks for it: by the config, by --smooth, and what is refused.
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "csv_columns.hpp"
 
 using namespace binnacle::test;
 
@@ -134,4 +138,84 @@ TEST_CASE("a lag as long as the run gives what the interval gives, and a shorter
   }
   CHECK(lagged.at("smoother") ==
         nlohmann::json{{"type", "fixed_lag"}, {"lag_s", 10.0}, {"every_s", 1.0}, {"breaks", 0}});
+}
+
+namespace {
+
+const std::string lag_smoother = R"(/filters/ins/smoother={"type": "fixed_lag", "lag": "20 s", "every": "5 s"})";
+
+}  // namespace
+
+TEST_CASE("what a fixed lag emits is a channel: a sink gets every epoch once, in order, as it is recorded") {
+  const Workbench bench;
+  const auto outcome =
+      run(bench, {"--json", "--out", "out", "--set", lag_smoother, "--set",
+                  R"(/sinks={"s": {"type": "csv_writer", "input": "ins.smoothed", "path": "smoothed.csv",
+                      "fields": {"height": "position.height"}, "columns": {"height": {"unit": "m"}}}})"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const auto emitted = read_csv(bench.path("smoothed.csv")).columns;
+  const auto recorded = read_csv(bench.path("out/ins.smoothed.csv")).columns;
+  const auto forward = read_csv(bench.path("out/ins.csv")).columns;
+  const auto& times = emitted.at(0);
+  CHECK(std::ranges::adjacent_find(times, std::ranges::greater_equal()) == times.end());
+  REQUIRE(recorded.at(0).size() > 500);
+  int different = 0;
+  for (std::size_t k = 0; k < recorded[0].size(); ++k) {
+    const auto found = std::ranges::find(times, recorded[0][k]);
+    REQUIRE(found != times.end());
+    const double height = emitted.at(1)[static_cast<std::size_t>(found - times.begin())];
+    CHECK(height == recorded.at(3)[k]);
+    different += height != forward.at(3)[k];
+  }
+  CHECK(different > 500);
+  CHECK(times.back() >= recorded[0].back());
+}
+
+TEST_CASE("a filter fed by what a fixed lag emits gets every estimate, and may not be smoothed itself") {
+  const Workbench bench;
+  const std::string fed = R"(/filters/track={
+      "blocks": {"height": {"type": "vector", "size": 1, "unit": "m", "init": 520, "sigma": "100 m"}},
+      "process": {"walk": {"type": "random_walk", "blocks": {"x": "height"}, "q": 1
+}
+}
+, "measurements" : {
+  "smooth" : {
+    "type" : "linear_measurement",
+             "channel" : "ins.smoothed",
+                         "blocks" : {"x" : "height"},
+                                    "fields" : {"z0" : "position.height"},
+                                               "sigma" : ["1 m"]
+  }
+}
+})";
+  const auto outcome = run(bench, {"--json", "--set", lag_smoother, "--set", fed});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const auto filters = json_of(outcome);
+  const auto& counts = filters.at("track").at("measurements").at("smooth");
+  CHECK(counts.at("accepted") == counts.at("offered"));
+  CHECK(counts.at("accepted") > filters.at("ins").at("steps").get<int>() - 10);
+  const auto refused = run(bench, {"--set", lag_smoother, "--set", fed, "--smooth"});
+  CHECK(refused.status == 3);
+  INFO(refused.err);
+  CHECK(refused.err.find("filter 'track' cannot be smoothed: a smoother runs the data again") != std::string::npos);
+}
+
+TEST_CASE("without a fixed lag there is no such channel, and a filter may not feed on its own") {
+  const Workbench bench;
+  const std::string sink =
+      R"(/sinks={"s": {"type": "csv_writer", "input": "ins.smoothed", "path": "s.csv", "columns": {}}})";
+  for (const char* further : {"--strict", "--smooth"}) {
+    const auto outcome = run(bench, {"--set", sink, further});
+    CHECK(outcome.status == 3);
+    INFO(outcome.err);
+    CHECK(outcome.err.find("there is no channel 'ins.smoothed'") != std::string::npos);
+  }
+  const auto cycle = run(bench, {"--set", lag_smoother, "--set", R"(/filters/ins/measurements/own={
+      "type": "linear_measurement", "channel": "ins.smoothed", "blocks": {"x": "accel_bias"},
+      "fields": {"z0": "accel_bias.x", "z1": "accel_bias.y", "z2": "accel_bias.z"}, "sigma": [1]})"});
+  INFO(cycle.err);
+  CHECK(cycle.status == 3);
+  CHECK(cycle.err.find("these feed each other") != std::string::npos);
 }

@@ -100,6 +100,29 @@ TEST_CASE("a fixed lag gives what the whole interval up to each sweep gives, in 
   }
 }
 
+TEST_CASE(
+    "a lag's channel, beside another observer: each sees every step, and what is pushed on the channel is its own") {
+  struct Counter final : StepObserver {
+    int steps = 0;
+    void stepped(const StepRecord&) override { ++steps; }
+  } counter;
+  Session session(composition_of(line("")));
+  // A section would give the filter such a channel.
+  CHECK_THROWS_AS(session.push_estimates(session.channel("f"), {0}, 0, nullptr, {}), std::invalid_argument);
+  int emitted = 0;
+  smooth::FixedLag lag(session, {0}, {nanoseconds(1.0), nanoseconds(1.0)}, [&](const smooth::Epoch&) { ++emitted; });
+  session.attach_section({0}, &lag);
+  session.attach({0}, &counter);
+  for (int k = 0; k < 100; ++k) push_sample(session, k);
+  CHECK(counter.steps > 60);
+  session.attach({0}, nullptr);
+  const int before = counter.steps;
+  for (int k = 100; k < 200; ++k) push_sample(session, k);
+  CHECK(counter.steps == before);
+  lag.finish();
+  CHECK(emitted > 150);
+}
+
 TEST_CASE("a fixed lag allocates nothing once its log is as long as it gets") {
   if (!conform::allocations_are_counted()) return test::skip("with this C library allocations can not be counted");
   for (const std::string velocity_extra : {"", R"(, "consider": ["x"])"}) {

@@ -28,6 +28,8 @@ class Composer;
 }
 struct ChannelInfo;
 struct FilterInfo;
+class RunObserver;
+class Session;
 
 /// What the block on a port lends to parameters: unit of its error components, and how many there are.
 struct PortMeasure {
@@ -150,6 +152,10 @@ class SectionData {
   virtual ~SectionData() = default;
   /// What `binnacle explain` adds to the filter: JSON text of an object, or nothing.
   virtual std::string explain(int /*filter*/) const { return {}; }
+  /// What belongs to every run of the composition: begins before the run's own observer and sees each instant before it.
+  /// It attaches its step observers with Session::attach_section(), and emits on channels of its section with
+  /// Session::push_estimates() in after_instant() and finished(). Nothing: there is no such part.
+  virtual std::shared_ptr<RunObserver> part() const { return {}; }
 };
 
 class Section {
@@ -159,6 +165,9 @@ class Section {
   /// Keys of the config, and of each of its filters, that are this reader's.
   virtual std::vector<std::string> keys() const = 0;
   virtual std::vector<std::string> filter_keys() const { return {}; }
+  /// Further channels of a filter, "smoothed" for NAME.smoothed: with the fields of its estimates. The section's part of a
+  /// run emits on them.
+  virtual std::vector<std::string> filter_channels(const Reader& /*filter*/) const { return {}; }
   /// Former names of such keys, and what they are called now.
   virtual RenamedKeys renamed_keys() const { return {}; }
   /// Where objects of merge patches stand, which keep their nulls until they are merged: "/variants", with `*` for

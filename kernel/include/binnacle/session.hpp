@@ -142,7 +142,13 @@ class Session {
   MeasurementCounts counts(MeasurementId measurement) const;
   FilterCounts counts(FilterId filter) const;
   ChannelCounts counts(ChannelId channel) const;
+  /// In the place of the observer that was attached before; null: nobody.
   void attach(FilterId filter, StepObserver* observer);
+  /// Beside it: of a section's part of a run, which sees every sample once and no rerun().
+  void attach_section(FilterId filter, StepObserver* observer);
+  /// Emits estimates of a filter, made from its steps, on a channel of its section (NAME.smoothed): an instant of its own. t
+  /// may lie behind; x: stored state, P: covariance, both as FilterInfo lays them out.
+  void push_estimates(ChannelId channel, FilterId filter, Time t, const double* x, ConstMatrixView P);
 
   /// Everything that this run is, as bytes; restored into a Session of the same composition it goes on bit for bit.
   std::size_t snapshot_size() const;

@@ -268,6 +268,11 @@ void FilterComposer::publish_estimates() {
     }
   }
   plan.output_channel = composer.add_channels(at, {declaration}).front();
+  for (const auto& section : composer.sections())
+    for (const auto& name : section->filter_channels(at)) {
+      declaration.name = name;
+      plan.further_channels.push_back(composer.add_channels(at, {declaration}).front());
+    }
 }
 
 void FilterComposer::read_initial_values() {

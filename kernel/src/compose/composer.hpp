@@ -115,6 +115,8 @@ class Composer {
   const ChannelPlan& channel(int index) const { return plan_->channels[as_size(index)]; }
   Reader place(const std::string& pointer) const { return {plan_->document, diagnostics_, pointer}; }
   Diagnostics& diagnostics() { return diagnostics_; }
+  const std::vector<std::shared_ptr<const Section>>& sections() const { return sections_; }
+  void add_subscriber(int channel, const std::string& pointer);
   const std::vector<FilterComposer>& filters() const { return filters_; }
 
   /// How much went wrong so far. What is composed is whole if this has not changed meanwhile.
@@ -196,6 +198,7 @@ class Composer {
   void order_nodes();
   void lay_out();
   void add_subscribers();
+  void check_subscribers();
   void keep(Findings findings, const Reader& at);
   void refuse(const ComponentError& error, const Reader& at);
 

@@ -151,7 +151,8 @@ void Composer::order_nodes() {
     open.push_back({{Node::Kind::transform, count_of(open)}, transform.pointer, transform.channels});
   for (int i = 0; i < count_of(plan_->filters); ++i) {
     const auto& filter = plan_->filters[as_size(i)];
-    open.push_back({{Node::Kind::filter, i}, filter.pointer, {filter.output_channel}});
+    open.push_back({{Node::Kind::filter, i}, filter.pointer, filter.further_channels});
+    open.back().out.push_back(filter.output_channel);
   }
   for_each_input(*plan_, [&](const Node& node, int channel, const std::string&) {
     const int index = index_of(open, node, &Work::node);
@@ -221,15 +222,18 @@ void Composer::lay_out() {
   }
 }
 
-void Composer::add_subscribers() {
-  const auto add = [&](int channel, const std::string& pointer) {
-    auto& subscribers = plan_->channel_infos[as_size(channel)].subscribers;
-    if (index_of(subscribers, pointer) < 0) subscribers.push_back(pointer);
-  };
-  for_each_input(*plan_, [&](const Node&, int channel, const std::string& pointer) { add(channel, pointer); });
-  for (const auto& subscription : plan_->subscriptions) add(subscription.channel, subscription.pointer);
+void Composer::add_subscriber(int channel, const std::string& pointer) {
+  auto& subscribers = plan_->channel_infos[as_size(channel)].subscribers;
+  if (index_of(subscribers, pointer) < 0) subscribers.push_back(pointer);
+}
 
-  // A source or transform none of whose channels has a subscriber works for nothing: most likely a name is wrong somewhere.
+void Composer::add_subscribers() {
+  for_each_input(*plan_,
+                 [&](const Node&, int channel, const std::string& pointer) { add_subscriber(channel, pointer); });
+}
+
+// A source or transform none of whose channels has a subscriber works for nothing: most likely a name is wrong somewhere.
+void Composer::check_subscribers() {
   const auto check = [&](const auto& component) {
     const bool is_heard = std::ranges::any_of(component.channels, [&](int channel) {
       return !plan_->channel_infos[as_size(channel)].subscribers.empty();
@@ -262,12 +266,13 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   for (const auto& channel : plan_->channels)
     plan_->channel_infos.push_back({channel.name, &channel.declaration, channel.position, channel.pointer});
   add_sinks();
+  if (is_complete && !diagnostics_.has_errors()) add_subscribers();
   CompositionDraft draft(*this);
   for (const auto& section : sections_) plan_->sections.push_back(section->read(draft));
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   lay_out();
-  add_subscribers();
+  check_subscribers();
 
   base::Fnv1a hash(plan_->document.hash(own_keys));
   hash.add(BINNACLE_VERSION);
@@ -300,6 +305,7 @@ bool CompositionDraft::has_failed(std::string_view filter, std::string_view valu
 
 void CompositionDraft::subscribe(int channel, const std::string& pointer) {
   composer_.plan().subscriptions.push_back({channel, pointer});
+  composer_.add_subscriber(channel, pointer);
 }
 
 namespace {

@@ -348,19 +348,20 @@ void Engine::inflate(int measurement, Time t) {
   ledger_.observer()->inflated(inflation_record({measurement, t, variances_.data(), nullptr, {}, {}}));
 }
 
-bool Engine::write_estimates(SampleWriter& slot) {
-  slot.t = status().t;
+bool Engine::write_estimates(SampleWriter& slot, Time t, const double* x, ConstMatrixView P) {
+  slot.t = t;
   slot.t0 = no_time;
-  calls_.set_time(slot.t);
-  guarded([&] { estimator_.write(slot); });
+  calls_.set_time(t);
+  guarded([&] { estimator_.write(slot, x, P); });
   return !broken();
 }
 
 // ---- records of what the observer wants and no more
 
-void Engine::attach(StepObserver* observer) {
-  ledger_.attach(observer);
-  if (!observer) return;
+void Engine::attach(StepObservers observers) {
+  observers_ = observers;
+  ledger_.attach(observers_.any());
+  if (!ledger_.observer()) return;
   const auto n = as_size(plan_.n);
   x_before_.resize(as_size(plan_.stored_size));
   for (auto* matrix : {&P_before_, &Phi_, &Qd_, &reset_}) matrix->resize(n * n);

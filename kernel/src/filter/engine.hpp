@@ -13,6 +13,7 @@
 #include "filter/estimator.hpp"
 #include "filter/ledger.hpp"
 #include "filter/model_calls.hpp"
+#include "filter/step_observers.hpp"
 #include "filter/time_line.hpp"
 
 namespace binnacle::internal::filter {
@@ -27,7 +28,9 @@ class Engine final : private TimeLine::Work {
 
   /// Initialises the arena for a new run.
   void reset();
-  void attach(StepObserver* observer);  // allocates
+  // These allocate.
+  void attach(StepObserver* observer) { attach({observer, observers_.of_section()}); }
+  void attach_section(StepObserver* observer) { attach({observers_.of_run(), observer}); }
   /// The arena was overwritten by a snapshot.
   void restored();
 
@@ -53,9 +56,10 @@ class Engine final : private TimeLine::Work {
   const ModelCalls& calls() const { return calls_; }
   ModelCalls& calls() { return calls_; }
   const FilterPlan& plan() const { return plan_; }
-  /// The estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could
-  /// not be written, and the filter stops.
-  bool write_estimates(SampleWriter& slot);
+  /// Estimates as a sample of the filter's own channel: outputs of all blocks, P in their error dof. False: it could not be
+  /// written, and the filter stops.
+  bool write_estimates(SampleWriter& slot) { return write_estimates(slot, status().t, state(), covariance()); }
+  bool write_estimates(SampleWriter& slot, Time t, const double* x, ConstMatrixView P);
 
  private:
   void start(Time t) override;
@@ -86,6 +90,8 @@ class Engine final : private TimeLine::Work {
   void inflate(int measurement, Time t);
   void keep_latest(const LatestPlan& plan, const SampleView& sample);
 
+  void attach(StepObservers observers);
+
   // Records for the observer
   bool is_wanted(Wants part) const { return includes(wants_, part); }
   /// Before P changes, by a step, a correction or an inflation: keeps x, and P where it is wanted.
@@ -105,6 +111,7 @@ class Engine final : private TimeLine::Work {
   TimeLine time_;
   Estimator estimator_;
   Ledger ledger_;
+  StepObservers observers_;
   Wants wants_ = Wants::nothing;  // of the step or sample at work
   std::vector<double> x_before_, P_before_, Phi_, Qd_, H_, reset_, variances_;
 };

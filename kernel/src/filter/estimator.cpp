@@ -219,15 +219,15 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
   throw Stop("the state is not finite at " + time_text(t) + why);
 }
 
-void Estimator::write(SampleWriter& slot) {
+void Estimator::write(SampleWriter& slot, const double* x, ConstMatrixView P) {
   double* out = slot.fields;
   for (const auto& block : plan_.blocks) {
     const VectorView outputs(out, block.outputs());
-    calls_.during(block, "read", [&] { block.block->read(block.in(state()), outputs); });
+    calls_.during(block, "read", [&] { block.block->read(block.in(x), outputs); });
     out += outputs.size();
   }
   slot.rows = 0;
-  slot.attach_covariance().as() = covariance().as();
+  slot.attach_covariance().as() = P.as();
 }
 
 }  // namespace binnacle::internal::filter

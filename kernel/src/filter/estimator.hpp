@@ -193,7 +193,7 @@ class Estimator {
   ConstMatrixView covariance() const { return P_->expand(); }
   const CovarianceForm& form() const { return *P_; }
   /// The estimates as a sample: outputs of all blocks, P in their error dof.
-  void write(SampleWriter& slot);
+  void write(SampleWriter& slot, const double* x, ConstMatrixView P);
 
  private:
   /// Per port of a process: the value, null where it is open; where x⁺ is written, null for ports that are only read.

@@ -397,8 +397,9 @@ struct FilterPlan : Planned {
   std::vector<FieldKind> input_kinds;     // of its per-epoch fields
   std::vector<unsigned char> input_used;  // whether a process or the driving rates read it: then it must be finite
   int samples_per_step = 1;
-  std::size_t queue_doubles = 0;  // per entry
-  int output_channel = -1;        // its estimates, in the composition's channels
+  std::size_t queue_doubles = 0;           // per entry
+  int output_channel = -1;                 // its estimates, in the composition's channels
+  std::vector<int> further_channels = {};  // of sections
 
   int n = 0;  // rows of P
   int stored_size = 0;

@@ -153,8 +153,18 @@ void note_failures(Runtime& runtime, Diagnostics& failures) {
   }
 }
 
+/// What belongs to every run of the composition.
+using Parts = std::vector<std::shared_ptr<RunObserver>>;
+
+Parts parts_of(const compose::CompositionPlan& plan) {
+  Parts parts;
+  for (const auto& section : plan.sections)
+    if (auto part = section ? section->part() : nullptr) parts.push_back(std::move(part));
+  return parts;
+}
+
 /// From the first instant to the end of the sources.
-void run_sources(Session& session, RunObserver& observer) {
+void run_sources(Session& session, const Parts& parts, RunObserver& observer) {
   Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
   std::vector<std::size_t> noted(runtime.plan().filters.size());
@@ -162,10 +172,13 @@ void run_sources(Session& session, RunObserver& observer) {
     for (int f = 0; f < base::count_of(noted); ++f)
       while (noted[as_size(f)] < runtime.engine(f).calls().note_book.notes().size())
         observer.noted(session.notes({f}).items()[noted[as_size(f)]++]);
+    for (const auto& part : parts) part->after_instant();
     observer.after_instant();
     if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
   }
   runtime.finish();
+  for (const auto& part : parts) part->finished();
+  if (!parts.empty()) runtime.finish();  // of what they emitted
   observer.after_instant();
   observer.finished();
   runtime.subscribe({});
@@ -181,6 +194,7 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
   for (int f = 0; f < filters; ++f) notes.push_back(runtime.engine(f).calls().note_book);
   const auto times = runtime.filter_times();
   runtime.feed_sinks(false);
+  for (int f = 0; f < filters; ++f) runtime.engine(f).attach_section(nullptr);
   session.restore(from);
   bool is_over = false;
   for (std::int64_t i = 0; i < instants && !is_over; ++i) {
@@ -206,11 +220,13 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   Session session(composition, options.seed, options.run);
   Runtime& runtime = session.runtime();
   runtime.feed_sinks(options.feeds_sinks);
+  const Parts parts = parts_of(plan);
+  for (const auto& part : parts) part->begin(session);
   observer.begin(session);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
-  run_sources(session, observer);
+  run_sources(session, parts, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });

@@ -188,6 +188,16 @@ void Runtime::run_filter(int index, Time t) {
     output.publish();
 }
 
+void Runtime::emit_estimates(int channel, int filter, Time t, const double* x, ConstMatrixView P) {
+  Channel& output = channels_[as_size(channel)];
+  Engine& engine = this->engine(filter);
+  const CallScope scope(engine.calls());
+  output.slot.clear();
+  if (!engine.write_estimates(output.slot, t, x, P)) return;
+  output.publish();
+  end_instant(t);
+}
+
 void Runtime::end_instant(Time t) {
   time_ = t;
   do work_on_instant();

@@ -61,6 +61,8 @@ class Runtime {
   bool next_instant();
   /// The end of the run.
   void finish();
+  /// Estimates of a filter, not its own ones, as an instant of their own.
+  void emit_estimates(int channel, int filter, Time t, const double* x, ConstMatrixView P);
 
   /// Shown the samples of channels that sections subscribe to, once everything at their instant has been worked on.
   using Subscriber = std::function<void(int channel, const SampleView& sample)>;

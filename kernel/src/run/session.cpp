@@ -240,6 +240,16 @@ FilterCounts Session::counts(FilterId filter) const {
 ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }
 
 void Session::attach(FilterId filter, StepObserver* observer) { engine(filter).attach(observer); }
+void Session::attach_section(FilterId filter, StepObserver* observer) { engine(filter).attach_section(observer); }
+
+void Session::push_estimates(ChannelId channel, FilterId filter, Time t, const double* x, ConstMatrixView P) {
+  intake(channel);
+  const auto& further = engine(filter).plan().further_channels;
+  if (std::ranges::find(further, channel.index) == further.end())
+    throw std::invalid_argument("channel '" + composition_->channels()[as_size(channel.index)].name +
+                                "' is none that a section has for filter '" + engine(filter).plan().name + "'");
+  runtime_->emit_estimates(channel.index, filter.index, t, x, P);
+}
 
 Verdict Session::verdict(FilterId filter) const { return engine(filter).verdict(); }
 

@@ -8,6 +8,7 @@
 
 #include "binnacle/session.hpp"
 #include "smooth/co_states.hpp"
+#include "smooth/epoch_buffer.hpp"
 #include "smooth/stretch.hpp"
 
 namespace binnacle::smooth {
@@ -46,7 +47,6 @@ class FixedLag final : public StepObserver {
   Stretch& newest() { return *log_.back().stretch; }
   void open_part();
   void sweep(Time until);
-  void keep(const Epoch& epoch);
   void emit_kept();
 
   const Session& session_;
@@ -65,8 +65,7 @@ class FixedLag final : public StepObserver {
   std::vector<Part> log_, spare_;
   Time next_sweep_ = no_time, emitted_ = no_time;
   bool has_breaks_ = false;
-  std::vector<double> kept_;  // t, x, P of each epoch of a sweep, the last first
-  std::size_t kept_count_ = 0;
+  EpochBuffer kept_;  // of a sweep, the last first
 };
 
 }  // namespace binnacle::smooth
