@@ -21,9 +21,15 @@ int processors(int processes_here) {
   return is_bound ? ours : std::max(1, ours / processes_here);
 }
 
+void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work) {
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
+  tbb::task_arena arena(jobs);
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, work, tbb::simple_partitioner()); });
+}
+
 void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
                     const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on) {
-  const auto work = [&](int) {
+  const auto work = [&](std::size_t) {
     while (goes_on()) {
       const auto key = next();
       if (!key) return;
@@ -32,9 +38,7 @@ void carry_out_runs(const Study& study, int jobs, const std::function<std::optio
       done(*key, std::move(figures));
     }
   };
-  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
-  tbb::task_arena arena(jobs);
-  arena.execute([&] { tbb::parallel_for(0, jobs, work, tbb::simple_partitioner()); });
+  in_parallel(jobs, static_cast<std::size_t>(jobs), work);
 }
 
 void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,

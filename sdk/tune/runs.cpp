@@ -6,10 +6,6 @@
 #include <mutex>
 #include <utility>
 
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include "binnacle/run.hpp"
 #include "score/sections.hpp"
 #include "wording/wording.hpp"
@@ -54,12 +50,6 @@ void refuse_adaptive(const Composition& composition, const Member& member) {
 }
 
 }  // namespace
-
-void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work) {
-  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
-  tbb::task_arena arena(jobs);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, work, tbb::simple_partitioner()); });
-}
 
 void observed_run(const std::shared_ptr<const Composition>& composition, const std::vector<StepObserver*>& observers,
                   const RunSettings& settings) {

@@ -11,18 +11,18 @@
 #include "binnacle/composition.hpp"
 #include "log_recorder.hpp"
 #include "response.hpp"
+#include "study/workers.hpp"
 #include "tune/plan.hpp"
 #include "tune/tune.hpp"
 
 namespace binnacle::tune {
 
 using RunSettings = TuneOptions;
+using study::in_parallel;
 
 /// What is judged: as configured; without gates; or, without gates, only what the last run accepted.
 enum class Gates { as_configured, off, frozen };
 
-/// Works on 0 … count − 1 with that many threads.
-void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work);
 /// A run with an observer for each filter. Throws FilterError where one breaks, Interrupted.
 void observed_run(const std::shared_ptr<const Composition>& composition, const std::vector<StepObserver*>& observers,
                   const RunSettings& settings);

@@ -32,7 +32,6 @@ class Search {
 
   /// What is accepted stays frozen from one call to the next, once it is.
   Found from(std::vector<double> u, const std::vector<bool>& is_free);
-  void thaw() { is_frozen_ = false; }
   int evaluations() const { return evaluations_; }
   /// Why differences stand in for the sweep; empty where they do not.
   const std::string& fallback() const { return fallback_; }

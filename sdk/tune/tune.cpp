@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <mutex>
 #include <random>
 #include <utility>
 
@@ -51,25 +53,49 @@ const char* word_of(State state) {
   return "";
 }
 
+/// One start, with runs and a search of its own.
+struct Try {
+  Try(const Plan& plan, TuneOptions of_it, const Runs& from, const std::vector<Law>& laws)
+      : options(std::move(of_it)), runs(from), search(plan, options, runs, laws) {}
+
+  void go(const std::vector<bool>& is_free) {
+    try {
+      found = search.from(found.u, is_free);
+    } catch (const FilterError& error) {
+      failure = error.diagnostics().items().front().message;
+    }
+  }
+
+  TuneOptions options;
+  Runs runs;
+  Search search;
+  Found found;
+  std::string failure;
+};
+
 class Tuner {
  public:
   Tuner(const Plan& plan, const TuneOptions& options)
-      : plan_(plan), options_(options), runs_(plan, options), states_(plan.parameters.size(), State::determined) {
+      : plan_(plan),
+        options_(options),
+        first_runs_(plan, options),
+        runs_(&first_runs_),
+        states_(plan.parameters.size(), State::determined) {
     for (const Parameter& parameter : plan.parameters) start_.push_back(parameter.u_of(parameter.place.value));
   }
 
   Json tune() {
     find_laws();
-    Search search(plan_, options_, runs_, laws_);
-    search_ = &search;
+    tries_.push_back(std::make_unique<Try>(plan_, options_, *runs_, laws_));
+    use(*tries_.front());
     if (has_free()) {
-      found_ = search.from(start_, free());
+      found_ = search_->from(start_, free());
       restart();
       while (hold_what_is_open() && has_free()) {
         auto u = found_.u;
         for (std::size_t p = 0; p < u.size(); ++p)
           if (states_[p] != State::determined && states_[p] != State::at_bound) u[p] = start_[p];
-        found_ = search.from(u, free());
+        found_ = search_->from(u, free());
       }
     }
     if (!has_free()) {
@@ -88,12 +114,17 @@ class Tuner {
     for (const State state : states_) is_free.push_back(state == State::determined);
     return is_free;
   }
+  void use(Try& one) {
+    runs_ = &one.runs;
+    search_ = &one.search;
+    found_ = std::move(one.found);
+  }
   bool has_free() const { return std::ranges::find(states_, State::determined) != states_.end(); }
 
   void find_laws() {
     laws_.assign(plan_.parameters.size(), Law::other);
     if (plan_.objective != Objective::likelihood) return;
-    laws_ = runs_.laws();
+    laws_ = runs_->laws();
     for (std::size_t p = 0; p < laws_.size(); ++p) {
       if (laws_[p] != Law::none) continue;
       states_[p] = State::without_effect;
@@ -102,8 +133,10 @@ class Tuner {
     }
   }
 
+  /// From other starts, each with runs of its own; the best end wins.
   void restart() {
     std::mt19937_64 random(options_.seed);
+    std::mutex is_telling;
     for (int k = 0; k < plan_.restarts; ++k) {
       auto u = start_;
       for (std::size_t p = 0; p < u.size(); ++p) {
@@ -111,14 +144,23 @@ class Tuner {
         const double reach = restart_reach * (2 * std::generate_canonical<double, 53>(random) - 1);
         if (states_[p] == State::determined) u[p] = std::clamp(u[p] + reach, parameter.lower, parameter.upper);
       }
-      search_->thaw();
-      try {
-        Found other = search_->from(u, free());
-        restarts_.push_back({{"end", values(other.u)}, {"cost", other.cost}});
-        if (is_better(other)) found_ = std::move(other);
-      } catch (const FilterError& error) {
-        restarts_.push_back({{"failure", error.diagnostics().items().front().message}});
+      TuneOptions options = options_;
+      options.on_round = [this, k, &is_telling](const std::string& line) {
+        const std::lock_guard lock(is_telling);
+        options_.on_round("restart " + std::to_string(k + 1) + ": " + line);
+      };
+      tries_.push_back(std::make_unique<Try>(plan_, std::move(options), *runs_, laws_));
+      tries_.back()->found.u = std::move(u);
+    }
+    study::in_parallel(options_.jobs, tries_.size() - 1, [&](std::size_t k) { tries_[k + 1]->go(free()); });
+    for (std::size_t k = 1; k < tries_.size(); ++k) {
+      Try& other = *tries_[k];
+      if (!other.failure.empty()) {
+        restarts_.push_back({{"failure", other.failure}});
+        continue;
       }
+      restarts_.push_back({{"end", values(other.found.u)}, {"cost", other.found.cost}});
+      if (is_better(other.found)) use(other);
     }
   }
 
@@ -135,7 +177,7 @@ class Tuner {
                                 const std::optional<When>& until, bool is_after) {
     std::vector<Judgement> all(members.size());
     in_parallel(options_.jobs, all.size(), [&](std::size_t m) {
-      all[m] = judge(members[m], sets_of(plan_.parameters, u, runs_.config(0)), until, is_after, options_);
+      all[m] = judge(members[m], sets_of(plan_.parameters, u, runs_->config(0)), until, is_after, options_);
     });
     return all;
   }
@@ -292,8 +334,8 @@ class Tuner {
           "refused least");
     if (plan_.unseen.empty() && !plan_.until)
       notes.push_back("nothing was left unused to judge by: 'until' or 'unseen' of 'tune'");
-    if (runs_.missed() > 0)
-      notes.push_back(std::to_string(runs_.missed()) +
+    if (runs_->missed() > 0)
+      notes.push_back(std::to_string(runs_->missed()) +
                       " samples have no slope: with a parameter nudged they were judged otherwise");
     return notes;
   }
@@ -320,13 +362,18 @@ class Tuner {
     result["converged"] = found_.is_converged;
     result["rounds"] = found_.rounds;
     if (!restarts_.empty()) result["restarts"] = restarts_;
-    result["evaluations"] = search_->evaluations();
+    int evaluations = 0, made = first_runs_.made();
+    for (const auto& one : tries_) {
+      evaluations += one->search.evaluations();
+      made += one->runs.made() - first_runs_.made();
+    }
+    result["evaluations"] = evaluations;
     result["judged"] = judged_parts();
-    result["runs"] = runs_.made();
+    result["runs"] = made;
     auto end = found_.u;
     for (std::size_t p = 0; p < end.size(); ++p)
       end[p] = plan_.parameters[p].u_of(rounded(plan_.parameters[p].value_of(end[p])));
-    result["patch"] = patch_of(plan_.parameters, end, is_returned, runs_.config(0));
+    result["patch"] = patch_of(plan_.parameters, end, is_returned, runs_->config(0));
     result["notes"] = notes();
     return result;
   }
@@ -339,11 +386,13 @@ class Tuner {
 
   const Plan& plan_;
   const TuneOptions& options_;
-  Runs runs_;
+  Runs first_runs_;  // what every start begins with
+  Runs* runs_;       // of the best
   std::vector<State> states_;
   std::vector<double> start_;
   std::vector<Law> laws_;
-  Search* search_ = nullptr;
+  std::vector<std::unique_ptr<Try>> tries_;
+  Search* search_ = nullptr;  // of the best
   Found found_;
   Eigen::MatrixXd curvature_;
   Json undetermined_ = Json::array(), restarts_ = Json::array();

@@ -246,6 +246,24 @@ TEST_CASE("several configs together, and one that was not used") {
   CHECK(part.at("judged").at("unseen").at("after 'until'").at("likelihood").at("rows") == 100);
 }
 
+TEST_CASE("restarts run at one time, each on its own, and the likeliest end wins") {
+  const Workbench bench;
+  simulate(bench, "a", 1);
+  json restarted = config();
+  restarted["tune"]["restarts"] = 3;
+  json one = tuned(bench, restarted, {"--jobs", "1"}), four = tuned(bench, restarted, {"--jobs", "4"});
+  for (json* result : {&one, &four}) result->erase("wall_s");
+  CHECK(one == four);
+  const json alone = tuned(bench, config());
+  REQUIRE(one.at("restarts").size() == 3);
+  CHECK(one.at("evaluations").get<int>() > 2 * alone.at("evaluations").get<int>());
+  CHECK(one.at("runs").get<int>() > 2 * alone.at("runs").get<int>());
+  for (const json& end : one.at("restarts"))
+    for (const auto& [name, value] : end.at("end").items())
+      CHECK(number(value) == Approx(number(parameter_of(alone, name).at("end"))).epsilon(0.01));
+  CHECK(one.at("value").at("end").get<double>() >= alone.at("value").at("end").get<double>() - 0.01);
+}
+
 TEST_CASE("bounds and priors hold") {
   const Workbench bench;
   simulate(bench, "a", 1);

@@ -30,6 +30,9 @@ void carry_out_all(const Study& study, Results& results, int jobs, const std::fu
 void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
                     const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on);
 
+/// Works on 0 … count − 1 with that many threads; what it throws is thrown on. May be called inside `work`.
+void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work);
+
 /// How many runs are at work at one time by default, where so many processes share the machine: those bound
 /// to processors of their own use these.
 int processors(int processes_here = 1);
