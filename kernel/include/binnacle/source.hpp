@@ -63,8 +63,11 @@ class SourceOutput {
 class Source : public DeclaredModel<SourceDeclaration, std::uint64_t> {
  public:
   virtual void open(Reporter& /*reporter*/) {}
-  /// The next sample. Times never decrease. `wait`: nothing yet (live input).
+  /// The next sample. Times never decrease. `wait`: nothing yet (live input); it does not block.
   virtual SourceStatus next(const MemoryView& memory, SourceOutput& out) const = 0;
+  /// Of a live source, once it is open: a file descriptor that poll() finds readable when next() may give more than `wait`;
+  /// −1: none, it is asked every few milliseconds.
+  virtual int wait_handle() const { return -1; }
 };
 
 /// Receives what a transform makes of a sample.
