@@ -262,6 +262,7 @@ void FilterScore::stepped(const StepRecord& record) {
 
 void FilterScore::offered(const UpdateRecord& record) {
   if (next_) next_->offered(record);
+  if (is_again(record.t)) return;
   gates_.offered(record);
   for (std::size_t r = 0; r < implied_states_.size(); ++r)
     if (implied_states_[r].take(record, record.P0 ? record.P0 : session_->covariance(FilterId{filter_})))

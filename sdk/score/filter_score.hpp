@@ -60,6 +60,10 @@ class FilterScore : public StepObserver {
     return all;
   }
   void started(Time t, const double* x, ConstMatrixView P) override;
+  void rewound(Time t) override {
+    if (next_) next_->rewound(t);
+    seen_until_ = newest_;
+  }
   void restored(Time t, const double* x, ConstMatrixView P) override {
     if (next_) next_->restored(t, x, P);
   }
@@ -124,6 +128,11 @@ class FilterScore : public StepObserver {
     int group = 0;
     Series series;
   };
+  /// Where live estimates are scored, after a late sample: it was seen before.
+  bool is_again(Time t) {
+    newest_ = std::max(newest_, t);
+    return t <= seen_until_;
+  }
   struct Pending {
     int reference = 0;
     Time t = no_time;
@@ -159,6 +168,8 @@ class FilterScore : public StepObserver {
 
   const ScorePlan& plan_;
   int filter_;
+  Time newest_ = no_time;      // of what was seen
+  Time seen_until_ = no_time;  // it comes again up to there
   const FilterInfo& info_;
   Session* session_ = nullptr;
   Time start_ = no_time;  // of a filter that is smoothed

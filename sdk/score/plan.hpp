@@ -66,7 +66,8 @@ struct ScorePlan : SectionData {
   std::vector<NamedWindow> windows;
   std::vector<Metric> metrics;
   std::vector<UnknownMetric> unknown_metrics;
-  Time record_every = 0;  // 0: at every step
+  Time record_every = 0;                     // 0: at every step
+  Estimates estimates = Estimates::settled;  // of filters with history: what is scored and recorded
 
   std::string explain(int filter) const override;
   /// Emits on the channels of fixed lags (lag_channels.cpp).

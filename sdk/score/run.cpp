@@ -48,9 +48,11 @@ class Scorer final : public binnacle::RunObserver {
   }
   void sampled(int channel, const SampleView& sample) override {
     if (smoothing_ && smoothing_->is_running_again()) return;
-    if (smoothing_) smoothing_->sampled(channel, sample);
-    for (auto& score : scores_) score->reference(channel, sample);
-    for (auto& watch : causes_) watch->sampled(channel, sample);
+    show(channel, sample, false);
+  }
+  void settled(int channel, const SampleView& sample) override {
+    if (smoothing_ && smoothing_->is_running_again()) return;
+    show(channel, sample, true);
   }
   void after_instant() override {
     if (recorder_) recorder_->after_instant();
@@ -101,6 +103,18 @@ class Scorer final : public binnacle::RunObserver {
   }
 
  private:
+  /// Filters with history see references as they are settled, unless their live estimates are scored.
+  bool is_scored_settled(int filter) const {
+    return plan_->estimates == Estimates::settled && plan_->filters[as_size(filter)].history > 0;
+  }
+  void show(int channel, const SampleView& sample, bool is_settled) {
+    if (smoothing_)
+      smoothing_->sampled(channel, sample, [&](int filter) { return is_scored_settled(filter) == is_settled; });
+    for (std::size_t f = 0; f < scores_.size(); ++f)
+      if (is_scored_settled(static_cast<int>(f)) == is_settled) scores_[f]->reference(channel, sample);
+    for (std::size_t i = 0; i < causes_.size(); ++i)
+      if (is_scored_settled(plan_->motion[i].filter) == is_settled) causes_[i]->sampled(channel, sample);
+  }
   /// Only where there is something to explain.
   void add_causes() {
     for (std::size_t i = 0; i < causes_.size(); ++i) {
@@ -140,6 +154,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   const auto begin = std::chrono::steady_clock::now();
   Scorer scorer(*composition, options);
   binnacle::RunOptions run_options;
+  run_options.estimates = plan_of(*composition)->estimates;
   run_options.seed = options.seed;
   run_options.run = options.run;
   run_options.observer = &scorer;

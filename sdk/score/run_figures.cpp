@@ -81,6 +81,8 @@ Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& c
   figures["offered"] = counts.offered;
   for (int o = 0; o < outcome_count; ++o) figures[names[o]] = counts.by_outcome[o];
   figures["before_start"] = counts.before_start;
+  if (counts.replayed > 0) figures["replayed"] = counts.replayed;
+  if (counts.replayed > 0) figures["longest_delay_s"] = seconds(counts.longest_delay);
   if (info.recovers) figures["recoveries"] = counts.recoveries;
   if (info.gate.by == "row" || info.gate.by == "key") figures["left_out"] = left_out(info, counts);
   if (counts.nis_count > 0) {

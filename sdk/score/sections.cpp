@@ -51,10 +51,19 @@ void read_window(const CompositionDraft& draft, const Reader& at, ScorePlan& pla
   }
 }
 
+void read_estimates(const Reader& at, ScorePlan& plan) {
+  if (!at) return;
+  const auto text = at.text();
+  if (text == "live") plan.estimates = Estimates::live;
+  if (text && text != "live" && text != "settled")
+    at.error("B010", "'estimates' is \"settled\" or \"live\"; found " + at.shown());
+}
+
 void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
   const Reader evaluate = draft.at("/evaluate"), record = draft.at("/record");
   if (evaluate.is_object("'evaluate'")) {
-    evaluate.check_keys({"after", "until", "windows", "metrics"}, "'evaluate'");
+    evaluate.check_keys({"after", "until", "windows", "metrics", "estimates"}, "'evaluate'");
+    read_estimates(evaluate["estimates"], plan);
     plan.place = place_of(evaluate);
     read_end(evaluate["after"], plan.span.from, plan.span.from_is_relative);
     read_end(evaluate["until"], plan.span.to, plan.span.to_is_relative);

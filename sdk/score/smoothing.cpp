@@ -97,10 +97,10 @@ Smoothing::Smoothing(const ScorePlan& plan, Session& session, RunObserver& obser
   }
 }
 
-void Smoothing::sampled(int channel, const SampleView& sample) {
+void Smoothing::sampled(int channel, const SampleView& sample, const std::function<bool(int filter)>& is_of) {
   const int count = session_.composition().channels()[as_size(channel)].declaration->count(false);
   for (auto& filter : filters_) {
-    if (!filter->score->refers_to(channel)) continue;
+    if (!is_of(filter->plan.of) || !filter->score->refers_to(channel)) continue;
     filter->references.push_back({channel, sample.t, sample.t0, {sample.fields, sample.fields + count}});
     filter->wanted.push_back(sample.t);
   }

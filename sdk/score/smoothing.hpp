@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -46,7 +47,8 @@ class Smoothing {
   Smoothing(const ScorePlan& plan, Session& session, RunObserver& observer, bool records);
 
   // ---- during the run
-  void sampled(int channel, const SampleView& sample);
+  /// Of the filters that it is for.
+  void sampled(int channel, const SampleView& sample, const std::function<bool(int filter)>& is_of);
   void after_instant() { smoother_.after_instant(); }
 
   /// At its end. recorded: by filter, the times of what was recorded. The session is left as it was.

@@ -83,6 +83,9 @@ struct InitialInfo {
   Time max_age = 0;  // 0: any age
 };
 
+/// Of a filter with `history`: as they are known now, or as they are once no sample can change them any more.
+enum class Estimates : unsigned char { live, settled };
+
 struct FilterInfo {
   std::string name;
   int dof = 0;  // rows of P
@@ -92,6 +95,7 @@ struct FilterInfo {
   std::vector<ProcessInfo> processes;
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
+  Time history = 0;  // how late a sample may be and is still applied; 0: not at all
   std::vector<InitialInfo> starts_when;
   // Blocks that are declared other than zero; `to` and `from` count the filter's blocks, not ports.
   std::vector<Coupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is

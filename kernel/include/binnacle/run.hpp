@@ -22,6 +22,9 @@ class RunObserver {
   virtual void begin(Session& /*session*/) {}
   /// A sample on a channel that a section subscribes to, once its instant is done.
   virtual void sampled(int /*channel*/, const SampleView& /*sample*/) {}
+  /// The same in order of time, once no sample can come before it: with filters that have `history`, and after what these
+  /// settle at its time.
+  virtual void settled(int /*channel*/, const SampleView& /*sample*/) {}
   /// At once: a new note of a model (B083), or of a sample that is invalid. RunResult::warnings has them too, with their
   /// number.
   virtual void noted(const Diagnostic& /*note*/) {}
@@ -37,7 +40,8 @@ struct RunOptions {
   std::uint64_t seed = 1;
   int run = 0;  // random streams are keyed by (seed, run, component)
   RunObserver* observer = nullptr;
-  bool feeds_sinks = true;  // false where several runs share the composition's sinks
+  Estimates estimates = Estimates::settled;  // what the observer sees of filters with `history`
+  bool feeds_sinks = true;                   // false where several runs share the composition's sinks
 };
 
 struct RunResult {

@@ -33,6 +33,10 @@ struct MeasurementCounts : SampleCounts {
   double nis_mean = 0;      // of accepted samples; NaN when there is none
   double dof_mean = 0;      // rows per accepted sample
   std::string last_reason;  // of the newest sample that was not accepted
+  // With `history`: samples on its channel that came late and were applied where they belong, and how late the latest was.
+  // Those that came later still are among the outcomes `late`.
+  std::int64_t replayed = 0;
+  Time longest_delay = 0;
 };
 
 /// Counts of a filter's driving input since the start.
@@ -83,8 +87,9 @@ struct MeasurementId {
 ///     session.read(position, outputs);
 class Session {
  public:
-  /// As after reset(seed, run).
-  explicit Session(std::shared_ptr<const Composition> composition, std::uint64_t seed = 0, int run = 0);
+  /// As after reset(seed, run). estimates: what all that is asked for is of, where a filter has `history`.
+  explicit Session(std::shared_ptr<const Composition> composition, std::uint64_t seed = 0, int run = 0,
+                   Estimates estimates = Estimates::live);
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;

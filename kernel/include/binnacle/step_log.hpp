@@ -106,6 +106,9 @@ class StepObserver {
   virtual const double* nominal() { return nullptr; }
   /// The filter has just started: x and P are its initial values.
   virtual void started(Time /*t*/, const double* /*x*/, ConstMatrixView /*P*/) {}
+  /// A late sample came, and the filter went back to t (no_time: to before its start). What was seen after t is void; the
+  /// steps and samples since then come again, with it.
+  virtual void rewound(Time /*t*/) {}
   /// The filter was put back to a snapshot.
   virtual void restored(Time /*t*/, const double* /*x*/, ConstMatrixView /*P*/) {}
   virtual void stepped(const StepRecord& /*record*/) {}

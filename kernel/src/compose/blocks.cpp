@@ -222,7 +222,8 @@ class BlockReader {
 
 FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
-  composer.check_section_keys(at, {"blocks", "derived", "process", "measurements", "trust", "longest_bridge"},
+  composer.check_section_keys(at,
+                              {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history"},
                               "filter '" + plan.name + "'");
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
@@ -268,6 +269,7 @@ void FilterComposer::publish_estimates() {
     }
   }
   plan.output_channel = composer.add_channels(at, {declaration}).front();
+  read_history(declaration);
   for (const auto& section : composer.sections())
     for (const auto& name : section->filter_channels(at)) {
       declaration.name = name;

@@ -177,6 +177,7 @@ template <class Base, class Plan>
 bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) {
   constexpr bool has_inputs = !std::is_same_v<Base, Source>;
   std::vector<std::string> reserved{"type"};
+  if (std::is_same_v<Base, Source>) reserved.push_back("latency");
   if (has_inputs) reserved.insert(reserved.end(), {"input", "inputs", "fields"});
   auto stage = planned<Plan>(at);
   Component component = composer.read_component(role_of<Base>(), at, reserved);
@@ -193,6 +194,8 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
   stage.object = composer.make<Base>(component);
   if constexpr (!std::is_same_v<Base, Sink>)
     if (stage.object) stage.channels = composer.add_channels(at, stage.object->declaration().channels);
+  if constexpr (std::is_same_v<Base, Source>)
+    if (stage.object) stage.latency = read_latency(at["latency"], stage.object->declaration().channels);
   if (component.failures != composer.failures()) return false;
   stages.push_back(std::move(stage));
   return true;

@@ -2,6 +2,7 @@
 // From a document to a CompositionPlan, reporting all that is wrong at once.
 #pragma once
 
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -100,6 +101,7 @@ class FilterComposer {
   void read_process_input(ProcessPlan& process, Component& component);
   void add_measurements();
   void read_trust();  // trust.cpp
+  void read_history(const ChannelDeclaration& estimates);
   void warn_of_dead_reckoning() const;
   void warn_of_gates() const;
 };
@@ -197,6 +199,10 @@ class Composer {
   bool load_plugins();
   void order_nodes();
   void lay_out();
+  /// The node, the channel that it subscribes to, and the JSON pointer of the part of the node that reads it.
+  using VisitInput = std::function<void(const Node&, int channel, const std::string& pointer)>;
+  void for_each_input(const VisitInput& visit) const;
+  void plan_history();  // history.cpp
   void add_subscribers();
   void check_subscribers();
   void keep(Findings findings, const Reader& at);
@@ -217,6 +223,9 @@ class Composer {
 
 /// Index of the channel among those whose latest sample is kept, added if it is new.
 int latest_of(std::vector<LatestPlan>& kept, int channel);
+
+/// How long samples of a source are on their way; nothing where the config says nothing or something wrong (history.cpp).
+std::optional<LatencyPlan> read_latency(const Reader& latency, const std::vector<ChannelDeclaration>& channels);
 
 /// The structure of Φ and Qd, also as `info` has it (transition.cpp).
 void plan_transition(FilterComposer& filter);

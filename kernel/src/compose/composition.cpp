@@ -98,10 +98,8 @@ bool Composer::load_plugins() {
   return !found.has_errors();
 }
 
-namespace {
-
-/// What subscribes to channels: the node, the channel, and the JSON pointer of the part of the node that reads it.
-void for_each_input(const CompositionPlan& plan, const auto& visit_all) {
+void Composer::for_each_input(const VisitInput& visit_all) const {
+  const CompositionPlan& plan = *plan_;
   const auto visit = [&](const Node& node, int channel, const std::string& pointer) {
     if (channel >= 0) visit_all(node, channel, pointer);
   };
@@ -133,8 +131,6 @@ void for_each_input(const CompositionPlan& plan, const auto& visit_all) {
   }
 }
 
-}  // namespace
-
 // Transforms and filters feed each other through channels; at one instant they work in this order.
 void Composer::order_nodes() {
   struct Work {
@@ -153,8 +149,9 @@ void Composer::order_nodes() {
     const auto& filter = plan_->filters[as_size(i)];
     open.push_back({{Node::Kind::filter, i}, filter.pointer, filter.further_channels});
     open.back().out.push_back(filter.output_channel);
+    if (filter.settled_channel >= 0) open.back().out.push_back(filter.settled_channel);
   }
-  for_each_input(*plan_, [&](const Node& node, int channel, const std::string&) {
+  for_each_input([&](const Node& node, int channel, const std::string&) {
     const int index = index_of(open, node, &Work::node);
     if (index >= 0) open[as_size(index)].in.push_back(channel);
   });
@@ -228,8 +225,7 @@ void Composer::add_subscriber(int channel, const std::string& pointer) {
 }
 
 void Composer::add_subscribers() {
-  for_each_input(*plan_,
-                 [&](const Node&, int channel, const std::string& pointer) { add_subscriber(channel, pointer); });
+  for_each_input([&](const Node&, int channel, const std::string& pointer) { add_subscriber(channel, pointer); });
 }
 
 // A source or transform none of whose channels has a subscriber works for nothing: most likely a name is wrong somewhere.
@@ -271,6 +267,7 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   for (const auto& section : sections_) plan_->sections.push_back(section->read(draft));
   if (is_complete && !diagnostics_.has_errors()) order_nodes();
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
+  plan_history();
   lay_out();
   check_subscribers();
 

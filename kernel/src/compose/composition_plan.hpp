@@ -44,7 +44,15 @@ struct StagePlan : Planned {
 using TransformPlan = StagePlan<Transform>;
 using SinkPlan = StagePlan<Sink>;
 
+/// How long a sample is on its way, from its time to its arrival [s].
+struct LatencyPlan {
+  enum class Kind { fixed, field, uniform, normal, exponential } kind = Kind::fixed;
+  double first = 0, second = 0;  // the time; or the lower and upper limit, the mean and sigma, the mean
+  std::vector<int> fields;       // by own channel: among its per-epoch fields
+};
+
 struct SourcePlan : StagePlan<Source> {
+  std::optional<LatencyPlan> latency;
   Place<SourceHead> head;
   std::vector<Place<double>> slots;  // per own channel
 };
@@ -55,6 +63,16 @@ struct Node {
   int index = 0;
 
   bool operator==(const Node&) const = default;
+};
+
+/// What filters with history need: they and the transforms before them work on samples in order of time, again where one came
+/// late; all else works on samples as they arrive.
+struct HistoryPlan {
+  Time length = 0;                  // the longest of the filters'; 0: there is none
+  std::vector<Node> nodes;          // filters with history, and transforms on the way to them
+  std::vector<Node> settled_nodes;  // and transforms on the way to what sections subscribe to
+  std::vector<Node> arrival_nodes;  // all else; filters with history stand where what they emit is wanted
+  std::vector<bool> is_root;        // by channel: what comes to settled_nodes from outside
 };
 
 /// A channel whose samples a section of the config wants to see in every run.
@@ -79,6 +97,7 @@ struct CompositionPlan {
   std::vector<FilterPlan> filters;
   std::vector<SinkPlan> sinks;
   std::vector<Node> nodes;
+  HistoryPlan history;
   std::vector<FoundInfo> found;
   std::vector<Subscription> subscriptions;
   std::vector<FilterInfo> filter_infos;

@@ -70,8 +70,13 @@ void Engine::reset() {
   guarded([&] { estimator_.reset(); });
 }
 
-void Engine::restored() {
-  if (ledger_.observer() && started()) ledger_.observer()->restored(status().t, state(), covariance());
+void Engine::restored(bool is_rewound) {
+  StepObserver* const observer = ledger_.observer();
+  if (!observer) return;
+  if (is_rewound)
+    observer->rewound(started() ? status().t : no_time);
+  else if (started())
+    observer->restored(status().t, state(), covariance());
 }
 
 void Engine::keep_latest(const LatestPlan& plan, const SampleView& sample) {
@@ -137,6 +142,14 @@ void Engine::push_measurement(int measurement, const SampleView& sample) {
     }
     if (!started()) start(sample.t);
     time_.offer(measurement, sample);
+  });
+}
+
+void Engine::refuse_late(int measurement, Time t) {
+  if (!started()) return ledger_.count_before_start(measurement);
+  guarded([&] {
+    ledger_.open(measurement, t);
+    refuse(Outcome::late, "older than the filter's history");
   });
 }
 

@@ -21,6 +21,7 @@ class StepObservers final : public StepObserver {
   Wants wants() const override { return of_run_->wants() | of_section_->wants(); }
   const double* nominal() override { return of_run_->nominal(); }
   void started(Time t, const double* x, ConstMatrixView P) override { each(&StepObserver::started, t, x, P); }
+  void rewound(Time t) override { each(&StepObserver::rewound, t); }
   void restored(Time t, const double* x, ConstMatrixView P) override { each(&StepObserver::restored, t, x, P); }
   void stepped(const StepRecord& record) override { each(&StepObserver::stepped, record); }
   void offered(const UpdateRecord& record) override { each(&StepObserver::offered, record); }

@@ -167,6 +167,7 @@ Parts parts_of(const compose::CompositionPlan& plan) {
 void run_sources(Session& session, const Parts& parts, RunObserver& observer) {
   Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
+  runtime.subscribe_settled([&](int channel, const SampleView& sample) { observer.settled(channel, sample); });
   std::vector<std::size_t> noted(runtime.plan().filters.size());
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     for (int f = 0; f < base::count_of(noted); ++f)
@@ -182,6 +183,7 @@ void run_sources(Session& session, const Parts& parts, RunObserver& observer) {
   observer.after_instant();
   observer.finished();
   runtime.subscribe({});
+  runtime.subscribe_settled({});
 }
 
 }  // namespace
@@ -217,7 +219,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
 
   RunObserver nobody;
   RunObserver& observer = options.observer ? *options.observer : nobody;
-  Session session(composition, options.seed, options.run);
+  Session session(composition, options.seed, options.run, options.estimates);
   Runtime& runtime = session.runtime();
   runtime.feed_sinks(options.feeds_sinks);
   const Parts parts = parts_of(plan);

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "run/arrivals.hpp"
+#include "run/history.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -24,11 +26,39 @@ SampleWriter writer_at(double* data, const ChannelPlan& channel) {
   return writer;
 }
 
+std::int64_t accepted_of(const Engine& engine) {
+  std::int64_t count = 0;
+  for (std::size_t m = 0; m < engine.plan().measurements.size(); ++m)
+    count += engine.ledger().tally(static_cast<int>(m)).by_outcome[static_cast<int>(Outcome::accepted)];
+  return count;
+}
+
 }  // namespace
 
 Runtime::Runtime(const CompositionPlan& plan)
-    : plan_(plan), arena_(plan.layout.size() / sizeof(Line) + 1), filter_times_(plan.filters.size()) {
-  for (const auto& filter : plan.filters) engines_.push_back(std::make_unique<Engine>(filter, plan.channels, arena()));
+    : Runtime(plan, plan.history.length > 0 ? plan.history.arrival_nodes : plan.nodes) {
+  is_main_ = true;
+  if (Arrivals::are_wanted(plan)) arrivals_ = std::make_unique<Arrivals>(plan);
+  if (plan.history.length > 0) history_ = std::make_unique<History>(plan);
+  sequences_.resize(plan.sources.size() + plan.filters.size() + 1);
+  emitted_.resize(plan.filters.size());
+  find_places();
+}
+
+Runtime::~Runtime() = default;
+
+Runtime::Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes)
+    : plan_(plan),
+      arena_(plan.layout.size() / sizeof(Line) + 1),
+      nodes_(nodes),
+      is_main_(false),
+      filter_times_(plan.filters.size()) {
+  engines_.resize(plan.filters.size());
+  const bool is_of_history = &nodes != &plan.nodes && &nodes != &plan.history.arrival_nodes;
+  for (const Node& node : nodes)
+    if (node.kind == Node::Kind::filter && is_of_history == (plan.filters[as_size(node.index)].history > 0))
+      engines_[as_size(node.index)] =
+          std::make_unique<Engine>(plan.filters[as_size(node.index)], plan.channels, arena());
   channels_.resize(plan.channels.size());
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     channels_[c].storage.resize(plan.channels[c].doubles());
@@ -54,33 +84,89 @@ Runtime::Runtime(const CompositionPlan& plan)
 void Runtime::reset(std::uint64_t seed, int run) {
   std::fill(arena_.begin(), arena_.end(), Line{});
   for (auto& engine : engines_) {
+    if (!engine) continue;
     const CallScope scope(engine->calls());
     engine->reset();
   }
   for (const auto& source : plan_.sources) {
+    if (!is_main_) break;
     *source.head.in(arena()) = SourceHead{};
     guard_call<FilterError>(plan_, source, "start", no_time, [&] {
       source.object->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena()));
     });
   }
-  for (const auto& transform : plan_.transforms)
+  for (const Node& node : nodes_) {
+    if (node.kind != Node::Kind::transform) continue;
+    const auto& transform = plan_.transforms[as_size(node.index)];
     guard_call<FilterError>(plan_, transform, "start", no_time, [&] {
       transform.object->start(base::stream_seed(seed, run, transform.pointer), transform.memory.in(arena()));
     });
+  }
   for (auto& channel : channels_) {
     channel.is_present = channel.is_repeated = false;
     channel.span = {};
   }
   std::fill(filter_times_.begin(), filter_times_.end(), FilterTime{});
+  std::ranges::fill(sequences_, 0);
+  std::ranges::fill(emitted_, 0);
+  if (arrivals_) arrivals_->reset(seed, run);
+  if (history_) history_->reset(seed, run);
   time_ = no_time;
 }
 
-void Runtime::deliver(int index, const SampleView& sample) {
+void Runtime::find_places() {
+  const auto beyond = base::count_of(sequences_) - 1;
+  for (auto& channel : channels_) channel.place = beyond;
+  for (int s = 0; s < base::count_of(plan_.sources); ++s)
+    for (const int channel : plan_.sources[as_size(s)].channels) channels_[as_size(channel)].place = s;
+  for (int f = 0; f < base::count_of(plan_.filters); ++f)
+    channels_[as_size(plan_.filters[as_size(f)].output_channel)].place = base::count_of(plan_.sources) + f;
+}
+
+const Runtime& Runtime::of(int filter) const {
+  if (engines_[as_size(filter)]) return *this;
+  return *history_->way(shown_ == Estimates::settled ? History::Way::settled : History::Way::live);
+}
+
+void Runtime::show(Estimates estimates) {
+  shown_ = estimates;
+  if (!history_) return;
+  history_->add(estimates == Estimates::settled ? History::Way::settled : History::Way::live);
+  const auto has_subscriber = [&](int channel) { return !plan_.channel_infos[as_size(channel)].subscribers.empty(); };
+  for (const auto& filter : plan_.filters) {
+    if (filter.history == 0) continue;
+    if (has_subscriber(filter.output_channel)) history_->add(History::Way::live);
+    if (has_subscriber(filter.settled_channel)) history_->add(History::Way::settled);
+  }
+  Runtime* const settled = history_->way(History::Way::settled);
+  if (!settled) return;
+  for (const auto& filter : plan_.filters)
+    if (filter.history > 0) settled->channels_[as_size(filter.settled_channel)].is_subscribed = true;
+  settled->subscribe([this](int channel, const SampleView& sample) {
+    const bool is_estimate =
+        std::ranges::any_of(plan_.filters, [&](const auto& filter) { return filter.settled_channel == channel; });
+    if (!is_estimate && settled_subscriber_) settled_subscriber_(channel, sample);
+    if (!is_estimate || plan_.channel_infos[as_size(channel)].subscribers.empty()) return;
+    deliver(channel, sample);
+    end_instant(sample.t);
+  });
+}
+
+void Runtime::put(std::span<const std::byte> arena, bool is_rewound) {
+  std::ranges::copy(arena, this->arena());
+  for (auto& engine : engines_)
+    if (engine) engine->restored(is_rewound);
+}
+
+void Runtime::deliver(int index, const SampleView& sample, Time late) {
   const auto& plan = plan_.channels[as_size(index)];
   auto& channel = channels_[as_size(index)];
   double* const data = channel.storage.data();
   channel.view = unpack(plan, pack(plan, sample, data), data);
   channel.is_present = true;
+  channel.is_taken = false;
+  channel.late = late;
+  if (history_) channel.sequence = sequences_[as_size(channel.place)]++;
   channel.span.reach(sample.t);
 }
 
@@ -93,8 +179,13 @@ class Runtime::TransformEmitter : public Emitter {
     slot.clear();
     return slot;
   }
-  void emit(OutputChannel channel) override { output(channel).publish(); }
+  void emit(OutputChannel channel) override {
+    output(channel).publish();
+    output(channel).late = late;
+  }
   void emit_again(OutputChannel channel) override { output(channel).is_repeated = true; }
+
+  Time late = 0;  // of what it is made of
 
  private:
   Channel& output(OutputChannel channel) {
@@ -117,6 +208,7 @@ void Runtime::each_input(const std::vector<NodeInput>& inputs, Call&& call) {
 void Runtime::run_transform(const TransformPlan& plan) {
   TransformEmitter emitter(*this, plan);
   each_input(plan.inputs, [&](Input input, const SampleView& sample) {
+    emitter.late = channels_[as_size(plan.inputs[as_size(input.index())].channel)].late;
     guard_call<FilterError>(plan_, plan, "on", time_, [&] {
       plan.object->on({input, sample, plan.memory.in(arena())}, emitter);
     });
@@ -135,17 +227,24 @@ void Runtime::feed_filter(Engine& engine, Time t) {
   const auto each = [&](const auto& targets, auto push) {
     for (std::size_t i = 0; i < targets.size(); ++i)
       if (const auto& channel = channels_[as_size(targets[i].channel)]; channel.is_present) {
-        push(static_cast<int>(i), channel.view);
+        push(static_cast<int>(i), channel.view, plan.history > 0 && channel.late > plan.history);
         is_touched = true;
       }
   };
-  each(plan.initial, [&](int i, const SampleView& sample) { engine.push_initial(i, sample); });
-  each(plan.auxiliary, [&](int i, const SampleView& sample) { engine.push_auxiliary(i, sample); });
-  if (plan.input_channel >= 0 && channels_[as_size(plan.input_channel)].is_present) {
-    engine.push_input(channels_[as_size(plan.input_channel)].view);
-    is_touched = true;
+  each(plan.initial, [&](int i, const SampleView& sample, bool is_too_late) {
+    if (!is_too_late) engine.push_initial(i, sample);
+  });
+  each(plan.auxiliary, [&](int i, const SampleView& sample, bool is_too_late) {
+    if (!is_too_late) engine.push_auxiliary(i, sample);
+  });
+  if (plan.input_channel >= 0) {
+    const Channel& input = channels_[as_size(plan.input_channel)];
+    if (input.is_present && (plan.history == 0 || input.late <= plan.history)) engine.push_input(input.view);
+    is_touched = is_touched || input.is_present;
   }
-  each(plan.measurements, [&](int i, const SampleView& sample) { engine.push_measurement(i, sample); });
+  each(plan.measurements, [&](int i, const SampleView& sample, bool is_too_late) {
+    is_too_late ? engine.refuse_late(i, sample.t) : engine.push_measurement(i, sample);
+  });
   if (is_touched) engine.try_start(t);
 }
 
@@ -169,23 +268,51 @@ class Runtime::FilterWatch {
   std::chrono::steady_clock::time_point begin_;
 };
 
+/// What arrived in this instant.
+void Runtime::give_to_history() {
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    Channel& channel = channels_[c];
+    if (!channel.is_present || channel.is_taken || !plan_.history.is_root[c]) continue;
+    channel.is_taken = true;
+    history_->take(static_cast<int>(c), channel.view, {channel.view.t, no_time, channel.place, channel.sequence});
+  }
+}
+
+/// What it emits live.
+void Runtime::run_history(int index) {
+  give_to_history();
+  history_->advance();
+  const Runtime* const live = history_->way(History::Way::live);
+  const FilterPlan& plan = plan_.filters[as_size(index)];
+  if (!live || plan_.channel_infos[as_size(plan.output_channel)].subscribers.empty()) return;
+  Engine& engine = *live->own_engine(index);
+  const std::int64_t accepted = accepted_of(engine) + history_->rewinds();
+  if (!engine.started() || engine.broken() || accepted == emitted_[as_size(index)]) return;
+  Channel& output = channels_[as_size(plan.output_channel)];
+  const CallScope scope(engine.calls());
+  if (!engine.write_estimates(output.slot)) return;
+  emitted_[as_size(index)] = accepted;
+  output.publish();
+  output.is_taken = false;
+  output.sequence = sequences_[as_size(output.place)]++;
+}
+
 void Runtime::run_filter(int index, Time t) {
+  if (!engines_[as_size(index)]) return run_history(index);
   const FilterWatch watch(filter_times_[as_size(index)]);
   Engine& engine = *engines_[as_size(index)];
   const auto& plan = engine.plan();
-  const bool is_heard = !plan_.channel_infos[as_size(plan.output_channel)].subscribers.empty();
-  const auto accepted = [&] {
-    std::int64_t count = 0;
-    for (std::size_t m = 0; m < plan.measurements.size(); ++m)
-      count += engine.ledger().tally(static_cast<int>(m)).by_outcome[static_cast<int>(Outcome::accepted)];
-    return count;
-  };
-  const std::int64_t before = is_heard ? accepted() : 0;
+  const int channel = plan.history > 0 ? plan.settled_channel : plan.output_channel;
+  const bool is_heard = !plan_.channel_infos[as_size(channel)].subscribers.empty();
+  const std::int64_t before = is_heard ? accepted_of(engine) : 0;
   const CallScope scope(engine.calls());
   feed_filter(engine, t);
-  Channel& output = channels_[as_size(plan.output_channel)];
-  if (is_heard && engine.started() && !engine.broken() && accepted() != before && engine.write_estimates(output.slot))
-    output.publish();
+  Channel& output = channels_[as_size(channel)];
+  if (!is_heard || !engine.started() || engine.broken() || accepted_of(engine) == before) return;
+  if (!engine.write_estimates(output.slot)) return;
+  output.publish();
+  output.is_taken = false;
+  if (history_) output.sequence = sequences_[as_size(output.place)]++;
 }
 
 void Runtime::emit_estimates(int channel, int filter, Time t, const double* x, ConstMatrixView P) {
@@ -213,7 +340,8 @@ bool Runtime::repeat() {
 }
 
 void Runtime::work_on_instant() {
-  for (const auto& node : plan_.nodes) switch (node.kind) {
+  if (history_) give_to_history();
+  for (const auto& node : nodes_) switch (node.kind) {
       case Node::Kind::transform: run_transform(plan_.transforms[as_size(node.index)]); break;
       case Node::Kind::filter: run_filter(node.index, time_); break;
       case Node::Kind::sink:
@@ -257,6 +385,42 @@ void Runtime::fetch(std::size_t index) {
 }
 
 bool Runtime::next_instant() {
+  if (history_ && history_->settle()) return true;
+  if (arrivals_ ? next_of_arrivals() : next_of_sources()) return true;
+  if (!history_) return false;
+  history_->end();
+  return history_->settle();
+}
+
+void Runtime::settle() {
+  while (history_ && history_->settle()) {
+  }
+}
+
+bool Runtime::next_of_arrivals() {
+  for (std::size_t s = 0; s < plan_.sources.size(); ++s) {
+    const auto& source = plan_.sources[s];
+    SourceHead& head = *source.head.in(arena());
+    if (head.status == 0) fetch(s);
+    // Nothing of a source arrives before its time.
+    while (head.status == 1 && head.sample.t <= arrivals_->next()) {
+      const int channel = source.channels[as_size(head.channel)];
+      const double* data = source.slots[as_size(head.channel)].in(arena());
+      arrivals_->read(s, channel, unpack(plan_.channels[as_size(channel)], head.sample, data));
+      head.status = 0;
+      fetch(s);
+    }
+  }
+  if (arrivals_->empty()) return false;
+  const Time t = arrivals_->take_instant([&](int channel, const SampleView& sample, std::int64_t sequence) {
+    deliver(channel, sample);
+    channels_[as_size(channel)].sequence = sequence;
+  });
+  end_instant(t);
+  return true;
+}
+
+bool Runtime::next_of_sources() {
   Time earliest = std::numeric_limits<Time>::max();
   bool has_sample = false;
   for (std::size_t s = 0; s < plan_.sources.size(); ++s) {
@@ -284,7 +448,9 @@ bool Runtime::next_instant() {
 }
 
 void Runtime::finish() {
+  if (history_) history_->finish();
   for (auto& engine : engines_) {
+    if (!engine) continue;
     const CallScope scope(engine->calls());
     engine->finish();
   }

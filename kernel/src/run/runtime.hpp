@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,18 +47,28 @@ auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, con
   }
 }
 
+class History;
+class Arrivals;
+
 class Runtime {
  public:
   explicit Runtime(const CompositionPlan& plan);
+  /// Of a history: these nodes alone, without sources.
+  Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes);
+  ~Runtime();
 
   /// Back to before the first sample; random streams are keyed by (seed, run, component).
   void reset(std::uint64_t seed, int run);
 
   /// The samples of one instant are delivered, at most one per channel, and then worked on together: inputs advance,
   /// then measurements in config order, transforms and filters in order of dependence.
-  void deliver(int channel, const SampleView& sample);
+  /// late: how much older it is than what had come, for filters with history.
+  void deliver(int channel, const SampleView& sample, Time late = 0);
   void end_instant(Time t);
-  /// Takes the earliest instant from the sources; false when all have ended.
+  /// After what was pushed: filters with history settle what is due.
+  void settle();
+  /// Takes the earliest instant from the sources, or what that settles, instant by instant; false when all have ended and
+  /// are settled.
   bool next_instant();
   /// The end of the run.
   void finish();
@@ -67,10 +78,20 @@ class Runtime {
   /// Shown the samples of channels that sections subscribe to, once everything at their instant has been worked on.
   using Subscriber = std::function<void(int channel, const SampleView& sample)>;
   void subscribe(Subscriber subscriber) { subscriber_ = std::move(subscriber); }
+  /// The same in order of time, as they are settled; there are none without a filter with history.
+  void subscribe_settled(Subscriber subscriber) { settled_subscriber_ = std::move(subscriber); }
 
   void feed_sinks(bool wanted) { feeds_sinks_ = wanted; }
 
-  Engine& engine(int filter) const { return *engines_[as_size(filter)]; }
+  /// What engine(), and all else that asks for a filter, gives of filters with history. Before the first sample.
+  void show(Estimates estimates);
+  /// Where the filter runs.
+  const Runtime& of(int filter) const;
+  Runtime& of(int filter) { return const_cast<Runtime&>(std::as_const(*this).of(filter)); }
+  Engine& engine(int filter) const { return *of(filter).engines_[as_size(filter)]; }
+  /// Null: it runs elsewhere.
+  Engine* own_engine(int filter) const { return engines_[as_size(filter)].get(); }
+  const History* history() const { return history_.get(); }
   const CompositionPlan& plan() const { return plan_; }
   Time time() const { return time_; }
   /// Of what came on a channel; from no_time: nothing.
@@ -88,10 +109,13 @@ class Runtime {
     double seconds = 0;
   };
   std::vector<FilterTime>& filter_times() { return filter_times_; }
+  const std::vector<FilterTime>& filter_times() const { return filter_times_; }
 
   std::byte* arena() { return arena_.data()->bytes; }
   const std::byte* arena() const { return arena_.data()->bytes; }
   std::size_t arena_size() const { return plan_.layout.size(); }
+  /// The arena as it was; step observers are informed.
+  void put(std::span<const std::byte> arena, bool is_rewound);
 
  private:
   struct alignas(Layout::alignment) Line {
@@ -106,6 +130,10 @@ class Runtime {
     bool is_present = false;   // in this instant
     bool is_repeated = false;  // it comes once more
     bool is_subscribed = false;
+    bool is_taken = false;  // by the history
+    std::int32_t place = 0;
+    std::int64_t sequence = 0;  // of the newest sample, at its place
+    Time late = 0;
 
     /// What was written to the slot is the sample of this instant.
     void publish() {
@@ -124,6 +152,11 @@ class Runtime {
   void run_sink(const SinkPlan& plan);
   void work_on_instant();
   bool repeat();
+  void find_places();
+  bool next_of_sources();
+  bool next_of_arrivals();
+  void give_to_history();
+  void run_history(int filter);
   /// Reads what is present in this instant.
   template <class Call>
   void each_input(const std::vector<NodeInput>& inputs, Call&& call);
@@ -134,7 +167,14 @@ class Runtime {
   std::vector<Channel> channels_;
   std::vector<std::vector<SampleWriter>> source_slots_;
   std::vector<double> input_numbers_;  // of what is being read
-  Subscriber subscriber_;
+  const std::vector<Node>& nodes_;
+  bool is_main_;
+  std::unique_ptr<Arrivals> arrivals_;
+  std::unique_ptr<History> history_;
+  Estimates shown_ = Estimates::live;
+  std::vector<std::int64_t> sequences_;  // by place
+  std::vector<std::int64_t> emitted_;    // by filter with history: of what its live channel shows
+  Subscriber subscriber_, settled_subscriber_;
   std::vector<FilterTime> filter_times_;
   Time time_ = no_time;
   bool feeds_sinks_ = true;

@@ -12,6 +12,7 @@
 
 #include "base/index.hpp"
 #include "base/text.hpp"
+#include "run/history.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -66,9 +67,10 @@ const auto& item_at(const auto& list, int index, const char* what) {
 
 }  // namespace
 
-Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run)
+Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run, Estimates estimates)
     : composition_(std::move(composition)) {
   runtime_ = std::make_unique<Runtime>(composition_->plan());
+  runtime_->show(estimates);
   std::size_t scratch = 1;
   for (const auto& filter : composition_->filters())
     for (const auto& block : filter.blocks) scratch = std::max(scratch, output_sigma_scratch(block));
@@ -130,6 +132,7 @@ void Session::push(ChannelId channel, const SampleView& sample) {
     throw std::invalid_argument("what was added for one instant must be committed before the next push");
   take(channel, sample);
   runtime_->end_instant(sample.t);
+  runtime_->settle();
 }
 
 void Session::add(ChannelId channel, const SampleView& sample) {
@@ -144,6 +147,7 @@ void Session::commit(Time t) {
     throw std::invalid_argument("commit() takes the time of the samples that were added");
   instant_ = no_time;
   runtime_->end_instant(t);
+  runtime_->settle();
 }
 
 void Session::take(ChannelId channel, const SampleView& sample) {
@@ -234,7 +238,7 @@ std::span<const double> Session::state(FilterId filter) const {
 
 FilterCounts Session::counts(FilterId filter) const {
   const auto& head = engine(filter).status();
-  return {head.steps, head.gaps, runtime_->filter_times()[as_size(filter.index)].seconds};
+  return {head.steps, head.gaps, runtime_->of(filter.index).filter_times()[as_size(filter.index)].seconds};
 }
 
 ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }
@@ -265,6 +269,14 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   MeasurementCounts counts{tally, {}, 0, 0, tally.last_reason};
   counts.nis_mean = n > 0 ? tally.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(tally.rows_used) / n : 0.0;
+  if (runtime_->history() && filter.plan().history > 0) {
+    const auto& late = runtime_->history()->late(measurement.filter.index, measurement.index);
+    counts.replayed = late.replayed;
+    counts.longest_delay = late.longest;
+    counts.offered += late.too_late;
+    counts.by_outcome[static_cast<int>(Outcome::late)] += late.too_late;
+    if (late.too_late > 0 && counts.last_reason.empty()) counts.last_reason = "older than the filter's history";
+  }
   for (const auto& row : filter.ledger().rows(measurement.index))
     if (row.is_in_use) counts.rows.push_back(internal::filter::figures_of(row));
   return counts;
@@ -340,7 +352,7 @@ void Session::restore(std::span<const std::byte> from) {
     refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(snapshot_size()));
   std::memcpy(runtime_->arena(), from.data() + sizeof head, runtime_->arena_size());
   for (std::size_t f = 0; f < composition_->plan().filters.size(); ++f)
-    runtime_->engine(static_cast<int>(f)).restored();
+    runtime_->engine(static_cast<int>(f)).restored(false);
   for (auto& taken : intake_) taken.newest = no_time;
   instant_ = no_time;
 }

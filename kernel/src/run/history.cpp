@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/history.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace binnacle::internal::runtime {
+
+namespace {
+
+/// Snapshots of the live way in one history: a sample of any age costs at most 1/16 more steps than its age has.
+constexpr Time snapshots = 16;
+
+}  // namespace
+
+History::History(const CompositionPlan& plan) : plan_(plan), store_(plan.channels), is_present_(plan.channels.size()) {}
+
+void History::add(Way way) {
+  const auto& nodes = way == Way::live ? plan_.history.nodes : plan_.history.settled_nodes;
+  auto& runtime = way == Way::live ? live_ : settled_;
+  if (!runtime) runtime = std::make_unique<Runtime>(plan_, nodes);
+}
+
+void History::reset(std::uint64_t seed, int run) {
+  for (auto* runtime : {live_.get(), settled_.get()})
+    if (runtime) runtime->reset(seed, run);
+  store_.clear();
+  late_.clear();
+  for (const auto& filter : plan_.filters) late_.emplace_back(filter.measurements.size());
+  newest_ = live_t_ = no_time;
+  settled_next_ = live_next_ = 0;
+  is_behind_ = is_ended_ = false;
+  rewinds_ = 0;
+  while (!snapshots_.empty()) {
+    spare_.push_back(std::move(snapshots_.back()));
+    snapshots_.pop_back();
+  }
+  if (live_) keep_snapshot();
+}
+
+void History::count_late(int channel, Time late) {
+  for (std::size_t f = 0; f < plan_.filters.size(); ++f) {
+    if (plan_.filters[f].history == 0) continue;
+    for (std::size_t m = 0; m < late_[f].size(); ++m) {
+      if (plan_.filters[f].measurements[m].channel != channel) continue;
+      Late& count = late_[f][m];
+      if (late > plan_.history.length) ++count.too_late;
+      if (late > plan_.filters[f].history) continue;
+      ++count.replayed;
+      count.longest = std::max(count.longest, late);
+    }
+  }
+}
+
+void History::take(int channel, const SampleView& sample, const SampleKey& key) {
+  const Time late = newest_ == no_time ? 0 : newest_ - sample.t;
+  if (late > 0) count_late(channel, late);
+  if (late > plan_.history.length) return;
+  newest_ = std::max(newest_, sample.t);
+  const std::size_t at = store_.insert(key, channel, sample);
+  store_[at].late = late;
+  if (!live_) return;
+  is_behind_ = true;
+  if (at >= live_next_) return;
+  if (sample.t < live_t_) return rewind(sample.t);
+  // Of the time where the live way is: one more instant there.
+  while (!snapshots_.empty() && snapshots_.back().t >= sample.t) {
+    spare_.push_back(std::move(snapshots_.back()));
+    snapshots_.pop_back();
+  }
+  live_next_ = store_.after(sample.t - 1);
+}
+
+/// To the newest snapshot that has nothing of that time or later in it.
+void History::rewind(Time before) {
+  while (snapshots_.back().t >= before) {
+    spare_.push_back(std::move(snapshots_.back()));
+    snapshots_.pop_back();
+  }
+  const Snapshot& from = snapshots_.back();
+  live_->put(from.arena, true);
+  for (std::size_t f = 0; f < from.notes.size(); ++f)
+    if (Engine* engine = live_->own_engine(static_cast<int>(f))) engine->calls().note_book = from.notes[f];
+  live_next_ = from.t == no_time ? 0 : store_.after(from.t);
+  for (std::size_t i = live_next_; i < store_.size(); ++i) store_[i].is_live = false;
+  live_t_ = from.t;
+  ++rewinds_;
+}
+
+bool History::advance() {
+  if (!live_ || !is_behind_) return false;
+  while (live_next_ < store_.size()) step_live();
+  is_behind_ = false;
+  if (!settled_) forget();
+  return true;
+}
+
+void History::step_live() {
+  const Time t = store_[live_next_].key.first;
+  const auto deliver = [&](const SampleStore::Item& item) {
+    live_->deliver(item.channel, store_.view(item), item.late);
+  };
+  while (each_of_instant(store_, live_next_, &SampleStore::Item::is_live, is_present_, deliver)) live_->end_instant(t);
+  live_next_ = store_.after(t);
+  live_t_ = t;
+  if (snapshots_.empty() || snapshots_.back().t == no_time ||
+      t - snapshots_.back().t >= plan_.history.length / snapshots)
+    keep_snapshot();
+}
+
+void History::keep_snapshot() {
+  if (spare_.empty()) spare_.emplace_back();
+  snapshots_.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+  Snapshot& snapshot = snapshots_.back();
+  snapshot.t = live_t_;
+  snapshot.arena.assign(live_->arena(), live_->arena() + live_->arena_size());
+  snapshot.notes.clear();
+  for (std::size_t f = 0; f < plan_.filters.size(); ++f) {
+    const Engine* engine = live_->own_engine(static_cast<int>(f));
+    snapshot.notes.push_back(engine ? engine->calls().note_book : NoteBook{});
+  }
+}
+
+bool History::settle() {
+  if (!settled_ || settled_next_ == store_.size()) return false;
+  const Time t = store_[settled_next_].key.first;
+  if (!is_ended_ && newest_ - t <= plan_.history.length) return false;
+  const auto deliver = [&](const SampleStore::Item& item) {
+    settled_->deliver(item.channel, store_.view(item), item.late);
+  };
+  each_of_instant(store_, settled_next_, &SampleStore::Item::is_done, is_present_, deliver);
+  settled_->end_instant(t);
+  const std::size_t end = store_.after(t);
+  while (settled_next_ < end && store_[settled_next_].is_done) ++settled_next_;
+  forget();
+  return true;
+}
+
+/// What no way needs any more.
+void History::forget() {
+  std::size_t count = settled_ ? settled_next_ : store_.size();
+  if (live_) {
+    const Time until = newest_ - plan_.history.length;
+    const auto later = std::ranges::find_if(snapshots_, [&](const Snapshot& snapshot) { return snapshot.t >= until; });
+    const auto base = later == snapshots_.begin() ? later : later - 1;
+    std::move(snapshots_.begin(), base, std::back_inserter(spare_));
+    snapshots_.erase(snapshots_.begin(), base);
+    count = std::min(count, snapshots_.front().t == no_time ? 0 : store_.after(snapshots_.front().t));
+  }
+  store_.drop_front(count);
+  settled_next_ -= std::min(count, settled_next_);
+  live_next_ -= std::min(count, live_next_);
+}
+
+void History::finish() {
+  advance();
+  for (auto* runtime : {live_.get(), settled_.get()})
+    if (runtime) runtime->finish();
+}
+
+std::size_t History::bytes() const {
+  return store_.bytes() + (snapshots_.size() + spare_.size()) * (live_ ? live_->arena_size() : 0);
+}
+
+}  // namespace binnacle::internal::runtime

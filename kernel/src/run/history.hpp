@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Filters with history: samples that are late by no more than it are applied where they belong.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "run/arrivals.hpp"
+#include "run/runtime.hpp"
+
+namespace binnacle::internal::runtime {
+
+/// Two ways through the same samples, either of which may be missing. The *settled* one works on them in order of time, once
+/// none can come any more that is late by no more than the history: it is an ordinary run over ordered samples. The *live* one
+/// works on each as it arrives; for a late one it goes back to the newest snapshot before it, and works again on all since.
+class History {
+ public:
+  enum class Way { live, settled };
+
+  explicit History(const CompositionPlan& plan);
+
+  void add(Way way);
+  /// Null: it is missing.
+  Runtime* way(Way way) const { return (way == Way::live ? live_ : settled_).get(); }
+  void reset(std::uint64_t seed, int run);
+
+  /// A sample arrived on a root channel. It is not kept where it is too late.
+  void take(int channel, const SampleView& sample, const SampleKey& key);
+  /// The live way works on what arrived. False where nothing had.
+  bool advance();
+  /// The settled way works on one instant, if one is due.
+  bool settle();
+  /// Nothing will arrive any more.
+  void end() { is_ended_ = true; }
+  void finish();
+
+  /// What filter and measurement got late, and was applied.
+  struct Late {
+    std::int64_t replayed = 0, too_late = 0;
+    Time longest = 0;  // of what was applied
+  };
+  const Late& late(int filter, int measurement) const {
+    return late_[base::as_size(filter)][base::as_size(measurement)];
+  }
+  std::int64_t rewinds() const { return rewinds_; }
+  std::size_t bytes() const;
+
+ private:
+  struct Snapshot {
+    Time t = no_time;  // all up to there is in it
+    std::vector<std::byte> arena;
+    std::vector<NoteBook> notes;
+  };
+
+  void count_late(int channel, Time late);
+  void rewind(Time before);
+  /// Works on all samples of the next time.
+  void step_live();
+  void keep_snapshot();
+  void forget();
+
+  const CompositionPlan& plan_;
+  std::unique_ptr<Runtime> live_, settled_;
+  SampleStore store_;
+  std::vector<bool> is_present_;
+  std::vector<std::vector<Late>> late_;
+  Time newest_ = no_time;         // of a sample that arrived
+  std::size_t settled_next_ = 0;  // of the store
+  std::size_t live_next_ = 0;
+  Time live_t_ = no_time;
+  bool is_behind_ = false, is_ended_ = false;
+  std::vector<Snapshot> snapshots_, spare_;  // of the live way, in order of time
+  std::int64_t rewinds_ = 0;
+};
+
+}  // namespace binnacle::internal::runtime

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run/sample_store.hpp"
+
+#include <algorithm>
+
+namespace binnacle::internal::runtime {
+
+using base::as_size;
+
+void SampleStore::clear() {
+  drop_front(size());
+  items_.clear();
+  begin_ = 0;
+}
+
+SampleView SampleStore::view(const Item& item) const {
+  const auto& channel = channels_[as_size(item.channel)];
+  return unpack(channel, item.head,
+                pools_[as_size(item.channel)].numbers.data() + as_size(item.slot) * channel.doubles());
+}
+
+std::size_t SampleStore::insert(const SampleKey& key, int channel, const SampleView& sample) {
+  Pool& pool = pools_[as_size(channel)];
+  const std::size_t doubles = channels_[as_size(channel)].doubles();
+  if (pool.free.empty()) {
+    pool.free.push_back(static_cast<std::int32_t>(doubles == 0 ? 0 : pool.numbers.size() / doubles));
+    pool.numbers.resize(pool.numbers.size() + doubles);
+  }
+  Item item{key, {}, channel, pool.free.back()};
+  pool.free.pop_back();
+  item.head = pack(channels_[as_size(channel)], sample, pool.numbers.data() + as_size(item.slot) * doubles);
+  const auto at = std::upper_bound(items_.begin() + static_cast<std::ptrdiff_t>(begin_), items_.end(), key,
+                                   [](const SampleKey& a, const Item& b) { return a < b.key; });
+  const auto index = static_cast<std::size_t>(at - items_.begin()) - begin_;
+  items_.insert(at, item);
+  return index;
+}
+
+void SampleStore::drop_front(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) release((*this)[i]);
+  begin_ += count;
+  if (begin_ < 1024 && begin_ < items_.size()) return;
+  items_.erase(items_.begin(), items_.begin() + static_cast<std::ptrdiff_t>(begin_));
+  begin_ = 0;
+}
+
+void SampleStore::erase(std::size_t index) {
+  if (index == 0) return drop_front(1);
+  release((*this)[index]);
+  items_.erase(items_.begin() + static_cast<std::ptrdiff_t>(begin_ + index));
+}
+
+std::size_t SampleStore::after(Time t) const {
+  const auto at = std::upper_bound(items_.begin() + static_cast<std::ptrdiff_t>(begin_), items_.end(), t,
+                                   [](Time time, const Item& item) { return time < item.key.first; });
+  return static_cast<std::size_t>(at - items_.begin()) - begin_;
+}
+
+std::size_t SampleStore::bytes() const {
+  std::size_t bytes = items_.capacity() * sizeof(Item);
+  for (const Pool& pool : pools_) bytes += pool.numbers.capacity() * sizeof(double);
+  return bytes;
+}
+
+}  // namespace binnacle::internal::runtime
