@@ -212,6 +212,9 @@ std::string measurement_table(const Json& measurements) {
       reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name,
                              entry["left_out"]["rows"].dump(), entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
+    if (entry.contains("replayed"))
+      reasons += fmt::format("  {}: {} came late, by up to {:.3g} s, and were applied at their time\n", name,
+                             counted(entry["replayed"], "sample"), number_at(entry, "longest_delay_s"));
     if (entry.contains("last_reason"))
       reasons += fmt::format("  {}: last refused because {}\n", name, entry["last_reason"].get<std::string>());
   }

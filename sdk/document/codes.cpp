@@ -225,6 +225,9 @@ constexpr CodeEntry entries[] = {
      "Compare `after`, `until` and the windows with the time that the filter ran; `\"start+60 s\"` counts from its "
      "start, other "
      "times are those of the data."},
+    {"B122", "later than any history",
+     "Samples of a channel came later than the longest `history` of the config's filters, so they were not used.",
+     "Make `history` longer than the largest delay, or find out what holds these samples up."},
     {"B130", "adaptive noise in tuning",
      "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
      "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},

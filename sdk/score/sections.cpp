@@ -175,6 +175,10 @@ void read_smoother(const CompositionDraft& draft, const Reader& at, int of, Scor
   auto smoothing = read_type_of_smoother(at);
   if (!smoothing) return;
   refuse_behind_lag(draft, at, of);
+  const Reader estimates = draft.at("/evaluate/estimates");
+  if (plan.filters[as_size(of)].history > 0 && estimates && estimates.text() == "live")
+    at.error("B010", "what is smoothed are settled estimates, and 'evaluate' asks for live ones of '" +
+                         plan.filters[as_size(of)].name + "': smooth it in a run of its own");
   FilterInfo smoothed = plan.filters[as_size(of)];
   smoothed.name += ".smoothed";
   if (index_of(names_of(plan.filters), smoothed.name) >= 0)

@@ -26,6 +26,9 @@ FixedLag::FixedLag(const Session& session, FilterId filter, Lag lag, Emit emit, 
       kept_(filter_) {
   if (lag.lag < 0 || lag.every <= 0)
     throw std::invalid_argument("a lag is not negative, and sweeps are some time apart");
+  if (filter_.history > 0 && session.shown() == Estimates::live)
+    throw std::invalid_argument(
+        "what is smoothed must be settled: a session of Estimates::settled, or a filter without history");
   open_part();
 }
 

@@ -103,7 +103,7 @@ void IntervalSmoother::take_snapshot() {
 void IntervalSmoother::after_instant() {
   if (++instants_ % length_ != 0) return;
   constexpr std::size_t budget = 64 << 20, least = 16;
-  if (snapshots_.size() >= std::max(least, budget / session_.snapshot_size())) {
+  if (snapshots_.size() >= std::max(least, budget / snapshots_.back().bytes.size())) {
     length_ *= 2;
     std::erase_if(snapshots_, [&](const Snapshot& snapshot) { return snapshot.instant % length_ != 0; });
     if (instants_ % length_ != 0) return;

@@ -33,10 +33,6 @@ struct MeasurementCounts : SampleCounts {
   double nis_mean = 0;      // of accepted samples; NaN when there is none
   double dof_mean = 0;      // rows per accepted sample
   std::string last_reason;  // of the newest sample that was not accepted
-  // With `history`: samples on its channel that came late and were applied where they belong, and how late the latest was.
-  // Those that came later still are among the outcomes `late`.
-  std::int64_t replayed = 0;
-  Time longest_delay = 0;
 };
 
 /// Counts of a filter's driving input since the start.
@@ -155,7 +151,8 @@ class Session {
   /// may lie behind; x: stored state, P: covariance, both as FilterInfo lays them out.
   void push_estimates(ChannelId channel, FilterId filter, Time t, const double* x, ConstMatrixView P);
 
-  /// Everything that this run is, as bytes; restored into a Session of the same composition it goes on bit for bit.
+  /// Everything that this run is, as bytes; restored into a Session of the same composition it goes on bit for bit. With
+  /// latency or history its size changes with what is under way; the other Session shows the same Estimates.
   std::size_t snapshot_size() const;
   void snapshot(std::span<std::byte> into) const;
   /// Throws ConfigError (B082) when the bytes are of another composition or version, and then changes nothing.
@@ -163,6 +160,7 @@ class Session {
   /// Back to before the first sample.
   void reset(std::uint64_t seed = 0, int run = 0);
 
+  Estimates shown() const { return shown_; }
   const Composition& composition() const { return *composition_; }
   internal::runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
 
@@ -182,6 +180,7 @@ class Session {
 
   std::shared_ptr<const Composition> composition_;
   std::unique_ptr<internal::runtime::Runtime> runtime_;
+  Estimates shown_;
   std::vector<Intake> intake_;  // by channel
   Time instant_ = no_time;      // of what was added and is not committed
   mutable std::vector<double> scratch_;

@@ -19,6 +19,8 @@ struct SampleCounts {
   std::int64_t rows_left_out = 0;  // of accepted samples, by a gate by row or key
   std::int64_t rows_used = 0;      // of accepted samples
   std::int64_t nis_count = 0;      // accepted samples
+  std::int64_t replayed = 0;       // came late, and were applied where they belong: with `history`
+  Time longest_delay = 0;          // of these
 };
 
 /// What a step observer wants besides times, stored states, outcomes and innovations. What it does not want is not

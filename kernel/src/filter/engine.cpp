@@ -70,13 +70,12 @@ void Engine::reset() {
   guarded([&] { estimator_.reset(); });
 }
 
-void Engine::restored(bool is_rewound) {
-  StepObserver* const observer = ledger_.observer();
-  if (!observer) return;
-  if (is_rewound)
-    observer->rewound(started() ? status().t : no_time);
-  else if (started())
-    observer->restored(status().t, state(), covariance());
+void Engine::restored() {
+  if (ledger_.observer() && started()) ledger_.observer()->restored(status().t, state(), covariance());
+}
+
+void Engine::rewound() {
+  if (ledger_.observer()) ledger_.observer()->rewound(started() ? status().t : no_time);
 }
 
 void Engine::keep_latest(const LatestPlan& plan, const SampleView& sample) {
@@ -128,12 +127,13 @@ void Engine::push_input(const SampleView& sample) {
   guarded([&] { time_.input(sample); });
 }
 
-void Engine::push_measurement(int measurement, const SampleView& sample) {
+void Engine::push_measurement(int measurement, const SampleView& sample, Time late) {
   const bool starts_by_itself = plan_.initial.empty() && plan_.input_channel < 0;
   if (!broken() && !started() && !starts_by_itself) {
     ledger_.count_before_start(measurement);
     return;
   }
+  if (late > 0) ledger_.count_replayed(measurement, late);
   guarded([&] {
     ledger_.open(measurement, sample.t);
     if (broken()) {

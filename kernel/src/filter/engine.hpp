@@ -31,14 +31,17 @@ class Engine final : private TimeLine::Work {
   // These allocate.
   void attach(StepObserver* observer) { attach({observer, observers_.of_section()}); }
   void attach_section(StepObserver* observer) { attach({observers_.of_run(), observer}); }
-  /// The arena was overwritten by a snapshot; is_rewound: of its own history, from which it goes on at once.
-  void restored(bool is_rewound);
+  /// The arena was overwritten by a snapshot.
+  void restored();
+  /// By one of its own history.
+  void rewound();
 
   /// Samples as their channel lays them out. What is not subscribed to must not be handed in.
   void push_input(const SampleView& sample);
   /// Its time is beyond the filter's history.
   void refuse_late(int measurement, Time t);
-  void push_measurement(int measurement, const SampleView& sample);
+  /// late: how much later it came than what is newer.
+  void push_measurement(int measurement, const SampleView& sample, Time late = 0);
   void push_auxiliary(int auxiliary, const SampleView& sample);
   void push_initial(int initial, const SampleView& sample);
   /// The end of the run: what still waits for input gets its outcome.

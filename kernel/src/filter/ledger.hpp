@@ -35,6 +35,11 @@ class Ledger {
 
   /// A sample from before the start is offered to nobody.
   void count_before_start(int measurement) { ++tally_of(measurement).before_start; }
+  void count_replayed(int measurement, Time late) {
+    Tally& tally = tally_of(measurement);
+    ++tally.replayed;
+    tally.longest_delay = std::max(tally.longest_delay, late);
+  }
   void open(int measurement, Time t);
   /// The open sample waits until it is reopened.
   void wait() { open_ = -1; }

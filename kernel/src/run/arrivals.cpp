@@ -25,6 +25,11 @@ void Arrivals::reset(std::uint64_t seed, int run) {
     sources_[s] = {random::stream(base::stream_seed(seed, run, plan_.sources[s].pointer), "latency"), 0};
 }
 
+void Arrivals::exchange(StateBytes& bytes) {
+  store_.exchange(bytes);
+  for (Source& source : sources_) bytes.value(source);
+}
+
 Time Arrivals::latency(std::size_t source, int channel, const SampleView& sample) {
   const auto& latency = plan_.sources[source].latency;
   if (!latency) return 0;

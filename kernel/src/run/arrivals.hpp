@@ -19,6 +19,7 @@ class Arrivals {
   static bool are_wanted(const CompositionPlan& plan);
 
   void reset(std::uint64_t seed, int run);
+  void exchange(StateBytes& bytes);
   /// The sample of a source, read in order of its times.
   void read(std::size_t source, int channel, const SampleView& sample);
   bool empty() const { return store_.empty(); }

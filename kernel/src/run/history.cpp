@@ -10,6 +10,7 @@ namespace {
 
 /// Snapshots of the live way in one history: a sample of any age costs at most 1/16 more steps than its age has.
 constexpr Time snapshots = 16;
+constexpr std::uint64_t most_snapshots = 2 * snapshots;
 
 }  // namespace
 
@@ -25,8 +26,7 @@ void History::reset(std::uint64_t seed, int run) {
   for (auto* runtime : {live_.get(), settled_.get()})
     if (runtime) runtime->reset(seed, run);
   store_.clear();
-  late_.clear();
-  for (const auto& filter : plan_.filters) late_.emplace_back(filter.measurements.size());
+  dropped_.assign(plan_.channels.size(), {});
   newest_ = live_t_ = no_time;
   settled_next_ = live_next_ = 0;
   is_behind_ = is_ended_ = false;
@@ -38,24 +38,14 @@ void History::reset(std::uint64_t seed, int run) {
   if (live_) keep_snapshot();
 }
 
-void History::count_late(int channel, Time late) {
-  for (std::size_t f = 0; f < plan_.filters.size(); ++f) {
-    if (plan_.filters[f].history == 0) continue;
-    for (std::size_t m = 0; m < late_[f].size(); ++m) {
-      if (plan_.filters[f].measurements[m].channel != channel) continue;
-      Late& count = late_[f][m];
-      if (late > plan_.history.length) ++count.too_late;
-      if (late > plan_.filters[f].history) continue;
-      ++count.replayed;
-      count.longest = std::max(count.longest, late);
-    }
-  }
-}
-
 void History::take(int channel, const SampleView& sample, const SampleKey& key) {
   const Time late = newest_ == no_time ? 0 : newest_ - sample.t;
-  if (late > 0) count_late(channel, late);
-  if (late > plan_.history.length) return;
+  if (late > plan_.history.length) {
+    Dropped& dropped = dropped_[base::as_size(channel)];
+    ++dropped.count;
+    dropped.longest = std::max(dropped.longest, late);
+    return;
+  }
   newest_ = std::max(newest_, sample.t);
   const std::size_t at = store_.insert(key, channel, sample);
   store_[at].late = late;
@@ -78,7 +68,7 @@ void History::rewind(Time before) {
     snapshots_.pop_back();
   }
   const Snapshot& from = snapshots_.back();
-  live_->put(from.arena, true);
+  live_->put(from.arena);
   for (std::size_t f = 0; f < from.notes.size(); ++f)
     if (Engine* engine = live_->own_engine(static_cast<int>(f))) engine->calls().note_book = from.notes[f];
   live_next_ = from.t == no_time ? 0 : store_.after(from.t);
@@ -157,6 +147,28 @@ void History::finish() {
   advance();
   for (auto* runtime : {live_.get(), settled_.get()})
     if (runtime) runtime->finish();
+}
+
+void History::exchange(StateBytes& bytes) {
+  for (auto* runtime : {live_.get(), settled_.get()})
+    if (runtime) runtime->exchange(bytes);
+  store_.exchange(bytes);
+  bytes.list(dropped_);
+  bytes.value(newest_);
+  bytes.value(settled_next_);
+  bytes.value(live_next_);
+  bytes.value(live_t_);
+  bytes.value(is_behind_);
+  bytes.value(is_ended_);
+  bytes.value(rewinds_);
+  std::uint64_t count = snapshots_.size();
+  bytes.value(count);
+  if (bytes.is_reading() && bytes.holds() && count <= most_snapshots) snapshots_.resize(count);
+  for (Snapshot& snapshot : snapshots_) {
+    bytes.value(snapshot.t);
+    bytes.list(snapshot.arena);
+    if (bytes.is_reading()) snapshot.notes.assign(plan_.filters.size(), NoteBook{});
+  }
 }
 
 std::size_t History::bytes() const {

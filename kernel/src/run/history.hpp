@@ -35,15 +35,14 @@ class History {
   /// Nothing will arrive any more.
   void end() { is_ended_ = true; }
   void finish();
+  void exchange(StateBytes& bytes);
 
-  /// What filter and measurement got late, and was applied.
-  struct Late {
-    std::int64_t replayed = 0, too_late = 0;
-    Time longest = 0;  // of what was applied
+  /// Samples that came too late for any filter.
+  struct Dropped {
+    std::int64_t count = 0;
+    Time longest = 0;  // how late
   };
-  const Late& late(int filter, int measurement) const {
-    return late_[base::as_size(filter)][base::as_size(measurement)];
-  }
+  const Dropped& dropped(int channel) const { return dropped_[base::as_size(channel)]; }
   std::int64_t rewinds() const { return rewinds_; }
   std::size_t bytes() const;
 
@@ -54,7 +53,6 @@ class History {
     std::vector<NoteBook> notes;
   };
 
-  void count_late(int channel, Time late);
   void rewind(Time before);
   /// Works on all samples of the next time.
   void step_live();
@@ -65,7 +63,7 @@ class History {
   std::unique_ptr<Runtime> live_, settled_;
   SampleStore store_;
   std::vector<bool> is_present_;
-  std::vector<std::vector<Late>> late_;
+  std::vector<Dropped> dropped_;  // by channel
   Time newest_ = no_time;         // of a sample that arrived
   std::size_t settled_next_ = 0;  // of the store
   std::size_t live_next_ = 0;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "run/history.hpp"
 #include "run/runtime.hpp"
 
 namespace binnacle {
@@ -138,6 +139,21 @@ void note_spans_apart(const Runtime& runtime, Diagnostics& warnings) {
       warn(pointer, plan.filters.front().input_channel, channel);
 }
 
+/// What was not used since it came later than any history.
+void note_dropped(const Runtime& runtime, Diagnostics& warnings) {
+  const auto& plan = runtime.plan();
+  if (!runtime.history()) return;
+  for (int c = 0; c < base::count_of(plan.channels); ++c) {
+    const auto& dropped = runtime.history()->dropped(c);
+    if (dropped.count == 0) continue;
+    const auto& channel = plan.channels[as_size(c)];
+    warnings.warning("B122", plan.document.key_origin(channel.pointer), channel.pointer,
+                     std::to_string(dropped.count) + " samples of channel '" + channel.name + "' came up to " +
+                         filter::time_text(dropped.longest) + " late, and the longest history is " +
+                         filter::time_text(plan.history.length) + "; they were not used");
+  }
+}
+
 void note_failures(Runtime& runtime, Diagnostics& failures) {
   const auto& plan = runtime.plan();
   for (std::size_t f = 0; f < plan.filters.size(); ++f) {
@@ -235,6 +251,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
 
   for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
   note_spans_apart(runtime, result.warnings);
+  note_dropped(runtime, result.warnings);
   note_failures(runtime, result.failures);
   return result;
 }

@@ -152,10 +152,22 @@ void Runtime::show(Estimates estimates) {
   });
 }
 
-void Runtime::put(std::span<const std::byte> arena, bool is_rewound) {
+void Runtime::put(std::span<const std::byte> arena) {
   std::ranges::copy(arena, this->arena());
   for (auto& engine : engines_)
-    if (engine) engine->restored(is_rewound);
+    if (engine) engine->rewound();
+}
+
+void Runtime::exchange(StateBytes& bytes) {
+  bytes.exchange(arena(), arena_size());
+  if (arrivals_ || history_)
+    for (auto& sequence : sequences_) bytes.value(sequence);
+  if (arrivals_) arrivals_->exchange(bytes);
+  if (history_) bytes.list(emitted_);
+  if (history_) history_->exchange(bytes);
+  if (bytes.is_reading() && bytes.holds())
+    for (auto& engine : engines_)
+      if (engine) engine->restored();
 }
 
 void Runtime::deliver(int index, const SampleView& sample, Time late) {
@@ -227,23 +239,23 @@ void Runtime::feed_filter(Engine& engine, Time t) {
   const auto each = [&](const auto& targets, auto push) {
     for (std::size_t i = 0; i < targets.size(); ++i)
       if (const auto& channel = channels_[as_size(targets[i].channel)]; channel.is_present) {
-        push(static_cast<int>(i), channel.view, plan.history > 0 && channel.late > plan.history);
+        push(static_cast<int>(i), channel.view, plan.history > 0 ? channel.late : 0);
         is_touched = true;
       }
   };
-  each(plan.initial, [&](int i, const SampleView& sample, bool is_too_late) {
-    if (!is_too_late) engine.push_initial(i, sample);
+  each(plan.initial, [&](int i, const SampleView& sample, Time late) {
+    if (late <= plan.history) engine.push_initial(i, sample);
   });
-  each(plan.auxiliary, [&](int i, const SampleView& sample, bool is_too_late) {
-    if (!is_too_late) engine.push_auxiliary(i, sample);
+  each(plan.auxiliary, [&](int i, const SampleView& sample, Time late) {
+    if (late <= plan.history) engine.push_auxiliary(i, sample);
   });
   if (plan.input_channel >= 0) {
     const Channel& input = channels_[as_size(plan.input_channel)];
     if (input.is_present && (plan.history == 0 || input.late <= plan.history)) engine.push_input(input.view);
     is_touched = is_touched || input.is_present;
   }
-  each(plan.measurements, [&](int i, const SampleView& sample, bool is_too_late) {
-    is_too_late ? engine.refuse_late(i, sample.t) : engine.push_measurement(i, sample);
+  each(plan.measurements, [&](int i, const SampleView& sample, Time late) {
+    late <= plan.history ? engine.push_measurement(i, sample, late) : engine.refuse_late(i, sample.t);
   });
   if (is_touched) engine.try_start(t);
 }

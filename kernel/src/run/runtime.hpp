@@ -14,6 +14,7 @@
 #include "binnacle/diagnostic.hpp"
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
+#include "run/state_bytes.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -115,7 +116,10 @@ class Runtime {
   const std::byte* arena() const { return arena_.data()->bytes; }
   std::size_t arena_size() const { return plan_.layout.size(); }
   /// The arena as it was; step observers are informed.
-  void put(std::span<const std::byte> arena, bool is_rewound);
+  void put(std::span<const std::byte> arena);
+  bool has_more_than_arena() const { return arrivals_ || history_; }
+  /// All that outlives an instant.
+  void exchange(StateBytes& bytes);
 
  private:
   struct alignas(Layout::alignment) Line {

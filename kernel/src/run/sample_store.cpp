@@ -56,6 +56,15 @@ std::size_t SampleStore::after(Time t) const {
   return static_cast<std::size_t>(at - items_.begin()) - begin_;
 }
 
+void SampleStore::exchange(StateBytes& bytes) {
+  bytes.list(items_);
+  bytes.value(begin_);
+  for (Pool& pool : pools_) {
+    bytes.list(pool.numbers);
+    bytes.list(pool.free);
+  }
+}
+
 std::size_t SampleStore::bytes() const {
   std::size_t bytes = items_.capacity() * sizeof(Item);
   for (const Pool& pool : pools_) bytes += pool.numbers.capacity() * sizeof(double);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compose/composition_plan.hpp"
+#include "run/state_bytes.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -51,6 +52,7 @@ class SampleStore {
   /// The first whose key.first is beyond t.
   std::size_t after(Time t) const;
   std::size_t bytes() const;
+  void exchange(StateBytes& bytes);
 
  private:
   /// Numbers of one channel's samples.

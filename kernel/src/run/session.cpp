@@ -68,7 +68,7 @@ const auto& item_at(const auto& list, int index, const char* what) {
 }  // namespace
 
 Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run, Estimates estimates)
-    : composition_(std::move(composition)) {
+    : composition_(std::move(composition)), shown_(estimates) {
   runtime_ = std::make_unique<Runtime>(composition_->plan());
   runtime_->show(estimates);
   std::size_t scratch = 1;
@@ -270,12 +270,11 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   counts.nis_mean = n > 0 ? tally.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(tally.rows_used) / n : 0.0;
   if (runtime_->history() && filter.plan().history > 0) {
-    const auto& late = runtime_->history()->late(measurement.filter.index, measurement.index);
-    counts.replayed = late.replayed;
-    counts.longest_delay = late.longest;
-    counts.offered += late.too_late;
-    counts.by_outcome[static_cast<int>(Outcome::late)] += late.too_late;
-    if (late.too_late > 0 && counts.last_reason.empty()) counts.last_reason = "older than the filter's history";
+    const int channel = filter.plan().measurements[as_size(measurement.index)].channel;
+    const auto dropped = runtime_->history()->dropped(channel).count;
+    counts.offered += dropped;
+    counts.by_outcome[static_cast<int>(Outcome::late)] += dropped;
+    if (dropped > 0 && counts.last_reason.empty()) counts.last_reason = "older than the filter's history";
   }
   for (const auto& row : filter.ledger().rows(measurement.index))
     if (row.is_in_use) counts.rows.push_back(internal::filter::figures_of(row));
@@ -325,16 +324,21 @@ void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, d
   }
 }
 
-std::size_t Session::snapshot_size() const { return sizeof(SnapshotHead) + runtime_->arena_size(); }
+std::size_t Session::snapshot_size() const {
+  StateBytes bytes;
+  runtime_->exchange(bytes);
+  return sizeof(SnapshotHead) + bytes.size();
+}
 
 void Session::snapshot(std::span<std::byte> into) const {
-  if (into.size() != snapshot_size())
-    throw std::invalid_argument("a snapshot of this composition has " + std::to_string(snapshot_size()) + " bytes");
+  if (const auto size = snapshot_size(); into.size() != size)
+    throw std::invalid_argument("a snapshot of this session has " + std::to_string(size) + " bytes now");
   SnapshotHead head;
   head.composition = composition_->hash();
-  head.size = runtime_->arena_size();
+  head.size = into.size() - sizeof head;
   std::memcpy(into.data(), &head, sizeof head);
-  std::memcpy(into.data() + sizeof head, runtime_->arena(), runtime_->arena_size());
+  auto bytes = StateBytes::write(into.subspan(sizeof head));
+  runtime_->exchange(bytes);
 }
 
 void Session::restore(std::span<const std::byte> from) {
@@ -348,11 +352,19 @@ void Session::restore(std::span<const std::byte> from) {
   if (std::memcmp(head.magic, own.magic, sizeof head.magic) != 0) refuse("these bytes are no snapshot");
   if (head.composition != composition_->hash())
     refuse("it was taken of another composition, or with other plugins or another version of this program");
-  if (head.size != runtime_->arena_size() || from.size() != snapshot_size())
-    refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(snapshot_size()));
-  std::memcpy(runtime_->arena(), from.data() + sizeof head, runtime_->arena_size());
-  for (std::size_t f = 0; f < composition_->plan().filters.size(); ++f)
-    runtime_->engine(static_cast<int>(f)).restored(false);
+  const std::size_t least = runtime_->arena_size();
+  if (head.size < least || from.size() != sizeof head + head.size ||
+      (!runtime_->has_more_than_arena() && head.size != least))
+    refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(sizeof head + head.size));
+  std::vector<std::byte> before(runtime_->has_more_than_arena() ? snapshot_size() : 0);
+  if (!before.empty()) snapshot(before);
+  auto bytes = StateBytes::read(from.subspan(sizeof head));
+  runtime_->exchange(bytes);
+  if (!bytes.holds()) {
+    auto back = StateBytes::read(std::span<const std::byte>(before).subspan(sizeof head));
+    runtime_->exchange(back);
+    refuse("it is torn");
+  }
   for (auto& taken : intake_) taken.newest = no_time;
   instant_ = no_time;
 }

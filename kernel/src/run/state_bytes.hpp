@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// State as bytes and back, by one function for both: exchange(bytes) names what belongs to it, in order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace binnacle::internal::runtime {
+
+class StateBytes {
+ public:
+  /// Only counts.
+  StateBytes() = default;
+  static StateBytes write(std::span<std::byte> to) { return {to.data(), nullptr, to.size()}; }
+  static StateBytes read(std::span<const std::byte> from) { return {nullptr, from.data(), from.size()}; }
+
+  std::size_t size() const { return size_; }
+  bool is_reading() const { return from_; }
+  /// False once there were fewer bytes than what was asked for; what was read then is of no use.
+  bool holds() const { return holds_; }
+
+  void exchange(std::byte* data, std::size_t bytes) {
+    if ((to_ || from_) && bytes > limit_ - size_) holds_ = false;
+    if (!holds_) return;
+    if (bytes > 0 && to_) std::memcpy(to_ + size_, data, bytes);
+    if (bytes > 0 && from_) std::memcpy(data, from_ + size_, bytes);
+    size_ += bytes;
+  }
+  template <class T>
+  void value(T& item) {
+    static_assert(std::is_trivially_copyable_v<T>, "it is a copy of bytes");
+    exchange(reinterpret_cast<std::byte*>(&item), sizeof item);
+  }
+  /// Of any length.
+  template <class T>
+  void list(std::vector<T>& items) {
+    static_assert(std::is_trivially_copyable_v<T>, "it is a copy of bytes");
+    std::uint64_t count = items.size();
+    value(count);
+    if (is_reading() && (!holds_ || count > (limit_ - size_) / sizeof(T))) holds_ = false;
+    if (!holds_) return;
+    if (is_reading()) items.resize(count);
+    exchange(reinterpret_cast<std::byte*>(items.data()), count * sizeof(T));
+  }
+
+ private:
+  StateBytes(std::byte* to, const std::byte* from, std::size_t limit) : to_(to), from_(from), limit_(limit) {}
+
+  std::byte* to_ = nullptr;
+  const std::byte* from_ = nullptr;
+  std::size_t limit_ = 0, size_ = 0;
+  bool holds_ = true;
+};
+
+}  // namespace binnacle::internal::runtime
