@@ -189,11 +189,19 @@ std::string start_text(const Json& filter) {
                           : fmt::format("\nStarts when there is a sample of {}\n", joined(channels, " and "));
 }
 
+std::string history_text(const Json& filter) {
+  if (!filter.contains("history")) return "";
+  const Json& history = filter.at("history");
+  return fmt::format("History of {}: settled estimates on channel {}; live ones keep snapshots of at most {:.0f} kB\n",
+                     duration(history.at("length_s")), history.at("settled").get<std::string>(),
+                     history.at("snapshot_bytes").get<double>() / 1e3);
+}
+
 std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
   return fmt::format("\nFILTER {}: {} in the covariance\n", name, counted(filter.at("dof"), "row")) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
-         measurements_text(filter) + implied_states_text(filter) + start_text(filter);
+         measurements_text(filter) + implied_states_text(filter) + start_text(filter) + history_text(filter);
 }
 
 /// Figures that components found out while they were bound; angles in degrees, as everywhere in print.

@@ -40,6 +40,10 @@ class FilterText {
     for (const auto& section : composition_.sections())
       if (const std::string added = section ? section->explain(index_) : ""; !added.empty())
         text.update(Json::parse(added));
+    if (filter_.history > 0)
+      text["history"] = {{"length_s", seconds(filter_.history)},
+                         {"settled", filter_.name + ".settled"},
+                         {"snapshot_bytes", filter_.history_bytes}};
     text["starts_when"] = Json::array();
     for (const auto& initial : filter_.starts_when) {
       Json entry{{"channel", channel(initial.channel)}};

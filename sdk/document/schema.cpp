@@ -137,7 +137,7 @@ class ReservedKeys {
       case Role::process_model: add_process_keys(); break;
       case Role::measurement_model: add_measurement_keys(); break;
       case Role::noise_estimator: properties["learn_from_gated"] = ref("learn_from_gated"); break;
-      case Role::source: break;
+      case Role::source: add_source_keys(); break;
       case Role::transform:
       case Role::sink: add_input_keys(); break;
     }
@@ -147,6 +147,19 @@ class ReservedKeys {
   std::vector<std::string> required;
 
  private:
+  void add_source_keys() {
+    const Json time = ref("quantity");
+    const auto form = [](const char* name, const Json& schema) {
+      return or_patch(closed_object({{name, schema}}, {name}));
+    };
+    properties["latency"] =
+        described("how long after its time a sample arrives",
+                  {{"anyOf",
+                    {time, form("field", {{"type", "string"}}), form("exponential", time),
+                     form("uniform", {{"type", "array"}, {"items", time}, {"minItems", 2}, {"maxItems", 2}}),
+                     form("normal", closed_object({{"mean", time}, {"sigma", time}}))}}});
+  }
+
   void add_block_keys() {
     for (const char* key : {"init", "sigma", "estimate", "consider", "hold"}) properties[key] = ref(key);
   }
@@ -401,6 +414,7 @@ void add_filter_definitions(Json& definitions) {
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
+       {"history", described("how late a sample may be and is still applied at its time", ref("quantity"))},
        {"smoother",
         described("smooths the filter; what comes of it is the filter NAME.smoothed",
                   {{"anyOf",
@@ -435,6 +449,8 @@ Json evaluate_schema() {
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
   return closed_object({{"after", described("nothing earlier is scored", ref("time"))},
                         {"until", described("nothing later is scored", ref("time"))},
+                        {"estimates", described("of filters with history: what is scored and recorded",
+                                                {{"enum", {"settled", "live"}}})},
                         {"windows", described("spans of time that are scored on their own too: [from, to]",
                                               named({{"anyOf", {ref("window"), window_of_filter}}}))},
                         {"metrics", described("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name",

@@ -269,6 +269,8 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
   if (!is_complete || diagnostics_.has_errors()) return nullptr;
   plan_history();
   lay_out();
+  for (auto& info : plan_->filter_infos)
+    if (info.history > 0) info.history_bytes = HistoryPlan::most_snapshots * plan_->layout.size();
   check_subscribers();
 
   base::Fnv1a hash(plan_->document.hash(own_keys));

@@ -68,9 +68,13 @@ struct Node {
 /// What filters with history need: they and the transforms before them work on samples in order of time, again where one came
 /// late; all else works on samples as they arrive.
 struct HistoryPlan {
-  Time length = 0;                  // the longest of the filters'; 0: there is none
-  std::vector<Node> nodes;          // filters with history, and transforms on the way to them
-  std::vector<Node> settled_nodes;  // and transforms on the way to what sections subscribe to
+  /// Snapshots of the live estimates in one length of the history: a late sample costs at most 1/16 of it more steps than its
+  /// age has.
+  static constexpr int snapshots = 16;
+  static constexpr int most_snapshots = snapshots + 2;  // with the one before it
+  Time length = 0;                                      // the longest of the filters'; 0: there is none
+  std::vector<Node> nodes;                              // filters with history, and transforms on the way to them
+  std::vector<Node> settled_nodes;                      // and transforms on the way to what sections subscribe to
   std::vector<Node> arrival_nodes;  // all else; filters with history stand where what they emit is wanted
   std::vector<bool> is_root;        // by channel: what comes to settled_nodes from outside
 };

@@ -6,14 +6,6 @@
 
 namespace binnacle::internal::runtime {
 
-namespace {
-
-/// Snapshots of the live way in one history: a sample of any age costs at most 1/16 more steps than its age has.
-constexpr Time snapshots = 16;
-constexpr std::uint64_t most_snapshots = 2 * snapshots;
-
-}  // namespace
-
 History::History(const CompositionPlan& plan) : plan_(plan), store_(plan.channels), is_present_(plan.channels.size()) {}
 
 void History::add(Way way) {
@@ -94,7 +86,7 @@ void History::step_live() {
   live_next_ = store_.after(t);
   live_t_ = t;
   if (snapshots_.empty() || snapshots_.back().t == no_time ||
-      t - snapshots_.back().t >= plan_.history.length / snapshots)
+      t - snapshots_.back().t >= plan_.history.length / HistoryPlan::snapshots)
     keep_snapshot();
 }
 
@@ -163,7 +155,7 @@ void History::exchange(StateBytes& bytes) {
   bytes.value(rewinds_);
   std::uint64_t count = snapshots_.size();
   bytes.value(count);
-  if (bytes.is_reading() && bytes.holds() && count <= most_snapshots) snapshots_.resize(count);
+  if (bytes.is_reading() && bytes.holds() && count <= 2 * HistoryPlan::most_snapshots) snapshots_.resize(count);
   for (Snapshot& snapshot : snapshots_) {
     bytes.value(snapshot.t);
     bytes.list(snapshot.arena);
