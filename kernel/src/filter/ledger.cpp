@@ -253,7 +253,7 @@ bool Ledger::is_inflation_due(int measurement) const {
   return plan.recover_after > 0 && !plan.inflations.empty() && tally(measurement).believable % plan.recover_after == 0;
 }
 
-int Ledger::count_recovery(int measurement, Time t) {
+std::int64_t Ledger::count_recovery(int measurement, Time t) {
   Tally& tally = tally_of(measurement);
   if (tally.recoveries++ == 0) tally.first_recovery = t;
   const bool is_soon = tally.last_recovery != no_time &&

@@ -72,7 +72,7 @@ class Ledger {
   /// The newest sample of a measurement was gated: whether the variances that its config names are due.
   bool is_inflation_due(int measurement) const;
   /// Returns how many there were in a row, each within `against` of the one before.
-  int count_recovery(int measurement, Time t);
+  std::int64_t count_recovery(int measurement, Time t);
   /// The filter starts anew.
   void forget_refusals();
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,6 +26,15 @@ namespace binnacle::internal::filter {
 
 using base::as_size;
 
+/// Padding keeps what lay there before: two equal states would have snapshots that differ. A constant expression cannot read
+/// it, so that a type with padding does not compile.
+template <class T>
+consteval bool has_no_padding() {
+  int sum = 0;
+  for (const unsigned char byte : std::bit_cast<std::array<unsigned char, sizeof(T)>>(T{})) sum += byte;
+  return sum >= 0;
+}
+
 /// A place for `count` objects of T in an arena; the same in every arena of one composition.
 template <class T>
 struct Place {
@@ -43,6 +54,7 @@ class Layout {
   template <class T>
   Place<T> add(std::size_t count) {
     static_assert(alignof(T) <= alignment);
+    static_assert(has_no_padding<T>());
     const Place<T> place{size_, count};
     size_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
     return place;
@@ -257,7 +269,7 @@ struct Tally : SampleCounts {
   double nis_sum = 0;
   Time last_accepted = no_time;
   Time first_recovery = no_time, last_recovery = no_time;
-  int recoveries_in_vain = 0;  // in a row, each soon after the one before
+  std::int64_t recoveries_in_vain = 0;  // in a row, each soon after the one before
   // Samples that repeat the one before to the bit, after others that did not.
   std::uint64_t fingerprint = 0;
   std::int64_t changes = 0;     // samples that did not
@@ -348,7 +360,7 @@ struct TimeHead {
   std::int32_t queued = 0;
   std::int32_t driving_rates_known = 0;
   std::int32_t just_started = 0;  // the next input sample may begin before the filter's time
-  std::int32_t bridged = 0;       // the last driving interval bridged a hole
+  std::int64_t bridged = 0;       // the last driving interval bridged a hole
   Time longest_hole = 0;          // that was bridged, and where it began
   Time longest_hole_at = no_time;
   Time stopped_by = 0;  // the last hole that was not, and where it began

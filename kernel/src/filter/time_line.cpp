@@ -36,7 +36,8 @@ void TimeLine::start(Time t) {
   head_.started = 1;
   head_.just_started = 1;
   head_.restart_until = no_time;
-  head_.pending = head_.driving_rates_known = head_.bridged = 0;
+  head_.pending = head_.driving_rates_known = 0;
+  head_.bridged = 0;
 }
 
 bool TimeLine::is_complete(const SampleView& sample) const {
