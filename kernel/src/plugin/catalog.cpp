@@ -2,9 +2,6 @@
 // The catalog: where plugins are searched, and how a type's name finds its component.
 #include "binnacle/catalog.hpp"
 
-#include <dlfcn.h>
-#include <sys/auxv.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
@@ -39,17 +36,6 @@ std::string in_a_line(const Diagnostics& diagnostics) {
   const std::string first = std::ranges::find(items, Severity::error, &Diagnostic::severity)->message;
   const auto more = std::ranges::count(items, Severity::error, &Diagnostic::severity) - 1;
   return more > 0 ? first + " (and " + std::to_string(more) + " more)" : first;
-}
-
-/// The shared library that the kernel is part of; empty where that is the program itself, or was loaded by a relative path,
-/// which would be looked up in whatever the working folder is now.
-fs::path own_library() {
-  Dl_info own{}, program{};
-  if (!dladdr(reinterpret_cast<const void*>(&role_name), &own) || !own.dli_fname) return {};
-  if (!dladdr(reinterpret_cast<const void*>(getauxval(AT_PHDR)), &program) || program.dli_fbase == own.dli_fbase)
-    return {};
-  const fs::path file = own.dli_fname;
-  return file.is_absolute() ? file : fs::path();
 }
 
 }  // namespace
@@ -97,10 +83,14 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
       diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: there is no folder '" + folder + "'");
     load_folder(folder, diagnostics);
   }
+  const auto load_beside = [&](const fs::path& binary) {
+    load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
+  };
   const fs::path program = boost::dll::program_location(error);
-  for (const fs::path& binary : {error ? fs::path() : program, own_library()})
-    if (!binary.empty())
-      load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
+  if (!error) load_beside(program);
+  // The kernel may be in a shared library; a relative name would be looked up in whatever folder is the working one now.
+  const fs::path own = boost::dll::symbol_location(role_name, error);
+  if (own.is_absolute() && !fs::equivalent(own, program, error) && !error) load_beside(own);
 }
 
 namespace {
