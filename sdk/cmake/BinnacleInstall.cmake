@@ -59,7 +59,11 @@ install(TARGETS binnacle_testing EXPORT BinnacleTestingTargets
 install(TARGETS binnacle_kernel binnacle_score binnacle_smooth binnacle_document EXPORT BinnacleKernelTargets
   ARCHIVE DESTINATION lib COMPONENT dev
   INCLUDES DESTINATION include)
-foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets)
+# A program in C needs nothing else of Binnacle, so its library is an export set of its own too; sdk/run does not build it.
+install(FILES "${PROJECT_SOURCE_DIR}/sdk/c/include/binnacle.h" DESTINATION include COMPONENT dev)
+install(TARGETS binnacle_c EXPORT BinnacleCTargets
+  LIBRARY DESTINATION lib COMPONENT runtime OPTIONAL NAMELINK_COMPONENT dev)
+foreach(set IN ITEMS BinnacleTargets BinnacleTestingTargets BinnacleKernelTargets BinnacleCTargets)
   install(EXPORT ${set} NAMESPACE Binnacle:: DESTINATION ${package_folder} COMPONENT dev)
 endforeach()
 

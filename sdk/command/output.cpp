@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "table.hpp"
+#include "wording/diagnostics_json.hpp"
 
 namespace binnacle::command {
 
@@ -81,19 +82,6 @@ void print_abridged(const Diagnostics& diagnostics, const std::string& hint) {
   to_stderr(count_line(diagnostics) + (left_out ? fmt::format(" ({} not shown; {})", left_out, hint) : ""));
 }
 
-Json to_json(const Diagnostics& diagnostics) {
-  Json list = Json::array();
-  for (const auto& item : diagnostics.sorted()) {
-    Json entry{{"severity", item.severity == Severity::error ? "error" : "warning"}, {"code", item.code}};
-    entry["file"] = item.origin.file;
-    entry["line"] = item.origin.line;
-    entry["column"] = item.origin.column;
-    entry["pointer"] = item.pointer;
-    entry["message"] = item.message;
-    entry["text"] = to_string(item);
-    list.push_back(std::move(entry));
-  }
-  return list;
-}
+Json to_json(const Diagnostics& diagnostics) { return wording::to_json(diagnostics); }
 
 }  // namespace binnacle::command

@@ -46,6 +46,7 @@ step "cmake --install" "$cmake" --install "$build" --prefix "$scratch/installed"
 prefix=$scratch/elsewhere
 mv "$scratch/installed" "$prefix"
 for file in bin/binnacle include/binnacle/{plugin,header_hash,version}.hpp lib/cmake/Binnacle/BinnacleConfig.cmake \
+  include/binnacle.h lib/libbinnacle_c.so{,.1} \
   share/binnacle/{README.md,LICENSE,sdk/template/process/plugin.cpp} share/doc/binnacle/LICENSE; do
   [ -e "$prefix/$file" ] || fail "not installed: $file"
 done
@@ -92,3 +93,12 @@ step "embed: configure" "$cmake" -S embed -B embed/build -DCMAKE_BUILD_TYPE=Debu
   -DMY_WALK="$PWD/my_walk/build"
 step "embed: build" "$cmake" --build embed/build
 step "embed: ctest" "$ctest" --test-dir embed/build --output-on-failure --no-tests=error
+
+# ---- the same in C, with no C++ compiler and nothing but the library, which finds the plugins beside it
+
+cp -R "$source/tests/package/embed_c" embed_c
+step "embed_c: configure" env CXX=/bin/false "$cmake" -S embed_c -B embed_c/build -DCMAKE_BUILD_TYPE=Debug \
+  -DCMAKE_C_FLAGS="-std=c99 -Wall -Wextra -Wpedantic -Werror" \
+  -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON
+step "embed_c: build" "$cmake" --build embed_c/build
+step "embed_c: ctest" run_tests embed_c/build

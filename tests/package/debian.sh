@@ -31,9 +31,9 @@ holds() {
     grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
   done
 }
-holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so share/doc/binnacle/LICENSE \
+holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so lib/libbinnacle_c.so.1 share/doc/binnacle/LICENSE \
   share/binnacle/{README.md,configs/quickstart.json,sdk/docs/README.md,sdk/template/process/plugin.cpp}
-holds binnacle-dev include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
+holds binnacle-dev include/binnacle.h lib/libbinnacle_c.so include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
   lib/cmake/Binnacle/BinnacleConfig.cmake lib/cmake/Binnacle/binnacle_plugin.map
 
 field() { dpkg-deb -f "$scratch/$1_${version}_$architecture.deb" "$2"; }

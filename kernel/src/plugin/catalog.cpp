@@ -83,8 +83,14 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
       diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: there is no folder '" + folder + "'");
     load_folder(folder, diagnostics);
   }
+  const auto load_beside = [&](const fs::path& binary) {
+    load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
+  };
   const fs::path program = boost::dll::program_location(error);
-  if (!error) load_folder((program.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
+  if (!error) load_beside(program);
+  // The kernel may be in a shared library; a relative name would be looked up in whatever folder is the working one now.
+  const fs::path own = boost::dll::symbol_location(role_name, error);
+  if (own.is_absolute() && !fs::equivalent(own, program, error) && !error) load_beside(own);
 }
 
 namespace {
