@@ -57,7 +57,7 @@ TEST_CASE("recorded and written is what is settled: the files of the ordered run
   CHECK(outcome.out.find("came late, by up to 1.") != std::string::npos);
 }
 
-TEST_CASE("a filter fed by settled estimates is that of the ordered run; without history they are late for it") {
+TEST_CASE("a filter fed by settled estimates is that of the ordered run, and without history they are late for it") {
   const Workbench bench;
   const auto figures = [&](const std::vector<std::string>& sets) {
     const auto outcome = run(bench, sets, {"--json", "--out", "out"});

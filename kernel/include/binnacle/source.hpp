@@ -15,7 +15,8 @@ namespace binnacle {
 
 enum class SourceStatus { sample, wait, end, error };
 
-/// What open() and next() found worth a warning: gaps, repaired values. Kept by the kernel with the run's summary.
+/// What a source or a sink found worth a warning: gaps, repaired values, lines that a slow receiver lost. Kept by the kernel
+/// with the run's summary, and lives as long as the component's last call.
 class Reporter {
  public:
   virtual ~Reporter() = default;
@@ -100,6 +101,8 @@ class Transform : public DeclaredModel<StreamDeclaration, std::uint64_t> {
 class Sink {
  public:
   virtual ~Sink() = default;
+  /// Before open(), in every run: where its warnings go until close() has returned, from the thread that calls it.
+  virtual void report_to(Reporter& /*reporter*/) {}
   virtual void open() {}
   virtual void on(Input from, const SampleView& sample) = 0;
   virtual void close() {}

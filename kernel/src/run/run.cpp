@@ -2,6 +2,7 @@
 #include "binnacle/run.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <limits>
 #include <set>
 
@@ -18,14 +19,14 @@ using namespace runtime;
 
 class WarningReporter : public Reporter {
  public:
-  WarningReporter(Diagnostics& warnings, const compose::SourcePlan& source) : warnings_(warnings), source_(source) {}
+  WarningReporter(Diagnostics& warnings, const filter::Planned& of) : warnings_(warnings), of_(of) {}
   void warn(const std::string& code, const std::string& file, int line, const std::string& message) override {
-    warnings_.warning(code, Origin{file, line, 0}, source_.pointer, message);
+    warnings_.warning(code, Origin{file, line, 0}, of_.pointer, message);
   }
 
  private:
   Diagnostics& warnings_;
-  const compose::SourcePlan& source_;
+  const filter::Planned& of_;
 };
 
 void open_sources(const compose::CompositionPlan& plan, Diagnostics& warnings) {
@@ -241,9 +242,12 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   const Parts parts = parts_of(plan);
   for (const auto& part : parts) part->begin(session);
   observer.begin(session);
+  std::deque<WarningReporter> reporters;
   if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks)
+    for (const auto& sink : plan.sinks) {
+      sink.object->report_to(reporters.emplace_back(result.warnings, sink));
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
+    }
   run_sources(session, parts, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
