@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
 #include "interrupt.hpp"
+#include "live/run_page.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
 #include "report_file.hpp"
@@ -29,6 +31,7 @@ struct Options {
   ConfigOptions config;
   std::string summary;
   std::string out;
+  std::optional<std::string> page;
   score::RunOptions run;
   bool json = false;
   bool quiet = false;
@@ -69,9 +72,18 @@ class ProgressLine {
 
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, bool is_quiet)
-      : recorder_(recorder), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
+  Watch(RunRecorder* recorder, live::RunPage* page, bool is_quiet)
+      : recorder_(recorder), page_(page), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
 
+  void begin_run(const Session& session) override {
+    if (page_) page_->begin_run(session);
+  }
+  void after_instant() override {
+    if (page_) page_->after_instant();
+  }
+  void finished() override {
+    if (page_) page_->finished();
+  }
   bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
     if (recorder_) recorder_->begin(filter, name, columns);
@@ -79,7 +91,10 @@ class Watch : public score::RunObserver {
   void record(int filter, Time t, std::span<const double> values) override {
     if (recorder_) recorder_->record(filter, t, values);
   }
-  StepObserver* step_observer(int filter) override { return recorder_ ? recorder_->step_observer(filter) : nullptr; }
+  StepObserver* step_observer(int filter) override {
+    StepObserver* const recorded = recorder_ ? recorder_->step_observer(filter) : nullptr;
+    return page_ ? page_->step_observer(filter, recorded) : recorded;
+  }
   void scored(int filter, const score::ErrorSeries& errors) override {
     if (recorder_) recorder_->scored(filter, errors);
   }
@@ -97,6 +112,7 @@ class Watch : public score::RunObserver {
 
  private:
   RunRecorder* recorder_;
+  live::RunPage* page_;
   bool is_quiet_;
   Diagnostics shown_;
   ProgressLine line_;
@@ -131,13 +147,26 @@ struct Outputs {
 };
 
 score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
-                             RunRecorder* recorder, Diagnostics& shown) {
-  Watch watch(recorder, options.quiet);
+                             RunRecorder* recorder, live::RunPage* page, Diagnostics& shown) {
+  Watch watch(recorder, page, options.quiet);
   score::RunOptions run_options = options.run;
   run_options.observer = &watch;
   score::RunResult result = score::run(composition, run_options);
   shown = watch.shown();
   return result;
+}
+
+/// Null where none is asked for. Its address goes to stderr, `--quiet` or not: port 0 is known by nothing else.
+std::unique_ptr<live::RunPage> served_page(const Options& options, const Composition& composition) {
+  if (!options.page) return nullptr;
+  try {
+    auto page = std::make_unique<live::RunPage>(*options.page, Json::parse(composition.config()),
+                                                provenance_of(options, composition));
+    fmt::print(stderr, "page: {}\n", page->url());
+    return page;
+  } catch (const live::AddressError& error) {
+    throw UsageError(error.what());
+  }
 }
 
 /// But those that are shown already, word for word.
@@ -165,14 +194,16 @@ int run_config(const Options& options) {
   watch_exit();  // again, now that the plugins are loaded
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
+  const auto page = served_page(options, *composition);
   Diagnostics shown;
-  const score::RunResult result = watched_run(composition, options, outputs->recorder.get(), shown);
+  const score::RunResult result = watched_run(composition, options, outputs->recorder.get(), page.get(), shown);
   stand_down();
   if (interrupted_by() != 0) {
     outputs.reset();
     print_error("interrupted; nothing was written");
     die_of_signal();
   }
+  if (page) page->conclude(result.summary);
   outputs->commit(result.summary, Json::parse(composition->config()));
   if (!options.out.empty()) write_report(options.out, report_in(options.out));
   if (!options.quiet) tell_warnings(*composition, result, shown);
@@ -197,6 +228,8 @@ Verb run_verb(CLI::App& command) {
   app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
   app->add_option("--out", options->out, "Record it all: run.nc, FILTER.csv, summary.json, config.json")
       ->type_name("DIR");
+  app->add_option("--page", options->page, "Serve the report's page while the run goes on; the loopback without a HOST")
+      ->type_name("[HOST:]PORT");
   app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();
   app->add_option("--run", options->run.run, "Which run of the seed")
       ->type_name("K")
