@@ -16,6 +16,9 @@ namespace {
 /// For one event; a page that takes longer is gone.
 constexpr std::chrono::seconds timeout{30};
 
+/// Of the system's, for what is on its way; more would let a slow page lag behind [bytes].
+constexpr int buffer = 256 * 1024;
+
 /// What comes behind it ends with the connection.
 constexpr const char* head =
     "HTTP/1.1 200 OK\r\n"
@@ -33,6 +36,8 @@ Viewer::Viewer(Server& server, asio::ip::tcp::socket socket, std::shared_ptr<con
     : server_(server), socket_(std::move(socket)), ticket_(std::move(ticket)), patience_(socket_.get_executor()) {}
 
 void Viewer::start() {
+  boost::system::error_code ignored;
+  socket_.set_option(asio::socket_base::send_buffer_size(buffer), ignored);
   watch_for_end();
   write(std::make_shared<const std::string>(head));
 }
