@@ -54,8 +54,8 @@ TEST_CASE("page: nothing is served but the page, to GET, under the server's own 
     INFO(part);
     REQUIRE(page.find(part) != std::string::npos);
   }
-  for (const char* target : {"/index.html", "/paced.json", "/../paced.json", "/%2e%2e/%2e%2e/etc/passwd", "//", "/?x", "/events/",
-                             "/events?x", "http://127.0.0.1/", "*", "/favicon.ico"}) {
+  for (const char* target : {"/index.html", "/paced.json", "/../paced.json", "/%2e%2e/%2e%2e/etc/passwd", "//", "/?x",
+                             "/events/", "/events?x", "http://127.0.0.1/", "*", "/favicon.ico"}) {
     INFO(target);
     REQUIRE(status_of(run, get(run, target)) == "404");
   }
@@ -66,8 +66,9 @@ TEST_CASE("page: nothing is served but the page, to GET, under the server's own 
   const std::string port = std::to_string(run.port());
   for (const auto& own : {"localhost:" + port, "LOCALHOST:" + port, "127.0.0.1:" + port, "[::1]:" + port})
     REQUIRE(status_of(run, with_host(own)) == "200");
-  for (const std::string& other : {"evil.example:" + port, "localhost.evil.example:" + port, std::string("127.0.0.1"),
-                                   std::string("127.0.0.1:1"), "127.0.0.1.nip.io:" + port, std::string(""), ":" + port}) {
+  for (const std::string& other :
+       {"evil.example:" + port, "localhost.evil.example:" + port, std::string("127.0.0.1"), std::string("127.0.0.1:1"),
+        "127.0.0.1.nip.io:" + port, std::string(""), ":" + port}) {
     INFO(other);
     REQUIRE(status_of(run, with_host(other)) == "403");
   }
@@ -77,8 +78,10 @@ TEST_CASE("page: nothing is served but the page, to GET, under the server's own 
 
 TEST_CASE("page: requests that are large or none are refused") {
   const PacedRun run;
-  REQUIRE(status_of(run, "GET / HTTP/1.1\r\nHost: " + run.host() + "\r\nX: " + std::string(20'000, 'x') + "\r\n\r\n") == "431");
-  REQUIRE(status_of(run, "GET /" + std::string(20'000, 'x') + " HTTP/1.1\r\nHost: " + run.host() + "\r\n\r\n") == "431");
+  REQUIRE(status_of(run, "GET / HTTP/1.1\r\nHost: " + run.host() + "\r\nX: " + std::string(20'000, 'x') + "\r\n\r\n") ==
+          "431");
+  REQUIRE(status_of(run, "GET /" + std::string(20'000, 'x') + " HTTP/1.1\r\nHost: " + run.host() + "\r\n\r\n") ==
+          "431");
   REQUIRE(status_of(run, "GET / HTTP/1.1\r\nHost: " + run.host() + "\r\nContent-Length: 5\r\n\r\nhello") == "413");
   REQUIRE(status_of(run, "hello\r\n\r\n") == "400");
   REQUIRE(status_of(run, std::string("\0\1\2\3\r\n\r\n", 8)) == "400");

@@ -31,8 +31,9 @@ std::vector<std::string> arguments(const Workbench& bench, const std::vector<std
 int port_in(const std::string& text) {
   const std::string before = "page: http://127.0.0.1:";
   const auto at = text.find(before);
-  return at == std::string::npos || text.find('\n', at) == std::string::npos ? 0
-                                                                             : std::stoi(text.substr(at + before.size()));
+  return at == std::string::npos || text.find('\n', at) == std::string::npos
+             ? 0
+             : std::stoi(text.substr(at + before.size()));
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ function measurementsSection(filter) {
   const used = filter.measurements.filter((measurement) => measurement.n > 0);
   if (!used.length) return null;
   const counts = outcomeNames.map((name, code) => used.reduce((sum, measurement) => sum + measurement.outcomes.counts[code], 0));
-  const part = section('Measurements', 'What became of each sample, by time. Below, the NIS of each: dots are samples, the line their mean over many, dashed are the bounds that 95 % of \u03c7\u00b2 lie between. In a good filter the mean is the number of rows, and the residuals fill their \u00b13\u221aS without leaving it.', drawing(OutcomeLanes, `${filter.name} outcomes`, filter),
+  const part = section('Measurements', 'What became of each sample, by time. Below, the NIS of each: dots are samples, ' + (payload.live ? '' : 'the line their mean over many, ') + 'dashed are the bounds that 95 % of \u03c7\u00b2 lie between. In a good filter the mean is the number of rows, and the residuals fill their \u00b13\u221aS without leaving it.', drawing(OutcomeLanes, `${filter.name} outcomes`, filter),
     el('div', { class: 'legend' }, outcomeNames.map((name, code) => counts[code] > 0 && el('span', { class: 'key' }, el('i', { style: `background: var(--o${code})` }), `${name} ${grouped(counts[code])}`))));
   for (const measurement of used) part.element.append(measurementBlock(filter, measurement));
   return part;
@@ -243,7 +243,7 @@ function header(kind, provenance) {
   if (provenance.created) facts.push(String(provenance.created).replace('T', ' ').replace(/\.\d+/, '').replace('Z', ' UTC'));
   if (provenance.version) facts.push(`Binnacle ${provenance.version}`);
   if (provenance.seed !== undefined && provenance.seed !== null) facts.push(`seed ${provenance.seed}` + (provenance.run !== undefined && String(provenance.run) !== '0' ? `, run ${provenance.run}` : ''));
-  return el('header', {}, el('div', { class: 'kind' }, kind, payload.live && el('span', { class: 'badge ' + liveStates[payload.live][0] }, liveStates[payload.live][1])), el('h1', {}, payload.title || kind), payload.description && el('p', { class: 'lead' }, payload.description),
+  return el('header', {}, el('div', { class: 'kind' }, kind + ' ', payload.live && el('span', { class: 'badge ' + liveStates[payload.live][0] }, liveStates[payload.live][1])), el('h1', {}, payload.title || kind), payload.description && el('p', { class: 'lead' }, payload.description),
     el('p', { class: 'facts' }, facts.map((fact) => el('span', {}, fact))), provenance.command && el('pre', { class: 'command' }, provenance.command), verdicts());
 }
 
