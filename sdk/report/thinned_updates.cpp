@@ -68,24 +68,26 @@ void ThinnedUpdates::rewind(double t) {
 
 bool ThinnedUpdates::is_full() const { return updates_.t.size() >= most_samples || updates_.key.size() >= row_limit_; }
 
-/// To less than half of what there may be, so that it is seldom done.
+/// To less than half of what there may be, so that it is seldom done; in longer stretches only where that must be.
 void ThinnedUpdates::thin() {
   const auto [first, last] = std::minmax_element(updates_.t.begin(), updates_.t.end());
   const double span = *last - *first;
   if (width_ == 0) width_ = std::max(span / most_samples, 1e-9);
-  std::vector<std::size_t> kept;
-  std::size_t rows = 0;
-  do {
+  const auto slots = residuals_by_slot(updates_);
+  std::vector<Series> series{updates_.nis};
+  for (const auto& slot : slots) series.emplace_back(slot);
+  std::vector<std::uint8_t> kinds;
+  for (const auto outcome : updates_.outcome) kinds.push_back(static_cast<std::uint8_t>(outcome));
+  const auto is_much = [&](const std::vector<std::size_t>& samples) {
+    std::size_t rows = 0;
+    for (const auto i : samples) rows += static_cast<std::size_t>(updates_.rows[i]);
+    return samples.size() > most_samples / 2 || rows > row_limit_ / 2;
+  };
+  auto kept = extremes_in_time(series, kinds, updates_.t, width_);
+  while (is_much(kept) && width_ < 2 * span) {
     width_ *= 2;
-    const auto slots = residuals_by_slot(updates_);
-    std::vector<Series> series{updates_.nis};
-    for (const auto& slot : slots) series.emplace_back(slot);
-    std::vector<std::uint8_t> kinds;
-    for (const auto outcome : updates_.outcome) kinds.push_back(static_cast<std::uint8_t>(outcome));
     kept = extremes_in_time(series, kinds, updates_.t, width_);
-    rows = 0;
-    for (const auto i : kept) rows += static_cast<std::size_t>(updates_.rows[i]);
-  } while ((kept.size() > most_samples / 2 || rows > row_limit_ / 2) && width_ < 2 * span);
+  }
   keep(kept);
 }
 
