@@ -27,7 +27,7 @@ class Server {
   /// Makes one line of text, in the server's thread.
   using Text = std::function<std::string()>;
 
-  /// Listens at once. Throws AddressError.
+  /// Takes connections at once. Throws AddressError.
   Server(const asio::ip::tcp::endpoint& endpoint, std::string page);
   /// After publish_last(), viewers have a second to take what is left.
   ~Server();

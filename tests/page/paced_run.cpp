@@ -70,7 +70,7 @@ Client::~Client() { ::close(socket_); }
 void Client::send(const std::string& text) const {
   for (std::size_t at = 0; at < text.size();) {
     const auto count = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);
-    if (count <= 0) return;  // the server has heard enough
+    if (count <= 0) return;  // the server takes no more
     at += static_cast<std::size_t>(count);
   }
 }
