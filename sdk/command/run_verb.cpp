@@ -107,6 +107,7 @@ class Watch : public score::RunObserver {
   const Diagnostics& shown() const { return shown_; }
   bool progress(Time t) override {
     line_.show(t);
+    if (page_) page_->after_instant();  // sources may have fallen silent: then no instant follows
     return interrupted_by() == 0;
   }
 

@@ -64,8 +64,10 @@ void RunPage::after_instant() {
 }
 
 void RunPage::finished() {
-  if (contents_->server.is_watched()) contents_->at_the_end = contents_->run->seen();
   contents_->run->look(false);
+  if (!contents_->server.is_watched()) return;
+  contents_->at_the_end = contents_->run->seen();
+  contents_->server.publish(contents_->payload_of(contents_->at_the_end, false));  // smoothing may take a while
 }
 
 void RunPage::conclude(const Json& summary) {

@@ -47,6 +47,9 @@ void Visit::answer_request() {
     return refuse(http::status::forbidden,
                   "the page is served to this machine's address in numbers, or localhost, "
                   "and its port; the request names another Host");
+  const auto origin = request[http::field::origin];
+  if (!origin.empty() && origin != "http://" + std::string(host))
+    return refuse(http::status::forbidden, "the page's data are for the page; the request comes from another site");
   if (request.method() != http::verb::get) return refuse(http::status::method_not_allowed, "only GET is answered");
   if (request.target() == "/") return reply(http::status::ok, "text/html; charset=utf-8", server_.page());
   if (request.target() != "/events") return refuse(http::status::not_found, "there is nothing but the page, at /");

@@ -76,6 +76,20 @@ TEST_CASE("page: nothing is served but the page, to GET, under the server's own 
   REQUIRE(status_of(run, "GET /events HTTP/1.1\r\nHost: evil.example\r\n\r\n") == "403");
 }
 
+TEST_CASE("page: another site in the same browser gets no events, and takes no place of a page") {
+  const PacedRun run;
+  const auto from = [&](const std::string& origin) {
+    return status_of(run, "GET /events HTTP/1.1\r\nHost: " + run.host() + "\r\nOrigin: " + origin + "\r\n\r\n");
+  };
+  REQUIRE(from("http://evil.example") == "403");
+  REQUIRE(from("http://127.0.0.1:1") == "403");
+  REQUIRE(from("https://" + run.host()) == "403");
+  REQUIRE(from("null") == "403");
+  Client own(run.port());
+  own.send("GET /events HTTP/1.1\r\nHost: " + run.host() + "\r\nOrigin: http://" + run.host() + "\r\n\r\n");
+  REQUIRE(own.until("\r\n").starts_with("HTTP/1.1 200"));
+}
+
 TEST_CASE("page: requests that are large or none are refused") {
   const PacedRun run;
   REQUIRE(status_of(run, "GET / HTTP/1.1\r\nHost: " + run.host() + "\r\nX: " + std::string(20'000, 'x') + "\r\n\r\n") ==

@@ -159,3 +159,23 @@ TEST_CASE("page: it fetches nothing but itself and its events, and may fetch not
     REQUIRE(line.find("Content Security Policy") != std::string::npos);
   }
 }
+
+TEST_CASE("page: a million instants, as fast as they go") {
+  const auto chromium = browser();
+  if (!chromium) return;
+  PacedRun run({"--json", "--set", R"(/sources/drive/segments=[{"do": "still", "duration": "10000 s"}])"});
+  chromium->visit(run.url());
+  chromium->wait_for("document.documentElement.dataset.live === 'goes on'");
+  run.open();
+  chromium->wait_for("document.documentElement.dataset.live === 'over'");
+  const auto outcome = run.wait();
+  REQUIRE(outcome.status == 0);
+  const Json summary = Json::parse(outcome.out)["filters"]["ins"];
+  REQUIRE(summary["steps"].get<int>() > 999'000);
+  REQUIRE(number(*chromium, ledger("accepted")) == summary["measurements"]["fix"]["accepted"].get<double>());
+  chromium->wait_for(drawn_until(latitude, 9999));
+  chromium->wait_for(drawn_until(residual, 9990));
+  REQUIRE(number(*chromium, "Number(" + latitude + ".dataset.points)") < 2100);
+  REQUIRE(number(*chromium, "document.getElementById('payload').textContent.length") < 100'000);
+  require_quiet(*chromium);
+}
