@@ -10,9 +10,11 @@
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
+#include "checkpoint_files.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
+#include "record_journal.hpp"
 #include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "sentinel.hpp"
@@ -30,6 +32,7 @@ struct Options {
   std::string summary;
   std::string out;
   score::RunOptions run;
+  CheckpointFiles checkpoints;
   bool json = false;
   bool quiet = false;
   bool strict = false;
@@ -69,17 +72,26 @@ class ProgressLine {
 
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, bool is_quiet)
-      : recorder_(recorder), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
+  Watch(RunRecorder* recorder, RecordJournal* journal, bool is_quiet)
+      : recorder_(recorder), journal_(journal), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
 
   bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
     if (recorder_) recorder_->begin(filter, name, columns);
   }
   void record(int filter, Time t, std::span<const double> values) override {
-    if (recorder_) recorder_->record(filter, t, values);
+    if (journal_)
+      journal_->record(filter, t, values);
+    else if (recorder_)
+      recorder_->record(filter, t, values);
   }
-  StepObserver* step_observer(int filter) override { return recorder_ ? recorder_->step_observer(filter) : nullptr; }
+  StepObserver* step_observer(int filter) override {
+    if (journal_) return journal_->step_observer(filter);
+    return recorder_ ? recorder_->step_observer(filter) : nullptr;
+  }
+  void exchange(StateBytes& bytes) override {
+    if (journal_) journal_->exchange(bytes);
+  }
   void scored(int filter, const score::ErrorSeries& errors) override {
     if (recorder_) recorder_->scored(filter, errors);
   }
@@ -97,6 +109,7 @@ class Watch : public score::RunObserver {
 
  private:
   RunRecorder* recorder_;
+  RecordJournal* journal_;  // null: without checkpoints
   bool is_quiet_;
   Diagnostics shown_;
   ProgressLine line_;
@@ -132,8 +145,20 @@ struct Outputs {
 
 score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
                              RunRecorder* recorder, Diagnostics& shown) {
-  Watch watch(recorder, options.quiet);
+  std::unique_ptr<RecordJournal> journal;
+  if (recorder && options.checkpoints.are_wanted())
+    journal =
+        std::make_unique<RecordJournal>(options.checkpoints.kept_records(), options.checkpoints.resumed_records(),
+                                        RecordTakers{[recorder](int filter, Time t, std::span<const double> values) {
+                                                       recorder->record(filter, t, values);
+                                                     },
+                                                     [recorder](int filter) {
+                                                       return recorder->step_observer(filter);
+                                                     }},
+                                        score::filters_of(*composition).size());
+  Watch watch(recorder, journal.get(), options.quiet);
   score::RunOptions run_options = options.run;
+  run_options.checkpoints = options.checkpoints.checkpoints();
   run_options.observer = &watch;
   score::RunResult result = score::run(composition, run_options);
   shown = watch.shown();
@@ -157,8 +182,9 @@ void add_smoothers(const Options& options, LoadOptions& load_options) {
       load_options.sets.push_back("/filters/" + name + "/smoother=\"fixed_interval\"");
 }
 
-int run_config(const Options& options) {
-  watch_signals("nothing was written");
+int run_config(Options& options) {
+  options.checkpoints.open();
+  watch_signals("nothing was written" + options.checkpoints.advice());
   LoadOptions load_options = options.config.load_options(options.config_path);
   if (options.smooth) add_smoothers(options, load_options);
   const auto composition = score::load(options.config_path, load_options);
@@ -170,11 +196,12 @@ int run_config(const Options& options) {
   stand_down();
   if (interrupted_by() != 0) {
     outputs.reset();
-    print_error("interrupted; nothing was written");
+    print_error("interrupted; nothing was written" + options.checkpoints.advice());
     die_of_signal();
   }
   outputs->commit(result.summary, Json::parse(composition->config()));
   if (!options.out.empty()) write_report(options.out, report_in(options.out));
+  options.checkpoints.remove();
   if (!options.quiet) tell_warnings(*composition, result, shown);
   if (options.json)
     print_json(result.summary);
@@ -202,6 +229,7 @@ Verb run_verb(CLI::App& command) {
       ->type_name("K")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
+  options->checkpoints.add_to(*app);
   app->add_flag("--smooth", options->smooth, "Smooth every filter when the run is over: FILTER.smoothed");
   app->add_flag("--json", options->json, "The summary as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors and reasons against trust only: no progress, warnings or summary");

@@ -131,6 +131,11 @@ constexpr CodeEntry entries[] = {
      "component "
      "are one warning, at once, and at the end with the time of the first and their number.",
      "Read the message; the plugin's README says more."},
+    {"B084", "checkpoint of something else",
+     "The file is no checkpoint, or a torn one, or one of another config, other data, options, plugins, version or "
+     "kind of "
+     "machine.",
+     "Resume with what the run began with, or let it begin anew."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
      "Use one of the names that the message lists; a cell without a variant is \"\"."},
     {"B091", "variants of one name", "Two variants of a study have the same name, or one that would be lost.",

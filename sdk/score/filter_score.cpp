@@ -281,6 +281,27 @@ void FilterScore::finish() {
   pending_of_implied_states_.clear();
 }
 
+void FilterScore::exchange(StateBytes& bytes) {
+  bytes.value(newest_);
+  bytes.value(seen_until_);
+  gates_.exchange(bytes);
+  for (auto& reference : references_) {
+    for (auto& series : reference.series) series.exchange(bytes);
+    reference.nees.exchange(bytes);
+    for (auto& sigmas : reference.sigmas) bytes.list(sigmas);
+  }
+  for (auto& group : withheld_)
+    for (auto& series : group.series) series.exchange(bytes);
+  for (auto& group : noise_) group.series.exchange(bytes);
+  for (auto* list : {&pending_, &pending_of_implied_states_})
+    bytes.list(*list, [&](Pending& pending) {
+      bytes.value(pending.reference);
+      bytes.value(pending.t);
+      bytes.list(pending.values);
+    });
+  for (auto& implied_state : implied_states_) implied_state.exchange(bytes);
+}
+
 void FilterScore::score_withheld(const UpdateRecord& record) {
   for (auto& group : withheld_) {
     if (group.measurement != record.measurement) continue;

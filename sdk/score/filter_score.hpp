@@ -75,6 +75,8 @@ class FilterScore : public StepObserver {
   void withheld(const UpdateRecord& record) { score_withheld(record); }
   /// Whether a sample of the channel is a reference of it.
   bool refers_to(int channel) const;
+  /// For checkpoints, of a filter that is attached.
+  void exchange(StateBytes& bytes);
   /// What still waits for the filter's next step is scored with the last estimate.
   void finish();
 

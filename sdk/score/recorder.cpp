@@ -67,6 +67,16 @@ void Recorder::finish() {
     if (filters_[f].epochs.finish()) write_kept(f);
 }
 
+void Recorder::exchange(StateBytes& bytes) {
+  for (Filter& filter : filters_) {
+    bytes.value(filter.epochs);
+    bytes.value(filter.last);
+    bytes.value(filter.kept_at);
+    bytes.list(filter.kept);
+  }
+  for (auto& times : times_) bytes.list(times);
+}
+
 void Recorder::write_kept(std::size_t filter) { write(filter, filters_[filter].kept_at, filters_[filter].kept); }
 
 void Recorder::write(std::size_t filter, Time t, std::span<const double> values) {

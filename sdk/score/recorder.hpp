@@ -23,6 +23,7 @@ class Recorder {
   Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every);
   void after_instant();
   void finish();
+  void exchange(StateBytes& bytes);
   /// By filter: what was recorded, once keep_times() was called.
   void keep_times() { keeps_times_ = true; }
   const std::vector<std::vector<Time>>& times() const { return times_; }

@@ -172,6 +172,15 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
 
 namespace {
 
+void add_files(const ParameterSpec& spec, const ParameterValue& value, std::vector<std::string>& files) {
+  if (spec.type == ParameterType::path && !value.text.empty()) files.push_back(value.text);
+  for (const auto& element : value.elements) add_files(spec.members.front(), element, files);
+  for (const auto& [key, member] : value.members) {
+    const int of = spec.type == ParameterType::map ? 0 : index_of(spec.members, key, &ParameterSpec::name);
+    if (of >= 0) add_files(spec.members[as_size(of)], member, files);
+  }
+}
+
 /// False where something is wrong with it; then it is left out.
 template <class Base, class Plan>
 bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) {
@@ -195,7 +204,12 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
   if constexpr (!std::is_same_v<Base, Sink>)
     if (stage.object) stage.channels = composer.add_channels(at, stage.object->declaration().channels);
   if constexpr (std::is_same_v<Base, Source>)
-    if (stage.object) stage.latency = read_latency(at["latency"], stage.object->declaration().channels);
+    if (stage.object) {
+      stage.latency = read_latency(at["latency"], stage.object->declaration().channels);
+      for (const auto& parameter : component.spec().parameters)
+        for (const auto& [key, value] : component.parameters.members)
+          if (key == parameter.name) add_files(parameter, value, stage.files);
+    }
   if (component.failures != composer.failures()) return false;
   stages.push_back(std::move(stage));
   return true;

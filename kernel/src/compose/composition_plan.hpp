@@ -53,6 +53,7 @@ struct LatencyPlan {
 
 struct SourcePlan : StagePlan<Source> {
   std::optional<LatencyPlan> latency;
+  std::vector<std::string> files;  // that its parameters name
   Place<SourceHead> head;
   std::vector<Place<double>> slots;  // per own channel
 };

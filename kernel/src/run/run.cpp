@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "run/checkpoint.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
 
@@ -180,18 +181,35 @@ Parts parts_of(const compose::CompositionPlan& plan) {
   return parts;
 }
 
+/// What a sink keeps; of one that knows no way to go on there is no checkpoint.
+void exchange_sink(const compose::CompositionPlan& plan, const compose::SinkPlan& sink, StateBytes& bytes, Time t) {
+  if (guard_call<DataError>(plan, sink, "exchange", t, [&] { return sink.object->exchange(bytes); })) return;
+  throw ConfigError(Diagnostic{Severity::error, "B084", plan.document.key_origin(sink.pointer), sink.pointer,
+                               "there are no checkpoints with the sink '" + sink.name + "': its type '" +
+                                   sink.type->spec.type + "' does not say how it goes on from one"});
+}
+
 /// From the first instant to the end of the sources.
-void run_sources(Session& session, const Parts& parts, RunObserver& observer) {
+void run_sources(Session& session, const Parts& parts, const RunOptions& options, RunObserver& observer) {
   Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
   runtime.subscribe_settled([&](int channel, const SampleView& sample) { observer.settled(channel, sample); });
   std::vector<std::size_t> noted(runtime.plan().filters.size());
+  Checkpointing checkpointing(runtime, session.composition().hash(), options, [&](StateBytes& bytes) {
+    bytes.list(noted);
+    for (const auto& part : parts) part->exchange(bytes);
+    observer.exchange(bytes);
+    if (options.feeds_sinks)
+      for (const auto& sink : runtime.plan().sinks) exchange_sink(runtime.plan(), sink, bytes, runtime.time());
+  });
+  checkpointing.begin();
   for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
     for (int f = 0; f < base::count_of(noted); ++f)
       while (noted[as_size(f)] < runtime.engine(f).calls().note_book.notes().size())
         observer.noted(session.notes({f}).items()[noted[as_size(f)]++]);
     for (const auto& part : parts) part->after_instant();
     observer.after_instant();
+    checkpointing.after_instant();
     if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
   }
   runtime.finish();
@@ -248,7 +266,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
       sink.object->report_to(reporters.emplace_back(result.warnings, sink));
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
     }
-  run_sources(session, parts, observer);
+  run_sources(session, parts, options, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });

@@ -170,6 +170,15 @@ void Runtime::exchange(StateBytes& bytes) {
       if (engine) engine->restored();
 }
 
+void Runtime::exchange_account(StateBytes& bytes) {
+  for (auto& channel : channels_) bytes.value(channel.span);
+  bytes.list(filter_times_);
+  bytes.value(time_);
+  for (auto& engine : engines_)
+    if (engine) engine->calls().note_book.exchange(bytes);
+  if (history_) history_->exchange_account(bytes);
+}
+
 void Runtime::deliver(int index, const SampleView& sample, Time late) {
   const auto& plan = plan_.channels[as_size(index)];
   auto& channel = channels_[as_size(index)];

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
-#include "run/state_bytes.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -120,6 +120,8 @@ class Runtime {
   bool has_more_than_arena() const { return arrivals_ || history_; }
   /// All that outlives an instant.
   void exchange(StateBytes& bytes);
+  /// What is told of a run besides: spans, times, notes.
+  void exchange_account(StateBytes& bytes);
 
  private:
   struct alignas(Layout::alignment) Line {
