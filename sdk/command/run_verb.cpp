@@ -39,6 +39,9 @@ struct Options {
   bool smooth = false;
 };
 
+/// Nothing is finished any more, so that no sink leaves a file.
+struct Interrupted {};
+
 /// One line on a terminal, rewritten: how far the data are, and how fast they go by.
 class ProgressLine {
  public:
@@ -104,7 +107,8 @@ class Watch : public score::RunObserver {
   const Diagnostics& shown() const { return shown_; }
   bool progress(Time t) override {
     line_.show(t);
-    return interrupted_by() == 0;
+    if (interrupted_by() != 0) throw Interrupted();
+    return true;
   }
 
  private:
@@ -192,9 +196,13 @@ int run_config(Options& options) {
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
   Diagnostics shown;
-  const score::RunResult result = watched_run(composition, options, outputs->recorder.get(), shown);
-  stand_down();
-  if (interrupted_by() != 0) {
+  score::RunResult result;
+  try {
+    result = watched_run(composition, options, outputs->recorder.get(), shown);
+    stand_down();
+    if (interrupted_by() != 0) throw Interrupted();
+  } catch (const Interrupted&) {
+    stand_down();
     outputs.reset();
     print_error("interrupted; nothing was written" + options.checkpoints.advice());
     die_of_signal();

@@ -120,7 +120,7 @@ class Runtime {
   bool has_more_than_arena() const { return arrivals_ || history_; }
   /// All that outlives an instant.
   void exchange(StateBytes& bytes);
-  /// What is told of a run besides: spans, times, notes.
+  /// What is reported of a run besides: spans, times, notes.
   void exchange_account(StateBytes& bytes);
 
  private:
