@@ -73,10 +73,20 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begin_, drawn_;
 };
 
+/// Whether samples come as they are measured: such a run ends when it is interrupted, and is not given up.
+bool is_live(const Composition& composition) {
+  return std::ranges::any_of(composition.sources(),
+                             [](const auto& source) { return source.object->declaration().live; });
+}
+
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, RecordJournal* journal, bool is_quiet)
-      : recorder_(recorder), journal_(journal), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
+  Watch(RunRecorder* recorder, RecordJournal* journal, bool is_quiet, bool is_live)
+      : recorder_(recorder),
+        journal_(journal),
+        is_quiet_(is_quiet),
+        is_live_(is_live),
+        line_(stderr_is_terminal() && !is_quiet) {}
 
   bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
@@ -107,14 +117,15 @@ class Watch : public score::RunObserver {
   const Diagnostics& shown() const { return shown_; }
   bool progress(Time t) override {
     line_.show(t);
-    if (interrupted_by() != 0) throw Interrupted();
-    return true;
+    if (interrupted_by() == 0) return true;
+    if (!is_live_) throw Interrupted();
+    return false;
   }
 
  private:
   RunRecorder* recorder_;
   RecordJournal* journal_;  // null: without checkpoints
-  bool is_quiet_;
+  bool is_quiet_, is_live_;
   Diagnostics shown_;
   ProgressLine line_;
 };
@@ -160,7 +171,7 @@ score::RunResult watched_run(const std::shared_ptr<const Composition>& compositi
                                                        return recorder->step_observer(filter);
                                                      }},
                                         score::filters_of(*composition).size());
-  Watch watch(recorder, journal.get(), options.quiet);
+  Watch watch(recorder, journal.get(), options.quiet, is_live(*composition));
   score::RunOptions run_options = options.run;
   run_options.checkpoints = options.checkpoints.checkpoints();
   run_options.observer = &watch;
@@ -193,6 +204,7 @@ int run_config(Options& options) {
   if (options.smooth) add_smoothers(options, load_options);
   const auto composition = score::load(options.config_path, load_options);
   watch_exit();  // again, now that the plugins are loaded
+  if (is_live(*composition)) watch_second_signal();
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
   Diagnostics shown;
@@ -200,7 +212,7 @@ int run_config(Options& options) {
   try {
     result = watched_run(composition, options, outputs->recorder.get(), shown);
     stand_down();
-    if (interrupted_by() != 0) throw Interrupted();
+    if (interrupted_by() != 0 && !is_live(*composition)) throw Interrupted();
   } catch (const Interrupted&) {
     stand_down();
     outputs.reset();

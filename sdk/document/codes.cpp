@@ -116,6 +116,9 @@ constexpr CodeEntry entries[] = {
      "Nothing if the data are like that; raise `max_gap` otherwise."},
     {"B066", "no samples", "A source gave no sample at all, or none in its window.",
      "Look at the file, the window and the time offset."},
+    {"B067", "connection lost",
+     "Nobody is at the address of a live source, or who was there has gone. It is tried again each second.",
+     "Look at the sender, and at the address."},
     {"B080", "filter broken", "The estimate or covariance is not finite, not positive or beyond bounds.",
      "Look at the step and block that the message names; noise of zero and wild initial values are usual "
      "causes."},

@@ -239,6 +239,7 @@ void FilterScore::started(Time t, const double* x, ConstMatrixView P) {
 }
 
 void FilterScore::stepped(const StepRecord& record) {
+  ++changes_;
   if (next_) next_->stepped(record);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pending_.size(); ++i) {
@@ -261,6 +262,7 @@ void FilterScore::stepped(const StepRecord& record) {
 }
 
 void FilterScore::offered(const UpdateRecord& record) {
+  ++changes_;
   if (next_) next_->offered(record);
   if (is_again(record.t)) return;
   gates_.offered(record);
@@ -282,6 +284,7 @@ void FilterScore::finish() {
 }
 
 void FilterScore::exchange(StateBytes& bytes) {
+  bytes.value(changes_);
   bytes.value(newest_);
   bytes.value(seen_until_);
   gates_.exchange(bytes);

@@ -220,6 +220,14 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
 void Composer::add_sources() {
   for (const Reader& at : place("/sources").members("'sources'"))
     if (!add_stage<Source>(*this, at, plan_->sources)) fail_component(at.key());
+  const bool is_any_live =
+      std::ranges::any_of(plan_->sources, [](const auto& source) { return source.object->declaration().live; });
+  if (!is_any_live) return;
+  for (const auto& source : plan_->sources)
+    if (source.latency)
+      place(source.pointer + "/latency")
+          .error("B010",
+                 "'latency' is for recorded data; here a source is live, and its samples arrive when they come");
 }
 
 void Composer::add_transforms() {
