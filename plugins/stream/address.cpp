@@ -51,7 +51,8 @@ Address parse_address(const std::string& text) {
   const std::string_view all(text);
   const auto after = [&](std::string_view scheme) { return all.substr(scheme.size()); };
   if (all == "stdin:") return address;
-  if (all == "stdin" || all == "-") refuse(text, "did you mean 'stdin:'?");
+  const std::string name(all.substr(all.rfind('/') + 1));  // a bare name stands beside the config by now
+  if (name == "stdin" || name == "-") refuse(name, "did you mean 'stdin:'?");
   if (all.starts_with("file:")) {
     address.scheme = Address::Scheme::file;
     address.path = all.starts_with("file://") ? after("file://") : after("file:");
@@ -66,7 +67,7 @@ Address parse_address(const std::string& text) {
     address.scheme = Address::Scheme::serial;
     read_device(after("serial://"), address);
   } else if (all.find(':') == all.npos) {
-    refuse(text, "did you mean 'file:" + text + "'?");
+    refuse(name, "did you mean 'file:" + name + "'?");
   } else {
     refuse(text, "'" + std::string(all.substr(0, all.find(':'))) + "' is none of its kinds");
   }

@@ -10,7 +10,7 @@ struct Address {
   enum class Scheme { standard_input, file, tcp, udp, serial } scheme = Scheme::standard_input;
   std::string text;  // as it was written
   std::string path;  // of a file or a device
-  std::string host;  // empty: it listens on the loopback interface, and takes what comes
+  std::string host;  // empty: it is the loopback interface, and takes what comes
   int port = 0;
   int baud = 115200;
 };

@@ -41,9 +41,10 @@ ComponentSpec CsvSource::spec() {
   spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
       "the first line of each connection names the columns; else they are numbered from 1, the time is in the first"));
   spec.example = R"json({
-  "from": "stdin:",
+  "from": "file:live.csv",
   "columns": { "wx": { "column": "gx", "unit": "deg/s", "kind": "rate" } }
 })json";
+  spec.surroundings = R"({ "files": { "live.csv": "t,gx\n0.00,0.1\n0.01,0.2\n0.02,0.1\n" } })";
   return spec;
 }
 

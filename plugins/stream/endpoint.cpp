@@ -119,7 +119,7 @@ void Endpoint::open_socket() {
   if (!is_bound || (address_.scheme == Address::Scheme::tcp && ::listen(bound, 1) != 0)) {
     const int reason = errno;
     if (bound >= 0) ::close(bound);
-    fail("port " + std::to_string(address_.port) + " cannot be listened on: " + std::strerror(reason), "B060");
+    fail("port " + std::to_string(address_.port) + " cannot be opened: " + std::strerror(reason), "B060");
   }
   (address_.scheme == Address::Scheme::tcp ? listener_ : file_) = bound;
   if (address_.scheme == Address::Scheme::tcp) return;
@@ -139,7 +139,7 @@ long Endpoint::receive(char* to, std::size_t size) {
   message.msg_controllen = sizeof control;
   const auto count = ::recvmsg(file_, &message, 0);
   if (count < 0) return count;
-  for (const cmsghdr* at = CMSG_FIRSTHDR(&message); at; at = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(at))) {
+  for (cmsghdr* at = CMSG_FIRSTHDR(&message); at; at = CMSG_NXTHDR(&message, at)) {
     if (at->cmsg_level != SOL_SOCKET || at->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t lost = 0;
     std::memcpy(&lost, CMSG_DATA(at), sizeof lost);

@@ -25,8 +25,8 @@ class Endpoint {
     bytes,
     nothing,  // yet
     end,      // for good
-    lost,     // what comes next begins anew; told once
-    found     // again, or for the first time where nobody was there at first; told once
+    lost,     // what comes next begins anew; once
+    found     // again, or for the first time where nobody was there at first; once
   };
   /// Appends what is there. A datagram ends a line.
   Got read(std::string& to);

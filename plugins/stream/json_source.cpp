@@ -95,9 +95,11 @@ ComponentSpec JsonSource::spec() {
       parameter::map("channels", parameter::object("channel", {fields().required().about("of the channel")}))
           .about("of several channels, NAME.CHANNEL: \"channel\" of a line says which"));
   spec.example = R"json({
-  "from": "udp://:5005",
+  "from": "file:live.jsonl",
   "fields": { "wx": { "key": "gyro.x", "unit": "deg/s", "kind": "rate" } }
 })json";
+  spec.surroundings =
+      R"json({ "files": { "live.jsonl": "{\"t\": 0.0, \"gyro\": {\"x\": 0.1}}\n{\"t\": 0.01, \"gyro\": {\"x\": 0.2}}\n{\"t\": 0.02, \"gyro\": {\"x\": 0.1}}\n" } })json";
   return spec;
 }
 

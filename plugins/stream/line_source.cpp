@@ -52,14 +52,15 @@ struct LineSource::Intake {
 };
 
 void LineSource::add_parameters(ComponentSpec& spec) {
-  spec.parameters.push_back(parameter::text("from").required().about(
-      "stdin:, file:PATH (followed as it grows), tcp://HOST:PORT, tcp://:PORT (listens), udp://:PORT, "
+  spec.parameters.push_back(parameter::path("from").required().about(
+      "stdin:, file:PATH (followed as it grows), tcp://HOST:PORT, tcp://:PORT (a server), udp://:PORT, "
       "serial:///dev/ttyUSB0?baud=115200"));
   spec.parameters.push_back(
       parameter::object("time",
                         {parameter::text("key").about("its name in a line; default: \"t\""),
                          parameter::number("unit", "*").defaults("\"s\"").about("of the label: \"s\", \"ms\", \"ns\""),
-                         parameter::time("offset").defaults("0").about("added to every label")}));
+                         parameter::time("offset").defaults("0").about("added to every label")})
+          .about("the label of a line"));
   spec.parameters.push_back(parameter::choice("stamp", {"data", "arrival"})
                                 .defaults("\"data\"")
                                 .about("data: a sample has the time that it carries; arrival: that of the machine's "

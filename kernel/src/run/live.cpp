@@ -40,22 +40,22 @@ bool Runtime::next_of_live() {
   const double* data = plan_.sources[next].slots[as_size(head.channel)].in(arena());
   const Time t = head.sample.t;
   deliver(channel, unpack(plan_.channels[as_size(channel)], head.sample, data));
-  head.status = 0;  // asked again once this instant is worked off
+  head.status = 0;  // asked again once this instant is done
   end_instant(t);
   return true;
 }
 
 void Runtime::wait_for_sources() {
-  constexpr int patience = 50, of_those_without_handle = 2;  // ms
+  constexpr int longest = 50, without_handle = 2;  // ms
   pollfd handles[64];
   nfds_t count = 0;
-  int timeout = patience;
+  int timeout = longest;
   for (const auto& source : plan_.sources) {
     if (!source.object->declaration().live || source.head.in(arena())->status == 2) continue;
     const int handle =
         guard_call<DataError>(plan_, source, "wait_handle", time_, [&] { return source.object->wait_handle(); });
     if (handle < 0 || count == std::size(handles))
-      timeout = of_those_without_handle;
+      timeout = without_handle;
     else
       handles[count++] = {handle, POLLIN, 0};
   }
