@@ -138,6 +138,12 @@ void CsvWriter::close() {
   write();
 }
 
+bool CsvWriter::exchange(StateBytes& bytes) {
+  bytes.text(text_);
+  for (auto& column : columns_) bytes.value(column.has_number);
+  return true;
+}
+
 void CsvWriter::write() {
   const std::string temporary = path_ + ".part";
   std::ofstream file(temporary, std::ios::binary);

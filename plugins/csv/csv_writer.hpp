@@ -18,6 +18,7 @@ class CsvWriter final : public Sink {
   void open() override;
   void on(Input from, const SampleView& sample) override;
   void close() override;
+  bool exchange(StateBytes& bytes) override;
 
  private:
   struct Column {

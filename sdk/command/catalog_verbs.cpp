@@ -132,7 +132,9 @@ std::vector<const ComponentType*> types_called(const Catalog& catalog, const std
 
 const ComponentType* type_called(const Catalog& catalog, const std::string& name) {
   const auto types = types_called(catalog, name);
+  const auto of_its_own = std::ranges::find(types, name, &ComponentType::plugin);
   if (types.size() == 1) return types.front();
+  if (of_its_own != types.end()) return *of_its_own;
   std::vector<std::string> names;
   for (const auto* type : types) names.push_back(fmt::format("'{}' ({})", type->full_name(), role_name(type->role)));
   throw UsageError(fmt::format("'{}' is ambiguous: {}", name, joined(names, " or ")));

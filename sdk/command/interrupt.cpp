@@ -22,6 +22,7 @@ enum class Watch { off, on, barking };
 
 /// A handler can reach nothing but a global.
 std::atomic<int> noted{0};
+std::atomic<bool> is_second_watched{false}, is_noted_twice{false};
 std::atomic<Watch> watch{Watch::off};
 sem_t came;
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -37,8 +38,9 @@ void guard(const std::string& left) {
   while (sem_wait(&came) != 0) {
   }
   const auto end = std::chrono::steady_clock::now() + timeout;
-  while (std::chrono::steady_clock::now() < end) {
-    if (watch != Watch::on) return;
+  while (std::chrono::steady_clock::now() < end || (is_second_watched && watch != Watch::on)) {
+    if (is_noted_twice) abandon("interrupted twice; " + calls() + "; " + left);
+    if (watch != Watch::on && !is_second_watched) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   Watch expected = Watch::on;
@@ -67,6 +69,18 @@ void watch_signals(const std::string& left) {
     sem_post(&came);
   };
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+}
+
+void watch_second_signal() {
+  is_second_watched = true;
+  struct sigaction action = {};
+  action.sa_handler = [](int signal) {
+    if (noted != 0) is_noted_twice = true;
+    noted = signal;
+    sem_post(&came);
+  };
+  action.sa_flags = static_cast<int>(SA_RESTART);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 

@@ -11,6 +11,9 @@ namespace binnacle::command {
 /// that are under way and says what is `left` ("nothing was written").
 void watch_signals(const std::string& left);
 
+/// A second signal, at any time from here on, ends the process with status 1: the first asks for results.
+void watch_second_signal();
+
 /// The plugins' part is over, and what follows may take its time: results are being written.
 void stand_down();
 

@@ -11,10 +11,12 @@
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
+#include "checkpoint_files.hpp"
 #include "interrupt.hpp"
 #include "live/run_page.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
+#include "record_journal.hpp"
 #include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "sentinel.hpp"
@@ -33,11 +35,15 @@ struct Options {
   std::string out;
   std::optional<std::string> page;
   score::RunOptions run;
+  CheckpointFiles checkpoints;
   bool json = false;
   bool quiet = false;
   bool strict = false;
   bool smooth = false;
 };
+
+/// Nothing is finished any more, so that no sink leaves a file.
+struct Interrupted {};
 
 /// One line on a terminal, rewritten: how far the data are, and how fast they go by.
 class ProgressLine {
@@ -70,10 +76,21 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begin_, drawn_;
 };
 
+/// Whether samples come as they are measured: such a run ends when it is interrupted, and is not given up.
+bool is_live(const Composition& composition) {
+  return std::ranges::any_of(composition.sources(),
+                             [](const auto& source) { return source.object->declaration().live; });
+}
+
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, live::RunPage* page, bool is_quiet)
-      : recorder_(recorder), page_(page), is_quiet_(is_quiet), line_(stderr_is_terminal() && !is_quiet) {}
+  Watch(RunRecorder* recorder, RecordJournal* journal, live::RunPage* page, bool is_quiet, bool is_live)
+      : recorder_(recorder),
+        journal_(journal),
+        page_(page),
+        is_quiet_(is_quiet),
+        is_live_(is_live),
+        line_(stderr_is_terminal() && !is_quiet) {}
 
   void begin_run(const Session& session) override {
     if (page_) page_->begin_run(session);
@@ -89,11 +106,19 @@ class Watch : public score::RunObserver {
     if (recorder_) recorder_->begin(filter, name, columns);
   }
   void record(int filter, Time t, std::span<const double> values) override {
-    if (recorder_) recorder_->record(filter, t, values);
+    if (journal_)
+      journal_->record(filter, t, values);
+    else if (recorder_)
+      recorder_->record(filter, t, values);
   }
   StepObserver* step_observer(int filter) override {
-    StepObserver* const recorded = recorder_ ? recorder_->step_observer(filter) : nullptr;
+    StepObserver* const recorded = journal_    ? journal_->step_observer(filter)
+                                   : recorder_ ? recorder_->step_observer(filter)
+                                               : nullptr;
     return page_ ? page_->step_observer(filter, recorded) : recorded;
+  }
+  void exchange(StateBytes& bytes) override {
+    if (journal_) journal_->exchange(bytes);
   }
   void scored(int filter, const score::ErrorSeries& errors) override {
     if (recorder_) recorder_->scored(filter, errors);
@@ -108,13 +133,16 @@ class Watch : public score::RunObserver {
   bool progress(Time t) override {
     line_.show(t);
     if (page_) page_->after_instant();  // sources may have fallen silent: then no instant follows
-    return interrupted_by() == 0;
+    if (interrupted_by() == 0) return true;
+    if (!is_live_) throw Interrupted();
+    return false;
   }
 
  private:
   RunRecorder* recorder_;
+  RecordJournal* journal_;  // null: without checkpoints
   live::RunPage* page_;
-  bool is_quiet_;
+  bool is_quiet_, is_live_;
   Diagnostics shown_;
   ProgressLine line_;
 };
@@ -149,8 +177,20 @@ struct Outputs {
 
 score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
                              RunRecorder* recorder, live::RunPage* page, Diagnostics& shown) {
-  Watch watch(recorder, page, options.quiet);
+  std::unique_ptr<RecordJournal> journal;
+  if (recorder && options.checkpoints.are_wanted())
+    journal =
+        std::make_unique<RecordJournal>(options.checkpoints.kept_records(), options.checkpoints.resumed_records(),
+                                        RecordTakers{[recorder](int filter, Time t, std::span<const double> values) {
+                                                       recorder->record(filter, t, values);
+                                                     },
+                                                     [recorder](int filter) {
+                                                       return recorder->step_observer(filter);
+                                                     }},
+                                        score::filters_of(*composition).size());
+  Watch watch(recorder, journal.get(), page, options.quiet, is_live(*composition));
   score::RunOptions run_options = options.run;
+  run_options.checkpoints = options.checkpoints.checkpoints();
   run_options.observer = &watch;
   score::RunResult result = score::run(composition, run_options);
   shown = watch.shown();
@@ -187,26 +227,33 @@ void add_smoothers(const Options& options, LoadOptions& load_options) {
       load_options.sets.push_back("/filters/" + name + "/smoother=\"fixed_interval\"");
 }
 
-int run_config(const Options& options) {
-  watch_signals("nothing was written");
+int run_config(Options& options) {
+  options.checkpoints.open();
+  watch_signals("nothing was written" + options.checkpoints.advice());
   LoadOptions load_options = options.config.load_options(options.config_path);
   if (options.smooth) add_smoothers(options, load_options);
   const auto composition = score::load(options.config_path, load_options);
   watch_exit();  // again, now that the plugins are loaded
+  if (is_live(*composition)) watch_second_signal();
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
   const auto page = served_page(options, *composition);
   Diagnostics shown;
-  const score::RunResult result = watched_run(composition, options, outputs->recorder.get(), page.get(), shown);
-  stand_down();
-  if (interrupted_by() != 0) {
+  score::RunResult result;
+  try {
+    result = watched_run(composition, options, outputs->recorder.get(), page.get(), shown);
+    stand_down();
+    if (interrupted_by() != 0 && !is_live(*composition)) throw Interrupted();
+  } catch (const Interrupted&) {
+    stand_down();
     outputs.reset();
-    print_error("interrupted; nothing was written");
+    print_error("interrupted; nothing was written" + options.checkpoints.advice());
     die_of_signal();
   }
   if (page) page->conclude(result.summary);
   outputs->commit(result.summary, Json::parse(composition->config()));
   if (!options.out.empty()) write_report(options.out, report_in(options.out));
+  options.checkpoints.remove();
   if (!options.quiet) tell_warnings(*composition, result, shown);
   if (options.json)
     print_json(result.summary);
@@ -236,6 +283,7 @@ Verb run_verb(CLI::App& command) {
       ->type_name("K")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
+  options->checkpoints.add_to(*app);
   app->add_flag("--smooth", options->smooth, "Smooth every filter when the run is over: FILTER.smoothed");
   app->add_flag("--json", options->json, "The summary as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors and reasons against trust only: no progress, warnings or summary");

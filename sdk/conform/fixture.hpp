@@ -39,6 +39,8 @@ class Fixture {
   virtual ~Fixture() = default;
   virtual std::size_t memory_bytes() const = 0;
   virtual void start(std::byte* memory) const = 0;
+  /// What it reads comes once: a source of live samples.
+  virtual bool is_live() const { return false; }
   /// The k-th call. Output memory holds `fill` before it, canaries around it.
   virtual Answer turn(std::uint64_t k, std::byte* memory, double fill) const = 0;
   /// Inputs that nobody hopes for: finite ones, then those with NaN and infinity.

@@ -42,6 +42,7 @@ void calls(Trial& trial) {
 
 void repeatable(Trial& trial) {
   const auto subject = fixture_of_example(trial);
+  if (subject->is_live()) Trial::not_applicable("what it reads comes once");
   const auto another = fixture_of_example(trial);
   auto first = subject->fresh_memory(), again = subject->fresh_memory(), other = another->fresh_memory();
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
@@ -73,6 +74,7 @@ void interleaved(Trial& trial) {
   const ComponentType& type = component(trial, catalog);
   const Json example = example_of(type.spec);
   const auto subject = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));
+  if (subject->is_live()) Trial::not_applicable("what it reads comes once");
   auto alone = subject->fresh_memory();
   std::vector<Answer> expected;
   const auto turns = static_cast<std::uint64_t>(trial.repeats(20));
@@ -131,6 +133,7 @@ void snapshot(Trial& trial) {
 
 void threads(Trial& trial) {
   const auto subject = fixture_of_example(trial);
+  if (subject->is_live()) Trial::not_applicable("what it reads comes once");
   const auto turns = static_cast<std::uint64_t>(trial.repeats(400));
   auto memory = subject->fresh_memory();
   std::vector<Answer> expected;

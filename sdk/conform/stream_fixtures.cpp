@@ -65,12 +65,9 @@ class CallsSource final : public Fixture {
  public:
   CallsSource(Trial& trial, std::shared_ptr<const Composition> composition)
       : trial_(trial), composition_(std::move(composition)), source_(parts::source(*composition_, component_name)) {
-    struct Silent final : Reporter {
-      void warn(const std::string&, const std::string&, int, const std::string&) override {}
-    } silent;
     trial_.stage("open");
     try {
-      source_.type->guarded("open", [&] { std::const_pointer_cast<Source>(source_.model)->open(silent); });
+      source_.type->guarded("open", [&] { std::const_pointer_cast<Source>(source_.model)->open(silent_); });
     } catch (const ComponentError& refusal) {
       trial_.stage("");
       throw OpenRefused(refusal.what());
@@ -79,6 +76,7 @@ class CallsSource final : public Fixture {
   }
   std::size_t memory_bytes() const override { return source_.model->declaration().memory_bytes; }
   void start(std::byte* memory) const override { source_.model->start(trial_.seed, memory); }
+  bool is_live() const override { return source_.model->declaration().live; }
   Answer turn(std::uint64_t, std::byte* memory, double fill) const override {
     const auto next = testing::SourceCaller(*source_.model).next(memory, fill);
     Answer answer;
@@ -89,7 +87,11 @@ class CallsSource final : public Fixture {
   }
 
  private:
+  struct Silent final : Reporter {
+    void warn(const std::string&, const std::string&, int, const std::string&) override {}
+  };
   Trial& trial_;
+  Silent silent_;  // for as long as the source
   std::shared_ptr<const Composition> composition_;
   parts::Part<Source> source_;
 };

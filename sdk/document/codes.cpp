@@ -116,6 +116,9 @@ constexpr CodeEntry entries[] = {
      "Nothing if the data are like that; raise `max_gap` otherwise."},
     {"B066", "no samples", "A source gave no sample at all, or none in its window.",
      "Look at the file, the window and the time offset."},
+    {"B067", "connection lost",
+     "Nobody is at the address of a live source, or who was there has gone. It is tried again each second.",
+     "Look at the sender, and at the address."},
     {"B080", "filter broken", "The estimate or covariance is not finite, not positive or beyond bounds.",
      "Look at the step and block that the message names; noise of zero and wild initial values are usual "
      "causes."},
@@ -131,6 +134,11 @@ constexpr CodeEntry entries[] = {
      "component "
      "are one warning, at once, and at the end with the time of the first and their number.",
      "Read the message; the plugin's README says more."},
+    {"B084", "checkpoint of something else",
+     "The file is no checkpoint, or a torn one, or one of another config, other data, options, plugins, version or "
+     "kind of "
+     "machine.",
+     "Resume with what the run began with, or let it begin anew."},
     {"B090", "unknown variant", "--variant or a table names a variant that the study does not have.",
      "Use one of the names that the message lists; a cell without a variant is \"\"."},
     {"B091", "variants of one name", "Two variants of a study have the same name, or one that would be lost.",

@@ -19,6 +19,13 @@ class CauseWatch {
   explicit CauseWatch(const MotionFields& fields);
 
   void sampled(int channel, const SampleView& sample);
+  void exchange(StateBytes& bytes) {
+    for (Fix& fix : fixes_) {
+      fix.field_fit.exchange(bytes);
+      if (fix.input_fit) fix.input_fit->exchange(bytes);
+    }
+    bytes.value(input_t_);
+  }
   /// B119 a clock, B120 axes, signs and scales.
   Diagnostics causes() const;
 

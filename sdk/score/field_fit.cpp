@@ -109,6 +109,18 @@ FieldFit::Fitted FieldFit::fitted(bool is_exchanged) const {
 
 bool FieldFit::is_right() const { return fitted(false).is_identity(); }
 
+void FieldFit::exchange(StateBytes& bytes) {
+  bytes.value(begin_);
+  bytes.value(last_);
+  for (auto* vector : {&begin_position_, &last_velocity_, &way_}) bytes.matrix(*vector);
+  bytes.matrix(vv_);
+  for (auto* sums : {&as_labelled_, &exchanged_}) {
+    bytes.matrix(sums->vd);
+    bytes.matrix(sums->dd);
+  }
+  bytes.value(count_);
+}
+
 std::vector<std::string> FieldFit::words(const FixFields& fix) const {
   std::vector<std::string> all;
   const Fitted its = fitted(false);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/time.hpp"
 #include "motion_fields.hpp"
 
@@ -20,6 +21,8 @@ class FieldFit {
  public:
   /// `position`: lat, lon [rad], height [m]; `velocity`: north, east, down [m/s].
   void add(Time t, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity);
+
+  void exchange(StateBytes& bytes);
 
   /// What is wrong, if that is significant; empty where nothing is, or too little motion says anything.
   std::vector<std::string> words(const FixFields& fix) const;

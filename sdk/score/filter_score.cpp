@@ -239,6 +239,7 @@ void FilterScore::started(Time t, const double* x, ConstMatrixView P) {
 }
 
 void FilterScore::stepped(const StepRecord& record) {
+  ++changes_;
   if (next_) next_->stepped(record);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pending_.size(); ++i) {
@@ -261,6 +262,7 @@ void FilterScore::stepped(const StepRecord& record) {
 }
 
 void FilterScore::offered(const UpdateRecord& record) {
+  ++changes_;
   if (next_) next_->offered(record);
   if (is_again(record.t)) return;
   gates_.offered(record);
@@ -279,6 +281,28 @@ void FilterScore::finish() {
       score(pending, session_->state(FilterId{filter_}).data());
   pending_.clear();
   pending_of_implied_states_.clear();
+}
+
+void FilterScore::exchange(StateBytes& bytes) {
+  bytes.value(changes_);
+  bytes.value(newest_);
+  bytes.value(seen_until_);
+  gates_.exchange(bytes);
+  for (auto& reference : references_) {
+    for (auto& series : reference.series) series.exchange(bytes);
+    reference.nees.exchange(bytes);
+    for (auto& sigmas : reference.sigmas) bytes.list(sigmas);
+  }
+  for (auto& group : withheld_)
+    for (auto& series : group.series) series.exchange(bytes);
+  for (auto& group : noise_) group.series.exchange(bytes);
+  for (auto* list : {&pending_, &pending_of_implied_states_})
+    bytes.list(*list, [&](Pending& pending) {
+      bytes.value(pending.reference);
+      bytes.value(pending.t);
+      bytes.list(pending.values);
+    });
+  for (auto& implied_state : implied_states_) implied_state.exchange(bytes);
 }
 
 void FilterScore::score_withheld(const UpdateRecord& record) {

@@ -68,13 +68,18 @@ class FilterScore : public StepObserver {
     if (next_) next_->restored(t, x, P);
   }
   void inflated(const InflationRecord& record) override {
+    ++changes_;
     if (next_) next_->inflated(record);
   }
   void stepped(const StepRecord& record) override;
   void offered(const UpdateRecord& record) override;
+  /// Of the estimate, so far: another number means another estimate.
+  std::int64_t changes() const { return changes_; }
   void withheld(const UpdateRecord& record) { score_withheld(record); }
   /// Whether a sample of the channel is a reference of it.
   bool refers_to(int channel) const;
+  /// For checkpoints, of a filter that is attached.
+  void exchange(StateBytes& bytes);
   /// What still waits for the filter's next step is scored with the last estimate.
   void finish();
 
@@ -168,6 +173,7 @@ class FilterScore : public StepObserver {
 
   const ScorePlan& plan_;
   int filter_;
+  std::int64_t changes_ = 0;
   Time newest_ = no_time;      // of what was seen
   Time seen_until_ = no_time;  // it comes again up to there
   const FilterInfo& info_;

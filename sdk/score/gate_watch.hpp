@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "binnacle/session.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/step_log.hpp"
 
 namespace binnacle::score {
@@ -20,6 +21,7 @@ class GateWatch {
   explicit GateWatch(const FilterInfo& filter) : filter_(filter), seen_(filter.measurements.size()) {}
 
   void offered(const UpdateRecord& record);
+  void exchange(StateBytes& bytes) { bytes.list(seen_); }
   /// One line for each gate that is not as it should be; `counts` by measurement.
   std::vector<std::string> notes(const std::vector<MeasurementCounts>& counts) const;
 

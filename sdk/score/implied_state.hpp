@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/step_log.hpp"
 #include "plan.hpp"
 
@@ -19,6 +20,12 @@ class ImpliedState {
 
   /// P: a priori. False where the sample gives nothing of the block, or has not become part of the estimate.
   bool take(const UpdateRecord& record, ConstMatrixView P);
+
+  void exchange(StateBytes& bytes) {
+    bytes.value(t_);
+    bytes.list(value_);
+    bytes.list(covariance_);
+  }
 
   const ImpliedStatePlan& plan() const { return plan_; }
   Time t() const { return t_; }  // no_time: none yet

@@ -60,6 +60,19 @@ void InputFit::add_velocity(Time t, double north, double east) {
   east_ = east;
 }
 
+void InputFit::exchange(StateBytes& bytes) {
+  history_.exchange(bytes);
+  bytes.list(waiting_);
+  bytes.value(first_);
+  bytes.value(waiting_count_);
+  bytes.value(last_);
+  for (double* number : {&north_, &east_, &turn2_, &ahead2_, &aside2_, &speed_sum_, &count_}) bytes.value(*number);
+  for (Sums& sums : sums_) {
+    for (auto* products : {&sums.gyro, &sums.accel}) bytes.matrix(*products);
+    for (auto* with : {&sums.turn, &sums.ahead, &sums.aside}) bytes.matrix(*with);
+  }
+}
+
 void InputFit::work_off() {
   constexpr Time reach = most_steps * InputHistory::step;
   for (; waiting_count_ > 0; first_ = (first_ + 1) % waiting_.size(), --waiting_count_) {

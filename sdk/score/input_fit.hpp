@@ -23,6 +23,7 @@ class InputFit {
 
   void add_input(Time t0, Time t, const Turns& increment);
   void add_velocity(Time t, double north, double east);
+  void exchange(StateBytes& bytes);
 
   /// By how much the samples of velocity are labelled too late for the input; negative: too early.
   struct Shift {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/time.hpp"
 
 namespace binnacle::score {
@@ -27,6 +28,16 @@ class InputHistory {
   bool has(Time a, Time b) const { return newest_ >= first_ && node(a) >= oldest() && node(b) + 1 <= newest_; }
   /// Whether those up to a are no longer, or never will be.
   bool is_past(Time a) const { return newest_ >= first_ && node(a) < oldest(); }
+
+  void exchange(StateBytes& bytes) {
+    for (auto& node : nodes_) bytes.matrix(node);
+    bytes.value(first_);
+    bytes.value(newest_);
+    bytes.value(t_);
+    bytes.matrix(sum_);
+    bytes.matrix(force_);
+    bytes.value(seconds_);
+  }
 
   static std::int64_t node(Time t) { return t / step - (t % step < 0); }
   const Turns& at(std::int64_t node) const { return nodes_[index(node)]; }

@@ -28,6 +28,9 @@ class LagChannels final : public binnacle::RunObserver {
   void after_instant() override {
     for (auto& channel : channels_) channel.emit();
   }
+  void exchange(StateBytes& bytes) override {
+    for (auto& channel : channels_) channel.exchange(bytes);
+  }
   void finished() override {
     for (auto& channel : channels_) channel.finish();
   }

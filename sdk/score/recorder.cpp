@@ -24,19 +24,19 @@ std::vector<RecordColumn> estimate_columns(const FilterInfo& filter) {
 Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every)
     : session_(session), scores_(scores), observer_(observer) {
   const auto& filters = session.composition().filters();
-  std::size_t width = 1;
   for (std::size_t f = 0; f < filters.size(); ++f) {
     auto columns = estimate_columns(filters[f]);
     const auto implied_states = scores[f]->implied_state_columns();
     const auto noise = scores[f]->noise_columns();
     columns.insert(columns.end(), implied_states.begin(), implied_states.end());
     columns.insert(columns.end(), noise.begin(), noise.end());
-    filters_.push_back({implied_states.size(), RecordEpochs(every), no_time, no_time, {}});
-    filters_.back().kept.resize(columns.size());
-    width = std::max(width, columns.size());
+    Filter& filter = filters_.emplace_back();
+    filter.implied_state_columns = implied_states.size();
+    filter.epochs = RecordEpochs(every);
+    filter.kept.resize(columns.size());
+    filter.open.resize(columns.size());
     observer.begin(static_cast<int>(f), filters[f].name, columns);
   }
-  values_.resize(width);
   times_.resize(filters.size());
 }
 
@@ -47,14 +47,17 @@ void Recorder::after_instant() {
     Filter& filter = filters_[f];
     if (!session_.started(id) || !session_.healthy(id)) continue;
     const Time t = session_.time(id);
-    if (t == filter.last) continue;
+    if (t == filter.last) {
+      read_again(f);
+      continue;
+    }
     filter.last = t;
+    write_open(f);
     const auto choice = filter.epochs.on(t);
     if (choice == release || choice == release_and_take || choice == release_and_keep) write_kept(f);
     if (choice == take || choice == release_and_take) {
-      const std::span<double> values(values_.data(), filter.kept.size());
-      read(f, t, values);
-      write(f, t, values);
+      read(f, t, filter.open);
+      filter.open_at = t;
     } else if (choice == keep || choice == release_and_keep) {
       read(f, t, filter.kept);
       filter.kept_at = t;
@@ -63,8 +66,37 @@ void Recorder::after_instant() {
 }
 
 void Recorder::finish() {
-  for (std::size_t f = 0; f < filters_.size(); ++f)
+  for (std::size_t f = 0; f < filters_.size(); ++f) {
+    write_open(f);
     if (filters_[f].epochs.finish()) write_kept(f);
+  }
+}
+
+/// The filter is where it was: a sample of the same time came in an instant of its own.
+void Recorder::read_again(std::size_t filter) {
+  Filter& its = filters_[filter];
+  if (its.changes == scores_[filter]->changes()) return;
+  if (its.open_at == its.last) read(filter, its.last, its.open);
+  if (its.kept_at == its.last) read(filter, its.last, its.kept);
+}
+
+void Recorder::write_open(std::size_t filter) {
+  Filter& its = filters_[filter];
+  if (its.open_at != no_time) write(filter, its.open_at, its.open);
+  its.open_at = no_time;
+}
+
+void Recorder::exchange(StateBytes& bytes) {
+  for (Filter& filter : filters_) {
+    bytes.value(filter.epochs);
+    bytes.value(filter.last);
+    bytes.value(filter.kept_at);
+    bytes.list(filter.kept);
+    bytes.value(filter.open_at);
+    bytes.list(filter.open);
+    bytes.value(filter.changes);
+  }
+  for (auto& times : times_) bytes.list(times);
 }
 
 void Recorder::write_kept(std::size_t filter) { write(filter, filters_[filter].kept_at, filters_[filter].kept); }
@@ -88,6 +120,7 @@ void Recorder::read(std::size_t filter, Time t, std::span<double> values) {
   for_each_block([&](BlockId block, std::span<double> outputs) { session_.read(block, outputs); });
   for_each_block([&](BlockId block, std::span<double> sigmas) { session_.read_sigma(block, sigmas); });
   FilterScore& score = *scores_[filter];
+  filters_[filter].changes = score.changes();
   score.latest_implied_states(t, values.data() + at);
   score.latest_noise(values.data() + at + filters_[filter].implied_state_columns);
 }

@@ -23,6 +23,7 @@ class Recorder {
   Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every);
   void after_instant();
   void finish();
+  void exchange(StateBytes& bytes);
   /// By filter: what was recorded, once keep_times() was called.
   void keep_times() { keeps_times_ = true; }
   const std::vector<std::vector<Time>>& times() const { return times_; }
@@ -33,16 +34,20 @@ class Recorder {
     RecordEpochs epochs;
     Time last = no_time, kept_at = no_time;
     std::vector<double> kept;  // a row that is written unless one nearer to its epoch comes
+    Time open_at = no_time;
+    std::vector<double> open;   // a row that is written once the filter's time is another: until then it may change
+    std::int64_t changes = -1;  // FilterScore::changes() when the newest row was read
   };
   void read(std::size_t filter, Time t, std::span<double> values);
   void write_kept(std::size_t filter);
+  void write_open(std::size_t filter);
+  void read_again(std::size_t filter);
   void write(std::size_t filter, Time t, std::span<const double> values);
 
   const Session& session_;
   const Scores& scores_;
   RunObserver& observer_;
   std::vector<Filter> filters_;
-  std::vector<double> values_;
   bool keeps_times_ = false;
   std::vector<std::vector<Time>> times_;
 };

@@ -60,6 +60,22 @@ class Scorer final : public binnacle::RunObserver {
     if (smoothing_) smoothing_->after_instant();
     observer_.after_instant();
   }
+  void exchange(StateBytes& bytes) override {
+    bool are_records_there = records_;
+    bytes.value(are_records_there);
+    if (are_records_there != records_)
+      throw ConfigError(Diagnostic{Severity::error,
+                                   "B084",
+                                   {},
+                                   "",
+                                   std::string("the run cannot be resumed: it began with") +
+                                       (are_records_there ? "" : "out") + " --out"});
+    for (auto& score : scores_) score->exchange(bytes);
+    for (auto& cause : causes_) cause->exchange(bytes);
+    if (recorder_) recorder_->exchange(bytes);
+    if (smoothing_) smoothing_->exchange(bytes);
+    observer_.exchange(bytes);
+  }
   void noted(const Diagnostic& note) override { observer_.noted(note); }
   bool progress(Time t) override { return observer_.progress(t); }
 
@@ -162,6 +178,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   run_options.run = options.run;
   run_options.observer = &scorer;
   run_options.feeds_sinks = options.feeds_sinks;
+  run_options.checkpoints = options.checkpoints;
   binnacle::RunResult result = binnacle::run(composition, run_options);
   Json summary = scorer.summary(result.warnings);
   summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

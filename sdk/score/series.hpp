@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/time.hpp"
 #include "score/metric.hpp"
 
@@ -26,6 +27,10 @@ struct Series {
   void push(Time at, double value) {
     t.push_back(at);
     values.push_back(value);
+  }
+  void exchange(StateBytes& bytes) {
+    bytes.list(t);
+    bytes.list(values);
   }
 };
 

@@ -97,6 +97,19 @@ Smoothing::Smoothing(const ScorePlan& plan, Session& session, RunObserver& obser
   }
 }
 
+void Smoothing::exchange(StateBytes& bytes) {
+  smoother_.exchange(bytes);
+  for (auto& filter : filters_) {
+    bytes.list(filter->references, [&](Reference& reference) {
+      bytes.value(reference.channel);
+      bytes.value(reference.t);
+      bytes.value(reference.t0);
+      bytes.list(reference.fields);
+    });
+    bytes.list(filter->wanted);
+  }
+}
+
 void Smoothing::sampled(int channel, const SampleView& sample, const std::function<bool(int filter)>& is_of) {
   const int count = session_.composition().channels()[as_size(channel)].declaration->count(false);
   for (auto& filter : filters_) {

@@ -50,6 +50,7 @@ class Smoothing {
   /// Of the filters that it is for.
   void sampled(int channel, const SampleView& sample, const std::function<bool(int filter)>& is_of);
   void after_instant() { smoother_.after_instant(); }
+  void exchange(StateBytes& bytes);
 
   /// At its end. recorded: by filter, the times of what was recorded. The session is left as it was.
   void finish(const std::vector<std::vector<Time>>& recorded);

@@ -83,6 +83,20 @@ void FixedLag::offered(const UpdateRecord& record) {
 
 void FixedLag::inflated(const InflationRecord& record) { newest().inflated(record); }
 
+void FixedLag::exchange(StateBytes& bytes) {
+  std::uint64_t count = log_.size();
+  bytes.value(count);
+  if (!bytes.holds()) return;
+  while (log_.size() < count) open_part();
+  for (Part& part : log_) {
+    part.stretch->exchange(bytes);
+    bytes.value(part.end);
+  }
+  bytes.value(next_sweep_);
+  bytes.value(emitted_);
+  bytes.value(has_breaks_);
+}
+
 void FixedLag::finish() { sweep(std::numeric_limits<Time>::max()); }
 
 /// Emits what came after the last emission, up to `until`, and forgets what is emitted as a whole.

@@ -111,6 +111,15 @@ void IntervalSmoother::after_instant() {
   take_snapshot();
 }
 
+void IntervalSmoother::exchange(StateBytes& bytes) {
+  bytes.list(snapshots_, [&](Snapshot& snapshot) {
+    bytes.value(snapshot.instant);
+    bytes.list(snapshot.bytes);
+  });
+  bytes.value(instants_);
+  bytes.value(length_);
+}
+
 void IntervalSmoother::run_back(const Backward& backward) {
   std::vector<std::byte> end(session_.snapshot_size());
   session_.snapshot(end);

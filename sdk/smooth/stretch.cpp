@@ -139,6 +139,19 @@ WithheldSample Stretch::withheld(const Entry& entry, CoStates& co_states) {
   return sample;
 }
 
+void Stretch::exchange(StateBytes& bytes) {
+  bytes.list(entries_);
+  bytes.list(numbers_);
+  bytes.list(withheld_, [&](WithheldSample& sample) {
+    bytes.value(sample.measurement);
+    bytes.value(sample.t);
+    bytes.list(sample.residual);
+    bytes.list(sample.groups);
+  });
+  bytes.value(breaks_);
+  bytes.value(was_opened_);
+}
+
 void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld, Window window) {
   const int n = filter_.dof;
   for (const Entry& entry : entries_ | std::views::reverse) {

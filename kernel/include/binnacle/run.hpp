@@ -11,6 +11,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/session.hpp"
+#include "binnacle/state_bytes.hpp"
 
 namespace binnacle {
 
@@ -34,6 +35,18 @@ class RunObserver {
   virtual bool progress(Time /*t*/) { return true; }
   /// All is done but closing the sinks.
   virtual void finished() {}
+  /// For checkpoints: all that it keeps of the run so far. Read back after begin(), in a run with equal options.
+  virtual void exchange(StateBytes& /*bytes*/) {}
+};
+
+/// What a run is at some instant, to go on from there later. A run that was resumed leaves what one leaves that was not
+/// stopped, to the last bit; live sources go on with what arrives next.
+struct Checkpoints {
+  Time every = 0;                                             // of the run's time, from one to the next
+  std::function<void(std::span<const std::byte>)> keep = {};  // the first comes before the first instant; empty: none
+  /// Taken in by run(): the run goes on there. Throws ConfigError (B084) with the reason where they are of another config,
+  /// other data, plugins, options or kind of machine, or torn. Empty: the run begins at its beginning.
+  std::span<const std::byte> from = {};
 };
 
 struct RunOptions {
@@ -42,6 +55,7 @@ struct RunOptions {
   RunObserver* observer = nullptr;
   Estimates estimates = Estimates::settled;  // what the observer sees of filters with `history`
   bool feeds_sinks = true;                   // false where several runs share the composition's sinks
+  Checkpoints checkpoints = {};
 };
 
 struct RunResult {

@@ -10,6 +10,7 @@
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
 #include "binnacle/sample.hpp"
+#include "binnacle/state_bytes.hpp"
 
 namespace binnacle {
 
@@ -106,6 +107,9 @@ class Sink {
   virtual void open() {}
   virtual void on(Input from, const SampleView& sample) = 0;
   virtual void close() {}
+  /// For checkpoints of a run: what it is now; read back after open(), it goes on from there, and what was written later is
+  /// gone. What is sent to others can not be taken back. False: it knows no way, and no checkpoint is made.
+  virtual bool exchange(StateBytes& /*bytes*/) { return false; }
 };
 
 }  // namespace binnacle

@@ -172,6 +172,15 @@ std::vector<NodeInput> Composer::read_inputs(Component& component) {
 
 namespace {
 
+void add_files(const ParameterSpec& spec, const ParameterValue& value, std::vector<std::string>& files) {
+  if (spec.type == ParameterType::path && !value.text.empty()) files.push_back(value.text);
+  for (const auto& element : value.elements) add_files(spec.members.front(), element, files);
+  for (const auto& [key, member] : value.members) {
+    const int of = spec.type == ParameterType::map ? 0 : index_of(spec.members, key, &ParameterSpec::name);
+    if (of >= 0) add_files(spec.members[as_size(of)], member, files);
+  }
+}
+
 /// False where something is wrong with it; then it is left out.
 template <class Base, class Plan>
 bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) {
@@ -195,7 +204,12 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
   if constexpr (!std::is_same_v<Base, Sink>)
     if (stage.object) stage.channels = composer.add_channels(at, stage.object->declaration().channels);
   if constexpr (std::is_same_v<Base, Source>)
-    if (stage.object) stage.latency = read_latency(at["latency"], stage.object->declaration().channels);
+    if (stage.object) {
+      stage.latency = read_latency(at["latency"], stage.object->declaration().channels);
+      for (const auto& parameter : component.spec().parameters)
+        for (const auto& [key, value] : component.parameters.members)
+          if (key == parameter.name) add_files(parameter, value, stage.files);
+    }
   if (component.failures != composer.failures()) return false;
   stages.push_back(std::move(stage));
   return true;
@@ -206,6 +220,14 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
 void Composer::add_sources() {
   for (const Reader& at : place("/sources").members("'sources'"))
     if (!add_stage<Source>(*this, at, plan_->sources)) fail_component(at.key());
+  const bool is_any_live =
+      std::ranges::any_of(plan_->sources, [](const auto& source) { return source.object->declaration().live; });
+  if (!is_any_live) return;
+  for (const auto& source : plan_->sources)
+    if (source.latency)
+      place(source.pointer + "/latency")
+          .error("B010",
+                 "'latency' is for recorded data; here a source is live, and its samples arrive when they come");
 }
 
 void Composer::add_transforms() {

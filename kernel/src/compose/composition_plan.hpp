@@ -15,6 +15,10 @@
 #include "config/document.hpp"
 #include "filter/plan.hpp"
 
+namespace binnacle {
+class RunObserver;
+}
+
 namespace binnacle::internal::compose {
 
 using namespace filter;
@@ -53,6 +57,7 @@ struct LatencyPlan {
 
 struct SourcePlan : StagePlan<Source> {
   std::optional<LatencyPlan> latency;
+  std::vector<std::string> files;  // that its parameters name
   Place<SourceHead> head;
   std::vector<Place<double>> slots;  // per own channel
 };
@@ -89,6 +94,8 @@ struct Subscription {
 struct SourceOpening {
   std::once_flag once;
   Diagnostics warnings;
+  std::vector<std::unique_ptr<Reporter>> reporters;  // of the sources, for as long as these live
+  RunObserver* observer = nullptr;                   // of the run under way that has live sources
 };
 
 struct CompositionPlan {

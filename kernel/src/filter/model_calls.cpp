@@ -49,7 +49,7 @@ std::string flaw_of_noise(ConstMatrixView R) {
 void NoteBook::keep(const std::string& type, const std::string& pointer, const char* call, Time t, const char* text) {
   constexpr std::size_t longest = sizeof(KeptNote::text) - 1;
   for (KeptNote& note : notes_)
-    if (note.pointer == &pointer && std::strncmp(note.text, text, longest) == 0) {
+    if (*note.pointer == pointer && std::strncmp(note.text, text, longest) == 0) {
       ++note.count;
       return;
     }
@@ -59,6 +59,26 @@ void NoteBook::keep(const std::string& type, const std::string& pointer, const c
   }
   notes_.push_back({&type, &pointer, call, t, 1, {}});
   std::strncpy(notes_.back().text, text, longest);
+}
+
+void NoteBook::exchange(StateBytes& bytes) {
+  if (bytes.is_reading()) read_ = std::make_shared<std::deque<std::string>>();
+  const auto text = [&](const std::string* known) -> const std::string* {
+    std::string copy = known ? *known : "";
+    bytes.text(copy);
+    return bytes.is_reading() ? &read_->emplace_back(std::move(copy)) : known;
+  };
+  bytes.list(notes_, [&](KeptNote& note) {
+    note.type = text(note.type);
+    note.pointer = text(note.pointer);
+    const std::string call = note.call ? note.call : "";
+    const std::string* const kept = text(&call);
+    if (bytes.is_reading()) note.call = kept->c_str();
+    bytes.value(note.first);
+    bytes.value(note.count);
+    bytes.value(note.text);
+  });
+  bytes.value(left_out_);
 }
 
 }  // namespace binnacle::internal::filter

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -11,6 +13,7 @@
 
 #include "binnacle/model_input.hpp"
 #include "binnacle/plugin_call.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "binnacle/view.hpp"
 
 namespace binnacle::internal::filter {
@@ -60,9 +63,11 @@ class NoteBook {
   }
   const std::vector<KeptNote>& notes() const { return notes_; }
   std::int64_t left_out() const { return left_out_; }
+  void exchange(StateBytes& bytes);
 
  private:
   std::vector<KeptNote> notes_;
+  std::shared_ptr<std::deque<std::string>> read_;  // texts of notes that were read back
   std::int64_t left_out_ = 0;
 };
 

@@ -122,7 +122,7 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
     return nullptr;
   };
   const std::string plugin(name.substr(0, name.find('/') == name.npos ? 0 : name.find('/')));
-  const ComponentType *found = nullptr, *renamed = nullptr, *elsewhere = nullptr;
+  const ComponentType *found = nullptr, *renamed = nullptr, *elsewhere = nullptr, *of_its_own = nullptr;
   std::vector<std::string> fitting, known;
   for (const ComponentType& type : components_) {
     const bool is_called = type.spec.type == name || type.full_name() == name;
@@ -133,9 +133,11 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
     if (!renamed && std::ranges::find(former, name) != former.end()) renamed = &type;
     if (!is_called) continue;
     found = &type;
+    if (type.plugin == type.spec.type) of_its_own = &type;
     fitting.push_back(in_quotes(type.full_name()));
   }
   if (fitting.size() == 1) return found;
+  if (of_its_own) return of_its_own;
   std::ranges::sort(fitting);
   if (found) return report("B022", in_quotes(name) + " is ambiguous; write " + joined(fitting, " or "));
   if (renamed) return report("B011", in_quotes(name) + " is now called " + in_quotes(renamed->full_name()));

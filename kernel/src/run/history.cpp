@@ -163,6 +163,13 @@ void History::exchange(StateBytes& bytes) {
   }
 }
 
+void History::exchange_account(StateBytes& bytes) {
+  for (auto* runtime : {live_.get(), settled_.get()})
+    if (runtime) runtime->exchange_account(bytes);
+  for (Snapshot& snapshot : snapshots_)
+    for (auto& notes : snapshot.notes) notes.exchange(bytes);
+}
+
 std::size_t History::bytes() const {
   return store_.bytes() + (snapshots_.size() + spare_.size()) * (live_ ? live_->arena_size() : 0);
 }

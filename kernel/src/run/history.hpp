@@ -36,6 +36,7 @@ class History {
   void end() { is_ended_ = true; }
   void finish();
   void exchange(StateBytes& bytes);
+  void exchange_account(StateBytes& bytes);
 
   /// Samples that came too late for any filter.
   struct Dropped {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "run/checkpoint.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
 
@@ -19,20 +20,27 @@ using namespace runtime;
 
 class WarningReporter : public Reporter {
  public:
-  WarningReporter(Diagnostics& warnings, const filter::Planned& of) : warnings_(warnings), of_(of) {}
+  /// observer: is shown them at once, where there is one.
+  WarningReporter(Diagnostics& warnings, const filter::Planned& of, RunObserver* const& observer)
+      : warnings_(warnings), of_(of), observer_(observer) {}
   void warn(const std::string& code, const std::string& file, int line, const std::string& message) override {
-    warnings_.warning(code, Origin{file, line, 0}, of_.pointer, message);
+    const Diagnostic warning{Severity::warning, code, Origin{file, line, 0}, of_.pointer, message};
+    warnings_.add(warning);
+    if (observer_) observer_->noted(warning);
   }
 
  private:
   Diagnostics& warnings_;
   const filter::Planned& of_;
+  RunObserver* const& observer_;
 };
 
-void open_sources(const compose::CompositionPlan& plan, Diagnostics& warnings) {
+void open_sources(const compose::CompositionPlan& plan) {
+  compose::SourceOpening& opening = *plan.opening;
   Diagnostics errors;
   for (const auto& source : plan.sources) {
-    WarningReporter reporter(warnings, source);
+    Reporter& reporter =
+        *opening.reporters.emplace_back(std::make_unique<WarningReporter>(opening.warnings, source, opening.observer));
     try {
       source.type->guarded("open", [&] { source.object->open(reporter); });
     } catch (const ComponentError& error) {
@@ -180,19 +188,42 @@ Parts parts_of(const compose::CompositionPlan& plan) {
   return parts;
 }
 
+/// What a sink keeps; of one that knows no way to go on there is no checkpoint.
+void exchange_sink(const compose::CompositionPlan& plan, const compose::SinkPlan& sink, StateBytes& bytes, Time t) {
+  if (guard_call<DataError>(plan, sink, "exchange", t, [&] { return sink.object->exchange(bytes); })) return;
+  throw ConfigError(Diagnostic{Severity::error, "B084", plan.document.key_origin(sink.pointer), sink.pointer,
+                               "there are no checkpoints with the sink '" + sink.name + "': its type '" +
+                                   sink.type->spec.type + "' does not say how it goes on from one"});
+}
+
 /// From the first instant to the end of the sources.
-void run_sources(Session& session, const Parts& parts, RunObserver& observer) {
+void run_sources(Session& session, const Parts& parts, const RunOptions& options, RunObserver& observer) {
   Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
   runtime.subscribe_settled([&](int channel, const SampleView& sample) { observer.settled(channel, sample); });
   std::vector<std::size_t> noted(runtime.plan().filters.size());
-  for (std::int64_t instants = 0; runtime.next_instant(); ++instants) {
+  Checkpointing checkpointing(runtime, session.composition().hash(), options, [&](StateBytes& bytes) {
+    bytes.list(noted);
+    for (const auto& part : parts) part->exchange(bytes);
+    observer.exchange(bytes);
+    if (options.feeds_sinks)
+      for (const auto& sink : runtime.plan().sinks) exchange_sink(runtime.plan(), sink, bytes, runtime.time());
+  });
+  checkpointing.begin();
+  for (std::int64_t instants = 0;; ++instants) {
+    if (!runtime.next_instant()) {
+      if (!runtime.waits()) break;
+      if (!observer.progress(runtime.time())) runtime.end_sources();
+      runtime.wait_for_sources();
+      continue;
+    }
     for (int f = 0; f < base::count_of(noted); ++f)
       while (noted[as_size(f)] < runtime.engine(f).calls().note_book.notes().size())
         observer.noted(session.notes({f}).items()[noted[as_size(f)]++]);
     for (const auto& part : parts) part->after_instant();
     observer.after_instant();
-    if (instants % 32 == 0 && !observer.progress(runtime.time())) break;
+    checkpointing.after_instant();
+    if (instants % 32 == 0 && !observer.progress(runtime.time())) runtime.end_sources();
   }
   runtime.finish();
   for (const auto& part : parts) part->finished();
@@ -231,11 +262,13 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
   const auto& plan = composition->plan();
   RunResult result;
-  std::call_once(plan.opening->once, [&] { open_sources(plan, plan.opening->warnings); });
-  result.warnings = plan.opening->warnings;
+  std::call_once(plan.opening->once, [&] { open_sources(plan); });
 
   RunObserver nobody;
   RunObserver& observer = options.observer ? *options.observer : nobody;
+  const bool is_live =
+      std::ranges::any_of(plan.sources, [](const auto& source) { return source.object->declaration().live; });
+  if (is_live) plan.opening->observer = &observer;
   Session session(composition, options.seed, options.run, options.estimates);
   Runtime& runtime = session.runtime();
   runtime.feed_sinks(options.feeds_sinks);
@@ -245,14 +278,18 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   std::deque<WarningReporter> reporters;
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks) {
-      sink.object->report_to(reporters.emplace_back(result.warnings, sink));
+      sink.object->report_to(reporters.emplace_back(result.warnings, sink, options.observer));
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
     }
-  run_sources(session, parts, observer);
+  run_sources(session, parts, options, observer);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });
 
+  Diagnostics warnings = plan.opening->warnings;
+  if (is_live) plan.opening->observer = nullptr;
+  warnings.merge(result.warnings);
+  result.warnings = std::move(warnings);
   for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
   note_spans_apart(runtime, result.warnings);
   note_dropped(runtime, result.warnings);

@@ -38,6 +38,7 @@ std::int64_t accepted_of(const Engine& engine) {
 Runtime::Runtime(const CompositionPlan& plan)
     : Runtime(plan, plan.history.length > 0 ? plan.history.arrival_nodes : plan.nodes) {
   is_main_ = true;
+  is_live_ = std::ranges::any_of(plan.sources, [](const auto& source) { return source.object->declaration().live; });
   if (Arrivals::are_wanted(plan)) arrivals_ = std::make_unique<Arrivals>(plan);
   if (plan.history.length > 0) history_ = std::make_unique<History>(plan);
   sequences_.resize(plan.sources.size() + plan.filters.size() + 1);
@@ -111,7 +112,8 @@ void Runtime::reset(std::uint64_t seed, int run) {
   std::ranges::fill(emitted_, 0);
   if (arrivals_) arrivals_->reset(seed, run);
   if (history_) history_->reset(seed, run);
-  time_ = no_time;
+  time_ = newest_live_ = no_time;
+  has_live_ = false;
 }
 
 void Runtime::find_places() {
@@ -168,6 +170,15 @@ void Runtime::exchange(StateBytes& bytes) {
   if (bytes.is_reading() && bytes.holds())
     for (auto& engine : engines_)
       if (engine) engine->restored();
+}
+
+void Runtime::exchange_account(StateBytes& bytes) {
+  for (auto& channel : channels_) bytes.value(channel.span);
+  bytes.list(filter_times_);
+  bytes.value(time_);
+  for (auto& engine : engines_)
+    if (engine) engine->calls().note_book.exchange(bytes);
+  if (history_) history_->exchange_account(bytes);
 }
 
 void Runtime::deliver(int index, const SampleView& sample, Time late) {
@@ -392,14 +403,16 @@ void Runtime::fetch(std::size_t index) {
   const SampleWriter slot = is_own ? slots[as_size(channel)] : SampleWriter{};
   if (slot.t == no_time || slot.rows < 0 || slot.rows > slot.max_rows)
     throw fault("B045", "emitted a sample that it did not declare");
-  if (previous != no_time && slot.t < previous) throw fault("B063", "goes back in time, to " + time_text(slot.t));
+  const bool may_be_late = source.object->declaration().live;
+  if (!may_be_late && previous != no_time && slot.t < previous)
+    throw fault("B063", "goes back in time, to " + time_text(slot.t));
   head = SourceHead{{slot.t, slot.t0, slot.rows, slot.has_covariance}, 1, channel};
 }
 
 bool Runtime::next_instant() {
   if (history_ && history_->settle()) return true;
-  if (arrivals_ ? next_of_arrivals() : next_of_sources()) return true;
-  if (!history_) return false;
+  if (is_live_ ? next_of_live() : arrivals_ ? next_of_arrivals() : next_of_sources()) return true;
+  if (!history_ || has_live_) return false;
   history_->end();
   return history_->settle();
 }

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/state_bytes.hpp"
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
-#include "run/state_bytes.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -71,6 +71,12 @@ class Runtime {
   /// Takes the earliest instant from the sources, or what that settles, instant by instant; false when all have ended and
   /// are settled.
   bool next_instant();
+  /// Whether that false means that live sources have nothing yet.
+  bool waits() const { return has_live_; }
+  /// Until one of them may have something, or for some milliseconds.
+  void wait_for_sources();
+  /// Nothing is asked of the sources any more.
+  void end_sources();
   /// The end of the run.
   void finish();
   /// Estimates of a filter, not its own ones, as an instant of their own.
@@ -120,6 +126,8 @@ class Runtime {
   bool has_more_than_arena() const { return arrivals_ || history_; }
   /// All that outlives an instant.
   void exchange(StateBytes& bytes);
+  /// What is reported of a run besides: spans, times, notes.
+  void exchange_account(StateBytes& bytes);
 
  private:
   struct alignas(Layout::alignment) Line {
@@ -159,6 +167,7 @@ class Runtime {
   void find_places();
   bool next_of_sources();
   bool next_of_arrivals();
+  bool next_of_live();
   void give_to_history();
   void run_history(int filter);
   /// Reads what is present in this instant.
@@ -182,6 +191,9 @@ class Runtime {
   std::vector<FilterTime> filter_times_;
   Time time_ = no_time;
   bool feeds_sinks_ = true;
+  bool is_live_ = false;   // a source is
+  bool has_live_ = false;  // and has not ended
+  Time newest_live_ = no_time;
 };
 
 }  // namespace binnacle::internal::runtime

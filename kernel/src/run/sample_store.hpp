@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "binnacle/state_bytes.hpp"
 #include "compose/composition_plan.hpp"
-#include "run/state_bytes.hpp"
 
 namespace binnacle::internal::runtime {
 

@@ -13,6 +13,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/run.hpp"
 #include "binnacle/session.hpp"
 #include "binnacle/step_log.hpp"
 #include "binnacle/trust.hpp"
@@ -62,6 +63,8 @@ class RunObserver {
   virtual void scored(int /*filter*/, const ErrorSeries& /*errors*/) {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
   virtual bool progress(Time /*t*/) { return true; }
+  /// As binnacle::RunObserver::exchange(), read back after every begin().
+  virtual void exchange(StateBytes& /*bytes*/) {}
 };
 
 struct RunOptions {
@@ -70,6 +73,7 @@ struct RunOptions {
   RunObserver* observer = nullptr;
   std::vector<Metric> metrics = {};  // of this composition, for RunResult::metrics
   bool feeds_sinks = true;           // false where several runs share the composition's sinks
+  Checkpoints checkpoints = {};
 };
 
 struct RunResult {

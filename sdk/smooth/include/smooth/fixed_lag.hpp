@@ -33,6 +33,8 @@ class FixedLag final : public StepObserver {
 
   /// At the end of the data: emits all that is left.
   void finish();
+  /// For checkpoints, between two instants.
+  void exchange(StateBytes& bytes);
   /// Where the co-states of some sweep began anew, since P was scaled or the filter started anew.
   bool has_breaks() const { return has_breaks_; }
 

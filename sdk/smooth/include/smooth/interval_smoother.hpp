@@ -77,6 +77,8 @@ class IntervalSmoother {
 
   /// After each instant of the run.
   void after_instant();
+  /// For checkpoints, before run_back().
+  void exchange(StateBytes& bytes);
 
   struct Backward {
     std::vector<SmoothedFilter*> filters;

@@ -23,6 +23,8 @@ class LagChannel {
   void emit();
   /// At the end of the data: sweeps and emits all that is left.
   void finish();
+  /// For checkpoints, after emit().
+  void exchange(StateBytes& bytes) { lag_.exchange(bytes); }
 
  private:
   Session& session_;

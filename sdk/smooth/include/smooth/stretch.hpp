@@ -73,6 +73,8 @@ class Stretch final : public StepObserver {
   void withhold(const UpdateRecord& record, ConstMatrixView P);
 
   void clear();
+  /// For checkpoints; nothing is held of what keep_path() takes.
+  void exchange(StateBytes& bytes);
   /// What of a sweep is wanted: what comes after `after`, up to `until`.
   struct Window {
     Time after = no_time, until = std::numeric_limits<Time>::max();

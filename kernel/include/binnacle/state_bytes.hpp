@@ -6,11 +6,18 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
-namespace binnacle::internal::runtime {
+namespace binnacle {
 
+/// Counts the bytes, writes them, or reads them back. Bytes are of this machine's kind.
+///
+///     void exchange(StateBytes& bytes) {
+///       bytes.value(newest_);
+///       bytes.list(values_);
+///     }
 class StateBytes {
  public:
   /// Only counts.
@@ -20,6 +27,7 @@ class StateBytes {
 
   std::size_t size() const { return size_; }
   bool is_reading() const { return from_; }
+  bool is_writing() const { return to_; }
   /// False once there were fewer bytes than what was asked for; what was read then is of no use.
   bool holds() const { return holds_; }
 
@@ -35,20 +43,39 @@ class StateBytes {
     static_assert(std::is_trivially_copyable_v<T>, "it is a copy of bytes");
     exchange(reinterpret_cast<std::byte*>(&item), sizeof item);
   }
+  /// An Eigen matrix or array of fixed size.
+  template <class Matrix>
+  void matrix(Matrix& item) {
+    exchange(reinterpret_cast<std::byte*>(item.data()), static_cast<std::size_t>(item.size()) * sizeof(*item.data()));
+  }
   /// Of any length.
   template <class T>
   void list(std::vector<T>& items) {
     static_assert(std::is_trivially_copyable_v<T>, "it is a copy of bytes");
-    std::uint64_t count = items.size();
-    value(count);
-    if (is_reading() && (!holds_ || count > (limit_ - size_) / sizeof(T))) holds_ = false;
-    if (!holds_) return;
-    if (is_reading()) items.resize(count);
-    exchange(reinterpret_cast<std::byte*>(items.data()), count * sizeof(T));
+    if (resize(items, sizeof(T))) exchange(reinterpret_cast<std::byte*>(items.data()), items.size() * sizeof(T));
+  }
+  void text(std::string& text) {
+    if (resize(text, 1)) exchange(reinterpret_cast<std::byte*>(text.data()), text.size());
+  }
+  /// Of any length, each by each(item), of a byte at least.
+  template <class Item, class Each>
+  void list(std::vector<Item>& items, Each&& each) {
+    if (!resize(items, 1)) return;
+    for (Item& item : items) each(item);
   }
 
  private:
   StateBytes(std::byte* to, const std::byte* from, std::size_t limit) : to_(to), from_(from), limit_(limit) {}
+
+  /// To the length that was written; false where there are not bytes enough for it.
+  template <class Container>
+  bool resize(Container& items, std::size_t least) {
+    std::uint64_t count = items.size();
+    value(count);
+    if (is_reading() && holds_ && count > (limit_ - size_) / least) holds_ = false;
+    if (is_reading() && holds_) items.resize(count);
+    return holds_;
+  }
 
   std::byte* to_ = nullptr;
   const std::byte* from_ = nullptr;
@@ -56,4 +83,4 @@ class StateBytes {
   bool holds_ = true;
 };
 
-}  // namespace binnacle::internal::runtime
+}  // namespace binnacle

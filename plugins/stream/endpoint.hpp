@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Endpoint: bytes as they come, never waited for.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "address.hpp"
+
+namespace binnacle::stream {
+
+/// A file is followed as it grows. A connection or a device that is lost is tried again each second; a pipe ends.
+class Endpoint {
+ public:
+  explicit Endpoint(Address address) : address_(std::move(address)) {}
+  ~Endpoint();
+  Endpoint(const Endpoint&) = delete;
+  Endpoint& operator=(const Endpoint&) = delete;
+
+  /// Throws ComponentError::in_data (B060) where the file or device is not there, or the port is another's.
+  void open();
+
+  enum class Got {
+    bytes,
+    nothing,  // yet
+    end,      // for good
+    lost,     // what comes next begins anew; once
+    found     // again, or for the first time where nobody was there at first; once
+  };
+  /// Appends what is there. A datagram ends a line.
+  Got read(std::string& to);
+  /// For poll(); −1: it is asked now and then.
+  int wait_handle() const;
+  const Address& address() const { return address_; }
+  /// Datagrams that came faster than they were read, so far.
+  std::int64_t lost() const { return lost_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  [[noreturn]] void fail(const std::string& why, const char* code) const;
+  void open_file();
+  void open_serial();
+  void open_socket();
+  bool connect();
+  bool accept();
+  Got come_back();
+  long receive(char* to, std::size_t size);
+  Got lose();
+
+  Address address_;
+  int file_ = -1;      // what is read
+  int listener_ = -1;  // of a TCP server
+  bool is_regular_ = false, is_connecting_ = false, was_lost_ = false;
+  Clock::time_point next_try_{};
+  std::int64_t lost_ = 0;
+};
+
+}  // namespace binnacle::stream

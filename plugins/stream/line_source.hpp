@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the sources of lines share: the address, the channels, the stamps, and what becomes of lines that are no good.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "binnacle/source.hpp"
+#include "endpoint.hpp"
+
+namespace binnacle::stream {
+
+/// A field of a channel, and what it is called in a line.
+struct FieldPlan {
+  std::string key;
+  double scale = 1;  // to SI
+};
+
+struct ChannelPlan {
+  std::string name;  // in a line; "": there is one channel
+  OutputChannel output;
+  std::vector<FieldPlan> fields;
+  bool has_intervals = false;  // some of its fields are rates or increments
+};
+
+/// A line that is no good.
+struct BadLine {
+  std::string why;
+};
+
+/// A sample as it stood in a line: numbers in its own units, NaN where there is none.
+struct LineSample {
+  std::size_t channel = 0;
+  Time t = no_time, t0 = no_time;
+  std::vector<double> values;
+};
+
+class LineSource : public Source {
+ public:
+  void open(Reporter& reporter) override;
+  SourceStatus next(const MemoryView& memory, SourceOutput& out) const override;
+  int wait_handle() const override { return endpoint_->wait_handle(); }
+
+ protected:
+  /// `from`, `time`, `stamp`, `interval`, `max_gap`, `silence`, `on_error`.
+  static void add_parameters(ComponentSpec& spec);
+  explicit LineSource(const Binding& binding);
+  static ParameterSpec field_spec(const char* key, const char* about);
+  /// A channel from a map of fields.
+  void add_channel(const std::string& name, const std::vector<std::pair<std::string, ParameterValue>>& fields,
+                   const char* key);
+  /// Nanoseconds of a label as it is written.
+  Time time_of(std::string_view text) const;
+
+  /// False: the line carries no sample, and there is nothing wrong with it. Throws BadLine.
+  virtual bool parse(std::string_view line, LineSample& sample) const = 0;
+  /// What comes next is of another connection.
+  virtual void begin_anew() const {}
+
+  std::vector<ChannelPlan> channels_;
+  std::string time_key_ = "t";
+
+ private:
+  struct Fault;
+  /// It lives outside the arena: what was read can not be read again.
+  struct Intake;
+  bool take_line(Intake& intake, std::string_view line, SourceOutput& out) const;
+  void write(Intake& intake, const LineSample& sample, SourceOutput& out) const;
+  void complain(Intake& intake, const std::string& why) const;
+  void watch_silence(Intake& intake, bool came) const;
+  void watch_losses(Intake& intake) const;
+
+  std::unique_ptr<Endpoint> endpoint_;
+  std::int64_t time_unit_ = nanoseconds_per_second;
+  Time time_offset_ = 0;
+  bool stamps_arrival_ = false, stops_ = false;
+  std::optional<Time> interval_;
+  Time max_gap_ = nanoseconds_per_second;
+  Time silence_ = 0;
+  std::shared_ptr<Intake> intake_;
+};
+
+}  // namespace binnacle::stream

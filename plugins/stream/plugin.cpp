@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stream plugin: its components.
+#include "binnacle/plugin.hpp"
+
+#include "csv_source.hpp"
+#include "json_source.hpp"
+
+BINNACLE_PLUGIN("stream", "1.0.0", registry) {
+  registry.add<binnacle::stream::CsvSource>();
+  registry.add<binnacle::stream::JsonSource>();
+}
