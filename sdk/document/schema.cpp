@@ -279,7 +279,7 @@ void add_components(const Catalog& catalog, Json& definitions) {
   std::map<Role, std::vector<std::pair<Json, std::string>>> choices;
   for (const ComponentType* type : catalog.types()) {
     Json names = Json::array({type->full_name()});
-    if (catalog.find(type->role, type->spec.type)) names.push_back(type->spec.type);
+    if (catalog.find(type->role, type->spec.type) == type) names.push_back(type->spec.type);
     definitions[definition_name(*type)] = component_schema(*type, names);
     if (type->role == Role::measurement_model) {
       // Alone it stands beside the keys of a measurement, in a stack it does not.

@@ -38,7 +38,7 @@ class Plan:
     def __init__(self, table):
         self.table = table
         for config, entry in table["configs"].items():
-            if not set(entry) <= set(VERBS) | {"all", "before", "reason"}:
+            if not set(entry) <= set(VERBS) | {"all", "before", "reason", "stdin"}:
                 raise Bad(f"plan.json: {config}: unknown key")
 
     @classmethod
@@ -48,6 +48,10 @@ class Plan:
     def before(self, config):
         """Configs that are run first, in the same scratch folder."""
         return self.table["configs"].get(config, {}).get("before", [])
+
+    def stdin(self, config):
+        """The file that the config reads as its standard input."""
+        return self.table["configs"].get(config, {}).get("stdin", os.devnull)
 
     def words(self, verb, config):
         entry = self.table["configs"].get(config, {})
@@ -86,13 +90,14 @@ class Side:
             done = self._call(self.line(plan, "run", first, scratch, scratch / "before"), scratch, limit)
             if done.status != 0:
                 return done
-        return self._call(self.line(plan, verb, old, scratch, scratch / "out"), scratch, limit)
+        stdin = plan.stdin(old).replace("{scratch}", str(scratch))
+        return self._call(self.line(plan, verb, old, scratch, scratch / "out"), scratch, limit, stdin)
 
-    def _call(self, line, scratch, limit):
+    def _call(self, line, scratch, limit, stdin=os.devnull):
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("BINNACLE_", "OMPI_", "PMIX_", "SLURM_"))}
         environment.update(NO_COLOR="1", LC_ALL="C.UTF-8")
-        with open(scratch / "stderr", "wb") as errors:
-            process = subprocess.Popen(line, cwd=self.tree.folder, env=environment, stdin=subprocess.DEVNULL,
+        with open(scratch / "stderr", "wb") as errors, open(stdin, "rb") as given:
+            process = subprocess.Popen(line, cwd=self.tree.folder, env=environment, stdin=given,
                                        stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True)
             # Processor time, so that a busy machine skips no config; what sleeps for long is stopped all the same.
             with contextlib.suppress(ProcessLookupError):

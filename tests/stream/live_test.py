@@ -117,13 +117,22 @@ class Live(unittest.TestCase):
         while True:
             time.sleep(0.3)
             with open(f"/proc/{process.pid}/stat") as file:
-                now = file.read().rsplit(")", 1)[1].split()[11:13]
-            if now == used and sum(map(int, now)) > 10:
+                state, *numbers = file.read().rsplit(")", 1)[1].split()
+            now = numbers[10:12]
+            if state == "S" and now == used and sum(map(int, now)) > 10:
                 break
-            used = now
+            used = now if state == "S" else None
         process.send_signal(number)
         out, err = process.communicate(timeout=20)
         return out, err, process.returncode
+
+    @staticmethod
+    def wait_for_port(kind, port):
+        while True:
+            with open(f"/proc/net/{kind}") as file:
+                if any(f":{port:04X} " in line for line in file):
+                    return
+            time.sleep(0.05)
 
     def assert_same(self, stdout, err):
         found = self.figures(stdout)
@@ -186,13 +195,8 @@ class Live(unittest.TestCase):
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         process = self.start(live_config(f"tcp://:{port}"))
-        for _ in range(100):
-            try:
-                connection = socket.create_connection(("127.0.0.1", port))
-                break
-            except ConnectionRefusedError:
-                time.sleep(0.05)
-        with connection:
+        self.wait_for_port("tcp", port)
+        with socket.create_connection(("127.0.0.1", port)) as connection:
             connection.sendall(self.text().encode())
         out, err, status = self.interrupt_when_done(process, signal.SIGTERM)
         self.assertEqual(status, 0, err)
@@ -203,8 +207,8 @@ class Live(unittest.TestCase):
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         process = self.start(live_config(f"udp://:{port}"))
+        self.wait_for_port("udp", port)
         with socket.socket(type=socket.SOCK_DGRAM) as sender:
-            time.sleep(1)
             for begin in range(0, len(self.lines), 50):  # without the last line's end
                 sender.sendto("\n".join(self.lines[begin:begin + 50]).encode(), ("127.0.0.1", port))
                 time.sleep(0.01)
@@ -217,7 +221,7 @@ class Live(unittest.TestCase):
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         process = self.start(live_config(f"udp://:{port}"))
-        time.sleep(1)
+        self.wait_for_port("udp", port)
         process.send_signal(signal.SIGSTOP)
         with socket.socket(type=socket.SOCK_DGRAM) as sender:
             for begin in range(0, 10 * len(self.lines), 50):  # 40 MB, more than a system keeps
@@ -295,10 +299,8 @@ class Live(unittest.TestCase):
         self.assertAlmostEqual(self.figures(out)["end_s"], imu[-1], 9)
 
     def test_a_second_signal_ends_it_with_status_one(self):
-        with open("sink.json", "w") as file:
-            json.dump(live_config("stdin:"), file)
         process = self.start(live_config("stdin:"), stdin=subprocess.PIPE)
-        process.stdin.write("\n".join(self.lines[:1000]) + "\n")
+        process.stdin.write("\n".join(self.lines[:10000]) + "\n")
         process.stdin.flush()
         time.sleep(1)
         os.kill(process.pid, signal.SIGSTOP)  # so that both have come before it can end
@@ -306,7 +308,7 @@ class Live(unittest.TestCase):
         process.send_signal(signal.SIGTERM)
         os.kill(process.pid, signal.SIGCONT)
         process.communicate(timeout=20)
-        self.assertIn(process.returncode, (0, 1))  # it may be done with its results in time
+        self.assertEqual(process.returncode, 1)
 
     def test_addresses_that_are_none(self):
         wrong = {"stdin": "did you mean 'stdin:'?", "log.jsonl": "did you mean 'file:log.jsonl'?",
