@@ -302,8 +302,10 @@ struct Check {
   ParameterValue path() const {
     const auto& file = json().get_ref<const std::string&>();
     if (file.empty() && !at.is_default()) return wrong_type();
+    const std::string scheme = file.starts_with("file:") && !file.starts_with("file://") ? "file:" : "";
+    const bool is_left = file.empty() || file == "stdin:" || file == "stdout:" || file.find("://") != file.npos;
     return made(Type::text, &ParameterValue::text,
-                file.empty() ? file : (at.folder() / file).lexically_normal().string());
+                is_left ? file : scheme + (at.folder() / file.substr(scheme.size())).lexically_normal().string());
   }
 
   // -- structure
