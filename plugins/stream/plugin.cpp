@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stream plugin: its components.
+#include "binnacle/plugin.hpp"
+
+#include "json_writer.hpp"
+
+BINNACLE_PLUGIN("stream", "1.0.0", registry) { registry.add<binnacle::stream::JsonWriter>(); }
