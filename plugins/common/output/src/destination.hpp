@@ -17,7 +17,7 @@ namespace binnacle::text_output {
 
 using Clock = std::chrono::steady_clock;
 
-/// `code`: B070 (lines were lost) or B071 (a connection broke).
+/// `code`: B145 (lines were lost) or B146 (a connection broke).
 using Warn = std::function<void(const char* code, std::string message)>;
 
 class Destination {

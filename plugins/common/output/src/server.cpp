@@ -81,11 +81,11 @@ class Server final : public Destination {
   void conclude() override {
     for (const Client& client : clients_) report(client, "");
     if (others_ > 0)
-      warn_("B070",
+      warn_("B145",
             std::to_string(others_) + " more clients lost lines, " + std::to_string(lost_by_others_) + " in all");
     if (refused_ > 0)
-      warn_("B071", std::to_string(refused_) + " clients were refused, for there were " + std::to_string(most_clients));
-    if (came_ == 0 && lines_ > 0) warn_("B071", "no client came; " + std::to_string(lines_) + " lines went to nobody");
+      warn_("B146", std::to_string(refused_) + " clients were refused, for there were " + std::to_string(most_clients));
+    if (came_ == 0 && lines_ > 0) warn_("B146", "no client came; " + std::to_string(lines_) + " lines went to nobody");
   }
 
  private:
@@ -112,7 +112,7 @@ class Server final : public Destination {
       return;
     }
     ++reported_;
-    warn_("B070", client.name + " read too slowly: " + loss_text(lost, connection.lines()) + what_else);
+    warn_("B145", client.name + " read too slowly: " + loss_text(lost, connection.lines()) + what_else);
   }
 
   std::size_t buffer_;

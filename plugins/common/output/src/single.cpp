@@ -113,7 +113,7 @@ class Single final : public Destination {
       why = ": " + first_fault_;
       if (interruptions_ > 1) why += ", the first of " + std::to_string(interruptions_) + " faults";
     }
-    warn_("B070", loss_text(connection_.unsent(), connection_.lines()) + why);
+    warn_("B145", loss_text(connection_.unsent(), connection_.lines()) + why);
   }
 
  private:
@@ -143,7 +143,7 @@ class Single final : public Destination {
     if (was_connecting) return;
     if (interruptions_++ > 0) return;
     first_fault_ = fault;
-    warn_("B071",
+    warn_("B146",
           fault + (is_tried_again() ? "; it is tried again each second, and what does not fit the buffer is lost"
                    : address_.kind == Kind::udp ? "; lines are lost until somebody receives them"
                                                 : "; what follows is lost"));

@@ -102,12 +102,12 @@ void TextOutput::write_file(std::string_view line) {
   }
   if (rest.empty()) return;
   is_cut_ = is_cut_ || rest.size() < line.size();
-  if (lost_++ == 0) warn("B071", std::string(std::strerror(errno)) + "; lines are lost until there is room again");
+  if (lost_++ == 0) warn("B146", std::string(std::strerror(errno)) + "; lines are lost until there is room again");
 }
 
 void TextOutput::close() {
   if (file_) {
-    if (lost_ > 0) warn("B070", loss_text(lost_, lines_) + ": the file could not take them");
+    if (lost_ > 0) warn("B145", loss_text(lost_, lines_) + ": the file could not take them");
     file_.reset();
   }
   if (!worker_) return;

@@ -66,7 +66,7 @@ void Worker::finish() {
   if (overrun_ > 0) {
     const std::lock_guard lock(mutex_);
     warnings_.push_back(
-        {"B070", std::to_string(overrun_) + " lines were lost before they could be sent: the machine was busy"});
+        {"B145", std::to_string(overrun_) + " lines were lost before they could be sent: the machine was busy"});
     has_warnings_ = true;
   }
 }

@@ -18,7 +18,7 @@ namespace binnacle::text_output {
 class Worker;
 
 /// What a sink that writes lines has. A receiver that is slow, comes or goes never holds the run up: each has a buffer, of which
-/// the oldest lines go when it is full; they are counted (B070). A regular file alone is written in the call itself, and
+/// the oldest lines go when it is full; they are counted (B145). A regular file alone is written in the call itself, and
 /// loses nothing.
 class TextOutput {
  public:

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// The nmea source: what a receiver says in sentences of NMEA 0183, recorded or live.
+#include "nmea_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "text/text_file.hpp"
+
+namespace binnacle::nmea {
+
+namespace {
+
+using Outcome = Decoder::Outcome;
+
+const char* words_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::cut: return "cut, or without a checksum";
+    case Outcome::checksum: return "of which the checksum is wrong";
+    default: return "with a field that cannot be read";
+  }
+}
+
+const char* code_of(Outcome outcome) { return outcome == Outcome::unreadable ? "B062" : "B061"; }
+
+/// As much of a line as belongs into a message.
+std::string excerpt(std::string_view line) {
+  constexpr std::size_t most = 90;
+  std::string text;
+  for (const char c : line.substr(0, most)) text += c >= ' ' && c <= '~' ? c : '?';
+  return "'" + text + (line.size() > most ? "…'" : "'");
+}
+
+std::string sentences(std::int64_t count) { return std::to_string(count) + (count == 1 ? " sentence" : " sentences"); }
+
+/// Lines that were of no use, by what was wrong with them.
+class Faults {
+ public:
+  explicit Faults(std::string path) : path_(std::move(path)) {}
+
+  void add(Outcome outcome, std::string_view line, int number) {
+    auto& fault = faults_[outcome];
+    if (fault.count++ == 0) fault = {1, number, excerpt(line)};
+  }
+  void report(Reporter& reporter) const {
+    for (const auto& [outcome, fault] : faults_)
+      reporter.warn(code_of(outcome), path_, fault.line,
+                    sentences(fault.count) + " " + words_of(outcome) + "; the first: " + fault.text);
+  }
+
+ private:
+  struct Fault {
+    std::int64_t count = 0;
+    int line = 0;
+    std::string text;
+  };
+  std::string path_;
+  std::map<Outcome, Fault> faults_;
+};
+
+void report(const Decoder::Counts& counts, const std::string& path, Reporter& reporter) {
+  const auto warn = [&](const char* code, std::int64_t count, const std::string& what) {
+    if (count > 0) reporter.warn(code, path, 0, std::to_string(count) + what);
+  };
+  warn("B065", counts.undated, " epochs before the first date (RMC, ZDA) were left out; 'date' gives it");
+  warn("B063", counts.backwards, " epochs are not younger than the one before, and were left out");
+  warn("B065", counts.after_end,
+       " sentences came after the one that ends their epoch, and were left out; 'ends_with' names the last one");
+  warn("B065", counts.untimed,
+       " sentences VTG, HDT or THS have no time of their own and were left out: there is one in an epoch");
+  warn("B065", counts.two_talkers,
+       " sentences are of two talkers for one instant, and the later counts; 'talkers' chooses");
+  warn("B064", counts.no_separation,
+       " GGA have a height above the sea alone, so there is none above the ellipsoid; 'geoid_separation' gives the "
+       "difference");
+}
+
+}  // namespace
+
+ComponentSpec NmeaSource::spec() {
+  using namespace parameter;
+  ComponentSpec spec;
+  spec.type = "nmea";
+  spec.summary = "position, velocity and heading from sentences of NMEA 0183: GGA, RMC, VTG, HDT, THS, GST, ZDA";
+  spec.source = "NMEA 0183 version 4.11; IEC 61162-1";
+  spec.parameters = {
+      path("path").required().about("the file of sentences, plain or gzipped"),
+      list("talkers", text("talker")).about("the first two letters of the sentences that are taken; default: all"),
+      text("ends_with")
+          .about(
+              "the sentence that a receiver sends last for an instant, \"RMC\" or \"GPRMC\"; default: as the last two "
+              "instants ended"),
+      text("date").about("day of the first sentence, \"2026-11-23\", where none says it (RMC and ZDA do)"),
+      number("geoid_separation", "m").about("height of the geoid above the ellipsoid, for GGA that have none"),
+      boolean("gst").defaults("false").about(
+          "the channel has position_sd_n, position_sd_e and position_sd_d, from GST"),
+      choice("on_error", {"report", "stop"})
+          .defaults("\"report\"")
+          .about("report: sentences that are cut, damaged or cannot be read are left out, counted and reported; stop: "
+                 "the first "
+                 "ends the run")};
+  for (ParameterSpec& each : UtcClock::parameters()) spec.parameters.push_back(std::move(each));
+  spec.example = R"json({"path": "log.nmea", "week": 2185})json";
+  spec.surroundings =
+      R"json({"files": {"log.nmea": "$GPGGA,120000.00,4807.0380,N,01131.0000,E,1,08,0.9,545.4,M,46.9,M,,*67\r\n$GPRMC,120000.00,A,4807.0380,N,01131.0000,E,022.4,084.4,231121,,,A*51\r\n$GPGGA,120001.00,4807.0381,N,01131.0160,E,1,08,0.9,545.4,M,46.9,M,,*60\r\n$GPRMC,120001.00,A,4807.0381,N,01131.0160,E,022.4,084.4,231121,,,A*56\r\n"}})json";
+  return spec;
+}
+
+NmeaSource::NmeaSource(const Binding& binding)
+    : path_(binding.parameters().text("path")),
+      clock_(binding.parameters()),
+      stops_on_error_(binding.parameters().text("on_error") == "stop"),
+      has_sigmas_(binding.parameters().boolean("gst")) {
+  const Parameters& p = binding.parameters();
+  if (p.has("talkers"))
+    for (const auto& talker : p.list("talkers")) options_.talkers.push_back(talker.text);
+  if (p.has("ends_with")) {
+    options_.ends_with = p.text("ends_with");
+    if (options_.ends_with.size() != 3 && options_.ends_with.size() != 5)
+      throw ComponentError("'" + options_.ends_with + "' is no sentence; expected \"RMC\" or \"GPRMC\"", "/ends_with");
+  }
+  if (p.has("geoid_separation")) options_.geoid_separation = p.number("geoid_separation");
+  if (p.has("date")) {
+    options_.date = parse_day(p.text("date"));
+    if (!options_.date) throw ComponentError("'" + p.text("date") + "' is no day; expected \"2026-11-23\"", "/date");
+  }
+  if (!std::filesystem::exists(path_))
+    throw ComponentError::in_data("cannot be opened: No such file or directory", path_, 0, "B060");
+  declare_channels(has_sigmas_);
+}
+
+void NmeaSource::declare_channels(bool has_sigmas) {
+  using field::level;
+  ChannelDeclaration fix, heading("heading");
+  position_ = fix.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
+                          level("height", "m").about("above the ellipsoid"));
+  velocity_ = fix.carries(level("vn", "m/s").about("velocity over ground, north"), level("ve", "m/s").about("east"),
+                          level("speed", "m/s").about("over ground"), level("course", "rad").about("over ground"));
+  quality_ =
+      fix.carries(level("quality", "1").about("of GGA: 1 autonomous, 2 differential, 4 RTK, 5 float, 6 estimated"),
+                  level("satellites", "1").about("used"), level("hdop", "1"));
+  if (has_sigmas)
+    position_sd_ = fix.carries(level("position_sd_n", "m").about("of GST"), level("position_sd_e", "m"),
+                               level("position_sd_d", "m"));
+  yaw_ = heading.carries(level("yaw", "rad").about("of HDT or THS, from true north"));
+  fix_ = declaration_.emits(std::move(fix));
+  heading_ = declaration_.emits(std::move(heading));
+  next_ = declaration_.keeps<std::uint64_t>();
+}
+
+void NmeaSource::open(Reporter& reporter) {
+  try {
+    read_file(reporter);
+  } catch (const text_file::FileFault& fault) {
+    throw ComponentError::in_data(fault.what(), path_, 0, fault.code);
+  }
+  for (std::uint64_t i = 0; i < epochs_.size(); ++i) {
+    const Epoch& epoch = epochs_[static_cast<std::size_t>(i)];
+    if (epoch.has_position) events_.push_back({i, false});
+    if (std::isfinite(epoch.yaw)) events_.push_back({i, true});
+  }
+  if (events_.empty())
+    throw ComponentError::in_data("no sentence gives a position or a heading with a date", path_, 0, "B066");
+}
+
+void NmeaSource::read_file(Reporter& reporter) {
+  Decoder decoder(clock_, options_);
+  Faults faults(path_);
+  text_file::LineReader reader(path_);
+  for (std::string_view line; reader.next(line);) {
+    const Outcome outcome = decoder.take(line, epochs_);
+    if (outcome == Outcome::used || outcome == Outcome::ignored) continue;
+    if (stops_on_error_)
+      throw ComponentError::in_data("a sentence " + std::string(words_of(outcome)) + ": " + excerpt(line), path_,
+                                    reader.line(), code_of(outcome));
+    faults.add(outcome, line, reader.line());
+  }
+  decoder.finish(epochs_);
+  faults.report(reporter);
+  report(decoder.counts(), path_, reporter);
+}
+
+SourceStatus NmeaSource::next(const MemoryView& bytes, SourceOutput& output) const {
+  std::uint64_t& next = bytes[next_];
+  if (next >= events_.size()) return SourceStatus::end;
+  const Event event = events_[static_cast<std::size_t>(next++)];
+  const Epoch& epoch = epochs_[static_cast<std::size_t>(event.epoch)];
+  SampleWriter& out = output.on(event.is_heading ? heading_ : fix_);
+  out.t = epoch.t;
+  if (event.is_heading)
+    out[yaw_] = epoch.yaw;
+  else
+    write_fix(epoch, out);
+  return SourceStatus::sample;
+}
+
+void NmeaSource::write_fix(const Epoch& epoch, SampleWriter& out) const {
+  out[position_] << epoch.lat, epoch.lon, epoch.height;
+  // Receivers leave the course out where they stand.
+  const double course = epoch.speed == 0 && std::isnan(epoch.course) ? 0 : epoch.course;
+  out[velocity_] << epoch.speed * std::cos(course), epoch.speed * std::sin(course), epoch.speed, epoch.course;
+  out[quality_] << epoch.quality, epoch.satellites, epoch.hdop;
+  if (has_sigmas_) out[position_sd_] << epoch.position_sd[0], epoch.position_sd[1], epoch.position_sd[2];
+}
+
+}  // namespace binnacle::nmea
