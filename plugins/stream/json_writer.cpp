@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <set>
+#include <string_view>
 
 #include "text/numbers.hpp"
 
@@ -34,14 +35,17 @@ void append(std::string& text, double value) {
 /// Keys of one object; each may be there once.
 class Keys {
  public:
-  void take(const std::string& key, const std::string& pointer) {
+  void take(const std::string& key, const char* pointer) {
     if (!taken_.insert(key).second)
-      throw ComponentError("a line would have two values '" + key + "'; give " +
-                               (key == "channel" ? "no field" : "the time") + " this name",
-                           pointer);
+      throw ComponentError("a line would have two values '" + key + "'; " + remedy(key, pointer), pointer);
   }
 
  private:
+  static const char* remedy(const std::string& key, std::string_view pointer) {
+    if (pointer == "/covariance") return "leave it out with \"none\"";
+    return key == "channel" ? "a field cannot have this name" : "give the time another name";
+  }
+
   std::set<std::string> taken_;
 };
 
@@ -84,7 +88,7 @@ JsonWriter::JsonWriter(const Binding& binding) : output_(binding.parameters()) {
           quoted(time) + ":";
   const ChannelDeclaration& channel = binding.channel(input);
   for (const FieldSpec& field : channel.fields) {
-    taken.take(field.name, "/time");
+    taken.take(field.name, field.name == "channel" ? "" : "/time");
     (field.is_per_row ? row_keys_ : keys_).push_back("," + quoted(field.name) + ":");
   }
   for (const NamedUnit& component : binding.covariance(input)) sigma_keys_.push_back(quoted(component.name) + ":");

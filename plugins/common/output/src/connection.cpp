@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -21,10 +22,15 @@ constexpr int without_waiting = MSG_NOSIGNAL | MSG_DONTWAIT;
 void Connection::attach(address::Descriptor descriptor) {
   descriptor_ = std::move(descriptor);
   queue_.restart();
+  fault_.clear();
 }
 
 std::string Connection::send() {
-  if (way_ == Way::datagrams) return send_datagrams();
+  if (!fault_.empty()) return std::exchange(fault_, {});
+  return way_ == Way::datagrams ? send_datagrams() : send_stream();
+}
+
+std::string Connection::send_stream() {
   while (!queue_.empty()) {
     const auto waiting = queue_.waiting();
     const ssize_t count = way_ == Way::stream_socket

@@ -21,8 +21,10 @@ class Connection {
   int descriptor() const { return descriptor_.get(); }
   bool is_open() const { return static_cast<bool>(descriptor_); }
 
+  /// Where there is no room for it, what goes is sent before something is lost.
   void add(std::string_view line) {
     ++lines_;
+    if (is_open() && !queue_.has_room(line.size())) fault_ = send();
     queue_.push(line);
   }
   /// What goes without waiting. "", or why no more goes there.
@@ -39,12 +41,14 @@ class Connection {
   std::int64_t unsent() const { return queue_.lost() + queue_.lines(); }
 
  private:
+  std::string send_stream();
   std::string send_datagrams();
 
   Way way_;
   address::Descriptor descriptor_;
   LineQueue queue_;
   std::int64_t lines_ = 0;
+  std::string fault_;  // found by add()
 };
 
 }  // namespace binnacle::text_output

@@ -12,8 +12,8 @@ std::string_view LineQueue::first_line() const {
 }
 
 void LineQueue::push(std::string_view line) {
-  while (end_ - begin_ + line.size() > most_ && lines_ > (is_begun_ ? 1 : 0)) drop_oldest();
-  if (end_ - begin_ + line.size() > most_) {
+  while (!has_room(line.size()) && lines_ > (is_begun_ ? 1 : 0)) drop_oldest();
+  if (!has_room(line.size())) {
     ++lost_;
     return;
   }

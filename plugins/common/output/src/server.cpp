@@ -17,6 +17,7 @@ namespace binnacle::text_output {
 namespace {
 
 constexpr std::size_t most_clients = 64;
+constexpr std::size_t most_in_system = 128 * 1024;
 constexpr int most_warnings = 8;  // of clients one by one
 
 std::string name_of(int descriptor) {
@@ -95,6 +96,9 @@ class Server final : public Destination {
         ++refused_;
         continue;
       }
+      // What the system holds for a client is bounded too: it makes room as long as the client does not read.
+      const int room = static_cast<int>(std::min(buffer_, most_in_system));
+      ::setsockopt(descriptor.get(), SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
       ++came_;
       const std::string name = name_of(descriptor.get());
       clients_.push_back({name, Connection(Connection::Way::stream_socket, buffer_)});

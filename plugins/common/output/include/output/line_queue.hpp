@@ -14,6 +14,7 @@ class LineQueue {
  public:
   explicit LineQueue(std::size_t bytes) : most_(bytes) {}
 
+  bool has_room(std::size_t size) const { return end_ - begin_ + size <= most_; }
   void push(std::string_view line);
   /// All that waits, from the rest of a line that was begun.
   std::string_view waiting() const { return {bytes_.data() + begin_, end_ - begin_}; }
