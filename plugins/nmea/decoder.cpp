@@ -161,7 +161,9 @@ void Decoder::add(Reading&& reading, std::vector<Epoch>& complete) {
     ++counts_.untimed;
     return;
   }
-  if (add_to_current(reading) && !ender_.empty() && is_named(reading.tag, ender_)) complete_current(complete);
+  const bool is_last = add_to_current(reading) && !ender_.empty() && is_named(reading.tag, ender_);
+  const bool has_day = current_->day || last_day_;  // else a sentence may follow that has it
+  if (is_last && (has_day || !options_.ends_with.empty())) complete_current(complete);
 }
 
 /// A sentence of another time.
@@ -183,6 +185,7 @@ bool Decoder::add_to_current(const Reading& reading) {
   std::string& tag = current_->tags[as_index(reading.type)];
   const bool is_again = !tag.empty();
   if (current_->is_complete) {
+    if (reading.day) last_day_ = reading.day;
     if (is_again && !reading.of_day) {
       ++counts_.untimed;
     } else {

@@ -33,10 +33,10 @@ struct Epoch {
 class Decoder {
  public:
   struct Options {
-    std::vector<std::string> talkers;      // none: all
-    std::string ends_with;                 // "RMC"; "": learned
-    double geoid_separation = Epoch::nan;  // where GGA has none [m]
-    std::optional<Day> date;               // of the first epoch
+    std::vector<std::string> talkers = {};  // none: all
+    std::string ends_with = {};             // "RMC"; "": learned
+    double geoid_separation = Epoch::nan;   // where GGA has none [m]
+    std::optional<Day> date = {};           // of the first epoch
   };
   enum class Outcome { used, ignored, cut, checksum, unreadable };
 
