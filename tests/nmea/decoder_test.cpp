@@ -7,6 +7,7 @@
 #include <random>
 
 #include "catch.hpp"
+#include "drive.hpp"
 
 using namespace binnacle;
 using namespace binnacle::nmea;
@@ -15,8 +16,8 @@ using Outcome = Decoder::Outcome;
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
-constexpr double knot = 1852.0 / 3600;
+using drive::degree;
+using drive::knot;
 constexpr Time s = nanoseconds_per_second;
 
 /// Unix time: no leap seconds.
@@ -29,12 +30,6 @@ UtcClock unix_clock() {
   return UtcClock(Parameters(all));
 }
 
-std::string with_checksum(const std::string& body) {
-  static constexpr char hex[] = "0123456789ABCDEF";
-  const auto sum = checksum(body);
-  return "$" + body + "*" + hex[sum >> 4] + hex[sum & 15];
-}
-
 struct Decoded {
   Decoder decoder;
   std::vector<Epoch> epochs;
@@ -42,7 +37,7 @@ struct Decoded {
   explicit Decoded(Decoder::Options options = {}) : decoder(unix_clock(), std::move(options)) {}
   Decoded& add(const std::string& body) {
     INFO(body);
-    CHECK(decoder.take(with_checksum(body), epochs) == Outcome::used);
+    CHECK(decoder.take(drive::sentence(body), epochs) == Outcome::used);
     return *this;
   }
   Decoded& end() {
@@ -213,9 +208,9 @@ TEST_CASE("talkers: all, or those that are chosen; two that say the same are cou
   CHECK(all.epochs[0].quality == 4);
   std::vector<Epoch> epochs;
   Decoder chosen(unix_clock(), {.talkers = {"GP"}});
-  CHECK(chosen.take(with_checksum("GNGGA,120000,5007.038,N,01131.000,E,4,20,0.5,545.4,M,46.9,M,,"), epochs) ==
+  CHECK(chosen.take(drive::sentence("GNGGA,120000,5007.038,N,01131.000,E,4,20,0.5,545.4,M,46.9,M,,"), epochs) ==
         Outcome::ignored);
-  CHECK(chosen.take(with_checksum(gga("120000")), epochs) == Outcome::used);
+  CHECK(chosen.take(drive::sentence(gga("120000")), epochs) == Outcome::used);
 }
 
 TEST_CASE("a height above the sea alone is none, unless the separation is given") {
@@ -247,9 +242,9 @@ TEST_CASE("fields that cannot be read are no sentence") {
                            "GPRMC,120000,A,4807.038,N,01131.000,E,022.4,084.4,2311,,", "GPZDA,120000,31,02,2026,00,00",
                            "GPVTG,054.7,034.4,005.5,010.2", "GPHDT,274.07,M", "GPGST,120000,1,2,3,4,x,6,7"}) {
     INFO(body);
-    CHECK(decoder.take(with_checksum(body), epochs) == Outcome::unreadable);
+    CHECK(decoder.take(drive::sentence(body), epochs) == Outcome::unreadable);
   }
-  CHECK(decoder.take(with_checksum("GPGSV,3,1,11,03,03,111,00"), epochs) == Outcome::ignored);
+  CHECK(decoder.take(drive::sentence("GPGSV,3,1,11,03,03,111,00"), epochs) == Outcome::ignored);
   CHECK(epochs.empty());
 }
 
@@ -273,7 +268,7 @@ TEST_CASE("whatever comes, what comes out is a position on the earth") {
       if (body.empty()) body = "x";
     }
     const bool keeps_sum = random() % 2 == 0;
-    const auto outcome = decoder.take(keeps_sum ? with_checksum(body) : "$" + body + "*00", epochs);
+    const auto outcome = decoder.take(keeps_sum ? drive::sentence(body) : "$" + body + "*00", epochs);
     (outcome == Outcome::used ? used : refused) += 1;
   }
   CHECK(used > 10'000);
