@@ -61,7 +61,7 @@ std::set<std::string> options_in(const std::string& page) {
 }
 
 std::vector<std::string> guides() {
-  std::vector<std::string> found{"README", "tutorial", "papers"};
+  std::vector<std::string> found{"README", "tutorial", "papers", "live-output"};
   for (const auto& verb : verb_pages()) found.push_back("verbs/" + verb);
   return found;
 }
@@ -78,7 +78,7 @@ TEST_CASE("what the tutorial says to type works and prints what it shows") {
 
 TEST_CASE("what the guides to consistency and smoothing say to type works and prints what they show") {
   std::vector<std::string> without_data;
-  for (const char* name : {"consistent-filter", "smoothing", "observability", "tuning"}) {
+  for (const char* name : {"consistent-filter", "smoothing", "observability", "tuning", "live-output"}) {
     const MarkdownFile page("sdk/docs/" + std::string(name) + ".md");
     INFO(name);
     const auto [faults, untried] = session_of(page);
