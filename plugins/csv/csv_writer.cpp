@@ -3,14 +3,14 @@
 #include "csv_writer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+
+#include "text/numbers.hpp"
 
 namespace binnacle::csv {
 
@@ -41,22 +41,6 @@ ParameterSpec column_spec() {
       "field",
       {parameter::text("column").about("its name in the header; default: the field's name"),
        parameter::number("unit", "*").required().about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\"")});
-}
-
-/// Nanoseconds as seconds, exactly: "12.5", "-0.01".
-void append_time(std::string& text, Time t) {
-  const auto magnitude = t < 0 ? 0 - static_cast<std::uint64_t>(t) : static_cast<std::uint64_t>(t);
-  std::string decimals = std::to_string(magnitude % 1'000'000'000);
-  decimals.insert(0, 9 - decimals.size(), '0');
-  while (decimals.size() > 1 && decimals.back() == '0') decimals.pop_back();
-  text += (t < 0 ? "-" : "") + std::to_string(magnitude / 1'000'000'000) + "." + decimals;
-}
-
-/// As many digits as it takes to read the same number again.
-void append_number(std::string& text, double value) {
-  std::array<char, 32> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  text.append(digits.data(), end);
 }
 
 std::string joined(const std::vector<FieldSpec>& fields) {
@@ -121,11 +105,11 @@ void CsvWriter::open() {
 void CsvWriter::on(Input /*from*/, const SampleView& sample) {
   const auto is_number = [&](const Column& column) { return std::isfinite(sample[column.handle]); };
   if (std::none_of(columns_.begin(), columns_.end(), is_number)) return;
-  append_time(text_, sample.t + offset_);
+  numbers::append_seconds(text_, sample.t + offset_);
   for (auto& column : columns_) {
     text_ += ',';
     if (!is_number(column)) continue;
-    append_number(text_, sample[column.handle] / column.unit);
+    numbers::append_number(text_, sample[column.handle] / column.unit);
     column.has_number = true;
   }
   text_ += '\n';

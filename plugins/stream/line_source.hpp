@@ -2,8 +2,6 @@
 // What the sources of lines share: the address, the channels, the stamps, and what becomes of lines that are no good.
 #pragma once
 
-#include <array>
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -12,7 +10,7 @@
 #include <vector>
 
 #include "binnacle/source.hpp"
-#include "endpoint.hpp"
+#include "line_input/lines.hpp"
 
 namespace binnacle::stream {
 
@@ -45,10 +43,10 @@ class LineSource : public Source {
  public:
   void open(Reporter& reporter) override;
   SourceStatus next(const MemoryView& memory, SourceOutput& out) const override;
-  int wait_handle() const override { return endpoint_->wait_handle(); }
+  int wait_handle() const override { return lines_->wait_handle(); }
 
  protected:
-  /// `from`, `time`, `stamp`, `interval`, `max_gap`, `silence`, `on_error`.
+  /// `from`, `stamp`, `silence`, `time`, `interval`, `max_gap`, `on_error`.
   static void add_parameters(ComponentSpec& spec);
   explicit LineSource(const Binding& binding);
   static ParameterSpec field_spec(const char* key, const char* about);
@@ -67,23 +65,20 @@ class LineSource : public Source {
   std::string time_key_ = "t";
 
  private:
-  struct Fault;
-  /// It lives outside the arena: what was read can not be read again.
-  struct Intake;
-  bool take_line(Intake& intake, std::string_view line, SourceOutput& out) const;
-  void write(Intake& intake, const LineSample& sample, SourceOutput& out) const;
-  void complain(Intake& intake, const std::string& why) const;
-  void watch_silence(Intake& intake, bool came) const;
-  void watch_losses(Intake& intake) const;
+  bool take(std::string_view line, SourceOutput& out) const;
+  void write(const LineSample& sample, SourceOutput& out) const;
 
-  std::unique_ptr<Endpoint> endpoint_;
   std::int64_t time_unit_ = nanoseconds_per_second;
   Time time_offset_ = 0;
-  bool stamps_arrival_ = false, stops_ = false;
   std::optional<Time> interval_;
   Time max_gap_ = nanoseconds_per_second;
-  Time silence_ = 0;
-  std::shared_ptr<Intake> intake_;
+  // Outside the arena: what was read can not be read again.
+  std::unique_ptr<line_input::Lines> lines_;
+  struct Newest {
+    std::vector<Time> times;  // by channel
+    LineSample sample;
+  };
+  std::unique_ptr<Newest> newest_ = std::make_unique<Newest>();
 };
 
 }  // namespace binnacle::stream

@@ -4,8 +4,10 @@
 
 #include "csv_source.hpp"
 #include "json_source.hpp"
+#include "json_writer.hpp"
 
 BINNACLE_PLUGIN("stream", "1.0.0", registry) {
   registry.add<binnacle::stream::CsvSource>();
   registry.add<binnacle::stream::JsonSource>();
+  registry.add<binnacle::stream::JsonWriter>();
 }

@@ -243,6 +243,12 @@ constexpr CodeEntry entries[] = {
      "No sample was accepted, none was withheld, or nothing was scored, so the objective of `tune` has no value.",
      "Look at the outcomes in the summary of `run`; `withheld` needs a measurement with `withhold`, a metric a "
      "reference."},
+    {"B145", "lines lost",
+     "A receiver of live output was slower than the lines came, or not there, and its oldest lines were left out.",
+     "Let it read faster, give the sink a larger `buffer` or fewer samples, or write to a file, which loses none."},
+    {"B146", "nobody receives",
+     "A connection of live output broke, its device vanished, the disk is full, or no receiver came.",
+     "Look at the other side. A TCP connection and a serial device are tried again each second; the run goes on."},
 };
 
 }  // namespace

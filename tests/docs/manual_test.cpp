@@ -61,7 +61,7 @@ std::set<std::string> options_in(const std::string& page) {
 }
 
 std::vector<std::string> guides() {
-  std::vector<std::string> found{"README", "tutorial", "papers"};
+  std::vector<std::string> found{"README", "tutorial", "papers", "live-output"};
   for (const auto& verb : verb_pages()) found.push_back("verbs/" + verb);
   return found;
 }
@@ -80,7 +80,7 @@ TEST_CASE(
     "what the guides to consistency, smoothing, time and the report say to type works and prints what they show") {
   std::vector<std::string> without_data;
   for (const char* name :
-       {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live", "report"}) {
+       {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live", "live-output", "report"}) {
     const MarkdownFile page("sdk/docs/" + std::string(name) + ".md");
     INFO(name);
     const auto [faults, untried] = session_of(page);

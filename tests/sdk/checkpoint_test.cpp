@@ -40,7 +40,9 @@ const Arguments config{"run",
                        R"(/filters/ins/history="2 s")",
                        "--set",
                        R"(/sinks/out={"type": "csv_writer", "input": "ins.settled", "path": "out.csv",
-                          "fields": {"height": "position.height"}, "columns": {"height": {"unit": "m"}}})"};
+                          "fields": {"height": "position.height"}, "columns": {"height": {"unit": "m"}}})",
+                       "--set",
+                       R"(/sinks/lines={"type": "stream/json_writer", "input": "ins", "to": "file:lines.jsonl"})"};
 
 Arguments with(Arguments more) {
   more.insert(more.begin(), config.begin(), config.end());
@@ -65,7 +67,7 @@ std::string data_of(const Workbench& bench, const std::string& file) {
 /// All that the run left: it is the same to the byte, times of the machine aside.
 std::vector<std::string> left_in(const Workbench& bench) {
   return {without_times(read_file(bench.path("out/summary.json"))), read_file(bench.path("out/ins.csv")),
-          read_file(bench.path("out.csv")), data_of(bench, "out/run.nc")};
+          read_file(bench.path("out.csv")), read_file(bench.path("lines.jsonl")), data_of(bench, "out/run.nc")};
 }
 
 }  // namespace

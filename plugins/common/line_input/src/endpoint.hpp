@@ -5,15 +5,17 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <utility>
 
-#include "address.hpp"
+#include "address/address.hpp"
+#include "address/descriptor.hpp"
 
-namespace binnacle::stream {
+namespace binnacle::line_input {
 
 /// A file is followed as it grows. A connection or a device that is lost is tried again each second; a pipe ends.
 class Endpoint {
  public:
-  explicit Endpoint(Address address) : address_(std::move(address)) {}
+  explicit Endpoint(address::Address address) : address_(std::move(address)) {}
   ~Endpoint();
   Endpoint(const Endpoint&) = delete;
   Endpoint& operator=(const Endpoint&) = delete;
@@ -32,28 +34,29 @@ class Endpoint {
   Got read(std::string& to);
   /// For poll(); −1: it is asked now and then.
   int wait_handle() const;
-  const Address& address() const { return address_; }
+  const address::Address& address() const { return address_; }
   /// Datagrams that came faster than they were read, so far.
   std::int64_t lost() const { return lost_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  [[noreturn]] void fail(const std::string& why, const char* code) const;
+  [[noreturn]] void fail(const std::string& why) const;
   void open_file();
   void open_serial();
-  void open_socket();
+  void open_udp();
   bool connect();
-  bool accept();
   Got come_back();
+  Got finish_connecting();
+  Got found();
   long receive(char* to, std::size_t size);
   Got lose();
 
-  Address address_;
-  int file_ = -1;      // what is read
-  int listener_ = -1;  // of a TCP server
+  address::Address address_;
+  address::Descriptor file_;    // what is read
+  address::Descriptor server_;  // of a TCP server
   bool is_regular_ = false, is_connecting_ = false, was_lost_ = false;
   Clock::time_point next_try_{};
   std::int64_t lost_ = 0;
 };
 
-}  // namespace binnacle::stream
+}  // namespace binnacle::line_input
