@@ -29,12 +29,16 @@ class Arrivals {
   /// their time.
   Time take_instant(const std::function<void(int channel, const SampleView& sample, std::int64_t sequence)>& take);
 
+  /// Samples whose own latency was no time.
+  std::int64_t without_latency(std::size_t source) const { return sources_[source].without_latency; }
+
  private:
   Time latency(std::size_t source, int channel, const SampleView& sample);
 
   struct Source {
     random::Philox random{};
     std::int64_t sequence = 0;
+    std::int64_t without_latency = 0;
   };
   const CompositionPlan& plan_;
   SampleStore store_;
