@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "atomic_file.hpp"
 #include "checkpoint_files.hpp"
 #include "interrupt.hpp"
+#include "live/run_page.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
 #include "record_journal.hpp"
@@ -31,6 +33,7 @@ struct Options {
   ConfigOptions config;
   std::string summary;
   std::string out;
+  std::optional<std::string> page;
   score::RunOptions run;
   CheckpointFiles checkpoints;
   bool json = false;
@@ -81,13 +84,23 @@ bool is_live(const Composition& composition) {
 
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, RecordJournal* journal, bool is_quiet, bool is_live)
+  Watch(RunRecorder* recorder, RecordJournal* journal, live::RunPage* page, bool is_quiet, bool is_live)
       : recorder_(recorder),
         journal_(journal),
+        page_(page),
         is_quiet_(is_quiet),
         is_live_(is_live),
         line_(stderr_is_terminal() && !is_quiet) {}
 
+  void begin_run(const Session& session) override {
+    if (page_) page_->begin_run(session);
+  }
+  void after_instant() override {
+    if (page_) page_->after_instant();
+  }
+  void finished() override {
+    if (page_) page_->finished();
+  }
   bool wants_records() const override { return recorder_ != nullptr; }
   void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override {
     if (recorder_) recorder_->begin(filter, name, columns);
@@ -99,8 +112,10 @@ class Watch : public score::RunObserver {
       recorder_->record(filter, t, values);
   }
   StepObserver* step_observer(int filter) override {
-    if (journal_) return journal_->step_observer(filter);
-    return recorder_ ? recorder_->step_observer(filter) : nullptr;
+    StepObserver* const recorded = journal_    ? journal_->step_observer(filter)
+                                   : recorder_ ? recorder_->step_observer(filter)
+                                               : nullptr;
+    return page_ ? page_->step_observer(filter, recorded) : recorded;
   }
   void exchange(StateBytes& bytes) override {
     if (journal_) journal_->exchange(bytes);
@@ -117,6 +132,7 @@ class Watch : public score::RunObserver {
   const Diagnostics& shown() const { return shown_; }
   bool progress(Time t) override {
     line_.show(t);
+    if (page_) page_->after_instant();  // sources may have fallen silent: then no instant follows
     if (interrupted_by() == 0) return true;
     if (!is_live_) throw Interrupted();
     return false;
@@ -125,6 +141,7 @@ class Watch : public score::RunObserver {
  private:
   RunRecorder* recorder_;
   RecordJournal* journal_;  // null: without checkpoints
+  live::RunPage* page_;
   bool is_quiet_, is_live_;
   Diagnostics shown_;
   ProgressLine line_;
@@ -159,7 +176,7 @@ struct Outputs {
 };
 
 score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
-                             RunRecorder* recorder, Diagnostics& shown) {
+                             RunRecorder* recorder, live::RunPage* page, Diagnostics& shown) {
   std::unique_ptr<RecordJournal> journal;
   if (recorder && options.checkpoints.are_wanted())
     journal =
@@ -171,13 +188,26 @@ score::RunResult watched_run(const std::shared_ptr<const Composition>& compositi
                                                        return recorder->step_observer(filter);
                                                      }},
                                         score::filters_of(*composition).size());
-  Watch watch(recorder, journal.get(), options.quiet, is_live(*composition));
+  Watch watch(recorder, journal.get(), page, options.quiet, is_live(*composition));
   score::RunOptions run_options = options.run;
   run_options.checkpoints = options.checkpoints.checkpoints();
   run_options.observer = &watch;
   score::RunResult result = score::run(composition, run_options);
   shown = watch.shown();
   return result;
+}
+
+/// Null where none is asked for. Its address goes to stderr, `--quiet` or not: port 0 is known by nothing else.
+std::unique_ptr<live::RunPage> served_page(const Options& options, const Composition& composition) {
+  if (!options.page) return nullptr;
+  try {
+    auto page = std::make_unique<live::RunPage>(*options.page, Json::parse(composition.config()),
+                                                provenance_of(options, composition));
+    fmt::print(stderr, "page: {}\n", page->url());
+    return page;
+  } catch (const live::AddressError& error) {
+    throw UsageError(error.what());
+  }
 }
 
 /// But those that are shown already, word for word.
@@ -207,10 +237,11 @@ int run_config(Options& options) {
   if (is_live(*composition)) watch_second_signal();
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
+  const auto page = served_page(options, *composition);
   Diagnostics shown;
   score::RunResult result;
   try {
-    result = watched_run(composition, options, outputs->recorder.get(), shown);
+    result = watched_run(composition, options, outputs->recorder.get(), page.get(), shown);
     stand_down();
     if (interrupted_by() != 0 && !is_live(*composition)) throw Interrupted();
   } catch (const Interrupted&) {
@@ -219,6 +250,7 @@ int run_config(Options& options) {
     print_error("interrupted; nothing was written" + options.checkpoints.advice());
     die_of_signal();
   }
+  if (page) page->conclude(result.summary);
   outputs->commit(result.summary, Json::parse(composition->config()));
   if (!options.out.empty()) write_report(options.out, report_in(options.out));
   options.checkpoints.remove();
@@ -244,6 +276,8 @@ Verb run_verb(CLI::App& command) {
   app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
   app->add_option("--out", options->out, "Record it all: run.nc, FILTER.csv, summary.json, config.json")
       ->type_name("DIR");
+  app->add_option("--page", options->page, "Serve the report's page while the run goes on; the loopback without a HOST")
+      ->type_name("[HOST:]PORT");
   app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();
   app->add_option("--run", options->run.run, "Which run of the seed")
       ->type_name("K")

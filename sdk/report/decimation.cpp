@@ -70,6 +70,20 @@ std::vector<std::size_t> extremes(const std::vector<Series>& series, std::size_t
   return extremes_of_kinds(series, {}, most);
 }
 
+std::vector<std::size_t> extremes_in_time(const std::vector<Series>& series, std::span<const std::uint8_t> kinds,
+                                          Series t, double width) {
+  std::vector<std::size_t> kept;
+  for (std::size_t begin = 0, end = 0; begin < t.size(); begin = end) {
+    const double stretch = std::floor(t[begin] / width);
+    while (end < t.size() && std::floor(t[end] / width) == stretch) ++end;
+    for (const auto& values : series) add_extremes(values, begin, end, kept);
+    add_kinds(kinds, begin, end, kept);
+  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  return kept;
+}
+
 std::vector<std::size_t> spaced(Series x, Series y, double step) {
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < x.size(); ++i) {

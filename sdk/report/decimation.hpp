@@ -21,6 +21,11 @@ std::vector<std::size_t> extremes(const std::vector<Series>& series, std::size_t
 std::vector<std::size_t> extremes_of_kinds(const std::vector<Series>& series, std::span<const std::uint8_t> kinds,
                                            std::size_t most);
 
+/// As extremes_of_kinds(), of stretches of time, all `width` long: what is kept of a series may be thinned again in stretches
+/// twice as long, and is what would be kept of the whole.
+std::vector<std::size_t> extremes_in_time(const std::vector<Series>& series, std::span<const std::uint8_t> kinds,
+                                          Series t, double width);
+
 /// Indices, ascending, of a path's points that lie at least `step` from the one kept before; the first and the last too.
 std::vector<std::size_t> spaced(Series x, Series y, double step);
 

@@ -25,14 +25,12 @@ std::string filled(std::string_view text, Value value) {
   }
 }
 
-}  // namespace
-
-std::string page(const results::Results& results, const Limits& limits) {
-  const Json data = payload(results, limits);
+std::string page_of(const Json& data, const std::string& otherwise, const std::string& policy) {
   std::string title = data["title"].get<std::string>();
-  if (title.empty()) title = results.study && !results.run ? "Study" : "Run";
+  if (title.empty()) title = otherwise;
   return filled(assets::page_html, [&](std::string_view name) -> std::string {
     if (name == "title") return html(title);
+    if (name == "policy") return policy;
     if (name == "dygraph.css") return std::string(assets::dygraph_css);
     if (name == "page.css") return std::string(assets::page_css);
     if (name == "dygraph.license") return std::string(assets::dygraph_license);
@@ -41,6 +39,20 @@ std::string page(const results::Results& results, const Limits& limits) {
     if (name == "payload") return script_json(data);
     throw std::logic_error("the page's template asks for an unknown '" + std::string(name) + "'");
   });
+}
+
+}  // namespace
+
+std::string page(const results::Results& results, const Limits& limits) {
+  return page_of(payload(results, limits), results.study && !results.run ? "Study" : "Run", "");
+}
+
+std::string live_page(const results::RunResults& run) {
+  return page_of(thinned_payload(run, "waits", {}), "Run", "; connect-src 'self'");
+}
+
+std::string live_payload(const results::RunResults& run, bool is_over, const Limits& limits) {
+  return script_json(thinned_payload(run, is_over ? "over" : "goes on", limits));
 }
 
 }  // namespace binnacle::report

@@ -19,8 +19,18 @@ Json payload(const results::Results& results, const Limits& limits) {
   const Json& config = results.run ? results.run->config : results.study ? results.study->config : none;
   Json page{{"title", text_in(config, "title")}, {"description", text_in(config, "description")}};
   Columns columns;
-  if (results.run) page["run"] = run_payload(*results.run, limits, columns);
+  if (results.run) page["run"] = run_payload(*results.run, limits, Extent::whole, columns);
   if (results.study) page["study"] = study_payload(*results.study, columns);
+  page["columns"] = std::move(columns).json();
+  return page;
+}
+
+Json thinned_payload(const results::RunResults& run, const char* state, const Limits& limits) {
+  Json page{{"live", state},
+            {"title", text_in(run.config, "title")},
+            {"description", text_in(run.config, "description")}};
+  Columns columns;
+  page["run"] = run_payload(run, limits, Extent::thinned, columns);
   page["columns"] = std::move(columns).json();
   return page;
 }

@@ -85,11 +85,13 @@ std::size_t points_per_series(const std::vector<FilterResults>& filters, const L
 
 class FilterPayload {
  public:
-  FilterPayload(const FilterResults& filter, const results::RunResults& run, std::size_t points, Columns& columns)
+  FilterPayload(const FilterResults& filter, const results::RunResults& run, std::size_t points, Extent extent,
+                Columns& columns)
       : filter_(filter),
         summary_(at_or_null(at_or_null(run.summary, "filters"), filter.name)),
         config_(run.config),
         points_(points),
+        extent_(extent),
         columns_(columns) {}
 
   Json json() {
@@ -267,9 +269,9 @@ class FilterPayload {
   }
 
   Json updates_json(const Updates& updates) {
-    Json json{{"name", updates.measurement}, {"n", updates.t.size()}};
+    Json json{{"name", updates.measurement}, {"n", offered(updates)}};
     json["outcomes"] = outcomes_json(updates);
-    json["reasons"] = reasons_json(updates);
+    json["reasons"] = extent_ == Extent::whole ? reasons_json(updates) : Json::array();
     json["nis"] = nis_json(updates);
     json["residuals"] = Json::array();
     json["noise"] = Json::array();
@@ -286,10 +288,33 @@ class FilterPayload {
     return json;
   }
 
+  /// What the summary holds of the measurement, where it knows more than the series.
+  const Json& summary_of(const Updates& updates) const {
+    return at_or_null(at_or_null(summary_, "measurements"), updates.measurement);
+  }
+
+  static std::size_t count_in(const Json& figures, const char* name) {
+    const Json& count = at_or_null(figures, name);
+    return count.is_number() ? count.get<std::size_t>() : 0;
+  }
+
+  std::size_t offered(const Updates& updates) const {
+    return extent_ == Extent::whole ? updates.t.size() : count_in(summary_of(updates), "offered");
+  }
+
+  std::vector<std::size_t> outcome_counts(const Updates& updates, const std::vector<std::uint8_t>& codes) const {
+    std::vector<std::size_t> counts(outcome_count);
+    if (extent_ == Extent::whole)
+      for (const auto code : codes) ++counts[code];
+    else
+      for (std::size_t o = 0; o < counts.size(); ++o)
+        counts[o] = count_in(summary_of(updates), results::outcome_names[o]);
+    return counts;
+  }
+
   Json outcomes_json(const Updates& updates) {
     const auto codes = codes_of(updates.outcome);
-    std::vector<std::size_t> counts(outcome_count);
-    for (const auto code : codes) ++counts[code];
+    const auto counts = outcome_counts(updates, codes);
     const auto kept = extremes_of_kinds({}, codes, points_);
     std::vector<std::uint8_t> shown;
     for (const auto i : kept) shown.push_back(codes[i]);
@@ -338,7 +363,7 @@ class FilterPayload {
     }
     if (t.empty()) return nullptr;
     const auto kept = extremes_of_kinds({nis}, outcome, points_);
-    Json json{{"n", t.size()}, {"accepted", accepted.size()}, {"inside", inside}};
+    Json json{{"n", extent_ == Extent::whole ? t.size() : offered(updates)}};
     json["t"] = columns_.exact(picked(t, kept));
     json["v"] = columns_.plotted(picked(nis, kept));
     std::vector<std::uint8_t> shown;
@@ -358,12 +383,17 @@ class FilterPayload {
       json["lows"] = columns_.plotted(low);
       json["highs"] = columns_.plotted(high);
     }
+    if (extent_ == Extent::thinned) {
+      json["mean"] = mean_of_summary(summary_of(updates));
+      return json;
+    }
+    json["accepted"] = accepted.size();
+    json["inside"] = inside;
     if (accepted.empty()) return json;
     const double n = static_cast<double>(accepted.size()), mean_dof = static_cast<double>(accepted_rows) / n;
-    const auto [band_low, band_high] = mean_chi_squared_99(mean_dof, n);
     double sum = 0;
     for (const double value : accepted) sum += value;
-    json["mean"] = {{"value", sum / n}, {"dof", mean_dof}, {"low", band_low}, {"high", band_high}};
+    json["mean"] = mean_json(sum / n, mean_dof, n);
     const MovingMean moving = moving_mean(accepted_t, accepted, mean_dof);
     if (!moving.t.empty())
       json["moving"] = {{"t", columns_.exact(moving.t)},
@@ -371,6 +401,17 @@ class FilterPayload {
                         {"low", moving.low},
                         {"high", moving.high}};
     return json;
+  }
+
+  static Json mean_json(double mean, double dof, double n) {
+    const auto [low, high] = mean_chi_squared_99(dof, n);
+    return {{"value", mean}, {"dof", dof}, {"low", low}, {"high", high}};
+  }
+
+  static Json mean_of_summary(const Json& figures) {
+    const Json &mean = at_or_null(figures, "nis_mean"), &dof = at_or_null(figures, "dof");
+    if (!mean.is_number() || !dof.is_number()) return nullptr;
+    return mean_json(mean.get<double>(), dof.get<double>(), static_cast<double>(count_in(figures, "accepted")));
   }
 
   static std::string row_name(const Updates::Group& group, std::int64_t key, std::size_t rows) {
@@ -413,7 +454,8 @@ class FilterPayload {
   }
 
   /// Of what was accepted; a gate is there to keep the others out.
-  static Json within_of(const std::vector<const Rows*>& all) {
+  Json within_of(const std::vector<const Rows*>& all) const {
+    if (extent_ == Extent::thinned) return nullptr;
     Numbers residual, sigma;
     for (const auto* rows : all)
       for (std::size_t i = 0; i < rows->t.size(); ++i)
@@ -495,6 +537,7 @@ class FilterPayload {
   const Json& summary_;
   const Json& config_;
   std::size_t points_;
+  Extent extent_;
   Columns& columns_;
 };
 
@@ -508,14 +551,15 @@ Json as_text(const Json& provenance) {
 
 }  // namespace
 
-Json run_payload(const results::RunResults& run, const Limits& limits, Columns& columns) {
+Json run_payload(const results::RunResults& run, const Limits& limits, Extent extent, Columns& columns) {
   const std::size_t points = points_per_series(run.filters, limits);
   Json json{{"summary", run.summary},
             {"config", run.config},
             {"provenance", as_text(run.provenance)},
             {"points", points}};
   json["filters"] = Json::array();
-  for (const auto& filter : run.filters) json["filters"].push_back(FilterPayload(filter, run, points, columns).json());
+  for (const auto& filter : run.filters)
+    json["filters"].push_back(FilterPayload(filter, run, points, extent, columns).json());
   return json;
 }
 

@@ -38,6 +38,7 @@ class Scorer final : public binnacle::RunObserver {
 
   void begin(Session& session) override {
     session_ = &session;
+    observer_.begin_run(session);
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
     if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, plan_->record_every);
@@ -57,6 +58,7 @@ class Scorer final : public binnacle::RunObserver {
   void after_instant() override {
     if (recorder_) recorder_->after_instant();
     if (smoothing_) smoothing_->after_instant();
+    observer_.after_instant();
   }
   void exchange(StateBytes& bytes) override {
     bool are_records_there = records_;
@@ -78,6 +80,7 @@ class Scorer final : public binnacle::RunObserver {
   bool progress(Time t) override { return observer_.progress(t); }
 
   void finished() override {
+    observer_.finished();
     if (recorder_) recorder_->finish();
     for (auto& score : scores_) score->finish();
     if (records_)

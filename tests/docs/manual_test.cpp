@@ -76,9 +76,11 @@ TEST_CASE("what the tutorial says to type works and prints what it shows") {
   if (!untried.empty()) skip("no data for " + std::to_string(untried.size()) + " of the commands: " + untried.front());
 }
 
-TEST_CASE("what the guides to consistency, smoothing and time say to type works and prints what they show") {
+TEST_CASE(
+    "what the guides to consistency, smoothing, time and the report say to type works and prints what they show") {
   std::vector<std::string> without_data;
-  for (const char* name : {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live"}) {
+  for (const char* name :
+       {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live", "report"}) {
     const MarkdownFile page("sdk/docs/" + std::string(name) + ".md");
     INFO(name);
     const auto [faults, untried] = session_of(page);

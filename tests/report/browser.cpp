@@ -155,8 +155,10 @@ void Browser::size(int width, int height) {
        {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
 }
 
-void Browser::open(const fs::path& page) {
-  call("Page.navigate", {{"url", "file://" + page.string()}});
+void Browser::open(const fs::path& page) { visit("file://" + page.string()); }
+
+void Browser::visit(const std::string& address) {
+  call("Page.navigate", {{"url", address}});
   wait_for("document.readyState === 'complete' && document.documentElement.dataset.ready === 'yes'");
 }
 

@@ -24,6 +24,8 @@ class Browser {
   void size(int width, int height);
   /// A file, until it is loaded and its script says that it is ready.
   void open(const std::filesystem::path& page);
+  /// The same of a page that a server has.
+  void visit(const std::string& address);
   /// What the expression is; a promise's value. Throws where it throws.
   Json value_of(const std::string& expression);
   /// Throws when it is not true after a minute.

@@ -80,6 +80,7 @@ void FilterComposer::read_history(const ChannelDeclaration& estimates) {
   if (!history) return;
   const bool has_budget = history.is_object();
   if (has_budget) history.check_keys({"length", "steps"}, "'history'");
+  if (has_budget && !history.require("length", "history", "how late a sample may be")) return;
   const auto length = (has_budget ? history["length"] : history).number(parameter::number("history", "s").above(0));
   if (!length) return;
   // With 1 it could never catch up: each arrival brings an instant.

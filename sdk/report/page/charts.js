@@ -49,6 +49,31 @@ function watch(item) {
   observer.observe(item.element);
 }
 
+/// What is drawn, by its name: a page that is rendered again keeps its drawings, with what is zoomed in them.
+const drawings = new Map(), drawnNow = new Set();
+
+/// The element of a drawing; where it is on the page already, a place that putDrawings() fills.
+function drawing(Type, name, content) {
+  let key = name;
+  for (let i = 2; drawnNow.has(key); ++i) key = `${name} (${i})`;
+  drawnNow.add(key);
+  const known = drawings.get(key);
+  if (!known) {
+    const made = new Type(content);
+    made.element.dataset.key = key;
+    drawings.set(key, made);
+    return made.element;
+  }
+  known.take(content);
+  return el('figure', { 'data-key': key, 'data-place': true });
+}
+
+/// Places that found no drawing beside them, and what is to be drawn anew.
+function putDrawings() {
+  for (const place of document.querySelectorAll('[data-place]')) place.replaceWith(drawings.get(place.dataset.key).element);
+  for (const item of view.items) if (item.isVisible) refresh(item);
+}
+
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 const colourNames = {
@@ -84,16 +109,26 @@ function broken(rows) {
 /// spec: { title, unit, name, span, windows, t, v, s, turn, centre, outcomes, lines: [{ value | column, label }], moving, stat, colour, n, least }
 class TimePlot {
   constructor(spec) {
-    this.spec = spec;
-    this.span = spec.span;
-    this.readout = el('span', { class: 'readout ' + (spec.within ? shareClass(spec.within) : '') }, spec.stat || '');
+    this.readout = el('span', {});
+    this.unit = el('span', { class: 'unit' });
     this.plot = el('div', { class: 'plot' });
     this.line = el('div', { class: 'cursor' });
     this.element = el('figure', { class: 'chart', 'data-name': spec.name },
-      el('figcaption', {}, el('span', { class: 'swatch', style: `background: var(${spec.colour})` }),
-        el('b', {}, spec.title), el('span', { class: 'unit' }, spec.unit && spec.unit !== '1' ? spec.unit : ''), this.readout),
+      el('figcaption', {}, el('span', { class: 'swatch', style: `background: var(${spec.colour})` }), el('b', {}, spec.title), this.unit, this.readout),
       el('div', { class: 'canvas' }, this.plot, this.line));
+    this.take(spec);
     watch(this);
+  }
+
+  /// Other data of the same plot.
+  take(spec) {
+    this.spec = spec;
+    this.span = spec.span;
+    this.t = null;
+    this.isStale = true;
+    this.unit.textContent = spec.unit && spec.unit !== '1' ? spec.unit : '';
+    this.readout.className = 'readout ' + (spec.within ? shareClass(spec.within) : '');
+    if (!this.element.classList.contains('read')) this.readout.textContent = spec.stat || '';
   }
 
   unpack() {

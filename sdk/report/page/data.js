@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The payload: columns of numbers, and those of them that a plot of some width needs.
 
-const payload = JSON.parse(document.getElementById('payload').textContent);
+let payload = null;
 
 const decoded = new Map();
+
+function setPayload(text) {
+  payload = JSON.parse(text);
+  decoded.clear();
+}
 
 function bytesOf(text) {
   const binary = atob(text);

@@ -5,9 +5,7 @@ const rampSize = 7;
 
 class TrackMap {
   constructor(filter) {
-    this.filter = filter;
-    this.track = filter.track;
-    this.paths = { estimate: unpackedPath(this.track.estimate), reference: this.track.reference && unpackedPath(this.track.reference) };
+    this.unpack(filter);
     this.mode = this.paths.reference ? 'error' : this.paths.estimate.shade ? 'sigma' : 'plain';
     this.picture = svg('svg', { class: 'map', role: 'img', 'aria-label': `Track of ${filter.name}` });
     this.legend = el('div', { class: 'legend' });
@@ -18,6 +16,18 @@ class TrackMap {
     view.cursorListeners.push((t) => this.cursor(t));
     view.listeners.push(() => this.drawWindow());
     for (const [target, event] of [[window, 'resize'], [this.element, 'fit']]) target.addEventListener(event, () => { this.fit(); this.draw(); });
+  }
+
+  unpack(filter) {
+    this.track = filter.track;
+    this.paths = { estimate: unpackedPath(this.track.estimate), reference: this.track.reference && unpackedPath(this.track.reference) };
+  }
+
+  /// A part that is looked at stays.
+  take(filter) {
+    this.unpack(filter);
+    if (!this.isMoved) this.fit();
+    this.draw();
   }
 
   controls() {
@@ -51,6 +61,7 @@ class TrackMap {
   }
 
   zoom(factor) {
+    this.isMoved = factor !== null;
     if (factor === null) this.fit();
     else {
       const { width, height } = this.size, { x, y, scale } = this.box;
@@ -162,6 +173,7 @@ class TrackMap {
         this.box.x -= (moved.clientX - last[0]) * this.box.scale;
         this.box.y -= (moved.clientY - last[1]) * this.box.scale;
         last = [moved.clientX, moved.clientY];
+        this.isMoved = true;
         this.draw();
       };
       addEventListener('pointermove', move);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: sections in order, their contents, the theme, print.
 
+const fixedIds = ['contents', 'main', 'timebar', 'payload'];
+
 function identifier(text) {
   const plain = text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '') || 'section';
   let id = plain;
-  for (let i = 2; document.getElementById(id) || identifier.used.has(id); ++i) id = `${plain}-${i}`;
+  for (let i = 2; identifier.used.has(id); ++i) id = `${plain}-${i}`;
   identifier.used.add(id);
   return id;
 }
-identifier.used = new Set();
 
 /// { element, title, id }; nothing where it would be empty.
 function section(title, explanation, ...content) {
@@ -43,6 +44,9 @@ function withinText(within) {
   return `${percent(within.three, within.of)} within \u00b13\u03c3`;
 }
 
+/// Of the samples that are drawn of a run that goes on, no share is known.
+const insideText = (nis) => (isNumber(nis.inside) ? `; ${percent(nis.inside, nis.accepted)} within 95 % bounds` : '');
+
 // ---- a filter
 
 function tiles(filter, summary, path) {
@@ -60,7 +64,7 @@ function tiles(filter, summary, path) {
   }
   for (const measurement of filter.measurements) {
     const mean = measurement.nis && measurement.nis.mean;
-    if (mean) add(`NIS / rows of ${measurement.name}`, [brief(mean.value / mean.dof), ' ', bandBadge(mean.value, mean.low, mean.high)], `1 is right; ${percent(measurement.nis.inside, measurement.nis.accepted)} within 95 % bounds`);
+    if (mean) add(`NIS / rows of ${measurement.name}`, [brief(mean.value / mean.dof), ' ', bandBadge(mean.value, mean.low, mean.high)], `1 is right${insideText(measurement.nis)}`);
   }
   for (const [block, entry] of Object.entries(summary.consistency || {}))
     add(`NEES / dof of ${block}`, [brief(entry.nees_mean / entry.dof), ' ', neesBadge(entry.nees_mean / entry.dof)], '1 is right');
@@ -92,11 +96,13 @@ function summarySection(filter, summary, path) {
 }
 
 function timePlot(filter, spec) {
-  return new TimePlot({ span: filter.span, windows: filter.windows, ...spec, name: `${filter.name} ${spec.name}` }).element;
+  const name = `${filter.name} ${spec.name}`;
+  return drawing(TimePlot, name, { span: filter.span, windows: filter.windows, ...spec, name });
 }
 
 function sampleNote(entry) {
   const shown = column(entry.t) ? column(entry.t).length : 0;
+  if (payload.live) return `${grouped(shown)} of the estimates since the first look are drawn`;
   return shown < entry.n ? `${grouped(entry.n)} samples, of which the least and greatest of each stretch are drawn` : `${grouped(entry.n)} samples`;
 }
 
@@ -162,7 +168,7 @@ function measurementsSection(filter) {
   const used = filter.measurements.filter((measurement) => measurement.n > 0);
   if (!used.length) return null;
   const counts = outcomeNames.map((name, code) => used.reduce((sum, measurement) => sum + measurement.outcomes.counts[code], 0));
-  const part = section('Measurements', 'What became of each sample, by time. Below, the NIS of each: dots are samples, the line their mean over many, dashed are the bounds that 95 % of \u03c7\u00b2 lie between. In a good filter the mean is the number of rows, and the residuals fill their \u00b13\u221aS without leaving it.', new OutcomeLanes(filter).element,
+  const part = section('Measurements', 'What became of each sample, by time. Below, the NIS of each: dots are samples, ' + (payload.live ? '' : 'the line their mean over many, ') + 'dashed are the bounds that 95 % of \u03c7\u00b2 lie between. In a good filter the mean is the number of rows, and the residuals fill their \u00b13\u221aS without leaving it.', drawing(OutcomeLanes, `${filter.name} outcomes`, filter),
     el('div', { class: 'legend' }, outcomeNames.map((name, code) => counts[code] > 0 && el('span', { class: 'key' }, el('i', { style: `background: var(--o${code})` }), `${name} ${grouped(counts[code])}`))));
   for (const measurement of used) part.element.append(measurementBlock(filter, measurement));
   return part;
@@ -184,7 +190,7 @@ function nisPlot(filter, measurement) {
   return timePlot(filter, {
     title: 'NIS', unit: nis.dof ? `of ${nis.dof} rows` : `of ${brief(nis.mean ? nis.mean.dof : null)} rows on average`, name: `${measurement.name}.nis`, t: nis.t, v: nis.v, o: nis.o, n: nis.n, colour: '--c0', isSquare: true, least: 0,
     low: nis.low, high: nis.high, lows: nis.lows, highs: nis.highs, moving: nis.moving, lines: nis.dof ? [{ value: nis.low }, { value: nis.high }] : [],
-    stat: nis.mean ? `mean ${brief(nis.mean.value)}; ${percent(nis.inside, nis.accepted)} within 95 % bounds` : '',
+    stat: nis.mean ? `mean ${brief(nis.mean.value)}${insideText(nis)}` : '',
   });
 }
 
@@ -211,10 +217,10 @@ function adaptedSection(filter) {
 
 function trackSection(filter) {
   if (!filter.track) return null;
-  const map = new TrackMap(filter);
+  const map = drawing(TrackMap, `${filter.name} track`, filter);
   // Its size is known once it is on the page.
-  requestAnimationFrame(() => { map.fit(); map.draw(); });
-  return section('Track', 'Metres east and north of the start; both axes have one scale. A time window chosen in any plot is drawn in bold, and the dot follows the cursor.', map.element);
+  requestAnimationFrame(() => map.dispatchEvent(new Event('fit')));
+  return section('Track', 'Metres east and north of the start; both axes have one scale. A time window chosen in any plot is drawn in bold, and the dot follows the cursor.', map);
 }
 
 function filterSections(filter, summary, path) {
@@ -237,7 +243,7 @@ function header(kind, provenance) {
   if (provenance.created) facts.push(String(provenance.created).replace('T', ' ').replace(/\.\d+/, '').replace('Z', ' UTC'));
   if (provenance.version) facts.push(`Binnacle ${provenance.version}`);
   if (provenance.seed !== undefined && provenance.seed !== null) facts.push(`seed ${provenance.seed}` + (provenance.run !== undefined && String(provenance.run) !== '0' ? `, run ${provenance.run}` : ''));
-  return el('header', {}, el('div', { class: 'kind' }, kind), el('h1', {}, payload.title || kind), payload.description && el('p', { class: 'lead' }, payload.description),
+  return el('header', {}, el('div', { class: 'kind' }, kind + ' ', payload.live && el('span', { class: 'badge ' + liveStates[payload.live][0] }, liveStates[payload.live][1])), el('h1', {}, payload.title || kind), payload.description && el('p', { class: 'lead' }, payload.description),
     el('p', { class: 'facts' }, facts.map((fact) => el('span', {}, fact))), provenance.command && el('pre', { class: 'command' }, provenance.command), verdicts());
 }
 
@@ -342,22 +348,41 @@ function print(isBegin) {
   }
 }
 
-function start() {
+// ---- as often as the payload changes
+
+const timeBar = { made: null };
+
+function render() {
+  identifier.used = new Set(fixedIds);
+  shownPaths.clear();
+  zeros.length = 0;
+  drawnNow.clear();
   const provenance = (payload.run || payload.study || {}).provenance || {};
   const list = parts();
-  const main = document.getElementById('main');
-  main.replaceChildren(header(payload.run && payload.study ? 'Run and study' : payload.study ? 'Study' : 'Run', provenance));
+  const main = el('main', { id: 'main' }, header(payload.run && payload.study ? 'Run and study' : payload.study ? 'Study' : 'Run', provenance));
   for (const part of list) {
     part.id = identifier(part.title);
     main.append(el('h2', { id: part.id }, part.title), ...part.sections.map((entry) => entry.element));
   }
-  main.append(el('footer', {}, 'Made by binnacle report. This page is complete in itself: it fetches nothing.'));
-  document.getElementById('contents').append(el('div', { class: 'brand' }, el('a', { href: '#main' }, 'Binnacle'), themeSwitch()), contents(list));
+  main.append(el('footer', {}, payload.live ? 'Served by binnacle run while it goes on; all that it fetches are the run\u2019s data.' : 'Made by binnacle report. This page is complete in itself: it fetches nothing.'));
+  become(document.getElementById('main'), main);
+  const nav = document.querySelector('#contents > details');
+  if (nav) become(nav, contents(list));
+  else document.getElementById('contents').append(contents(list));
   const timed = payload.run ? payload.run.filters.filter((filter) => filter.span && filter.span[1] > filter.span[0]) : [];
-  if (timed.length) new TimeBar(document.getElementById('timebar'), timed);
+  if (timed.length && timeBar.made) timeBar.made.take(timed);
+  else if (timed.length) timeBar.made = new TimeBar(document.getElementById('timebar'), timed);
+  putDrawings();
+}
+
+function start() {
+  setPayload(document.getElementById('payload').textContent);
+  document.getElementById('contents').append(el('div', { class: 'brand' }, el('a', { href: '#main' }, 'Binnacle'), themeSwitch()));
+  render();
   addEventListener('beforeprint', () => print(true));
   addEventListener('afterprint', () => print(false));
   document.documentElement.dataset.ready = 'yes';
+  if (payload.live) follow();
 }
 
 start();

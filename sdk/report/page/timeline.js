@@ -27,14 +27,18 @@ class OutcomeLanes extends Strip {
   constructor(filter) {
     const canvas = el('canvas', {});
     super(el('figure', { class: 'chart lanes', 'data-name': `${filter.name} outcomes` }, el('div', { class: 'canvas' }, canvas)), canvas, 0);
-    this.filter = filter;
-    this.span = filter.span;
-    this.lanes = filter.measurements.filter((measurement) => measurement.n > 0);
-    this.height = 30 * this.lanes.length + 4;
+    this.take(filter);
     this.canvas.addEventListener('mousemove', (event) => this.hover(event));
     this.canvas.addEventListener('mouseleave', () => setCursor(null));
     dragToZoom(this);
     watch(this);
+  }
+
+  take(filter) {
+    this.span = filter.span;
+    this.lanes = filter.measurements.filter((measurement) => measurement.n > 0);
+    this.height = 30 * this.lanes.length + 4;
+    this.isStale = true;
   }
 
   left() {
@@ -116,10 +120,6 @@ class TimeBar extends Strip {
   constructor(host, filters) {
     const canvas = el('canvas', { 'aria-hidden': true });
     super(host, canvas, 26);
-    const spans = filters.map((filter) => filter.span);
-    this.span = [Math.min(...spans.map((span) => span[0])), Math.max(...spans.map((span) => span[1]))];
-    this.curves = filters.length === 1 ? filters.map(overview).filter(Boolean) : [];
-    this.windows = filters.length === 1 ? filters[0].windows : [];
     this.from = this.input('from', 0);
     this.to = this.input('to', 1);
     const step = (name, label, change) => el('button', { type: 'button', title: label, 'aria-label': label, onclick: () => this.step(change) }, name);
@@ -133,7 +133,17 @@ class TimeBar extends Strip {
     this.grab();
     view.listeners.push(() => this.show());
     addEventListener('resize', () => this.show());
+    this.take(filters);
+  }
+
+  take(filters) {
+    const spans = filters.map((filter) => filter.span);
+    this.span = [Math.min(...spans.map((span) => span[0])), Math.max(...spans.map((span) => span[1]))];
+    this.curves = filters.length === 1 ? filters.map(overview).filter(Boolean) : [];
+    this.windows = filters.length === 1 ? filters[0].windows : [];
+    const typed = [this.from, this.to].find((input) => input === document.activeElement), text = typed && typed.value;
     this.show();
+    if (typed) typed.value = text;
   }
 
   input(name, side) {

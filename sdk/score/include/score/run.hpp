@@ -14,6 +14,7 @@
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/run.hpp"
+#include "binnacle/session.hpp"
 #include "binnacle/step_log.hpp"
 #include "binnacle/trust.hpp"
 #include "score/metric.hpp"
@@ -41,6 +42,12 @@ struct ErrorSeries {
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
+  /// Before the first sample and before step_observer(). The session may be read in all calls up to finished().
+  virtual void begin_run(const Session& /*session*/) {}
+  /// After each instant, once what is recorded of it was given.
+  virtual void after_instant() {}
+  /// After the last instant.
+  virtual void finished() {}
   /// Whether begin() and record() are wanted; reading estimates and their 1-σ costs more than a filter step.
   virtual bool wants_records() const { return true; }
   /// Before the first record of each filter: what its rows hold, outputs and then their 1-σ.
@@ -80,6 +87,10 @@ struct RunResult {
   Verdict verdict = Verdict::ok;     // the worst of all filters'
   Diagnostics doubts;                // why it is not ok, and likely causes: B100 to B120
 };
+
+/// What became of a filter's samples so far: { "measurements", "start_s", "end_s", "steps", "input_gaps", "filter_s", "verdict",
+/// "broken" }.
+nlohmann::ordered_json run_figures(const Session& session, FilterId filter);
 
 /// Its filters, and those that come of smoothing: what a RunObserver's `filter` counts.
 const std::vector<FilterInfo>& filters_of(const Composition& composition);
