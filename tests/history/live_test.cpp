@@ -227,7 +227,7 @@ TEST_CASE(
     for (int k = 0; k < 2000; ++k) {
       const double t = 0.005 * k;
       push(session, {"z", t, 0, t});
-      if (k < 300 || k % 20 != 0) continue;
+      if (k < 300 || k % 4 != 0) continue;
       push(session, {"v", t - 0.999, 0, t});
       ++pushed;
     }

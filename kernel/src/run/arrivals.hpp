@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "binnacle/random.hpp"
@@ -52,6 +53,12 @@ class Arrivals {
 template <class Visit>
 bool each_of_instant(SampleStore& store, std::size_t first, bool SampleStore::Item::*mark,
                      std::vector<bool>& is_present, Visit&& visit) {
+  if (store.is_alone(first)) {
+    SampleStore::Item& item = store[first];
+    if (std::exchange(item.*mark, true)) return false;
+    visit(item);
+    return true;
+  }
   is_present.assign(is_present.size(), false);
   std::int32_t blocked = -1;
   bool is_any = false;

@@ -89,7 +89,7 @@ void History::step_live() {
     live_->deliver(item.channel, store_.view(item), item.late);
   };
   while (each_of_instant(store_, live_next_, &SampleStore::Item::is_live, is_present_, deliver)) live_->end_instant(t);
-  live_next_ = store_.after(t);
+  while (live_next_ < store_.size() && store_[live_next_].key.first == t) ++live_next_;
   live_t_ = t;
   if (snapshots_.empty() || snapshots_.back().t == no_time ||
       t - snapshots_.back().t >= plan_.history.length / HistoryPlan::snapshots)
@@ -124,22 +124,27 @@ bool History::settle() {
   };
   each_of_instant(store_, settled_next_, &SampleStore::Item::is_done, is_present_, deliver);
   settled_->end_instant(t);
-  const std::size_t end = store_.after(t);
-  while (settled_next_ < end && store_[settled_next_].is_done) ++settled_next_;
+  while (settled_next_ < store_.size() && store_[settled_next_].key.first == t && store_[settled_next_].is_done)
+    ++settled_next_;
   forget();
   return true;
 }
 
-/// What no way needs any more.
+/// What no way needs any more, in bunches.
 void History::forget() {
+  constexpr std::size_t bunch = 64;
   std::size_t count = settled_ ? settled_next_ : store_.size();
   if (live_) {
     const Time until = newest_ - plan_.history.length;
-    const auto later = std::ranges::find_if(snapshots_, [&](const Snapshot& snapshot) { return snapshot.t >= until; });
-    const auto base = later == snapshots_.begin() ? later : later - 1;
-    std::move(snapshots_.begin(), base, std::back_inserter(spare_));
-    snapshots_.erase(snapshots_.begin(), base);
+    const bool has_old = snapshots_.size() > 1 && snapshots_[1].t < until;
+    if (!has_old && settled_next_ < bunch) return;
+    while (snapshots_.size() > 1 && snapshots_[1].t < until) {
+      spare_.push_back(std::move(snapshots_.front()));
+      snapshots_.erase(snapshots_.begin());
+    }
     count = std::min(count, snapshots_.front().t == no_time ? 0 : store_.after(snapshots_.front().t));
+  } else if (settled_next_ < bunch) {
+    return;
   }
   store_.drop_front(count);
   settled_next_ -= std::min(count, settled_next_);
