@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
@@ -14,6 +17,41 @@
 #include "binnacle/state_bytes.hpp"
 
 namespace binnacle {
+
+/// A sample of a source on its way into a run.
+struct Arrival {
+  Time at = 0;       // since the begin of the run, by its clock [ns]; one for all that make an instant
+  int channel = -1;  // -1: none, filters with a budget of `history` went on with what was left
+  const SampleView* sample = nullptr;  // for the time of the call
+  std::int64_t sequence = 0;           // among the samples of its source, where filters have `history`
+};
+
+/// What arrived in an earlier run, in place of the composition's sources.
+class RecordedInput {
+ public:
+  virtual ~RecordedInput() = default;
+  /// Gives each arrival of the next instant, at most one a channel; false: there is no further one.
+  virtual bool next(const std::function<void(const Arrival& arrival)>& give) = 0;
+};
+
+/// What a run that goes by the clock leaves of its own.
+struct LiveFigures {
+  /// Latency: from a sample's arrival (at a pace: from when it was due) until all that it brings about is done, records and
+  /// observers included [s].
+  struct Channel {
+    std::string name;
+    std::int64_t samples = 0;
+    std::int64_t behind = 0;  // older than one before
+    double p50 = 0, p99 = 0, longest = 0;
+  };
+  struct Source {
+    std::string name;
+    std::int64_t longest_queue = 0, lost = 0, unusable = 0;
+  };
+  std::vector<Channel> channels;  // that samples arrived on
+  std::vector<Source> sources;    // live ones
+  double seconds = 0;             // from the first arrival to the end
+};
 
 /// Watches a run while it happens.
 class RunObserver {
@@ -29,6 +67,10 @@ class RunObserver {
   /// At once: a new note of a model (B083), or of a sample that is invalid. RunResult::warnings has them too, with their
   /// number.
   virtual void noted(const Diagnostic& /*note*/) {}
+  /// Whether arrived() is wanted.
+  virtual bool wants_arrivals() const { return false; }
+  /// A sample of a source arrived, before it is worked on.
+  virtual void arrived(const Arrival& /*arrival*/) {}
   /// After each instant, and once more after the last.
   virtual void after_instant() {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
@@ -56,12 +98,18 @@ struct RunOptions {
   Estimates estimates = Estimates::settled;  // what the observer sees of filters with `history`
   bool feeds_sinks = true;                   // false where several runs share the composition's sinks
   Checkpoints checkpoints = {};
+  double pace = 0;  // of recorded data: so many seconds of them in one, as if live; 0: as fast as it goes
+  RecordedInput* input = nullptr;  // null: the composition's sources, which else are not opened
 };
 
 struct RunResult {
-  Diagnostics warnings;  // gaps and repairs in the data, notes of models
-  Diagnostics failures;  // B080 broken, B081 never started; empty when all went well
+  Diagnostics warnings;             // gaps and repairs in the data, notes of models
+  Diagnostics failures;             // B080 broken, B081 never started; empty when all went well
+  std::optional<LiveFigures> live;  // of a run with live sources, at a pace, or whose observer wants arrivals
 };
+
+/// Whether rerun() can be: what live sources gave, or recorded input, does not come again.
+bool can_rerun(const Session& session);
 
 /// In RunObserver::finished(): takes the run back to a snapshot that was made in after_instant(), and from there over so
 /// many instants again, to its very end where they reach it. Channels that sections subscribe to are shown again;

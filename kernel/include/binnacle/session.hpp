@@ -164,7 +164,7 @@ class Session {
 
   Estimates shown() const { return shown_; }
   const Composition& composition() const { return *composition_; }
-  internal::runtime::Runtime& runtime() { return *runtime_; }  // the kernel's own
+  internal::runtime::Runtime& runtime() const { return *runtime_; }  // the kernel's own
 
  private:
   /// What came on a channel, to see what is out of order.

@@ -57,6 +57,14 @@ class SourceOutput {
   int channel_ = -1;
 };
 
+/// How a live source fares.
+struct SourceFigures {
+  Time arrival = no_time;     // of the newest sample that it gave, on the monotonic clock; no_time: when it was asked
+  std::int64_t waiting = 0;   // samples that came and were not asked for yet
+  std::int64_t lost = 0;      // came, and could not be kept
+  std::int64_t unusable = 0;  // came, and were no samples
+};
+
 /// Emits samples in order of time. After open() it is immutable: cursor and random state lie in its memory.
 ///
 /// The constructor fills `declaration_`. It must be cheap and check what can be checked without reading everything (the
@@ -70,6 +78,7 @@ class Source : public DeclaredModel<SourceDeclaration, std::uint64_t> {
   /// Of a live source, once it is open: a file descriptor that poll() finds readable when next() may give more than `wait`;
   /// −1: none, it is asked every few milliseconds.
   virtual int wait_handle() const { return -1; }
+  virtual SourceFigures figures() const { return {}; }
 };
 
 /// Receives what a transform makes of a sample.

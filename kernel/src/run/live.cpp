@@ -6,6 +6,7 @@
 
 #include <poll.h>
 
+#include "run/arrival_watch.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
 
@@ -39,7 +40,10 @@ bool Runtime::next_of_live() {
   const int channel = plan_.sources[next].channels[as_size(head.channel)];
   const double* data = plan_.sources[next].slots[as_size(head.channel)].in(arena());
   const Time t = head.sample.t;
+  if (watch_ && is_recorded_due) watch_->begin_recorded(t);
+  if (watch_ && !is_recorded_due) watch_->begin_live(next);
   deliver(channel, unpack(plan_.channels[as_size(channel)], head.sample, data));
+  show_arrival(channel);
   head.status = 0;  // asked again once this instant is done
   end_arrival(t);
   return true;

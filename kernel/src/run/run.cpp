@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "base/text.hpp"
+#include "run/arrival_watch.hpp"
 #include "run/arrivals.hpp"
 #include "run/checkpoint.hpp"
 #include "run/history.hpp"
@@ -215,7 +217,8 @@ void exchange_sink(const compose::CompositionPlan& plan, const compose::SinkPlan
 }
 
 /// From the first instant to the end of the sources.
-void run_sources(Session& session, const Parts& parts, const RunOptions& options, RunObserver& observer) {
+void run_sources(Session& session, const Parts& parts, const RunOptions& options, RunObserver& observer,
+                 RunResult& result) {
   Runtime& runtime = session.runtime();
   runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
   runtime.subscribe_settled([&](int channel, const SampleView& sample) { observer.settled(channel, sample); });
@@ -228,6 +231,8 @@ void run_sources(Session& session, const Parts& parts, const RunOptions& options
       for (const auto& sink : runtime.plan().sinks) exchange_sink(runtime.plan(), sink, bytes, runtime.time());
   });
   checkpointing.begin();
+  std::optional<ArrivalWatch> watch;
+  if (ArrivalWatch::is_wanted(runtime.plan(), options, observer)) watch.emplace(runtime, options, observer);
   for (std::int64_t instants = 0;; ++instants) {
     if (!runtime.next_instant()) {
       if (!runtime.waits()) break;
@@ -241,8 +246,11 @@ void run_sources(Session& session, const Parts& parts, const RunOptions& options
     for (const auto& part : parts) part->after_instant();
     observer.after_instant();
     checkpointing.after_instant();
+    if (watch) watch->end_instant();
     if (instants % 32 == 0 && !observer.progress(runtime.time())) runtime.end_sources();
   }
+  if (watch) result.live = watch->figures();
+  watch.reset();
   runtime.finish();
   for (const auto& part : parts) part->finished();
   if (!parts.empty()) runtime.finish();  // of what they emitted
@@ -253,6 +261,8 @@ void run_sources(Session& session, const Parts& parts, const RunOptions& options
 }
 
 }  // namespace
+
+bool can_rerun(const Session& session) { return !session.runtime().is_live(); }
 
 void rerun(Session& session, std::span<const std::byte> from, std::int64_t instants,
            const std::function<void()>& each) {
@@ -280,7 +290,7 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
   const auto& plan = composition->plan();
   RunResult result;
-  std::call_once(plan.opening->once, [&] { open_sources(plan); });
+  if (!options.input) std::call_once(plan.opening->once, [&] { open_sources(plan); });
 
   RunObserver nobody;
   RunObserver& observer = options.observer ? *options.observer : nobody;
@@ -290,6 +300,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   Session session(composition, options.seed, options.run, options.estimates);
   Runtime& runtime = session.runtime();
   runtime.feed_sinks(options.feeds_sinks);
+  runtime.read_from(options.input);
   const Parts parts = parts_of(plan);
   for (const auto& part : parts) part->begin(session);
   observer.begin(session);
@@ -299,7 +310,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
       sink.object->report_to(reporters.emplace_back(result.warnings, sink, options.observer));
       guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
     }
-  run_sources(session, parts, options, observer);
+  run_sources(session, parts, options, observer, result);
   if (options.feeds_sinks)
     for (const auto& sink : plan.sinks)
       guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "run/arrival_watch.hpp"
 #include "run/arrivals.hpp"
 #include "run/history.hpp"
 
@@ -419,10 +420,12 @@ void Runtime::fetch(std::size_t index) {
 
 bool Runtime::next_instant() {
   if (history_ && history_->settle()) return true;
-  if (is_live_ ? next_of_live() : arrivals_ ? next_of_arrivals() : next_of_sources()) return true;
+  if (input_ ? next_of_input() : is_live_ ? next_of_live() : arrivals_ ? next_of_arrivals() : next_of_sources())
+    return true;
   if (!history_) return false;
   if (has_live_) {  // nothing arrives now: time for what the budget left
     if (!history_->has_work()) return false;
+    if (watch_) watch_->begin_idle();
     end_arrival(time_);
     return true;
   }
@@ -449,13 +452,32 @@ bool Runtime::next_of_arrivals() {
       fetch(s);
     }
   }
-  if (arrivals_->empty()) return false;
+  if (arrivals_->empty() || (watch_ && !watch_->begin_recorded(arrivals_->next()))) return false;
   const Time t = arrivals_->take_instant([&](int channel, const SampleView& sample, std::int64_t sequence) {
     deliver(channel, sample);
     channels_[as_size(channel)].sequence = sequence;
+    show_arrival(channel);
   });
   end_arrival(t);
   return true;
+}
+
+void Runtime::show_arrival(int channel) const {
+  const Channel& from = channels_[as_size(channel)];
+  if (watch_) watch_->arrived(channel, from.view, from.sequence);
+}
+
+bool Runtime::next_of_input() {
+  if (watch_ && !watch_->begin_recorded(time_)) return false;
+  Time t = time_;
+  const bool is_any = input_->next([&](const Arrival& arrival) {
+    deliver(arrival.channel, *arrival.sample);
+    channels_[as_size(arrival.channel)].sequence = arrival.sequence;
+    show_arrival(arrival.channel);
+    t = arrival.sample->t;
+  });
+  if (is_any) end_arrival(t);
+  return is_any;
 }
 
 bool Runtime::next_of_sources() {
@@ -468,7 +490,7 @@ bool Runtime::next_of_sources() {
     has_sample = true;
     earliest = std::min(earliest, head.sample.t);
   }
-  if (!has_sample) return false;
+  if (!has_sample || (watch_ && !watch_->begin_recorded(earliest))) return false;
   for (std::size_t s = 0; s < plan_.sources.size(); ++s) {
     const auto& source = plan_.sources[s];
     SourceHead& head = *source.head.in(arena());
@@ -477,6 +499,7 @@ bool Runtime::next_of_sources() {
       if (channels_[as_size(channel)].is_present) break;  // a second one on this channel makes an instant of its own
       const double* data = source.slots[as_size(head.channel)].in(arena());
       deliver(channel, unpack(plan_.channels[as_size(channel)], head.sample, data));
+      show_arrival(channel);
       head.status = 0;
       fetch(s);
     }

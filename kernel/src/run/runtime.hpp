@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "binnacle/diagnostic.hpp"
+#include "binnacle/run.hpp"
 #include "binnacle/state_bytes.hpp"
 #include "compose/composition_plan.hpp"
 #include "filter/engine.hpp"
@@ -50,6 +51,7 @@ auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, con
 
 class History;
 class Arrivals;
+class ArrivalWatch;
 
 class Runtime {
  public:
@@ -81,6 +83,12 @@ class Runtime {
   void end_sources();
   /// The end of the run.
   void finish();
+  /// Sees what arrives; null: nobody.
+  void watch(ArrivalWatch* watch) { watch_ = watch; }
+  /// In place of the sources.
+  void read_from(RecordedInput* input) { input_ = input; }
+  /// Samples come once.
+  bool is_live() const { return is_live_ || input_; }
   /// Estimates of a filter, not its own ones, as an instant of their own.
   void emit_estimates(int channel, int filter, Time t, const double* x, ConstMatrixView P);
 
@@ -171,6 +179,9 @@ class Runtime {
   bool next_of_sources();
   bool next_of_arrivals();
   bool next_of_live();
+  bool next_of_input();
+  /// To the watch: what was delivered.
+  void show_arrival(int channel) const;
   void give_to_history();
   void run_history(int filter);
   /// Reads what is present in this instant.
@@ -202,6 +213,8 @@ class Runtime {
   bool is_live_ = false;   // a source is
   bool has_live_ = false;  // and has not ended
   Time newest_live_ = no_time;
+  ArrivalWatch* watch_ = nullptr;
+  RecordedInput* input_ = nullptr;
 };
 
 }  // namespace binnacle::internal::runtime
