@@ -34,8 +34,9 @@ std::string subject(const TrustReason& reason, const MeasurementInfo& measuremen
          std::to_string(reason.key);
 }
 
-/// `last_refusal`: why the newest refused sample was.
-std::string text_of(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
+/// Of a reason against the filter as a whole; empty: it is one against a measurement. `last_refusal`: why the newest refused
+/// sample was.
+std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
   const std::string figure = number(reason.figure), limit = number(reason.limit);
   if (reason.doubt == Doubt::bridged)
     return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " +
@@ -59,6 +60,12 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
   if (reason.doubt == Doubt::lagging)
     return "live estimates of '" + filter.name + "' lagged " + figure + " s behind what had arrived, first at " +
            since(reason) + " (history " + limit + " s): the budget of steps is too small; late samples were not used";
+  return "";
+}
+
+std::string text_of(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
+  if (const std::string text = text_of_filter(reason, filter, last_refusal); !text.empty()) return text;
+  const std::string figure = number(reason.figure), limit = number(reason.limit);
   const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
   switch (reason.doubt) {
     case Doubt::locked_out:
