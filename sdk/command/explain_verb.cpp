@@ -192,9 +192,13 @@ std::string start_text(const Json& filter) {
 std::string history_text(const Json& filter) {
   if (!filter.contains("history")) return "";
   const Json& history = filter.at("history");
-  return fmt::format("History of {}: settled estimates on channel {}; live ones keep snapshots of at most {:.0f} kB\n",
-                     duration(history.at("length_s")), history.at("settled").get<std::string>(),
-                     history.at("snapshot_bytes").get<double>() / 1e3);
+  const std::string budget = history.contains("steps") ? fmt::format(", and work on {} instants for each that arrives",
+                                                                     history.at("steps").dump())
+                                                       : "";
+  return fmt::format(
+      "History of {}: settled estimates on channel {}; live ones keep snapshots of at most {:.0f} kB{}\n",
+      duration(history.at("length_s")), history.at("settled").get<std::string>(),
+      history.at("snapshot_bytes").get<double>() / 1e3, budget);
 }
 
 std::string filter_text(const Json& filter, const Json& filter_config) {

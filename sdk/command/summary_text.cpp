@@ -282,6 +282,8 @@ std::string heading(const std::string& name, const Json& filter) {
   const double steps = number_at(filter, "steps"), filter_s = number_at(filter, "filter_s");
   text += fmt::format(", {} steps", count_at(filter, "steps"));
   if (steps > 0) text += fmt::format(", {} per step", duration(filter_s / steps));
+  if (filter.contains("longest_lag_s"))
+    text += fmt::format(", live estimates up to {:.3g} s behind", number_at(filter, "longest_lag_s"));
   if (filter.contains("input_gaps")) text += fmt::format(", {} gaps in its input", count_at(filter, "input_gaps"));
   return text + (filter.contains("broken") ? "; BROKEN\n" : "\n");
 }

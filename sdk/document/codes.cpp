@@ -236,6 +236,13 @@ constexpr CodeEntry entries[] = {
     {"B122", "later than any history",
      "Samples of a channel came later than the longest `history` of the config's filters, so they were not used.",
      "Make `history` longer than the largest delay, or find out what holds these samples up."},
+    {"B123", "live estimates lag",
+     "With the budget of `history`, the steps that one arrival may cost, live estimates fell behind by more than the "
+     "history, so late samples were refused until they had caught up.",
+     "Allow more `steps`, or find out why so many samples come late; without `steps` there is no bound."},
+    {"B124", "a latency that is no time",
+     "The field that `latency` names was NaN, infinite or negative, so the sample arrived at its own time.",
+     "Look at the field: is its unit a time, and is it set in each sample?"},
     {"B130", "adaptive noise in tuning",
      "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
      "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},

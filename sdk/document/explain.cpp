@@ -44,6 +44,7 @@ class FilterText {
       text["history"] = {{"length_s", seconds(filter_.history)},
                          {"settled", filter_.name + ".settled"},
                          {"snapshot_bytes", filter_.history_bytes}};
+    if (filter_.history_steps > 0) text["history"]["steps"] = filter_.history_steps;
     text["starts_when"] = Json::array();
     for (const auto& initial : filter_.starts_when) {
       Json entry{{"channel", channel(initial.channel)}};

@@ -116,6 +116,7 @@ Json run_figures(const Session& session, FilterId filter) {
   const FilterCounts counts = session.counts(filter);
   figures["steps"] = counts.steps;
   if (counts.input_gaps > 0) figures["input_gaps"] = counts.input_gaps;
+  if (counts.longest_lag > 0) figures["longest_lag_s"] = seconds(counts.longest_lag);
   figures["filter_s"] = counts.seconds;
   figures["verdict"] = verdict(session, filter);
   if (!session.healthy(filter)) figures["broken"] = session.diagnosis(filter);

@@ -167,3 +167,106 @@ TEST_CASE("observers learn when what they saw is void") {
   CHECK(watch.rewinds.size() > 20);
   CHECK(watch.t == session.time({0}));
 }
+
+namespace {
+
+/// Instants that the live estimates worked on: here each has a step or a measurement.
+struct Work final : StepObserver {
+  std::int64_t rewinds = 0;
+  std::vector<Time> instants;
+  void rewound(Time) override { ++rewinds; }
+  void stepped(const StepRecord& record) override { seen(record.t1); }
+  void offered(const UpdateRecord& record) override { seen(record.t); }
+
+ private:
+  void seen(Time t) {
+    if (instants.empty() || instants.back() != t) instants.push_back(t);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a budget bounds what an arrival costs, and what it left is made up for") {
+  const auto plain = composition_of(with_history("")),
+             bounded = composition_of(with_history(R"({"length": "4 s", "steps": 8})"));
+  auto samples = arriving(6, 80, 0);
+  for (std::size_t k = 0; k < samples.size(); k += 17) samples[k].arrival += 1.5;  // back over some 30 instants
+  std::ranges::stable_sort(samples, {}, &Sample::arrival);
+  Session session(bounded);
+  Work work;
+  session.attach({0}, &work);
+  std::vector<Sample> arrived;
+  std::int64_t behind = 0, present = 0, most = 0;
+  for (const Sample& sample : samples) {
+    work.instants.clear();
+    push(session, sample);
+    arrived.push_back(sample);
+    most = std::max<std::int64_t>(most, std::ssize(work.instants));
+    const bool is_present = session.time({0}) == nanoseconds(std::ranges::max(arrived, {}, &Sample::t).t);
+    ++(is_present ? present : behind);
+    if (is_present) REQUIRE(bits(session) == ordered(plain, arrived));
+  }
+  CHECK(most == 8);
+  CHECK(behind > 10);
+  CHECK(present > 60);
+  CHECK(work.rewinds >= 8);
+  for (int k = 0; k < 10; ++k) session.commit(nanoseconds(arrived.back().t));  // nothing comes any more
+  CHECK(bits(session) == ordered(plain, arrived));
+  const Time lag = session.counts(FilterId{0}).longest_lag;
+  CHECK(lag > nanoseconds(0.5));
+  CHECK(lag < nanoseconds(2.5));
+  CHECK(session.verdict({0}) == Verdict::ok);
+}
+
+TEST_CASE(
+    "with a budget that is too small, late samples are refused until the estimates are there, and they are doubtful") {
+  const auto composition = composition_of(with_history(R"({"length": "1 s", "steps": 2})"));
+  for (const Estimates shown : {Estimates::live, Estimates::settled}) {
+    Session session(composition, 0, 0, shown);
+    std::int64_t pushed = 0;
+    for (int k = 0; k < 2000; ++k) {
+      const double t = 0.005 * k;
+      push(session, {"z", t, 0, t});
+      if (k < 300 || k % 4 != 0) continue;
+      push(session, {"v", t - 0.999, 0, t});
+      ++pushed;
+    }
+    const auto speed = session.counts(session.measurement("speed"));
+    const auto late = speed.by_outcome[static_cast<int>(Outcome::late)];
+    if (shown == Estimates::settled) {  // alone it is never behind
+      CHECK(late == 0);
+      CHECK(session.verdict({0}) == Verdict::ok);
+      continue;
+    }
+    CHECK(late > 0);
+    CHECK(late < pushed);
+    CHECK(speed.last_reason == "late, and the live estimates lagged behind");
+    CHECK(session.counts(FilterId{0}).longest_lag > nanoseconds(1.0));
+    REQUIRE(session.verdict({0}) == Verdict::doubtful);
+    const Diagnostics doubts = session.doubts({0});
+    REQUIRE(doubts.items().size() == 1);
+    CHECK(doubts.items().front().code == "B123");
+    CHECK_THAT(doubts.items().front().message,
+               Catch::Contains("s behind what had arrived") && Catch::Contains("history 1 s"));
+  }
+}
+
+TEST_CASE("nothing is settled before its work is done, and a budget bounds that work too") {
+  const auto plain = composition_of(with_history("")),
+             bounded = composition_of(with_history(R"({"length": "1 s", "steps": 3})"));
+  auto samples = arriving(8, 40, 0);
+  samples.push_back({"z", 60.0, 30, 60.0});  // after it 80 instants are due at once
+  Session session(bounded, 0, 0, Estimates::settled);
+  for (const Sample& sample : samples) push(session, sample);
+  std::size_t settled = 0;
+  for (; session.time({0}) < nanoseconds(samples[79].t); ++settled) {
+    const auto until = session.time({0});
+    std::vector<Sample> before;
+    std::ranges::copy_if(samples, std::back_inserter(before), [&](const auto& s) { return nanoseconds(s.t) <= until; });
+    REQUIRE(bits(session) == ordered(plain, before));
+    REQUIRE(settled < 100);
+    session.commit(nanoseconds(60.0));
+  }
+  CHECK(settled > 5);
+  CHECK(settled < 10);
+}

@@ -116,17 +116,18 @@ Bits run_of(const std::shared_ptr<const Composition>& composition, bool is_settl
   return bits;
 }
 
-/// Each source late in its own way, by less than 2 s: at once, by a time of its own, or by anything.
+/// Each source late in its own way, by no more than 2 s: not at all, by a time of its own, by anything, or in bursts.
 std::vector<std::string> latencies(const Composition& composition, unsigned seed) {
   std::mt19937 random(seed);
   const auto time = [&] { return std::to_string(std::uniform_real_distribution<double>(0, 1.95)(random)); };
   std::vector<std::string> sets;
   for (const auto& source : composition.sources()) {
     const std::string at = "/sources/" + source.name + "/latency=";
-    const auto kind = random() % 4;
+    const auto kind = random() % 7;
     if (kind == 0) continue;
+    if (kind == 6) sets.push_back(at + "{\"batch\": " + std::to_string(0.05 + std::stod(time())) + "}");
     if (kind == 1) sets.push_back(at + time());
-    if (kind > 1) sets.push_back(at + "{\"uniform\": [0, " + time() + "]}");
+    if (kind > 1 && kind < 6) sets.push_back(at + "{\"uniform\": [0, " + time() + "]}");
   }
   return sets;
 }

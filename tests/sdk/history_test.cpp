@@ -102,6 +102,38 @@ TEST_CASE("what comes later than the history is not used, and a warning names it
   CHECK(fix.at("late") > 0);
 }
 
+TEST_CASE("a latency that is no time is counted, and the sample arrives at its own") {
+  const Workbench bench;
+  std::string rows = "t,h,age\n";
+  for (int k = 0; k < 50; ++k) rows += std::to_string(k) + ",520," + (k % 10 == 7 ? "-0.1" : "0.2") + "\n";
+  bench.write("heights.csv", rows);
+  const auto outcome = run(bench, {track("heights"), R"(/sources/heights={"type": "csv/csv", "path": ")" +
+                                                         bench.path("heights.csv") + R"(",
+      "time": {"column": "t"}, "latency": {"field": "age"},
+      "columns": {"position.height": {"column": "h", "unit": "m"}, "age": {"column": "age", "unit": "s"}}})"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err.find("B124") != std::string::npos);
+  CHECK(outcome.err.find("/sources/heights/latency") != std::string::npos);
+  CHECK(outcome.err.find("5 samples of source 'heights' have a latency that is NaN, infinite or negative") !=
+        std::string::npos);
+}
+
+TEST_CASE("how far a budget lets live estimates fall behind is in the summary") {
+  const Workbench bench;
+  const std::string live = "/evaluate/estimates=live";
+  const auto bounded = [&](const std::string& steps) {
+    const auto outcome =
+        run(bench, {late, live, R"(/filters/ins/history={"length": "2 s", "steps": )" + steps + "}"}, {"--json"});
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    return nlohmann::json::parse(outcome.out).at("filters").at("ins");
+  };
+  const auto none = bounded("100000"), small = bounded("20");
+  CHECK(!none.contains("longest_lag_s"));
+  CHECK(small.at("longest_lag_s") > 0.1);
+}
+
 TEST_CASE("mistakes in latency and history are reported at their places") {
   const Workbench bench;
   const auto refused = [&](const std::string& set, const std::string& text) {
@@ -112,6 +144,9 @@ TEST_CASE("mistakes in latency and history are reported at their places") {
   };
   refused("/filters/ins/history=\"2 m\"", "/filters/ins/history");
   refused("/filters/ins/history=0", "/filters/ins/history");
+  refused(R"(/filters/ins/history={"steps": 100})", "/filters/ins/history");
+  refused(R"(/filters/ins/history={"length": "2 s", "steps": 1})", "/filters/ins/history/steps");
+  refused(R"(/filters/ins/history={"length": "2 s", "stpes": 10})", "did you mean 'steps'?");
   refused("/filters/ins/histroy=\"2 s\"", "did you mean 'history'?");
   refused("/sources/drive/latency=\"-1 s\"", "/sources/drive/latency");
   refused(R"(/sources/drive/latency={"unifrom": [0, 1]})", "did you mean 'uniform'?");

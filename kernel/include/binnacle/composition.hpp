@@ -95,8 +95,9 @@ struct FilterInfo {
   std::vector<ProcessInfo> processes;
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
-  Time history = 0;               // how late a sample may be and is still applied; 0: not at all
-  std::size_t history_bytes = 0;  // the most that snapshots of a session's live estimates take, for all filters
+  Time history = 0;                // how late a sample may be and is still applied; 0: not at all
+  std::int64_t history_steps = 0;  // instants that are worked on, at most, for each that arrives; 0: any number
+  std::size_t history_bytes = 0;   // the most that snapshots of a session's live estimates take, for all filters
   std::vector<InitialInfo> starts_when;
   // Blocks that are declared other than zero; `to` and `from` count the filter's blocks, not ports.
   std::vector<Coupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is

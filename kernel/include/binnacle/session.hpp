@@ -40,6 +40,7 @@ struct FilterCounts {
   std::int64_t steps = 0;
   std::int64_t input_gaps = 0;  // bridged
   double seconds = 0;           // of computing time spent in it, estimated from one instant in seven
+  Time longest_lag = 0;         // of live estimates behind what had arrived: with a budget of `history`
 };
 
 /// Counts of what was pushed on a channel since the Session was made or reset.
@@ -106,7 +107,8 @@ class Session {
   /// The same with rows or a covariance.
   void push(ChannelId channel, const SampleView& sample);
   /// Several samples of one instant t, at most one per channel, worked on together: inputs first, then measurements in
-  /// config order. (One push() is an instant of its own.) commit() takes the time that the samples have.
+  /// config order. (One push() is an instant of its own.) commit() takes the time that the samples have; where none was
+  /// added, filters with history go on with what their budget left.
   void add(ChannelId channel, const SampleView& sample);
   void commit(Time t);
 
@@ -172,6 +174,8 @@ class Session {
   };
   // Checked.
   internal::filter::Engine& engine(FilterId filter) const;
+  /// Its live estimates, by more than the history.
+  bool was_lagging(FilterId filter) const;
   const BlockInfo& info(BlockId block) const;
   const Intake& intake(ChannelId channel) const;
   void take(ChannelId channel, const SampleView& sample);

@@ -35,6 +35,7 @@ enum class Doubt : unsigned char {
   restarted,  ///< started anew `figure` times
   input_ended,  ///< measurements went on for `figure` s after the end of the driving input, longer than `limit`
   stopped,      ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
+  lagging,      ///< live estimates were up to `figure` s behind what had arrived, longer than the history, `limit`
 };
 
 /// One reason against a filter's estimates.

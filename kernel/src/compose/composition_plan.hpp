@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -50,8 +51,8 @@ using SinkPlan = StagePlan<Sink>;
 
 /// How long a sample is on its way, from its time to its arrival [s].
 struct LatencyPlan {
-  enum class Kind { fixed, field, uniform, normal, exponential } kind = Kind::fixed;
-  double first = 0, second = 0;  // the time; or the lower and upper limit, the mean and sigma, the mean
+  enum class Kind { fixed, field, uniform, normal, exponential, batch } kind = Kind::fixed;
+  double first = 0, second = 0;  // the time; or the lower and upper limit, the mean and sigma, the mean, the period
   std::vector<int> fields;       // by own channel: among its per-epoch fields
 };
 
@@ -76,8 +77,10 @@ struct HistoryPlan {
   /// Snapshots of the live estimates in one length of the history: a late sample costs at most 1/16 of it more steps than its
   /// age has.
   static constexpr int snapshots = 16;
+  static constexpr std::int64_t unbounded = std::numeric_limits<std::int64_t>::max();
   static constexpr int most_snapshots = snapshots + 2;  // with the one before it
   Time length = 0;                                      // the longest of the filters'; 0: there is none
+  std::int64_t steps = unbounded;                       // instants that one arrival may cost: the least of the filters'
   std::vector<Node> nodes;                              // filters with history, and transforms on the way to them
   std::vector<Node> settled_nodes;                      // and transforms on the way to what sections subscribe to
   std::vector<Node> arrival_nodes;  // all else; filters with history stand where what they emit is wanted

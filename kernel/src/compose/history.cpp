@@ -9,8 +9,8 @@ namespace binnacle::internal::compose {
 namespace {
 
 constexpr const char* forms =
-    "a time, {\"field\": NAME}, {\"uniform\": [FROM, TO]}, {\"normal\": {\"mean\": …, \"sigma\": …}} or "
-    "{\"exponential\": MEAN}";
+    "a time, {\"field\": NAME}, {\"uniform\": [FROM, TO]}, {\"normal\": {\"mean\": …, \"sigma\": …}}, "
+    "{\"exponential\": MEAN} or {\"batch\": PERIOD}";
 
 double read_time(const Reader& at) { return at.number(parameter::number("", "s").at_least(0)).value_or(0.0); }
 
@@ -51,7 +51,7 @@ std::optional<LatencyPlan> read_latency(const Reader& at, const std::vector<Chan
     latency.first = read_time(at);
     return latency;
   }
-  at.check_keys({"field", "uniform", "normal", "exponential"}, "'latency'");
+  at.check_keys({"field", "uniform", "normal", "exponential", "batch"}, "'latency'");
   if (at.children().size() != 1) {
     at.error("B010", std::string("'latency' is ") + forms + "; found " + at.shown());
     return std::nullopt;
@@ -68,14 +68,24 @@ std::optional<LatencyPlan> read_latency(const Reader& at, const std::vector<Chan
     latency.kind = LatencyPlan::Kind::exponential;
     latency.first = read_time(mean);
   }
+  if (const Reader period = at["batch"]) {
+    latency.kind = LatencyPlan::Kind::batch;
+    latency.first = period.number(parameter::number("", "s").at_least(1e-3)).value_or(1.0);
+  }
   return latency;
 }
 
 void FilterComposer::read_history(const ChannelDeclaration& estimates) {
   const Reader history = at["history"];
   if (!history) return;
-  const auto length = history.number(parameter::number("history", "s").above(0));
+  const bool has_budget = history.is_object();
+  if (has_budget) history.check_keys({"length", "steps"}, "'history'");
+  if (has_budget && !history.require("length", "history", "how late a sample may be")) return;
+  const auto length = (has_budget ? history["length"] : history).number(parameter::number("history", "s").above(0));
   if (!length) return;
+  // With 1 it could never catch up: each arrival brings an instant.
+  if (has_budget && history["steps"])
+    plan.history_steps = history["steps"].integer(parameter::integer("steps").at_least(2)).value_or(0);
   plan.history = nanoseconds(*length);
   ChannelDeclaration settled = estimates;
   settled.name = "settled";
@@ -104,6 +114,12 @@ std::vector<Node> with_transforms_before(const CompositionPlan& plan, std::vecto
   return ordered;
 }
 
+/// Filters with history share their samples, and the work on these.
+void add_budget(const FilterPlan& filter, HistoryPlan& history) {
+  history.length = std::max(history.length, filter.history);
+  if (filter.history_steps > 0) history.steps = std::min(history.steps, filter.history_steps);
+}
+
 }  // namespace
 
 void Composer::plan_history() {
@@ -113,7 +129,7 @@ void Composer::plan_history() {
   std::vector<Node> with, without, sinks;
   for (const Node& node : plan_->nodes) {
     const bool has_history = node.kind == Node::Kind::filter && plan_->filters[as_size(node.index)].history > 0;
-    if (has_history) history.length = std::max(history.length, plan_->filters[as_size(node.index)].history);
+    if (has_history) add_budget(plan_->filters[as_size(node.index)], history);
     if (has_history) with.push_back(node);
     if (!has_history && node.kind != Node::Kind::transform) without.push_back(node);
   }

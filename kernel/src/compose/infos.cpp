@@ -73,6 +73,7 @@ void FilterComposer::describe() {
   info.stored_size = plan.stored_size;
   info.input_channel = plan.input_channel;
   info.history = plan.history;
+  info.history_steps = plan.history_steps;
   for (const auto& block : plan.blocks) info.blocks.push_back(block_info(block));
   const Catalog& catalog = composer.plan().catalog;
   for (const auto& derived : plan.derived) info.derived.push_back(bound_info(catalog, derived, derived.derived));

@@ -412,8 +412,9 @@ struct FilterPlan : Planned {
   std::size_t queue_doubles = 0;           // per entry
   int output_channel = -1;                 // its estimates, in the composition's channels
   std::vector<int> further_channels = {};  // of sections
-  Time history = 0;          // how late a sample may be and is still applied where it belongs; 0: not at all
-  int settled_channel = -1;  // its estimates once nothing can change them; of a filter with history
+  Time history = 0;                // how late a sample may be and is still applied where it belongs; 0: not at all
+  std::int64_t history_steps = 0;  // instants that one arrival may cost for it; 0: any number
+  int settled_channel = -1;        // its estimates once nothing can change them; of a filter with history
 
   int n = 0;  // rows of P
   int stored_size = 0;

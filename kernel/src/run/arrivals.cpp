@@ -22,7 +22,7 @@ bool Arrivals::are_wanted(const CompositionPlan& plan) {
 void Arrivals::reset(std::uint64_t seed, int run) {
   store_.clear();
   for (std::size_t s = 0; s < sources_.size(); ++s)
-    sources_[s] = {random::stream(base::stream_seed(seed, run, plan_.sources[s].pointer), "latency"), 0};
+    sources_[s] = {random::stream(base::stream_seed(seed, run, plan_.sources[s].pointer), "latency"), 0, 0};
 }
 
 void Arrivals::exchange(StateBytes& bytes) {
@@ -40,6 +40,10 @@ Time Arrivals::latency(std::size_t source, int channel, const SampleView& sample
     case LatencyPlan::Kind::field: {
       const auto& own = plan_.sources[source].channels;
       delay = sample.fields[latency->fields[as_size(base::index_of(own, channel))]];
+      if (!(delay >= 0) || std::isinf(delay)) {
+        ++sources_[source].without_latency;
+        return 0;
+      }
       break;
     }
     case LatencyPlan::Kind::uniform: delay += (latency->second - latency->first) * random::uniform(random); break;
@@ -47,6 +51,10 @@ Time Arrivals::latency(std::size_t source, int channel, const SampleView& sample
       const double radius = std::sqrt(-2 * std::log1p(-random::uniform(random)));
       delay += latency->second * radius * std::cos(2 * std::numbers::pi * random::uniform(random));
       break;
+    }
+    case LatencyPlan::Kind::batch: {
+      const Time period = nanoseconds(latency->first), over = ((sample.t % period) + period) % period;
+      return over == 0 ? 0 : period - over;
     }
     case LatencyPlan::Kind::exponential: delay *= -std::log1p(-random::uniform(random)); break;
   }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "binnacle/random.hpp"
@@ -29,12 +30,16 @@ class Arrivals {
   /// their time.
   Time take_instant(const std::function<void(int channel, const SampleView& sample, std::int64_t sequence)>& take);
 
+  /// Samples whose own latency was no time.
+  std::int64_t without_latency(std::size_t source) const { return sources_[source].without_latency; }
+
  private:
   Time latency(std::size_t source, int channel, const SampleView& sample);
 
   struct Source {
     random::Philox random{};
     std::int64_t sequence = 0;
+    std::int64_t without_latency = 0;
   };
   const CompositionPlan& plan_;
   SampleStore store_;
@@ -48,6 +53,12 @@ class Arrivals {
 template <class Visit>
 bool each_of_instant(SampleStore& store, std::size_t first, bool SampleStore::Item::*mark,
                      std::vector<bool>& is_present, Visit&& visit) {
+  if (store.is_alone(first)) {
+    SampleStore::Item& item = store[first];
+    if (std::exchange(item.*mark, true)) return false;
+    visit(item);
+    return true;
+  }
   is_present.assign(is_present.size(), false);
   std::int32_t blocked = -1;
   bool is_any = false;

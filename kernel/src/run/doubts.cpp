@@ -34,8 +34,9 @@ std::string subject(const TrustReason& reason, const MeasurementInfo& measuremen
          std::to_string(reason.key);
 }
 
-/// `last_refusal`: why the newest refused sample was.
-std::string text_of(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
+/// Of a reason against the filter as a whole; empty: it is one against a measurement. `last_refusal`: why the newest refused
+/// sample was.
+std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
   const std::string figure = number(reason.figure), limit = number(reason.limit);
   if (reason.doubt == Doubt::bridged)
     return "the input of '" + filter.name + "' has a hole of " + figure + " s at " + since(reason) + " (limit " +
@@ -56,6 +57,15 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
   if (reason.doubt == Doubt::stopped)
     return "'" + filter.name + "' stopped at " + since(reason) + ": the input has a hole of " + figure +
            " s (longest_bridge " + limit + " s), and initial values for a new start did not come";
+  if (reason.doubt == Doubt::lagging)
+    return "live estimates of '" + filter.name + "' lagged " + figure + " s behind what had arrived, first at " +
+           since(reason) + " (history " + limit + " s): the budget of steps is too small; late samples were not used";
+  return "";
+}
+
+std::string text_of(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
+  if (const std::string text = text_of_filter(reason, filter, last_refusal); !text.empty()) return text;
+  const std::string figure = number(reason.figure), limit = number(reason.limit);
   const std::string who = subject(reason, filter.measurements[internal::base::as_size(reason.measurement)]);
   switch (reason.doubt) {
     case Doubt::locked_out:
@@ -90,14 +100,15 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::unaided:
     case Doubt::restarted:
     case Doubt::input_ended:
-    case Doubt::stopped: break;
+    case Doubt::stopped:
+    case Doubt::lagging: break;
   }
   return who;
 }
 
 const char* code_of(Doubt doubt) {
   constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107",
-                                   "B108", "B109", "B110", "B117", "B115", "B118", "B116"};
+                                   "B108", "B109", "B110", "B117", "B115", "B118", "B116", "B123"};
   return codes[static_cast<int>(doubt)];
 }
 

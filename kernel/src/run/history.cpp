@@ -23,6 +23,8 @@ void History::reset(std::uint64_t seed, int run) {
   settled_next_ = live_next_ = 0;
   is_behind_ = is_ended_ = false;
   rewinds_ = 0;
+  lag_ = {};
+  refill();
   while (!snapshots_.empty()) {
     spare_.push_back(std::move(snapshots_.back()));
     snapshots_.pop_back();
@@ -32,9 +34,10 @@ void History::reset(std::uint64_t seed, int run) {
 
 void History::take(int channel, const SampleView& sample, const SampleKey& key) {
   const Time late = newest_ == no_time ? 0 : newest_ - sample.t;
-  if (late > plan_.history.length) {
+  if (late > plan_.history.length || (late > 0 && is_lagging())) {
     Dropped& dropped = dropped_[base::as_size(channel)];
     ++dropped.count;
+    if (late <= plan_.history.length) ++dropped.while_lagging;
     dropped.longest = std::max(dropped.longest, late);
     return;
   }
@@ -69,12 +72,15 @@ void History::rewind(Time before) {
   ++rewinds_;
 }
 
-bool History::advance() {
-  if (!live_ || !is_behind_) return false;
-  while (live_next_ < store_.size()) step_live();
-  is_behind_ = false;
+bool History::is_lagging() const { return present_lag() > plan_.history.length; }
+
+void History::advance() {
+  if (!is_behind()) return;
+  for (; live_next_ < store_.size() && left_.live > 0; --left_.live) step_live();
+  is_behind_ = live_next_ < store_.size();
+  lag_.longest = std::max(lag_.longest, present_lag());
+  if (lag_.since == no_time && is_lagging()) lag_.since = newest_;
   if (!settled_) forget();
-  return true;
 }
 
 void History::step_live() {
@@ -83,7 +89,7 @@ void History::step_live() {
     live_->deliver(item.channel, store_.view(item), item.late);
   };
   while (each_of_instant(store_, live_next_, &SampleStore::Item::is_live, is_present_, deliver)) live_->end_instant(t);
-  live_next_ = store_.after(t);
+  while (live_next_ < store_.size() && store_[live_next_].key.first == t) ++live_next_;
   live_t_ = t;
   if (snapshots_.empty() || snapshots_.back().t == no_time ||
       t - snapshots_.back().t >= plan_.history.length / HistoryPlan::snapshots)
@@ -104,31 +110,41 @@ void History::keep_snapshot() {
   }
 }
 
+bool History::is_settled_due() const {
+  return settled_ && settled_next_ < store_.size() &&
+         (is_ended_ || newest_ - store_[settled_next_].key.first > plan_.history.length);
+}
+
 bool History::settle() {
-  if (!settled_ || settled_next_ == store_.size()) return false;
+  if (!is_settled_due() || (left_.settled == 0 && !is_ended_)) return false;
+  --left_.settled;
   const Time t = store_[settled_next_].key.first;
-  if (!is_ended_ && newest_ - t <= plan_.history.length) return false;
   const auto deliver = [&](const SampleStore::Item& item) {
     settled_->deliver(item.channel, store_.view(item), item.late);
   };
   each_of_instant(store_, settled_next_, &SampleStore::Item::is_done, is_present_, deliver);
   settled_->end_instant(t);
-  const std::size_t end = store_.after(t);
-  while (settled_next_ < end && store_[settled_next_].is_done) ++settled_next_;
+  while (settled_next_ < store_.size() && store_[settled_next_].key.first == t && store_[settled_next_].is_done)
+    ++settled_next_;
   forget();
   return true;
 }
 
-/// What no way needs any more.
+/// What no way needs any more, in bunches.
 void History::forget() {
+  constexpr std::size_t bunch = 64;
   std::size_t count = settled_ ? settled_next_ : store_.size();
   if (live_) {
     const Time until = newest_ - plan_.history.length;
-    const auto later = std::ranges::find_if(snapshots_, [&](const Snapshot& snapshot) { return snapshot.t >= until; });
-    const auto base = later == snapshots_.begin() ? later : later - 1;
-    std::move(snapshots_.begin(), base, std::back_inserter(spare_));
-    snapshots_.erase(snapshots_.begin(), base);
+    const bool has_old = snapshots_.size() > 1 && snapshots_[1].t < until;
+    if (!has_old && settled_next_ < bunch) return;
+    while (snapshots_.size() > 1 && snapshots_[1].t < until) {
+      spare_.push_back(std::move(snapshots_.front()));
+      snapshots_.erase(snapshots_.begin());
+    }
     count = std::min(count, snapshots_.front().t == no_time ? 0 : store_.after(snapshots_.front().t));
+  } else if (settled_next_ < bunch) {
+    return;
   }
   store_.drop_front(count);
   settled_next_ -= std::min(count, settled_next_);
@@ -136,6 +152,7 @@ void History::forget() {
 }
 
 void History::finish() {
+  left_.live = HistoryPlan::unbounded;
   advance();
   for (auto* runtime : {live_.get(), settled_.get()})
     if (runtime) runtime->finish();
@@ -153,6 +170,8 @@ void History::exchange(StateBytes& bytes) {
   bytes.value(is_behind_);
   bytes.value(is_ended_);
   bytes.value(rewinds_);
+  bytes.value(left_);
+  bytes.value(lag_);
   std::uint64_t count = snapshots_.size();
   bytes.value(count);
   if (bytes.is_reading() && bytes.holds() && count <= 2 * HistoryPlan::most_snapshots) snapshots_.resize(count);

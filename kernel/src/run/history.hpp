@@ -28,10 +28,16 @@ class History {
 
   /// A sample arrived on a root channel. It is not kept where it is too late.
   void take(int channel, const SampleView& sample, const SampleKey& key);
-  /// The live way works on what arrived. False where nothing had.
-  bool advance();
+  /// An instant arrived, or there is time to spare: each way may work on so many instants as the budget allows.
+  void refill() { left_ = {plan_.history.steps, plan_.history.steps}; }
+  /// The live way works on what arrived.
+  void advance();
   /// The settled way works on one instant, if one is due.
   bool settle();
+  /// The budget left something undone.
+  bool has_work() const { return is_behind() || is_settled_due(); }
+  /// Samples arrived that the live way has not worked on.
+  bool is_behind() const { return live_ && is_behind_; }
   /// Nothing will arrive any more.
   void end() { is_ended_ = true; }
   void finish();
@@ -41,10 +47,17 @@ class History {
   /// Samples that came too late for any filter.
   struct Dropped {
     std::int64_t count = 0;
-    Time longest = 0;  // how late
+    Time longest = 0;                // how late
+    std::int64_t while_lagging = 0;  // of the count
   };
   const Dropped& dropped(int channel) const { return dropped_[base::as_size(channel)]; }
   std::int64_t rewinds() const { return rewinds_; }
+  /// How far the live way is behind what has arrived, after each instant.
+  struct Lag {
+    Time longest = 0;
+    Time since = no_time;  // the newest sample when it first was more than the history
+  };
+  const Lag& lag() const { return lag_; }
   std::size_t bytes() const;
 
  private:
@@ -54,7 +67,15 @@ class History {
     std::vector<NoteBook> notes;
   };
 
+  struct Budget {
+    std::int64_t live = 0, settled = 0;
+  };
+
   void rewind(Time before);
+  /// Whether late samples must be refused, so that the live way catches up.
+  bool is_lagging() const;
+  Time present_lag() const { return is_behind() ? newest_ - store_[live_next_].key.first : 0; }
+  bool is_settled_due() const;
   /// Works on all samples of the next time.
   void step_live();
   void keep_snapshot();
@@ -72,6 +93,8 @@ class History {
   bool is_behind_ = false, is_ended_ = false;
   std::vector<Snapshot> snapshots_, spare_;  // of the live way, in order of time
   std::int64_t rewinds_ = 0;
+  Budget left_;
+  Lag lag_;
 };
 
 }  // namespace binnacle::internal::runtime

@@ -41,7 +41,7 @@ bool Runtime::next_of_live() {
   const Time t = head.sample.t;
   deliver(channel, unpack(plan_.channels[as_size(channel)], head.sample, data));
   head.status = 0;  // asked again once this instant is done
-  end_instant(t);
+  end_arrival(t);
   return true;
 }
 

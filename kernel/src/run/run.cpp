@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "run/arrivals.hpp"
 #include "run/checkpoint.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
@@ -159,7 +160,24 @@ void note_dropped(const Runtime& runtime, Diagnostics& warnings) {
     warnings.warning("B122", plan.document.key_origin(channel.pointer), channel.pointer,
                      std::to_string(dropped.count) + " samples of channel '" + channel.name + "' came up to " +
                          filter::time_text(dropped.longest) + " late, and the longest history is " +
-                         filter::time_text(plan.history.length) + "; they were not used");
+                         filter::time_text(plan.history.length) + "; they were not used" +
+                         (dropped.while_lagging == 0 ? std::string()
+                                                     : ", " + std::to_string(dropped.while_lagging) +
+                                                           " of them since the live estimates lagged behind"));
+  }
+}
+
+/// What arrived at its own time since the field of its latency holds none.
+void note_without_latency(const Runtime& runtime, Diagnostics& warnings) {
+  const auto& plan = runtime.plan();
+  if (!runtime.arrivals()) return;
+  for (std::size_t s = 0; s < plan.sources.size(); ++s) {
+    const auto count = runtime.arrivals()->without_latency(s);
+    if (count == 0) continue;
+    const std::string pointer = plan.sources[s].pointer + "/latency";
+    warnings.warning("B124", plan.document.origin(pointer), pointer,
+                     std::to_string(count) + " samples of source '" + plan.sources[s].name +
+                         "' have a latency that is NaN, infinite or negative; they arrived at their own time");
   }
 }
 
@@ -293,6 +311,7 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
   note_spans_apart(runtime, result.warnings);
   note_dropped(runtime, result.warnings);
+  note_without_latency(runtime, result.warnings);
   note_failures(runtime, result.failures);
   return result;
 }

@@ -109,7 +109,7 @@ void Runtime::reset(std::uint64_t seed, int run) {
   }
   std::fill(filter_times_.begin(), filter_times_.end(), FilterTime{});
   std::ranges::fill(sequences_, 0);
-  std::ranges::fill(emitted_, 0);
+  std::ranges::fill(emitted_, Emitted{});
   if (arrivals_) arrivals_->reset(seed, run);
   if (history_) history_->reset(seed, run);
   time_ = newest_live_ = no_time;
@@ -310,11 +310,14 @@ void Runtime::run_history(int index) {
   if (!live || plan_.channel_infos[as_size(plan.output_channel)].subscribers.empty()) return;
   Engine& engine = *live->own_engine(index);
   const std::int64_t accepted = accepted_of(engine) + history_->rewinds();
-  if (!engine.started() || engine.broken() || accepted == emitted_[as_size(index)]) return;
+  Emitted& emitted = emitted_[as_size(index)];
+  if (!engine.started() || engine.broken() || accepted == emitted.count) return;
+  // On its way back to the present it says nothing new.
+  if (history_->is_behind() && engine.status().t <= emitted.t) return;
   Channel& output = channels_[as_size(plan.output_channel)];
   const CallScope scope(engine.calls());
   if (!engine.write_estimates(output.slot)) return;
-  emitted_[as_size(index)] = accepted;
+  emitted = {accepted, engine.status().t};
   output.publish();
   output.is_taken = false;
   output.sequence = sequences_[as_size(output.place)]++;
@@ -345,6 +348,11 @@ void Runtime::emit_estimates(int channel, int filter, Time t, const double* x, C
   output.slot.clear();
   if (!engine.write_estimates(output.slot, t, x, P)) return;
   output.publish();
+  end_instant(t);
+}
+
+void Runtime::end_arrival(Time t) {
+  if (history_) history_->refill();
   end_instant(t);
 }
 
@@ -412,7 +420,12 @@ void Runtime::fetch(std::size_t index) {
 bool Runtime::next_instant() {
   if (history_ && history_->settle()) return true;
   if (is_live_ ? next_of_live() : arrivals_ ? next_of_arrivals() : next_of_sources()) return true;
-  if (!history_ || has_live_) return false;
+  if (!history_) return false;
+  if (has_live_) {  // nothing arrives now: time for what the budget left
+    if (!history_->has_work()) return false;
+    end_arrival(time_);
+    return true;
+  }
   history_->end();
   return history_->settle();
 }
@@ -441,7 +454,7 @@ bool Runtime::next_of_arrivals() {
     deliver(channel, sample);
     channels_[as_size(channel)].sequence = sequence;
   });
-  end_instant(t);
+  end_arrival(t);
   return true;
 }
 
@@ -468,7 +481,7 @@ bool Runtime::next_of_sources() {
       fetch(s);
     }
   }
-  end_instant(earliest);
+  end_arrival(earliest);
   return true;
 }
 

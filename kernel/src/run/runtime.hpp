@@ -66,6 +66,8 @@ class Runtime {
   /// late: how much older it is than what had come, for filters with history.
   void deliver(int channel, const SampleView& sample, Time late = 0);
   void end_instant(Time t);
+  /// The same for what arrived from outside, which filters with history may work for.
+  void end_arrival(Time t);
   /// After what was pushed: filters with history settle what is due.
   void settle();
   /// Takes the earliest instant from the sources, or what that settles, instant by instant; false when all have ended and
@@ -99,6 +101,7 @@ class Runtime {
   /// Null: it runs elsewhere.
   Engine* own_engine(int filter) const { return engines_[as_size(filter)].get(); }
   const History* history() const { return history_.get(); }
+  const Arrivals* arrivals() const { return arrivals_.get(); }
   const CompositionPlan& plan() const { return plan_; }
   Time time() const { return time_; }
   /// Of what came on a channel; from no_time: nothing.
@@ -186,7 +189,12 @@ class Runtime {
   std::unique_ptr<History> history_;
   Estimates shown_ = Estimates::live;
   std::vector<std::int64_t> sequences_;  // by place
-  std::vector<std::int64_t> emitted_;    // by filter with history: of what its live channel shows
+  /// What a filter's live channel shows.
+  struct Emitted {
+    std::int64_t count = 0;  // of what changed its estimates
+    Time t = no_time;
+  };
+  std::vector<Emitted> emitted_;  // by filter with history
   Subscriber subscriber_, settled_subscriber_;
   std::vector<FilterTime> filter_times_;
   Time time_ = no_time;

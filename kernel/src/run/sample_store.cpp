@@ -29,6 +29,10 @@ std::size_t SampleStore::insert(const SampleKey& key, int channel, const SampleV
   Item item{key, {}, channel, pool.free.back()};
   pool.free.pop_back();
   item.head = pack(channels_[as_size(channel)], sample, pool.numbers.data() + as_size(item.slot) * doubles);
+  if (empty() || items_.back().key < key) {
+    items_.push_back(item);
+    return size() - 1;
+  }
   const auto at = std::upper_bound(items_.begin() + static_cast<std::ptrdiff_t>(begin_), items_.end(), key,
                                    [](const SampleKey& a, const Item& b) { return a < b.key; });
   const auto index = static_cast<std::size_t>(at - items_.begin()) - begin_;

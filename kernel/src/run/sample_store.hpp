@@ -45,6 +45,10 @@ class SampleStore {
   Item& operator[](std::size_t index) { return items_[begin_ + index]; }
   const Item& operator[](std::size_t index) const { return items_[begin_ + index]; }
   SampleView view(const Item& item) const;
+  /// No other has its times.
+  bool is_alone(std::size_t index) const {
+    return index + 1 == size() || !(*this)[index + 1].key.is_with((*this)[index].key);
+  }
   /// Where it stands then. O(1) where it is the last.
   std::size_t insert(const SampleKey& key, int channel, const SampleView& sample);
   void drop_front(std::size_t count);

@@ -131,7 +131,7 @@ void Session::push(ChannelId channel, const SampleView& sample) {
   if (instant_ != no_time)
     throw std::invalid_argument("what was added for one instant must be committed before the next push");
   take(channel, sample);
-  runtime_->end_instant(sample.t);
+  runtime_->end_arrival(sample.t);
   runtime_->settle();
 }
 
@@ -146,7 +146,7 @@ void Session::commit(Time t) {
   if (instant_ != no_time && t != instant_)
     throw std::invalid_argument("commit() takes the time of the samples that were added");
   instant_ = no_time;
-  runtime_->end_instant(t);
+  runtime_->end_arrival(t);
   runtime_->settle();
 }
 
@@ -238,7 +238,9 @@ std::span<const double> Session::state(FilterId filter) const {
 
 FilterCounts Session::counts(FilterId filter) const {
   const auto& head = engine(filter).status();
-  return {head.steps, head.gaps, runtime_->of(filter.index).filter_times()[as_size(filter.index)].seconds};
+  const auto* history = engine(filter).plan().history > 0 ? runtime_->history() : nullptr;
+  return {head.steps, head.gaps, runtime_->of(filter.index).filter_times()[as_size(filter.index)].seconds,
+          history ? history->lag().longest : 0};
 }
 
 ChannelCounts Session::counts(ChannelId channel) const { return intake(channel).counts; }
@@ -255,10 +257,24 @@ void Session::push_estimates(ChannelId channel, FilterId filter, Time t, const d
   runtime_->emit_estimates(channel.index, filter.index, t, x, P);
 }
 
-Verdict Session::verdict(FilterId filter) const { return engine(filter).verdict(); }
+bool Session::was_lagging(FilterId filter) const {
+  return engine(filter).plan().history > 0 && runtime_->history()->lag().since != no_time;
+}
+
+Verdict Session::verdict(FilterId filter) const {
+  const Verdict verdict = engine(filter).verdict();
+  return was_lagging(filter) ? std::max(verdict, Verdict::doubtful) : verdict;
+}
 
 std::size_t Session::reasons(FilterId filter, std::span<TrustReason> into) const {
-  return engine(filter).reasons(into);
+  const std::size_t count = engine(filter).reasons(into);
+  if (!was_lagging(filter)) return count;
+  const auto& lag = runtime_->history()->lag();
+  if (count < into.size()) {
+    into[count] = {.doubt = Doubt::lagging, .since = lag.since, .figure = seconds(lag.longest)};
+    into[count].limit = seconds(composition_->plan().history.length);
+  }
+  return count + 1;
 }
 
 MeasurementCounts Session::counts(MeasurementId measurement) const {
@@ -271,10 +287,12 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   counts.dof_mean = n > 0 ? static_cast<double>(tally.rows_used) / n : 0.0;
   if (runtime_->history() && filter.plan().history > 0) {
     const int channel = filter.plan().measurements[as_size(measurement.index)].channel;
-    const auto dropped = runtime_->history()->dropped(channel).count;
-    counts.offered += dropped;
-    counts.by_outcome[static_cast<int>(Outcome::late)] += dropped;
-    if (dropped > 0 && counts.last_reason.empty()) counts.last_reason = "older than the filter's history";
+    const auto& dropped = runtime_->history()->dropped(channel);
+    counts.offered += dropped.count;
+    counts.by_outcome[static_cast<int>(Outcome::late)] += dropped.count;
+    if (dropped.count > 0 && counts.last_reason.empty())
+      counts.last_reason =
+          dropped.while_lagging > 0 ? "late, and the live estimates lagged behind" : "older than the filter's history";
   }
   for (const auto& row : filter.ledger().rows(measurement.index))
     if (row.is_in_use) counts.rows.push_back(internal::filter::figures_of(row));
