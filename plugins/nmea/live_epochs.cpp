@@ -37,8 +37,8 @@ void LiveEpochs::take(std::string_view line, std::vector<Epoch>& epochs) {
   const auto outcome = decoder_.take(line, epochs);
   if (outcome != Decoder::Outcome::used && outcome != Decoder::Outcome::ignored)
     lines_.complain("it is a sentence " + std::string(words_of(outcome)), code_of(outcome));
-  for_each_remark([&](const char* code, std::int64_t Decoder::Counts::*count, const std::string& what) {
-    if (decoder_.counts().*count > before.*count) lines_.remark(what, code);
+  for_each_note([&](const char* code, std::int64_t Decoder::Counts::*count, const std::string& what) {
+    if (decoder_.counts().*count > before.*count) lines_.note(what, code);
   });
 }
 

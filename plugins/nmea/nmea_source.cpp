@@ -52,7 +52,7 @@ class Faults {
 };
 
 void report(const Decoder::Counts& counts, const std::string& path, Reporter& reporter) {
-  for_each_remark([&](const char* code, std::int64_t Decoder::Counts::*count, const std::string& what) {
+  for_each_note([&](const char* code, std::int64_t Decoder::Counts::*count, const std::string& what) {
     if (counts.*count > 0) reporter.warn(code, path, 0, std::to_string(counts.*count) + " " + what);
   });
 }

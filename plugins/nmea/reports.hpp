@@ -20,21 +20,21 @@ inline const char* code_of(Decoder::Outcome outcome) {
   return outcome == Decoder::Outcome::unreadable ? "B062" : "B061";
 }
 
-/// Calls remark(code, which count, "is left out: …") for each.
-template <class Remark>
-void for_each_remark(Remark&& remark) {
+/// Calls note(code, which count, "is left out: …") for each.
+template <class Note>
+void for_each_note(Note&& note) {
   using Counts = Decoder::Counts;
-  remark("B065", &Counts::undated, "epochs before the first date (RMC, ZDA) were left out; 'date' gives it");
-  remark("B063", &Counts::backwards, "epochs are not younger than the one before, and were left out");
-  remark("B065", &Counts::after_end,
-         "sentences came after the one that ends their epoch, and were left out; 'ends_with' names the last one");
-  remark("B065", &Counts::untimed,
-         "sentences VTG, HDT or THS have no time of their own and were left out: there is one in an epoch");
-  remark("B065", &Counts::two_talkers,
-         "sentences are of two talkers for one instant, and the later counts; 'talkers' chooses");
-  remark("B064", &Counts::no_separation,
-         "GGA have a height above the sea alone, so there is none above the ellipsoid; 'geoid_separation' gives the "
-         "difference");
+  note("B065", &Counts::undated, "epochs before the first date (RMC, ZDA) were left out; 'date' gives it");
+  note("B063", &Counts::backwards, "epochs are not younger than the one before, and were left out");
+  note("B065", &Counts::after_end,
+       "sentences came after the one that ends their epoch, and were left out; 'ends_with' names the last one");
+  note("B065", &Counts::untimed,
+       "sentences VTG, HDT or THS have no time of their own and were left out: there is one in an epoch");
+  note("B065", &Counts::two_talkers,
+       "sentences are of two talkers for one instant, and the later counts; 'talkers' chooses");
+  note("B064", &Counts::no_separation,
+       "GGA have a height above the sea alone, so there is none above the ellipsoid; 'geoid_separation' gives the "
+       "difference");
 }
 
 }  // namespace binnacle::nmea

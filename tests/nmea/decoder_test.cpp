@@ -83,7 +83,7 @@ TEST_CASE("published sentences have the values that their documents state") {
   CHECK(epoch.yaw == 274.07 * degree);
 }
 
-TEST_CASE("VTG gives the velocity where RMC does not; THS only where its mode is autonomous") {
+TEST_CASE("VTG gives the velocity where RMC does not, and THS only where its mode is autonomous") {
   Decoded vtg({.date = Day(2026y / 11 / 23)});
   vtg.add(gga("120000")).add("GPVTG,054.7,T,034.4,M,005.5,N,010.2,K").add("GPTHS,77.52,E").end();
   REQUIRE(vtg.epochs.size() == 1);
@@ -198,7 +198,7 @@ TEST_CASE("of headings within an epoch the first counts: the others have no time
   CHECK(all.decoder.counts().after_end == 0);
 }
 
-TEST_CASE("talkers: all, or those that are chosen; two that say the same are counted") {
+TEST_CASE("talkers: all, or those that are chosen, and two that say the same are counted") {
   Decoded all;
   all.add(gga("120000"))
       .add("GNGGA,120000,5007.038,N,01131.000,E,4,20,0.5,545.4,M,46.9,M,,")

@@ -122,7 +122,7 @@ TEST_CASE("an estimate that is too uncertain is not valid") {
   CHECK(valid + 10 < estimates.size());
 }
 
-TEST_CASE("damaged sentences are left out, counted and reported with the line of the first; the others are read") {
+TEST_CASE("damaged sentences are left out, counted and reported with the line of the first, and the others are read") {
   const Workbench bench;
   const std::string nmea = written_truth(bench);
   auto lines = receivers::lines_of(nmea);

@@ -21,7 +21,7 @@ constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 template <class Write>
 std::string written(Write&& write) {
   std::string text;
-  SentenceWriter out(text, "GP", "XXX");
+  SentenceWriter out(text, "GP", "ABC");
   write(out);
   return text.substr(6);
 }

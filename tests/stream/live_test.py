@@ -312,9 +312,9 @@ class Live(unittest.TestCase):
 
     def test_addresses_that_are_none(self):
         wrong = {"stdin": "did you mean 'stdin:'?", "log.jsonl": "did you mean 'file:log.jsonl'?",
-                 "http://x:1": "'http' is none of its kinds", "tcp://localhost": "the port is missing",
-                 "udp://:70000": "'70000' is no port from 1 to 65535", "serial://ttyUSB0": "a path from the root",
-                 "serial:///dev/x?b=1": "after '?' stands baud=NUMBER"}
+                 "http://x:1": "an address is stdin:, file:PATH", "tcp://localhost": "no port is given",
+                 "udp://:70000": "'70000' is no port", "serial://ttyUSB0": "named by its whole path",
+                 "serial:///dev/x?b=1": "the one option of serial:// is ?baud=NUMBER", "stdout:": "did you mean 'stdin:'?"}
         for address, why in wrong.items():
             done = self.run_to_end(live_config(address), "")
             self.assertEqual(done.returncode, 3, done.stderr)

@@ -59,20 +59,35 @@ def of_receiver(fix):
 
 
 def config(imu, gnss, sinks, start, yaw):
-    """The drive's filter, which is aided by positions alone: NMEA has no vertical velocity."""
+    """An INS aided by positions alone, since NMEA has no vertical velocity; mounted and noisy as configs/drives says."""
+    def reference(name, fields):
+        return {"type": "csv/csv", "path": f"{DRIVE}/reference_{name}.csv.gz", "time": {"column": "t_s"},
+                "columns": {field: {"column": column, "unit": unit} for field, column, unit in fields}}
+    vector = {"type": "vector", "size": 3}
     return {
-        "extends": f"{PROJECT}/configs/drives/medium-turn-loop.json",
-        "vars": {"drives": f"{DATA}/drives"},
-        "sources": {"raw_imu": {"path": None, "time": None, "columns": None, "max_gap": "50 ms", **imu},
-                    "gnss": {"path": None, "time": None, "columns": None, "type": "nmea", "epoch": EPOCH, **gnss}},
-        "transforms": {"alignment": None},
+        "binnacle": 1,
+        "sources": {"raw_imu": {"max_gap": "50 ms", **imu}, "gnss": {"type": "nmea", "epoch": EPOCH, **gnss},
+                    "truth": reference("position", [("lat", "lat_deg", "deg"), ("lon", "lon_deg", "deg"),
+                                                    ("height", "height_m", "m")])},
+        "transforms": {"imu": {"type": "rotate_axes", "input": "raw_imu", "roll": "-1.17 deg", "pitch": "-0.02 deg",
+                               "yaw": "2.59 deg", "flip": "flu_to_frd"}},
         "filters": {"ins": {
             "history": "2 s",
-            "blocks": {"position": {"init": start}, "velocity": {"init": {"vn": 0, "ve": 0, "vd": 0}},
-                       "attitude": {"init": {"roll": 0, "pitch": 0, "yaw": f"{yaw} deg"}, "sigma": "3 deg"},
-                       "gyro_bias": {"init": 0, "sigma": "0.5 deg/s"}},
-            "measurements": {"fix": {"stack": None, "type": "position_fix", "blocks": {"position": "position"},
+            "blocks": {"position": {"type": "position", "init": start, "sigma": "3 m"},
+                       "velocity": {"type": "velocity", "init": {"vn": 0, "ve": 0, "vd": 0}, "sigma": "0.3 m/s"},
+                       "attitude": {"type": "attitude", "init": {"roll": 0, "pitch": 0, "yaw": f"{yaw} deg"}, "sigma": "3 deg"},
+                       "gyro_bias": {**vector, "unit": "rad/s", "init": 0, "sigma": "0.5 deg/s"},
+                       "accel_bias": {**vector, "unit": "m/s^2", "init": 0, "sigma": "0.2 m/s^2"}},
+            "process": {
+                "strapdown": {"type": "phi_error", "input": "imu",
+                              "blocks": {name: name for name in ("position", "velocity", "attitude", "gyro_bias", "accel_bias")},
+                              "gyro_noise": "2e-4 rad/s/sqrt(Hz)", "accel_noise": "0.02 m/s^2/sqrt(Hz)"},
+                "gyro_drift": {"type": "random_walk", "blocks": {"x": "gyro_bias"}, "q": "1e-5 rad/s/sqrt(s)"},
+                "accel_drift": {"type": "random_walk", "blocks": {"x": "accel_bias"}, "q": "1e-3 m/s^2/sqrt(s)"}},
+            "measurements": {"fix": {"channel": "gnss", "type": "position_fix", "blocks": {"position": "position"},
                                      "sigma": ["1.5 m", "1.5 m", "3 m"]}}}},
+        "reference": [{"channel": "truth", "blocks": {"ins/position": ["lat", "lon", "height"]}, "invalid": 0}],
+        "record": {"every": "0.5 s"},
         "sinks": sinks,
     }
 
@@ -150,68 +165,67 @@ def check(condition, *text):
         sys.exit(" ".join(map(str, text)))
 
 
-def main():
-    if not os.path.isdir(DRIVE) or not GPSD:
-        print("skipped: no " + (f"data at {DRIVE}" if GPSD else "gpsd (Debian package gpsd)"))
-        return SKIPPED
-    folder = tempfile.mkdtemp()
-    os.chdir(folder)
-    imu, fixes = list(rows("imu")), list(rows("gnss"))
-    yaw = next(rows("reference_attitude"))["yaw_deg"]
-    first = fixes[0]
-    start = {"lat": f"{first['lat_deg']} deg", "lon": f"{first['lon_deg']} deg", "height": first["height_m"]}
-    columns = {name: {"column": column, "unit": unit, "kind": "rate"} for name, column, unit in (
-        ("wx", "gx_radps", "rad/s"), ("wy", "gy_radps", "rad/s"), ("wz", "gz_radps", "rad/s"),
-        ("fx", "ax_mps2", "m/s^2"), ("fy", "ay_mps2", "m/s^2"), ("fz", "az_mps2", "m/s^2"))}
-    header = ",".join(imu[0])
-    lines = [(row["t_s"], 0, ",".join(repr(value) for value in row.values()) + "\n") for row in imu]
-    lines += [(row["t_s"] + 0.08, 1, of_receiver(row)) for row in fixes]  # a receiver computes for a while
-    lines.sort()
+class Receiver:
+    """The drive as text, and the configs that read it."""
 
-    # Recorded: the same sentences and rows, from files.
-    with open("imu.csv", "w") as file:
-        file.write(header + "\n" + "".join(text for _, kind, text in lines if kind == 0))
-    with open("receiver.nmea", "w", newline="") as file:
-        file.write("".join(text for _, kind, text in lines if kind == 1))
-    recorded = run(config({"type": "csv/csv", "path": "imu.csv", "time": {"column": "t_s"}, "columns": columns},
-                          {"path": "receiver.nmea"}, {}, start, yaw), "recorded")
-    _, err = recorded.communicate(timeout=100)
-    check(recorded.returncode == 0, "recorded:", err)
+    def __init__(self):
+        imu, self.fixes = list(rows("imu")), list(rows("gnss"))
+        first = self.fixes[0]
+        self.start = {"lat": f"{first['lat_deg']} deg", "lon": f"{first['lon_deg']} deg", "height": first["height_m"]}
+        self.yaw = next(rows("reference_attitude"))["yaw_deg"]
+        self.columns = {name: {"column": column, "unit": unit, "kind": "rate"} for name, column, unit in (
+            ("wx", "gx_radps", "rad/s"), ("wy", "gy_radps", "rad/s"), ("wz", "gz_radps", "rad/s"),
+            ("fx", "ax_mps2", "m/s^2"), ("fy", "ay_mps2", "m/s^2"), ("fz", "az_mps2", "m/s^2"))}
+        self.header = ",".join(imu[0]) + "\n"
+        lines = [(row["t_s"], 0, ",".join(repr(value) for value in row.values()) + "\n") for row in imu]
+        lines += [(row["t_s"] + 0.08, 1, of_receiver(row)) for row in self.fixes]  # a receiver computes for a while
+        self.lines = [(kind, text) for _, kind, text in sorted(lines)]
 
-    # Live, and gpsd at the other end of what the filter sends.
-    (imu_master, imu_device, imu_slave), (gnss_master, gnss_device, gnss_slave) = terminal(), terminal()
-    (out_master, out_device, out_slave), (gpsd_master, gpsd_device, gpsd_slave) = terminal(), terminal()
-    gpsd = Gpsd(gpsd_device)
-    cable(out_master, gpsd_master)
-    sinks = {"ins": {"type": "stream/json_writer", "input": "ins", "to": "file:ins.jsonl"},
-             "nmea": {"type": "nmea_writer", "input": "ins", "to": f"serial://{out_device}?baud=4000000", "epoch": EPOCH,
-                      "geoid_separation": "0 m",
-                      "fields": {"lat": "position.lat", "lon": "position.lon", "height": "position.height",
-                                 "vn": "velocity.vn", "ve": "velocity.ve", "yaw": "attitude.yaw"}}}
-    live = run(config({"type": "stream/csv", "from": f"serial://{imu_device}?baud=921600",
-                       "time": {"key": "t_s"}, "columns": columns},
-                      {"from": f"serial://{gnss_device}?baud=115200"}, sinks, start, yaw), "live")
-    time.sleep(1)  # until it has opened its terminals: what was sent before would be gone
-    os.write(imu_master, (header + "\n").encode())
-    for _, kind, text in lines:
-        os.write((imu_master, gnss_master)[kind], text.encode())
-    before = -1
-    while before != (before := os.path.getsize("ins.jsonl")) or before == 0:
-        time.sleep(1)
-    live.send_signal(signal.SIGINT)
-    _, err = live.communicate(timeout=60)
-    check(live.returncode == 0, "live:", live.returncode, err)
+    def config(self, imu, gnss, sinks):
+        return config({**imu, "columns": self.columns}, gnss, sinks, self.start, self.yaw)
 
-    expected, found = figures("recorded"), figures("live")
-    check(found == expected, "the live run is another than the recorded one:", err, json.dumps(found[0], indent=1),
-          json.dumps(expected[0], indent=1))
-    check(expected[0]["measurements"]["fix"]["accepted"] > 0.95 * len(fixes), json.dumps(expected[0], indent=1))
-    error = expected[0]["reference"]["position.horizontal"]["rms"]
-    check(error < 3, f"{error} m from the reference")
+    def run_recorded(self):
+        """The same sentences and rows, from files."""
+        with open("imu.csv", "w") as file:
+            file.write(self.header + "".join(text for kind, text in self.lines if kind == 0))
+        with open("receiver.nmea", "w", newline="") as file:
+            file.write("".join(text for kind, text in self.lines if kind == 1))
+        process = run(self.config({"type": "csv/csv", "path": "imu.csv", "time": {"column": "t_s"}},
+                                  {"path": "receiver.nmea"}, {}), "recorded")
+        _, err = process.communicate(timeout=100)
+        check(process.returncode == 0, "recorded:", err)
+        return figures("recorded")
 
+    def run_live(self, out_device):
+        (imu, imu_device, _), (gnss, gnss_device, _) = terminal(), terminal()
+        sinks = {"ins": {"type": "stream/json_writer", "input": "ins", "to": "file:ins.jsonl"},
+                 "nmea": {"type": "nmea_writer", "input": "ins", "to": f"serial://{out_device}?baud=4000000",
+                          "epoch": EPOCH, "geoid_separation": "0 m",
+                          "fields": {"lat": "position.lat", "lon": "position.lon", "height": "position.height",
+                                     "vn": "velocity.vn", "ve": "velocity.ve", "yaw": "attitude.yaw"}}}
+        process = run(self.config({"type": "stream/csv", "from": f"serial://{imu_device}?baud=921600",
+                                   "time": {"key": "t_s"}},
+                                  {"from": f"serial://{gnss_device}?baud=115200"}, sinks), "live")
+        while len(os.listdir(f"/proc/{process.pid}/task")) < 2:  # the writer's: then the terminals are open
+            time.sleep(0.1)
+        time.sleep(0.5)
+        os.write(imu, self.header.encode())
+        for kind, text in self.lines:
+            os.write((imu, gnss)[kind], text.encode())
+        before = -1
+        while before != (before := os.path.getsize("ins.jsonl")) or before == 0:
+            time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        check(process.returncode == 0, "live:", process.returncode, err)
+        return figures("live"), err
+
+
+def compare(positions):
+    """What gpsd has, and what the filter sent: how many, and how far apart [m]."""
     with open("ins.jsonl") as file:
         sent = {round(sample["t"], 3): sample for sample in map(json.loads, file)}
-    positions, most = gpsd.positions(), 0.0
+    most = 0.0
     for report in positions:
         hours, minutes, seconds = re.match(r"2026-11-23T(\d+):(\d+):([\d.]+)Z", report["time"]).groups()
         t = round(int(hours) * 3600 + int(minutes) * 60 + float(seconds) - EPOCH_SECONDS, 3)
@@ -222,10 +236,30 @@ def main():
         most = max(most, math.hypot(north, east), abs(report["altHAE"] - sample["position.height"]))
     check(len(positions) + 3 >= len(sent), f"gpsd has {len(positions)} positions, the filter sent {len(sent)}")
     check(most < 0.002, f"gpsd's positions are {most} m off")
-    print(f"{len(lines)} lines in, {len(sent)} estimates out, of which gpsd has {len(positions)}, at most {1e3 * most:.2f} mm off")
+    return len(sent), most
+
+
+def main():
+    if not os.path.isdir(DRIVE) or not GPSD:
+        print("skipped: no " + (f"data at {DRIVE}" if GPSD else "gpsd (Debian package gpsd)"))
+        return SKIPPED
+    folder = tempfile.mkdtemp()
+    os.chdir(folder)
+    receiver = Receiver()
+    expected = receiver.run_recorded()
+    check(expected[0]["measurements"]["fix"]["accepted"] > 0.95 * len(receiver.fixes), json.dumps(expected[0], indent=1))
+    error = expected[0]["reference"]["position.horizontal"]["rms"]
+    check(error < 3, f"{error} m from the reference")
+
+    (out, out_device, _), (to_gpsd, gpsd_device, _) = terminal(), terminal()
+    gpsd = Gpsd(gpsd_device)
+    cable(out, to_gpsd)
+    found, err = receiver.run_live(out_device)
+    check(found == expected, "the live run is another than the recorded one:", err, json.dumps(found[0], indent=1),
+          json.dumps(expected[0], indent=1))
+    sent, most = compare(gpsd.positions())
+    print(f"{len(receiver.lines)} lines in, {sent} estimates out; gpsd has them, at most {1e3 * most:.2f} mm off")
     gpsd.process.kill()
-    for descriptor in (imu_slave, gnss_slave, out_slave, gpsd_slave):
-        os.close(descriptor)
     shutil.rmtree(folder)
     return 0
 

@@ -24,7 +24,7 @@ TABLE = [
     ("moved on", r"\b(moved|moves) on\b", "propagated, advanced", []),
     ("worked off", r"\bwork(s|ed|ing)?( (it|them|these|all))? off\b", "propagated, advanced", []),
     ("hear", r"\b(hears?|heard|hearing)\b", "subscribes to, receives", []),
-    ("listen", r"\blisten(s|ed|ing|ers?)?\b", "subscribes to, subscriber", [r"\bview\.listeners\b", r"\b(const )?listener( of view|\(| of)", r"listeners: \[\]", r"\?listen\b", r"::listen\(", r"\bacceptor_\.listen\("]),
+    ("listen", r"\blisten(s|ed|ing|ers?)?\b", "subscribes to, subscriber", [r"\bview\.listeners\b", r"\b(const )?listener( of view|\(| of)", r"listeners: \[\]", r"::listen\(", r"\bacceptor_\.listen\("]),
     ("ear", r"\bears?\b", "subscriber, collector", []),
     ("speak", r"\b(speaks?|spoke|spoken|speaking)\b", "emits, reports", []),
     ("tape", r"\btapes?\b", "step log, record", []),

@@ -14,7 +14,7 @@ namespace {
 
 std::string forms(Direction direction) {
   return std::string("an address is ") + (direction == Direction::input ? "stdin:" : "stdout:") +
-         ", file:PATH, tcp://HOST:PORT, tcp://:PORT (listens), udp://HOST:PORT, udp://:PORT or "
+         ", file:PATH, tcp://HOST:PORT, tcp://:PORT (a server), udp://HOST:PORT, udp://:PORT or "
          "serial:///dev/NAME?baud=115200";
 }
 
@@ -39,7 +39,8 @@ class Parser {
 
   [[noreturn]] void refuse_scheme() const {
     const auto meant = [&](const std::string& what) { refuse("did you mean '" + what + "'? " + forms(direction_)); };
-    if (text_ == "-" || text_ == "stdin" || text_ == "stdout" || text_ == "/dev/stdin" || text_ == "/dev/stdout")
+    const std::string name = text_.substr(text_.rfind('/') + 1);  // a bare name stands beside the config by now
+    if (name == "-" || name == "stdin" || name == "stdout")
       meant(direction_ == Direction::input ? "stdin:" : "stdout:");
     if (text_.starts_with("/dev/")) meant("serial://" + text_);
     if (text_.starts_with("serial:/dev/")) meant("serial://" + text_.substr(7));
@@ -51,7 +52,7 @@ class Parser {
     for (const char* scheme : {"stdin", "stdout", "file", "tcp", "udp", "serial"})
       if (text_.find(':') != text_.npos && small == scheme && !text_.starts_with(scheme))
         meant(small + text_.substr(small.size()));
-    if (!text_.empty() && text_.find("://") == text_.npos) meant("file:" + text_);
+    if (!name.empty() && text_.find(':') == text_.npos) meant("file:" + name);
     refuse(forms(direction_));
   }
 
@@ -80,8 +81,8 @@ class Parser {
 
   Address tcp() {
     const std::string_view query = take_query();
-    if (!query.empty() && query != "listen")
-      refuse("found '?" + std::string(query) + "'; the one option of tcp:// is ?listen");
+    if (!query.empty() && query != "server")
+      refuse("found '?" + std::string(query) + "'; the one option of tcp:// is ?server");
     address_.kind = take_host_and_port() && query.empty() ? Kind::tcp_client : Kind::tcp_server;
     return address_;
   }

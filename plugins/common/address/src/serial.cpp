@@ -47,7 +47,7 @@ Descriptor open_serial(const Address& address) {
   ::cfmakeraw(&settings);
   settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS);
   settings.c_cflag |= CLOCAL | CREAD;
-  settings.c_cc[VMIN] = 0;
+  settings.c_cc[VMIN] = 1;  // with 0 a read of nothing would look like the end
   settings.c_cc[VTIME] = 0;
   ::cfsetspeed(&settings, find(address.baud)->second);
   if (::tcsetattr(device.get(), TCSANOW, &settings) != 0) return {};

@@ -58,15 +58,15 @@ std::string connect_fault(int descriptor) {
   return error == 0 ? "" : std::string("cannot connect: ") + std::strerror(error);
 }
 
-Socket listen_tcp(const Address& address) {
-  return make(address, SOCK_STREAM, AI_PASSIVE, "cannot listen", [](int socket, const sockaddr* at, socklen_t size) {
+Socket serve_tcp(const Address& address) {
+  return make(address, SOCK_STREAM, AI_PASSIVE, "cannot be served", [](int socket, const sockaddr* at, socklen_t size) {
     set(socket, SOL_SOCKET, SO_REUSEADDR);
     return ::bind(socket, at, size) != 0 ? -1 : ::listen(socket, backlog);
   });
 }
 
-Descriptor accept_client(int listening) {
-  Descriptor client(::accept4(listening, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+Descriptor accept_client(int server) {
+  Descriptor client(::accept4(server, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (client) set(client.get(), IPPROTO_TCP, TCP_NODELAY);
   return client;
 }

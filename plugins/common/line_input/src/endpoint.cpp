@@ -43,7 +43,7 @@ void Endpoint::open() {
     case Kind::udp: open_udp(); break;
     case Kind::tcp_client: connect(); break;
     case Kind::tcp_server: {
-      address::Socket socket = address::listen_tcp(address_);
+      address::Socket socket = address::serve_tcp(address_);
       if (!socket.descriptor) fail("port " + std::to_string(address_.port) + " cannot be opened: " + socket.fault);
       server_ = std::move(socket.descriptor);
       break;

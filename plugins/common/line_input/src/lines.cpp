@@ -130,10 +130,10 @@ bool Lines::take_line(std::string_view& line) {
 
 void Lines::complain(const std::string& why, const char* code) {
   if (stops_) throw ComponentError::in_data("the line is no good: " + why, intake_->from(), intake_->line, code);
-  remark("a line is no good: " + why, code);
+  note("a line is no good: " + why, code);
 }
 
-void Lines::remark(const std::string& what, const char* code) {
+void Lines::note(const std::string& what, const char* code) {
   auto& fault = intake_->faults[what];
   if (++fault.count < fault.told_next) return;
   fault.told_next *= 10;

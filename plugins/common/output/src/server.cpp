@@ -40,7 +40,7 @@ struct Client {
 class Server final : public Destination {
  public:
   Server(const address::Address& address, std::size_t buffer, Warn warn) : buffer_(buffer), warn_(std::move(warn)) {
-    address::Socket socket = address::listen_tcp(address);
+    address::Socket socket = address::serve_tcp(address);
     if (!socket.descriptor) throw std::runtime_error(socket.fault);
     entrance_ = std::move(socket.descriptor);
   }

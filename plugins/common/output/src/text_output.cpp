@@ -38,7 +38,7 @@ std::vector<ParameterSpec> TextOutput::parameters() {
   std::vector<ParameterSpec> specs;
   specs.push_back(
       parameter::path("to").required().about("stdout:, file:PATH, tcp://HOST:PORT (connects), tcp://:PORT (a server on "
-                                             "loopback), tcp://HOST:PORT?listen (a server "
+                                             "loopback), tcp://HOST:PORT?server (a server "
                                              "there), udp://HOST:PORT, serial:///dev/NAME?baud=115200"));
   specs.push_back(parameter::integer("buffer").at_least(1024).at_most(1 << 30).defaults("1048576").about(
       "bytes that wait for a receiver that is slow; beyond them its oldest lines are lost, and counted. Of a serial "

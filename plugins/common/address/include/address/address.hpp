@@ -15,8 +15,8 @@ enum class Direction { input, output };
 ///     stdout:                           output only
 ///     file:PATH
 ///     tcp://HOST:PORT                   connects
-///     tcp://:PORT                       listens on loopback
-///     tcp://HOST:PORT?listen            listens on that interface; 0.0.0.0 or [::] for all
+///     tcp://:PORT                       a server on loopback
+///     tcp://HOST:PORT?server            a server on that interface; 0.0.0.0 or [::] for all
 ///     udp://:PORT                       input: receives on loopback; output: sends to it
 ///     udp://HOST:PORT                   input: receives on that interface, 0.0.0.0 or [::] for all; output: sends to HOST
 ///     serial:///dev/NAME?baud=115200    or a pseudo-terminal; without baud 115200

@@ -19,10 +19,10 @@ struct Socket {
 Socket connect_tcp(const Address& address);
 /// "": connected.
 std::string connect_fault(int descriptor);
-/// Listens (tcp_server).
-Socket listen_tcp(const Address& address);
-/// Of a listening socket; invalid where nobody waits.
-Descriptor accept_client(int listening);
+/// Serves (tcp_server).
+Socket serve_tcp(const Address& address);
+/// Of a server socket; invalid where nobody waits.
+Descriptor accept_client(int server);
 /// Receives (udp).
 Socket bind_udp(const Address& address);
 /// Sends by plain write() (udp).

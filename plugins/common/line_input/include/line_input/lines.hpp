@@ -43,7 +43,7 @@ class Lines {
   /// ComponentError::in_data with "on_error": "stop".
   void complain(const std::string& why, const char* code = "B062");
   /// The same of something that ends nothing.
-  void remark(const std::string& what, const char* code);
+  void note(const std::string& what, const char* code);
 
  private:
   struct Intake;
@@ -56,4 +56,4 @@ class Lines {
   std::unique_ptr<Intake> intake_;
 };
 
-}  // namespace binnacle::input
+}  // namespace binnacle::line_input
