@@ -15,6 +15,7 @@ class LiveEpochs {
 
   void open(Reporter& reporter);
   int wait_handle() const { return lines_.wait_handle(); }
+  SourceFigures figures() const { return lines_.figures(); }
 
   /// Epochs that came are appended. wait: none so far; end: there will be no more.
   SourceStatus next(std::vector<Epoch>& epochs);

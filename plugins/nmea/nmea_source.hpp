@@ -22,6 +22,7 @@ class NmeaSource final : public Source {
   void open(Reporter& reporter) override;
   SourceStatus next(const MemoryView& bytes, SourceOutput& output) const override;
   int wait_handle() const override { return live_ ? live_->wait_handle() : -1; }
+  SourceFigures figures() const override { return live_ ? live_->figures() : SourceFigures{}; }
 
  private:
   struct Event {

@@ -44,6 +44,7 @@ class LineSource : public Source {
   void open(Reporter& reporter) override;
   SourceStatus next(const MemoryView& memory, SourceOutput& out) const override;
   int wait_handle() const override { return lines_->wait_handle(); }
+  SourceFigures figures() const override { return lines_->figures(); }
 
  protected:
   /// `from`, `stamp`, `silence`, `time`, `interval`, `max_gap`, `on_error`.

@@ -12,6 +12,7 @@
 
 #include "atomic_file.hpp"
 #include "checkpoint_files.hpp"
+#include "input_record.hpp"
 #include "interrupt.hpp"
 #include "live/run_page.hpp"
 #include "output.hpp"
@@ -33,6 +34,7 @@ struct Options {
   ConfigOptions config;
   std::string summary;
   std::string out;
+  std::string record_input, input;
   std::optional<std::string> page;
   score::RunOptions run;
   CheckpointFiles checkpoints;
@@ -82,11 +84,23 @@ bool is_live(const Composition& composition) {
                              [](const auto& source) { return source.object->declaration().live; });
 }
 
+/// Then it ends with results where it is interrupted.
+bool goes_by_clock(const Options& options, const Composition& composition) {
+  return options.run.pace > 0 || (options.input.empty() && is_live(composition));
+}
+
+void refuse_pace_of_live(const Options& options, const Composition& composition) {
+  if (options.run.pace > 0 && is_live(composition))
+    throw UsageError("--pace is for recorded data, and a source of this config is live: it has a pace of its own");
+}
+
 class Watch : public score::RunObserver {
  public:
-  Watch(RunRecorder* recorder, RecordJournal* journal, live::RunPage* page, bool is_quiet, bool is_live)
+  Watch(RunRecorder* recorder, RecordJournal* journal, InputWriter* input, live::RunPage* page, bool is_quiet,
+        bool is_live)
       : recorder_(recorder),
         journal_(journal),
+        input_(input),
         page_(page),
         is_quiet_(is_quiet),
         is_live_(is_live),
@@ -129,6 +143,8 @@ class Watch : public score::RunObserver {
     print_diagnostic(note);
     shown_.add(note);
   }
+  bool wants_arrivals() const override { return input_; }
+  void arrived(const Arrival& arrival) override { input_->write(arrival); }
   const Diagnostics& shown() const { return shown_; }
   bool progress(Time t) override {
     line_.show(t);
@@ -141,6 +157,7 @@ class Watch : public score::RunObserver {
  private:
   RunRecorder* recorder_;
   RecordJournal* journal_;  // null: without checkpoints
+  InputWriter* input_;      // null: not kept
   live::RunPage* page_;
   bool is_quiet_, is_live_;
   Diagnostics shown_;
@@ -162,10 +179,12 @@ Json provenance_of(const Options& options, const Composition& composition) {
 struct Outputs {
   Outputs(const Options& options, const Composition& composition) {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
+    if (!options.record_input.empty()) input = std::make_unique<InputWriter>(options.record_input, composition);
     if (!options.out.empty())
       recorder = std::make_unique<RunRecorder>(options.out, composition, provenance_of(options, composition));
   }
   void commit(const Json& figures, const Json& config) {
+    if (input) input->close();
     if (recorder) recorder->commit(figures, config);
     if (!summary) return;
     summary->write(figures.dump(2) + "\n");
@@ -173,10 +192,12 @@ struct Outputs {
   }
   std::unique_ptr<AtomicFile> summary;
   std::unique_ptr<RunRecorder> recorder;
+  std::unique_ptr<InputWriter> input;
 };
 
 score::RunResult watched_run(const std::shared_ptr<const Composition>& composition, const Options& options,
-                             RunRecorder* recorder, live::RunPage* page, Diagnostics& shown) {
+                             const Outputs& outputs, live::RunPage* page, Diagnostics& shown) {
+  RunRecorder* const recorder = outputs.recorder.get();
   std::unique_ptr<RecordJournal> journal;
   if (recorder && options.checkpoints.are_wanted())
     journal =
@@ -188,12 +209,17 @@ score::RunResult watched_run(const std::shared_ptr<const Composition>& compositi
                                                        return recorder->step_observer(filter);
                                                      }},
                                         score::filters_of(*composition).size());
-  Watch watch(recorder, journal.get(), page, options.quiet, is_live(*composition));
+  Watch watch(recorder, journal.get(), outputs.input.get(), page, options.quiet, goes_by_clock(options, *composition));
   score::RunOptions run_options = options.run;
+  std::unique_ptr<InputReader> input;
+  if (!options.input.empty()) input = std::make_unique<InputReader>(options.input, *composition);
+  run_options.input = input.get();
   run_options.checkpoints = options.checkpoints.checkpoints();
   run_options.observer = &watch;
   score::RunResult result = score::run(composition, run_options);
   shown = watch.shown();
+  if (input && !input->warning().empty())
+    result.warnings.warning("B144", Origin{options.input, 0, 0}, "", input->warning());
   return result;
 }
 
@@ -234,16 +260,17 @@ int run_config(Options& options) {
   if (options.smooth) add_smoothers(options, load_options);
   const auto composition = score::load(options.config_path, load_options);
   watch_exit();  // again, now that the plugins are loaded
-  if (is_live(*composition)) watch_second_signal();
+  refuse_pace_of_live(options, *composition);
+  if (goes_by_clock(options, *composition)) watch_second_signal();
   study::refuse_misspelt_metrics(*composition, options.config_path, load_options);
   auto outputs = std::make_unique<Outputs>(options, *composition);
   const auto page = served_page(options, *composition);
   Diagnostics shown;
   score::RunResult result;
   try {
-    result = watched_run(composition, options, outputs->recorder.get(), page.get(), shown);
+    result = watched_run(composition, options, *outputs, page.get(), shown);
     stand_down();
-    if (interrupted_by() != 0 && !is_live(*composition)) throw Interrupted();
+    if (interrupted_by() != 0 && !goes_by_clock(options, *composition)) throw Interrupted();
   } catch (const Interrupted&) {
     stand_down();
     outputs.reset();
@@ -284,6 +311,17 @@ Verb run_verb(CLI::App& command) {
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   options->checkpoints.add_to(*app);
+  auto* pace = app->add_option("--pace", options->run.pace, "Recorded data as if live: X seconds of them in one")
+                   ->type_name("X")
+                   ->check(CLI::PositiveNumber);
+  app->add_option("--record-input", options->record_input, "Keep all that arrives, in order of arrival, for --input")
+      ->type_name("FILE")
+      ->excludes("--resume");
+  app->add_option("--input", options->input, "Run what --record-input kept, in place of the sources")
+      ->type_name("FILE")
+      ->excludes(pace)
+      ->excludes("--resume")
+      ->excludes("--checkpoint");
   app->add_flag("--smooth", options->smooth, "Smooth every filter when the run is over: FILTER.smoothed");
   app->add_flag("--json", options->json, "The summary as JSON on stdout");
   app->add_flag("--quiet", options->quiet, "Errors and reasons against trust only: no progress, warnings or summary");

@@ -305,6 +305,25 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
   return text + innovation_table(filter.at("measurements"));
 }
 
+/// Of a run that goes by the clock.
+std::string live_text(const Json& live) {
+  Table table("lrrrrr");
+  table.row({"arrived", "samples", "behind", "latency p50", "p99", "max"});
+  const auto time = [](const Json& figures, const char* key) { return duration(number_at(figures, key)); };
+  double samples = 0;
+  for (const auto& [name, figures] : live.at("channels").items()) {
+    samples += number_at(figures, "samples");
+    table.row({name, count_at(figures, "samples"), count_at(figures, "behind"), time(figures, "latency_p50_s"),
+               time(figures, "latency_p99_s"), time(figures, "latency_max_s")});
+  }
+  std::string text = "\n" + table.text();
+  for (const auto& [name, figures] : live.at("sources").items())
+    text += fmt::format("  {}: at most {} waited, {} lost, {} of no use\n", name, count_at(figures, "longest_queue"),
+                        count_at(figures, "lost"), count_at(figures, "unusable"));
+  const double seconds = number_at(live, "seconds");
+  return text + fmt::format("  {:.0f} samples in {}\n\n", samples, duration(seconds));
+}
+
 /// "ok", or "ok (not watched: zupt)".
 std::string verdict_text(const Json& verdict) {
   std::string text = verdict.at("state").get<std::string>();
@@ -320,6 +339,7 @@ std::string summary_text(const Json& summary, const Composition& composition) {
   for (const auto& filter : score::filters_of(composition))
     text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
   if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));
+  if (summary.contains("live")) text += live_text(summary.at("live"));
   text += fmt::format("wall time {}\nverdict:", duration(number_at(summary, "wall_s")));
   for (const auto& [name, filter] : summary.at("filters").items())
     if (filter.contains("verdict")) text += " " + name + " " + verdict_text(filter.at("verdict"));

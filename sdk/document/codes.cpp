@@ -250,6 +250,13 @@ constexpr CodeEntry entries[] = {
      "No sample was accepted, none was withheld, or nothing was scored, so the objective of `tune` has no value.",
      "Look at the outcomes in the summary of `run`; `withheld` needs a measurement with `withhold`, a metric a "
      "reference."},
+    {"B143", "it comes once",
+     "A smoother over the whole run needs its input a second time, and live sources, or `--input`, give it once.",
+     "Use `\"smoother\": {\"type\": \"fixed_lag\", …}`, or smooth the records of a recorded run."},
+    {"B144", "recorded input",
+     "A file of `--input` is none that `run --record-input` made, is of another config, or ends in the middle of a "
+     "line.",
+     "Take the config that the input was recorded with; what is whole of a file that was cut short is run."},
     {"B145", "lines lost",
      "A receiver of live output was slower than the lines came, or not there, and its oldest lines were left out.",
      "Let it read faster, give the sink a larger `buffer` or fewer samples, or write to a file, which loses none."},

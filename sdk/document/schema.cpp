@@ -414,6 +414,9 @@ void add_filter_definitions(Json& definitions) {
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
+       {"emit",
+        described("when its channel has estimates: after accepted measurements, or after each step of its input too",
+                  {{"enum", {"measurements", "input"}}})},
        {"history",
         described("how late a sample may be and is still applied at its time; `steps`: how many instants one arrival "
                   "may cost",

@@ -23,6 +23,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json live_figures(const LiveFigures& live) {
+  Json json{{"channels", Json::object()}, {"sources", Json::object()}, {"seconds", live.seconds}};
+  for (const auto& channel : live.channels)
+    json["channels"][channel.name] = {{"samples", channel.samples},
+                                      {"behind", channel.behind},
+                                      {"latency_p50_s", channel.p50},
+                                      {"latency_p99_s", channel.p99},
+                                      {"latency_max_s", channel.longest}};
+  for (const auto& source : live.sources)
+    json["sources"][source.name] = {{"longest_queue", source.longest_queue},
+                                    {"lost", source.lost},
+                                    {"unusable", source.unusable}};
+  return json;
+}
+
 /// Looks on while a composition runs, and leaves the figures when it is over.
 class Scorer final : public binnacle::RunObserver {
  public:
@@ -42,6 +57,8 @@ class Scorer final : public binnacle::RunObserver {
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
     if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, plan_->record_every);
+    const auto runs_again = [](const auto& smoothing) { return !smoothing.lag; };
+    if (std::ranges::any_of(plan_->smoothings, runs_again) && !can_rerun(session)) refuse_smoothing();
     if (!plan_->smoothings.empty()) smoothing_ = std::make_unique<Smoothing>(*plan_, session, observer_, records_);
     if (recorder_ && smoothing_) recorder_->keep_times();
     for (const auto* list : {&plan_->metrics, &options_.metrics})
@@ -77,6 +94,8 @@ class Scorer final : public binnacle::RunObserver {
     observer_.exchange(bytes);
   }
   void noted(const Diagnostic& note) override { observer_.noted(note); }
+  bool wants_arrivals() const override { return observer_.wants_arrivals(); }
+  void arrived(const Arrival& arrival) override { observer_.arrived(arrival); }
   bool progress(Time t) override { return observer_.progress(t); }
 
   void finished() override {
@@ -110,8 +129,9 @@ class Scorer final : public binnacle::RunObserver {
   Verdict verdict() const { return verdict_; }
   const Diagnostics& doubts() const { return doubts_; }
 
-  Json summary(const Diagnostics& warnings) const {
+  Json summary(const Diagnostics& warnings, const std::optional<LiveFigures>& live) const {
     Json summary{{"filters", filters_}};
+    if (live) summary["live"] = live_figures(*live);
     if (!metrics_.empty()) summary["metrics"] = metrics_;
     if (!windows_.empty()) summary["windows"] = windows_;
     summary["warnings"] = Json::array();
@@ -122,6 +142,15 @@ class Scorer final : public binnacle::RunObserver {
   }
 
  private:
+  [[noreturn]] static void refuse_smoothing() {
+    throw ConfigError(
+        Diagnostic{Severity::error,
+                   "B143",
+                   {},
+                   "/filters",
+                   "what comes once, of live sources or recorded input, cannot be smoothed when the run is "
+                   "over; a \"fixed_lag\" smooths it while it goes on"});
+  }
   /// Filters with history see references as they are settled, unless their live estimates are scored.
   bool is_scored_settled(int filter) const {
     return plan_->estimates == Estimates::settled && plan_->filters[as_size(filter)].history > 0;
@@ -178,9 +207,11 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   run_options.run = options.run;
   run_options.observer = &scorer;
   run_options.feeds_sinks = options.feeds_sinks;
+  run_options.pace = options.pace;
+  run_options.input = options.input;
   run_options.checkpoints = options.checkpoints;
   binnacle::RunResult result = binnacle::run(composition, run_options);
-  Json summary = scorer.summary(result.warnings);
+  Json summary = scorer.summary(result.warnings, result.live);
   summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return {std::move(summary),         scorer.values(),  std::move(result.warnings),
           std::move(result.failures), scorer.verdict(), scorer.doubts()};

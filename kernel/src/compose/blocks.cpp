@@ -223,7 +223,7 @@ class BlockReader {
 FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
   composer.check_section_keys(at,
-                              {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history"},
+                              {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history", "emit"},
                               "filter '" + plan.name + "'");
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
@@ -270,6 +270,12 @@ void FilterComposer::publish_estimates() {
   }
   plan.output_channel = composer.add_channels(at, {declaration}).front();
   read_history(declaration);
+  if (const Reader emit = at["emit"]) {
+    const auto when = emit.text();
+    plan.emits_input = when == "input";
+    if (when && !plan.emits_input && *when != "measurements")
+      emit.error("B010", "'emit' is \"measurements\" or \"input\"; found " + emit.shown());
+  }
   for (const auto& section : composer.sections())
     for (const auto& name : section->filter_channels(at)) {
       declaration.name = name;

@@ -411,6 +411,7 @@ struct FilterPlan : Planned {
   int samples_per_step = 1;
   std::size_t queue_doubles = 0;           // per entry
   int output_channel = -1;                 // its estimates, in the composition's channels
+  bool emits_input = false;                // after each step of its input too, not only after what was accepted
   std::vector<int> further_channels = {};  // of sections
   Time history = 0;                // how late a sample may be and is still applied where it belongs; 0: not at all
   std::int64_t history_steps = 0;  // instants that one arrival may cost for it; 0: any number

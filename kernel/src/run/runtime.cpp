@@ -27,8 +27,9 @@ SampleWriter writer_at(double* data, const ChannelPlan& channel) {
   return writer;
 }
 
-std::int64_t accepted_of(const Engine& engine) {
-  std::int64_t count = 0;
+/// What its estimates' channel shows: each that counts is emitted.
+std::int64_t emissions_of(const Engine& engine) {
+  std::int64_t count = engine.plan().emits_input ? engine.status().steps : 0;
   for (std::size_t m = 0; m < engine.plan().measurements.size(); ++m)
     count += engine.ledger().tally(static_cast<int>(m)).by_outcome[static_cast<int>(Outcome::accepted)];
   return count;
@@ -310,15 +311,16 @@ void Runtime::run_history(int index) {
   const FilterPlan& plan = plan_.filters[as_size(index)];
   if (!live || plan_.channel_infos[as_size(plan.output_channel)].subscribers.empty()) return;
   Engine& engine = *live->own_engine(index);
-  const std::int64_t accepted = accepted_of(engine) + history_->rewinds();
+  constexpr std::int64_t most_emissions = std::int64_t{1} << 40;
+  const std::int64_t count = emissions_of(engine) + most_emissions * history_->rewinds();
   Emitted& emitted = emitted_[as_size(index)];
-  if (!engine.started() || engine.broken() || accepted == emitted.count) return;
+  if (!engine.started() || engine.broken() || count == emitted.count) return;
   // On its way back to the present it says nothing new.
   if (history_->is_behind() && engine.status().t <= emitted.t) return;
   Channel& output = channels_[as_size(plan.output_channel)];
   const CallScope scope(engine.calls());
   if (!engine.write_estimates(output.slot)) return;
-  emitted = {accepted, engine.status().t};
+  emitted = {count, engine.status().t};
   output.publish();
   output.is_taken = false;
   output.sequence = sequences_[as_size(output.place)]++;
@@ -331,11 +333,11 @@ void Runtime::run_filter(int index, Time t) {
   const auto& plan = engine.plan();
   const int channel = plan.history > 0 ? plan.settled_channel : plan.output_channel;
   const bool is_heard = !plan_.channel_infos[as_size(channel)].subscribers.empty();
-  const std::int64_t before = is_heard ? accepted_of(engine) : 0;
+  const std::int64_t before = is_heard ? emissions_of(engine) : 0;
   const CallScope scope(engine.calls());
   feed_filter(engine, t);
   Channel& output = channels_[as_size(channel)];
-  if (!is_heard || !engine.started() || engine.broken() || accepted_of(engine) == before) return;
+  if (!is_heard || !engine.started() || engine.broken() || emissions_of(engine) == before) return;
   if (!engine.write_estimates(output.slot)) return;
   output.publish();
   output.is_taken = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "line_input/lines.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -46,6 +47,8 @@ struct Lines::Intake {
   Clock::time_point last = Clock::now();
   bool is_silent = false;
   std::int64_t losses_told_next = 1;
+  std::int64_t waiting = 0, unusable = 0;  // lines
+  Time arrival = no_time;                  // of the newest
 
   const std::string& from() const { return endpoint.address().text; }
 };
@@ -75,6 +78,10 @@ Lines::~Lines() = default;
 
 int Lines::wait_handle() const { return intake_->endpoint.wait_handle(); }
 
+SourceFigures Lines::figures() const {
+  return {intake_->arrival, intake_->waiting, intake_->endpoint.lost(), intake_->unusable};
+}
+
 void Lines::open(Reporter& reporter) {
   const address::Address address = intake_->endpoint.address();
   intake_ = std::make_unique<Intake>(address);
@@ -93,13 +100,20 @@ Lines::Got Lines::next(std::string_view& line) {
       intake.is_cut = true;
       complain("it has no end within a megabyte");
     }
+    const std::size_t before = intake.buffer.size();
     const auto got = intake.endpoint.read(intake.buffer);
+    if (got == Endpoint::Got::bytes) {
+      intake.arrival = monotonic_now();
+      intake.waiting +=
+          std::count(intake.buffer.begin() + static_cast<std::ptrdiff_t>(before), intake.buffer.end(), '\n');
+    }
     watch_silence(got == Endpoint::Got::bytes);
     watch_losses();
     if (got == Endpoint::Got::nothing) return Got::nothing;
     if (got == Endpoint::Got::end) {
       if (intake.buffer.empty()) return Got::end;
       intake.buffer += '\n';  // the last line may lack its end
+      ++intake.waiting;
     }
     if (got == Endpoint::Got::lost || got == Endpoint::Got::found) {
       if (!intake.buffer.empty()) complain("the connection was lost in the middle of it");
@@ -122,6 +136,7 @@ bool Lines::take_line(std::string_view& line) {
     line = std::string_view(intake.buffer).substr(intake.begin, end - intake.begin);
     intake.begin = end + 1;
     ++intake.line;
+    --intake.waiting;
     if (std::exchange(intake.is_cut, false)) continue;
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (line.find_first_not_of(" \t") != line.npos) return true;
@@ -129,6 +144,7 @@ bool Lines::take_line(std::string_view& line) {
 }
 
 void Lines::complain(const std::string& why, const char* code) {
+  ++intake_->unusable;
   if (stops_) throw ComponentError::in_data("the line is no good: " + why, intake_->from(), intake_->line, code);
   note("a line is no good: " + why, code);
 }

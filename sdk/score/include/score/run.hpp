@@ -61,6 +61,9 @@ class RunObserver {
   virtual void noted(const Diagnostic& /*note*/) {}
   /// After the run, if records are wanted: every error there is against references and withheld samples.
   virtual void scored(int /*filter*/, const ErrorSeries& /*errors*/) {}
+  /// As binnacle::RunObserver has them.
+  virtual bool wants_arrivals() const { return false; }
+  virtual void arrived(const Arrival& /*arrival*/) {}
   /// Every now and then: the run's time. Return false to stop the run (it ends as if the data had).
   virtual bool progress(Time /*t*/) { return true; }
   /// As binnacle::RunObserver::exchange(), read back after every begin().
@@ -73,12 +76,14 @@ struct RunOptions {
   RunObserver* observer = nullptr;
   std::vector<Metric> metrics = {};  // of this composition, for RunResult::metrics
   bool feeds_sinks = true;           // false where several runs share the composition's sinks
+  double pace = 0;                   // as binnacle::RunOptions has them
+  RecordedInput* input = nullptr;
   Checkpoints checkpoints = {};
 };
 
 struct RunResult {
   /// { "filters": { NAME: { "reference", "windows", "withheld", "consistency", "unscored", "notes", "measurements",
-  ///   "start_s", "end_s", "steps", "filter_s", "verdict" } }, "metrics", "windows", "warnings", "wall_s" }; figures
+  ///   "start_s", "end_s", "steps", "filter_s", "verdict" } }, "metrics", "windows", "live", "warnings", "wall_s" }; figures
   ///   carry their unit.
   nlohmann::ordered_json summary;
   std::vector<MetricValue> metrics;  // those of RunOptions, in their order

@@ -26,6 +26,7 @@ class Lines {
   /// "stamp": "arrival".
   bool stamps_arrival() const { return stamps_arrival_; }
   int wait_handle() const;
+  SourceFigures figures() const;
 
   /// Throws ComponentError::in_data (B060). What was read before is forgotten.
   void open(Reporter& reporter);
