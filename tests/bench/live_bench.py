@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 
-BINNACLE = os.environ.get("BINNACLE", "build/release/bin/binnacle")
+BINNACLE = os.path.abspath(os.environ.get("BINNACLE", "build/release/bin/binnacle"))
 PROJECT = os.path.abspath(os.environ.get("PROJECT", "."))
 SCALES = [f'/filters/ins/blocks/{name}_scale={{"type": "vector", "size": 3, "unit": "1", "sigma": "300 ppm"}}' for name in ("gyro", "accel")]
 SCALES += [f'/filters/ins/process/of_{name}_scale={{"type": "random_constant", "blocks": {{"x": "{name}_scale"}}}}' for name in ("gyro", "accel")]
@@ -43,9 +43,7 @@ def as_fast_as_it_goes():
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        command = os.path.abspath(BINNACLE)
         os.chdir(folder)
-        globals()["BINNACLE"] = command
         at_a_pace(int(sys.argv[1]) if len(sys.argv) > 1 else 60)
         as_fast_as_it_goes()
         os.chdir("/")

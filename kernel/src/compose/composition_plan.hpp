@@ -74,9 +74,9 @@ struct Node {
 /// What filters with history need: they and the transforms before them work on samples in order of time, again where one came
 /// late; all else works on samples as they arrive.
 struct HistoryPlan {
-  /// Snapshots of the live estimates in one length of the history: a late sample costs at most 1/16 of it more steps than its
+  /// Snapshots of the live estimates in one length of the history: a late sample costs at most 1/32 of it more steps than its
   /// age has.
-  static constexpr int snapshots = 16;
+  static constexpr int snapshots = 32;
   static constexpr std::int64_t unbounded = std::numeric_limits<std::int64_t>::max();
   static constexpr int most_snapshots = snapshots + 2;  // with the one before it
   Time length = 0;                                      // the longest of the filters'; 0: there is none
