@@ -42,7 +42,7 @@ const Arguments config{"run",
                        R"(/sinks/out={"type": "csv_writer", "input": "ins.settled", "path": "out.csv",
                           "fields": {"height": "position.height"}, "columns": {"height": {"unit": "m"}}})",
                        "--set",
-                       R"(/sinks/lines={"type": "stream/json_writer", "input": "ins", "to": "file:lines.jsonl"})"};
+                       R"(/sinks/lines={"type": "stream/json_writer", "input": "ins.settled", "to": "file:lines.jsonl"})"};
 
 Arguments with(Arguments more) {
   more.insert(more.begin(), config.begin(), config.end());
