@@ -31,18 +31,19 @@ constexpr int wanted_kills = 6;
 const std::string quickstart = BINNACLE_TEST_PROJECT "/configs/quickstart.json";
 
 /// With samples under way, a history and a sink.
-const Arguments config{"run",
-                       quickstart,
-                       "--quiet",
-                       "--set",
-                       R"(/sources/drive/latency={"uniform": [0, "1.9 s"]})",
-                       "--set",
-                       R"(/filters/ins/history="2 s")",
-                       "--set",
-                       R"(/sinks/out={"type": "csv_writer", "input": "ins.settled", "path": "out.csv",
+const Arguments config{
+    "run",
+    quickstart,
+    "--quiet",
+    "--set",
+    R"(/sources/drive/latency={"uniform": [0, "1.9 s"]})",
+    "--set",
+    R"(/filters/ins/history="2 s")",
+    "--set",
+    R"(/sinks/out={"type": "csv_writer", "input": "ins.settled", "path": "out.csv",
                           "fields": {"height": "position.height"}, "columns": {"height": {"unit": "m"}}})",
-                       "--set",
-                       R"(/sinks/lines={"type": "stream/json_writer", "input": "ins", "to": "file:lines.jsonl"})"};
+    "--set",
+    R"(/sinks/lines={"type": "stream/json_writer", "input": "ins.settled", "to": "file:lines.jsonl"})"};
 
 Arguments with(Arguments more) {
   more.insert(more.begin(), config.begin(), config.end());
