@@ -118,10 +118,11 @@ class Pace(unittest.TestCase):
         self.assertIn("cannot be written", self.run_it("--record-input", "none/input.jsonl", status=2))
         full = "/dev/full"
         if os.path.exists(full):
-            self.assertIn("has not all of the input", self.run_it("--record-input", full, status=1))
+            self.assertIn("has not all of the input", self.run_it("--record-input", full, status=5))
 
     def test_what_does_not_go_together(self):
         live = f"{PROJECT}/configs/live/drive.json"
+        subprocess.run([BINNACLE, "run", f"{PROJECT}/configs/tutorial/data.json", "--var", "folder=.", "--quiet"], check=True)
         self.assertIn("has a pace of its own", self.run_it("--pace", "1", "--var", "data=.", config=live, status=2))
         self.run_it("--pace", "0", status=2)
         self.run_it("--record-input", "input.jsonl")

@@ -24,8 +24,9 @@ namespace internal::filter {
 class Engine;
 }
 namespace internal::runtime {
+class History;
 class Runtime;
-}
+}  // namespace internal::runtime
 
 /// What became of a measurement's samples since the start.
 struct MeasurementCounts : SampleCounts {
@@ -87,6 +88,9 @@ class Session {
   /// As after reset(seed, run). estimates: what all that is asked for is of, where a filter has `history`.
   explicit Session(std::shared_ptr<const Composition> composition, std::uint64_t seed = 0, int run = 0,
                    Estimates estimates = Estimates::live);
+  /// The kernel's own, for run(): is_ordered: nothing can be late.
+  Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run, Estimates estimates,
+          bool is_ordered);
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -174,6 +178,8 @@ class Session {
   };
   // Checked.
   internal::filter::Engine& engine(FilterId filter) const;
+  /// Null: it has none, or nothing can be late.
+  const internal::runtime::History* history_of(FilterId filter) const;
   /// Its live estimates, by more than the history.
   bool was_lagging(FilterId filter) const;
   const BlockInfo& info(BlockId block) const;

@@ -223,7 +223,8 @@ class BlockReader {
 FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
   composer.check_section_keys(at,
-                              {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history", "emit"},
+                              {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history",
+                               "emit"},
                               "filter '" + plan.name + "'");
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {

@@ -297,7 +297,8 @@ RunResult run(const std::shared_ptr<const Composition>& composition, const RunOp
   const bool is_live =
       std::ranges::any_of(plan.sources, [](const auto& source) { return source.object->declaration().live; });
   if (is_live) plan.opening->observer = &observer;
-  Session session(composition, options.seed, options.run, options.estimates);
+  Session session(composition, options.seed, options.run, options.estimates,
+                  !options.input && Runtime::is_ordered(plan));
   Runtime& runtime = session.runtime();
   runtime.feed_sinks(options.feeds_sinks);
   runtime.read_from(options.input);

@@ -27,6 +27,8 @@ SampleWriter writer_at(double* data, const ChannelPlan& channel) {
   return writer;
 }
 
+bool is_live_source(const SourcePlan& source) { return source.object->declaration().live; }
+
 /// What its estimates' channel shows: each that counts is emitted.
 std::int64_t emissions_of(const Engine& engine) {
   std::int64_t count = engine.plan().emits_input ? engine.status().steps : 0;
@@ -37,12 +39,12 @@ std::int64_t emissions_of(const Engine& engine) {
 
 }  // namespace
 
-Runtime::Runtime(const CompositionPlan& plan)
-    : Runtime(plan, plan.history.length > 0 ? plan.history.arrival_nodes : plan.nodes) {
-  is_main_ = true;
-  is_live_ = std::ranges::any_of(plan.sources, [](const auto& source) { return source.object->declaration().live; });
+Runtime::Runtime(const CompositionPlan& plan, bool is_ordered)
+    : Runtime(plan, is_ordered || plan.history.length == 0 ? plan.nodes : plan.history.arrival_nodes,
+              is_ordered ? Role::all : Role::without_history) {
+  is_live_ = std::ranges::any_of(plan.sources, is_live_source);
   if (Arrivals::are_wanted(plan)) arrivals_ = std::make_unique<Arrivals>(plan);
-  if (plan.history.length > 0) history_ = std::make_unique<History>(plan);
+  if (plan.history.length > 0 && !is_ordered) history_ = std::make_unique<History>(plan);
   sequences_.resize(plan.sources.size() + plan.filters.size() + 1);
   emitted_.resize(plan.filters.size());
   find_places();
@@ -51,17 +53,28 @@ Runtime::Runtime(const CompositionPlan& plan)
 Runtime::~Runtime() = default;
 
 Runtime::Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes)
+    : Runtime(plan, nodes, Role::with_history) {}
+
+bool Runtime::is_ordered(const CompositionPlan& plan) {
+  return !Arrivals::are_wanted(plan) && std::ranges::none_of(plan.sources, is_live_source) &&
+         std::ranges::all_of(plan.filters, [&](const FilterPlan& filter) {
+           return filter.history == 0 || plan.channel_infos[as_size(filter.settled_channel)].subscribers.empty();
+         });
+}
+
+Runtime::Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes, Role role)
     : plan_(plan),
       arena_(plan.layout.size() / sizeof(Line) + 1),
       nodes_(nodes),
-      is_main_(false),
+      role_(role),
       filter_times_(plan.filters.size()) {
   engines_.resize(plan.filters.size());
-  const bool is_of_history = &nodes != &plan.nodes && &nodes != &plan.history.arrival_nodes;
-  for (const Node& node : nodes)
-    if (node.kind == Node::Kind::filter && is_of_history == (plan.filters[as_size(node.index)].history > 0))
-      engines_[as_size(node.index)] =
-          std::make_unique<Engine>(plan.filters[as_size(node.index)], plan.channels, arena());
+  for (const Node& node : nodes) {
+    if (node.kind != Node::Kind::filter) continue;
+    const FilterPlan& filter = plan.filters[as_size(node.index)];
+    if (role == Role::all || (role == Role::with_history) == (filter.history > 0))
+      engines_[as_size(node.index)] = std::make_unique<Engine>(filter, plan.channels, arena());
+  }
   channels_.resize(plan.channels.size());
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     channels_[c].storage.resize(plan.channels[c].doubles());
@@ -92,7 +105,7 @@ void Runtime::reset(std::uint64_t seed, int run) {
     engine->reset();
   }
   for (const auto& source : plan_.sources) {
-    if (!is_main_) break;
+    if (role_ == Role::with_history) break;
     *source.head.in(arena()) = SourceHead{};
     guard_call<FilterError>(plan_, source, "start", no_time, [&] {
       source.object->start(base::stream_seed(seed, run, source.pointer), source.memory.in(arena()));
@@ -331,7 +344,7 @@ void Runtime::run_filter(int index, Time t) {
   const FilterWatch watch(filter_times_[as_size(index)]);
   Engine& engine = *engines_[as_size(index)];
   const auto& plan = engine.plan();
-  const int channel = plan.history > 0 ? plan.settled_channel : plan.output_channel;
+  const int channel = role_ == Role::with_history ? plan.settled_channel : plan.output_channel;
   const bool is_heard = !plan_.channel_infos[as_size(channel)].subscribers.empty();
   const std::int64_t before = is_heard ? emissions_of(engine) : 0;
   const CallScope scope(engine.calls());
@@ -382,9 +395,13 @@ void Runtime::work_on_instant() {
         if (feeds_sinks_) run_sink(plan_.sinks[as_size(node.index)]);
         break;
     }
+  const bool is_settled_at_once = role_ == Role::all && plan_.history.length > 0;
   for (std::size_t c = 0; c < channels_.size(); ++c)
-    if (auto& channel = channels_[c]; std::exchange(channel.is_present, false) && channel.is_subscribed && subscriber_)
+    if (auto& channel = channels_[c];
+        std::exchange(channel.is_present, false) && channel.is_subscribed && subscriber_) {
       subscriber_(static_cast<int>(c), channel.view);
+      if (is_settled_at_once && settled_subscriber_) settled_subscriber_(static_cast<int>(c), channel.view);
+    }
 }
 
 void Runtime::fetch(std::size_t index) {

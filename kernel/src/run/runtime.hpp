@@ -55,7 +55,8 @@ class ArrivalWatch;
 
 class Runtime {
  public:
-  explicit Runtime(const CompositionPlan& plan);
+  /// Of a whole run. is_ordered: nothing can be late, so that history has nothing to do.
+  explicit Runtime(const CompositionPlan& plan, bool is_ordered = false);
   /// Of a history: these nodes alone, without sources.
   Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes);
   ~Runtime();
@@ -89,6 +90,8 @@ class Runtime {
   void read_from(RecordedInput* input) { input_ = input; }
   /// Samples come once.
   bool is_live() const { return is_live_ || input_; }
+  /// Whether samples of recorded sources come in order of time, and nobody waits for what is settled.
+  static bool is_ordered(const CompositionPlan& plan);
   /// Estimates of a filter, not its own ones, as an instant of their own.
   void emit_estimates(int channel, int filter, Time t, const double* x, ConstMatrixView P);
 
@@ -166,6 +169,9 @@ class Runtime {
       span.reach(slot.t);
     }
   };
+  /// Which filters run here.
+  enum class Role { all, without_history, with_history };
+  Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes, Role role);
   class TransformEmitter;
   class FilterWatch;
   void fetch(std::size_t source);
@@ -195,7 +201,7 @@ class Runtime {
   std::vector<std::vector<SampleWriter>> source_slots_;
   std::vector<double> input_numbers_;  // of what is being read
   const std::vector<Node>& nodes_;
-  bool is_main_;
+  Role role_;
   std::unique_ptr<Arrivals> arrivals_;
   std::unique_ptr<History> history_;
   Estimates shown_ = Estimates::live;

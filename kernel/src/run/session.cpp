@@ -68,8 +68,12 @@ const auto& item_at(const auto& list, int index, const char* what) {
 }  // namespace
 
 Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run, Estimates estimates)
+    : Session(std::move(composition), seed, run, estimates, false) {}
+
+Session::Session(std::shared_ptr<const Composition> composition, std::uint64_t seed, int run, Estimates estimates,
+                 bool is_ordered)
     : composition_(std::move(composition)), shown_(estimates) {
-  runtime_ = std::make_unique<Runtime>(composition_->plan());
+  runtime_ = std::make_unique<Runtime>(composition_->plan(), is_ordered);
   runtime_->show(estimates);
   std::size_t scratch = 1;
   for (const auto& filter : composition_->filters())
@@ -238,7 +242,7 @@ std::span<const double> Session::state(FilterId filter) const {
 
 FilterCounts Session::counts(FilterId filter) const {
   const auto& head = engine(filter).status();
-  const auto* history = engine(filter).plan().history > 0 ? runtime_->history() : nullptr;
+  const auto* history = history_of(filter);
   return {head.steps, head.gaps, runtime_->of(filter.index).filter_times()[as_size(filter.index)].seconds,
           history ? history->lag().longest : 0};
 }
@@ -257,8 +261,13 @@ void Session::push_estimates(ChannelId channel, FilterId filter, Time t, const d
   runtime_->emit_estimates(channel.index, filter.index, t, x, P);
 }
 
+const History* Session::history_of(FilterId filter) const {
+  return engine(filter).plan().history > 0 ? runtime_->history() : nullptr;
+}
+
 bool Session::was_lagging(FilterId filter) const {
-  return engine(filter).plan().history > 0 && runtime_->history()->lag().since != no_time;
+  const auto* history = history_of(filter);
+  return history && history->lag().since != no_time;
 }
 
 Verdict Session::verdict(FilterId filter) const {
@@ -285,9 +294,9 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   MeasurementCounts counts{tally, {}, 0, 0, tally.last_reason};
   counts.nis_mean = n > 0 ? tally.nis_sum / n : std::numeric_limits<double>::quiet_NaN();
   counts.dof_mean = n > 0 ? static_cast<double>(tally.rows_used) / n : 0.0;
-  if (runtime_->history() && filter.plan().history > 0) {
+  if (const auto* history = history_of(measurement.filter)) {
     const int channel = filter.plan().measurements[as_size(measurement.index)].channel;
-    const auto& dropped = runtime_->history()->dropped(channel);
+    const auto& dropped = history->dropped(channel);
     counts.offered += dropped.count;
     counts.by_outcome[static_cast<int>(Outcome::late)] += dropped.count;
     if (dropped.count > 0 && counts.last_reason.empty())
