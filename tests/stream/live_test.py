@@ -298,6 +298,34 @@ class Live(unittest.TestCase):
         imu = [json.loads(line)["t"] for line in self.lines[:3000] if '"imu"' in line]
         self.assertAlmostEqual(self.figures(out)["end_s"], imu[-1], 9)
 
+    def test_a_live_run_resumes_at_what_arrives_next_and_the_time_between_is_a_hole(self):
+        words = self.save(live_config("stdin:"))
+        process = subprocess.Popen([*words, "--checkpoint", "checkpoint@10s"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        process.stdin.write("\n".join(self.lines[:10000]) + "\n")
+        process.stdin.flush()
+        pipe, process.stdin = process.stdin, None  # it stays open
+        _, err, status = self.interrupt_when_done(process, signal.SIGKILL)
+        pipe.close()
+        self.assertEqual(status, -signal.SIGKILL, err)
+        first, last = (json.loads(line)["t"] for line in (self.lines[9999], self.lines[11000]))
+        rest = "\n".join(self.lines[11000:]) + "\n"
+        done = subprocess.run([*words, "--resume", "checkpoint"], input=rest, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("B108", done.stderr)
+        ins = self.figures(done.stdout)
+        self.assertEqual(ins["input_gaps"], 1)
+        self.assertEqual(ins["end_s"], self.expected["end_s"])
+        self.assertEqual(ins["verdict"]["state"], "doubtful")
+        times = [float(row["t[s]"]) for row in csv.DictReader(ins["records"].splitlines())]
+        self.assertEqual(times[0], self.first_record())
+        self.assertTrue(all(time < first or time >= last for time in times))
+        self.assertGreater(sum(time < first for time in times), 10)
+
+    def first_record(self):
+        return float(next(csv.DictReader(self.expected["records"].splitlines()))["t[s]"])
+
     def test_a_second_signal_ends_it_with_status_one(self):
         process = self.start(live_config("stdin:"), stdin=subprocess.PIPE)
         process.stdin.write("\n".join(self.lines[:10000]) + "\n")
