@@ -104,6 +104,7 @@ Result RangeModel::sight(const MeasurementInput& in, gnss::AntennaPlace& place, 
 
 /// Without rows of systems that are not listed and rows whose noise is not known; each is noted.
 int RangeModel::keep_usable(const Notes& notes, Sightings& sightings, int count) const {
+  if (!has_systems() && !noise_.needs_cn0() && !rows_.has_variance()) return count;
   const auto is_unusable = [&](const gnss::Sighting& s) {
     if (has_systems() && system_of(s) < 0) {
       char text[96];

@@ -29,6 +29,9 @@ class ObservationRows {
   bool has_clock() const noexcept { return clock_.is_bound(); }
   bool has_clock_drift() const noexcept { return clock_drift_.is_bound(); }
   bool has_cn0() const noexcept { return cn0_.is_bound(); }
+  bool has_variance() const noexcept {
+    return range_sigma_.is_bound() || range_variance_.is_bound() || rate_sigma_.is_bound() || rate_variance_.is_bound();
+  }
 
   double pseudorange(const SampleView& sample, int row) const { return sample(row, pseudorange_); }
   double range_rate(const SampleView& sample, int row) const { return sample(row, range_rate_); }
