@@ -180,19 +180,9 @@ void PlanarOdometry::differentiate(const Parts& parts, Moved& moved) const {
     const Eigen::Matrix3d dtheta = strapdown::axes_per_metre(lla);
     for (int i = 0; i < 3; ++i) by_place.col(i) += dtheta.col(i).cross(Eigen::Vector3d(n, e, 0));
   } else {
-    const Eigen::Vector3d& after = moved.pose.position;
-    const strapdown::Radii R_after = strapdown::radii(after[0]);
-    const double meridian_after = R_after.meridian + after[2];
-    const double parallel = transverse * std::cos(lla[0]);
-    const double parallel_after = (R_after.transverse + after[2]) * std::cos(after[0]);
-    by_place(0, 0) = meridian_after / meridian * (1 - n * R.d_meridian / (meridian * meridian));
-    by_place(0, 2) = meridian_after / meridian * n / meridian;
-    by_place(1, 0) = parallel_after / parallel * e * (tangent - R.d_transverse / transverse) / meridian;
-    by_place(1, 1) = parallel_after / parallel;
-    by_place(1, 2) = parallel_after / parallel * e / transverse;
-    // A way of n metres there is n metres' worth of radians here.
-    way.row(0) *= meridian_after / meridian;
-    way.row(1) *= parallel_after / parallel;
+    const strapdown::Advance advance = strapdown::advance(lla, {n, e, 0});
+    by_place = advance.by_place;
+    way = advance.by_way.head<2>().asDiagonal() * way;
   }
   by_place.topLeftCorner<2, 1>() += way.col(3);
   Eigen::Matrix<double, 3, 3> by_rest = Eigen::Matrix3d::Zero();  // yaw, scale, bias
