@@ -10,6 +10,8 @@ namespace binnacle::gnss_range {
 
 namespace {
 
+constexpr double largest_variance = 1e18;  // m², m²/s²
+
 std::vector<std::int64_t> read_systems(const Parameters& parameters, const gnss::ObservationRows& rows) {
   std::vector<std::int64_t> systems;
   if (!parameters.has("systems")) {
@@ -113,8 +115,9 @@ int RangeModel::keep_usable(const Notes& notes, Sightings& sightings, int count)
       notes.leave(text);
       return true;
     }
-    if (noise_.variance(s) > 0) return false;
-    notes.leave("a row is left out: it has no C/N0, or a variance that is not positive");
+    const double variance = noise_.variance(s);
+    if (variance > 0 && variance < largest_variance) return false;
+    notes.leave("a row is left out: it has no C/N0, or a variance that is none");
     return true;
   };
   const auto end = sightings.begin() + count;

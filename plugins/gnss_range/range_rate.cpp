@@ -48,8 +48,8 @@ Result RangeRateModel::linearize(const MeasurementInput& in, MeasurementOutput& 
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
-    if (!s.velocity.allFinite()) {
-      in.notes.leave("a row is left out: its satellite has no velocity");
+    if (!(s.velocity.cwiseAbs().maxCoeff() < 1e5)) {
+      in.notes.leave("a row is left out: its satellite has no velocity that it can have");
       continue;
     }
     const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());

@@ -20,6 +20,7 @@ constexpr double shortest_pseudorange = 1e6;  // m; clocks may be off by much, b
 constexpr double longest_pseudorange = 1e9;
 constexpr double least_range = 1e6;                          // m, to a satellite
 constexpr double lowest_orbit = 6.5e6, highest_orbit = 1e9;  // m from the earth's centre: kilometres are below
+constexpr double largest_clock = 1, largest_drift = 1e-3;    // s, s/s; a broadcast clock has less than a millisecond
 
 /// "G05", or the key of a row, "4301".
 std::optional<SatelliteKey> excluded_key(std::string_view text) {
@@ -61,7 +62,8 @@ std::vector<ParameterSpec> Corrections::parameters() {
           .defaults("\"10 deg\"")
           .about("satellites below it are not used"),
       number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is given"),
-      list("exclude", text("satellite")).about("satellites that are not used: \"G05\", \"E11\", or the key of a row: \"4301\""),
+      list("exclude", text("satellite"))
+          .about("satellites that are not used: \"G05\", \"E11\", or the key of a row: \"4301\""),
   };
 }
 
@@ -79,10 +81,11 @@ Corrections::Corrections(const Binding& binding) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto key = excluded_key(names[i].text);
     if (!key)
-      throw ComponentError("'" + names[i].text +
-                               "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
-                               "digits or more, \"4301\"",
-                           "/exclude/" + std::to_string(i));
+      throw ComponentError(
+          "'" + names[i].text +
+              "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
+              "digits or more, \"4301\"",
+          "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }
 }
@@ -162,7 +165,7 @@ bool Corrections::by_row(const SampleView& observations, int row, Sender& sender
   if (rows_.has_velocity()) state.velocity = rows_.velocity(observations, row);
   if (rows_.has_clock()) state.clock = rows_.clock(observations, row);
   if (rows_.has_clock_drift()) state.clock_drift = rows_.clock_drift(observations, row);
-  return std::isfinite(state.clock) && std::isfinite(state.clock_drift);
+  return std::abs(state.clock) < largest_clock && std::abs(state.clock_drift) < largest_drift;
 }
 
 bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool knows_place, const Sender& sender,

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plugin odometry: the arc against fine steps, Φ against differences, noise against drawn samples, and every sign.
+#include "../../plugins/odometry/planar_odometry.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "../../plugins/odometry/heading_block.hpp"
+#include "../../plugins/odometry/planar_arc.hpp"
+#include "bind.hpp"
+#include "binnacle/testing.hpp"
+#include "catch.hpp"
+#include "kind_blocks.hpp"
+#include "model_check.hpp"
+#include "random/normal.hpp"
+#include "strapdown/earth.hpp"
+
+using namespace binnacle;
+using namespace binnacle::odometry;
+using namespace binnacle::test;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using nlohmann::json;
+
+namespace {
+
+const Vector3d berlin(0.9165, 0.2334, 80);
+const AdditiveKind ecef_position("position.ecef", 3, "m"), scale(1, "1"), rate_bias(1, "rad/s");
+const PositionKind geodetic;
+const json quiet{{"speed_noise", 0.0}, {"yaw_rate_noise", 0.0}, {"height_noise", 0.0}};
+const json noisy{{"speed_noise", 0.2},     {"yaw_rate_noise", 0.01}, {"height_noise", 0.1},
+                 {"distance_noise", 0.05}, {"side_noise", 0.02},     {"turn_noise", 0.03}};
+
+const StateBlock& heading_kind() {
+  static const auto block = bind<HeadingBlock>();
+  return *block;
+}
+
+/// A step of as many samples as speeds are given, all of one length.
+struct Drive {
+  std::vector<double> numbers;
+  std::vector<InputSample> samples;
+  Step step;
+  Drive(const std::vector<Vector2d>& speed_and_rate, double dt) {
+    for (const Vector2d& each : speed_and_rate) numbers.insert(numbers.end(), {each[0], each[1]});
+    for (std::size_t i = 0; i < speed_and_rate.size(); ++i) {
+      InputSample sample;
+      sample.t0 = nanoseconds(dt * static_cast<double>(i)), sample.t1 = nanoseconds(dt * static_cast<double>(i + 1));
+      sample.whole_t0 = sample.t0, sample.whole_t1 = sample.t1;
+      sample.dt = dt;
+      sample.fields = numbers.data() + 2 * i;
+      samples.push_back(sample);
+    }
+    step = {0, samples.back().t1, dt * static_cast<double>(samples.size()), samples};
+  }
+  Drive(const Drive&) = delete;
+  Drive& operator=(const Drive&) = delete;
+};
+
+struct Vehicle {
+  bool is_ecef = false;
+  double yaw = 1.1, scale_error = 0.03, bias = 0.004;
+  PortStates ports() const {
+    const Vector3d r = strapdown::ecef_from_lla(berlin);
+    const PortState place = is_ecef ? PortState{&ecef_position, {r[0], r[1], r[2]}, 10, 1e-9}
+                                    : PortState{&geodetic, {berlin[0], berlin[1], berlin[2]}, 10, 1e-8};
+    const PortState open;
+    return {is_ecef ? place : open,
+            is_ecef ? open : place,
+            {&heading_kind(), {yaw}, 0.1},
+            {&scale, {scale_error}, 0.01},
+            {&rate_bias, {bias}, 0.01}};
+  }
+  std::unique_ptr<PlanarOdometry> model(json parameters) const {
+    Ports bound{{"heading", &heading_kind()}, {"scale", &scale}, {"yaw_rate_bias", &rate_bias}};
+    if (is_ecef) {
+      bound["ecef_position"] = &ecef_position;
+    } else {
+      bound["position"] = &geodetic;
+    }
+    return bind<PlanarOdometry>({std::move(parameters), bound, {}});
+  }
+  /// North, east, down of where a step leads, and the heading there.
+  Eigen::Vector4d way(const json& parameters, const Drive& drive) const {
+    const auto bound = model(parameters);
+    Complaints out;
+    const auto made = ProcessCheck(*bound, PlanarOdometry::spec()).propagate(ports(), drive.step, {}, out);
+    INFO(out.text());
+    REQUIRE(out.empty());
+    const Vector3d to = vector_at<3>(made.x_plus[is_ecef ? 0 : 1].data());
+    const Vector3d d =
+        is_ecef ? Vector3d(strapdown::C_en(berlin[0], berlin[1]).transpose() * (to - strapdown::ecef_from_lla(berlin)))
+                : strapdown::position_minus(to, berlin);
+    return {d[0], d[1], d[2], made.x_plus[2][0]};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("odometry: a vehicle goes where it heads, and turns the way it is told") {
+  Vehicle car;
+  car.scale_error = car.bias = 0;
+  json still = quiet;
+  still["earth_rate"] = false;
+  const Drive straight({{10, 0}}, 0.5);
+  for (const bool is_ecef : {false, true}) {
+    car.is_ecef = is_ecef;
+    car.yaw = M_PI / 2;
+    const auto east = car.way(still, straight);
+    CHECK(std::abs(east[1] - 5) < 1e-5);
+    CHECK(std::abs(east[0]) < 1e-5);
+    car.yaw = 0;
+    CHECK(std::abs(car.way(still, straight)[0] - 5) < 1e-5);
+    // Clockwise, seen from above: from north towards east.
+    const Drive turning({{10, 0.4}}, 0.5);
+    const auto right = car.way(still, turning);
+    CHECK(right[1] > 0.1);
+    CHECK(std::abs(right[3] - 0.2) < 1e-5);
+    json other = still;
+    other["positive_turn"] = "anticlockwise";
+    CHECK(car.way(other, turning)[1] < -0.1);
+    // A sensor that gives too much: the way is shorter, the turn less.
+    car.scale_error = 0.25, car.bias = 0.4;
+    const auto corrected = car.way(still, turning);
+    CHECK(std::abs(corrected[0] - 4) < 1e-5);
+    CHECK(std::abs(corrected[3]) < 1e-5);
+    car.scale_error = car.bias = 0;
+  }
+  // The earth turns anticlockwise, seen from above the north pole, so that a gyroscope at rest gives a negative rate of
+  // yaw: −Ω sin L; and the vehicle does not turn.
+  const double earth = strapdown::wgs84::omega_ie * std::sin(berlin[0]);
+  const Drive standing({{0, -earth}}, 100);
+  car.yaw = 0.3;
+  CHECK(std::abs(car.way(quiet, standing)[3] - 0.3) < 1e-12);
+}
+
+TEST_CASE("odometry: the arc is where ten thousand short steps lead") {
+  for (const double rate : {0.0, 1e-7, 0.003, -0.9, 4.0}) {
+    const double dt = 0.7, v = 12, yaw = 2.5;
+    Vector2d way = Vector2d::Zero();
+    const int steps = 10000;
+    for (int i = 0; i < steps; ++i) {
+      const double at = yaw + rate * dt * (i + 0.5) / steps;
+      way += v * dt / steps * Vector2d(std::cos(at), std::sin(at));
+    }
+    CHECK((PlanarArc(yaw, v, rate, dt).way - way).norm() < 1e-6);
+  }
+}
+
+TEST_CASE("odometry: heading north changes as one goes east") {
+  // A great circle: from Berlin due east by geodesy of the sphere, ψ grows by sin L times the change of longitude.
+  Vehicle car;
+  car.scale_error = car.bias = 0, car.yaw = M_PI / 2;
+  json still = quiet;
+  still["earth_rate"] = false;
+  const auto made = car.way(still, Drive({{1000, 0}}, 1));
+  const double dlon = 1000 / ((strapdown::radii(berlin[0]).transverse + berlin[2]) * std::cos(berlin[0]));
+  CHECK(std::abs(made[3] - M_PI / 2 - dlon * std::sin(berlin[0])) < 1e-9);
+}
+
+TEST_CASE("odometry: transition against differences, in either kind of position") {
+  for (const bool is_ecef : {false, true})
+    for (const bool feels_earth : {false, true}) {
+      Vehicle car;
+      car.is_ecef = is_ecef;
+      json parameters = noisy;
+      parameters["earth_rate"] = feels_earth;
+      const auto model = car.model(parameters);
+      const ProcessCheck check(*model, PlanarOdometry::spec());
+      const Drive one({{14, 0.5}}, 0.4), three({{14, 0.5}, {12, -0.2}, {-3, 0.1}}, 0.3), rest({{14, 0.5}}, 0);
+      INFO((is_ecef ? "ecef" : "geodetic"));
+      REQUIRE_NO_COMPLAINTS(check.transition(car.ports(), one.step, {}, {1e-7}));
+      REQUIRE_NO_COMPLAINTS(check.transition(car.ports(), three.step, {}, {1e-7}));
+      REQUIRE_NO_COMPLAINTS(check.zero_step(car.ports(), rest.step, {}));
+    }
+}
+
+TEST_CASE("odometry: geodetic and ECEF lead to the same place, heading and noise") {
+  Vehicle one, other;
+  other.is_ecef = true;
+  const Drive drive({{14, 0.5}, {12, -0.2}}, 0.4);
+  const auto a = one.way(quiet, drive), b = other.way(quiet, drive);
+  CHECK((a.head<3>() - b.head<3>()).norm() < 2e-5);  // the earth is round
+  CHECK(std::abs(a[3] - b[3]) < 1e-9);
+  Complaints out;
+  const auto in_ned =
+      ProcessCheck(*one.model(noisy), PlanarOdometry::spec()).propagate(one.ports(), drive.step, {}, out);
+  const auto in_ecef =
+      ProcessCheck(*other.model(noisy), PlanarOdometry::spec()).propagate(other.ports(), drive.step, {}, out);
+  const Eigen::Matrix3d C_ne = strapdown::C_en(berlin[0], berlin[1]).transpose();
+  CHECK((C_ne * in_ecef.noise.at({0, 0}) * C_ne.transpose() - in_ned.noise.at({1, 1})).norm() < 1e-6);
+  CHECK((C_ne * in_ecef.noise.at({0, 2}) - in_ned.noise.at({1, 2})).norm() < 1e-6);
+  CHECK((C_ne * in_ecef.transition.at({0, 3}) - in_ned.transition.at({1, 3})).norm() < 1e-5);
+}
+
+TEST_CASE("odometry: noise of a step is that of drawn drives") {
+  // White speed, slip and yaw rate in a hundred pieces of a step, integrated step by step.
+  const double dt = 0.5, v = 9, rate = 0.15, yaw = 0.7;
+  const PlanarNoise noise{0.04, 0.01, 1e-3};
+  const int runs = 20000, pieces = 100;
+  auto stream = random::stream(7, "odometry");
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  const PlanarArc arc(yaw, v, rate, dt);
+  for (int run = 0; run < runs; ++run) {
+    const double h = dt / pieces, root = std::sqrt(h);
+    Vector2d at = Vector2d::Zero();
+    double heading = yaw;
+    for (int i = 0; i < pieces; ++i) {
+      const double turn = rate * h + std::sqrt(noise.yaw) * root * random::normal(stream);
+      const double along = v * h + std::sqrt(noise.speed) * root * random::normal(stream);
+      const double across = std::sqrt(noise.side) * root * random::normal(stream);
+      const Vector2d f(std::cos(heading + turn / 2), std::sin(heading + turn / 2));
+      at += along * f + across * Vector2d(-f[1], f[0]);
+      heading += turn;
+    }
+    Eigen::Vector3d error;
+    error << at - arc.way, heading - yaw - rate * dt;
+    sum += error * error.transpose() / runs;
+  }
+  const Eigen::Matrix3d Q = arc_noise(arc, noise, v, dt);
+  // In units of σ: sampling leaves √(2/20000) = 1 %, the direction of the chord θ/2 = 4 % of what lies between the axes.
+  const Eigen::Vector3d s = Q.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix3d difference = s.asDiagonal() * (sum - Q) * s.asDiagonal();
+  INFO(difference);
+  CHECK(difference.cwiseAbs().maxCoeff() < 0.05);
+  CHECK(std::abs(Q(0, 2)) > 0.2 * std::sqrt(Q(0, 0) * Q(2, 2)));  // a wrong sign of it would be seen above
+}
+
+TEST_CASE("odometry: noise by way and by angle stands still with the vehicle, and a bridged hole has more") {
+  Vehicle car;
+  const auto model = car.model(noisy);
+  const ProcessCheck check(*model, PlanarOdometry::spec());
+  Complaints out;
+  Drive standing({{0, 0.004}}, 1), driving({{10, 0.004}}, 1);
+  const auto rest = check.propagate(car.ports(), standing.step, {}, out).noise;
+  CHECK(rest.at({1, 1})(2, 2) == 0);
+  CHECK(std::abs(rest.at({1, 1})(0, 0) + rest.at({1, 1})(1, 1) - 0.04) < 1e-9);
+  const double v = 10 / 1.03;
+  const auto moving = check.propagate(car.ports(), driving.step, {}, out).noise;
+  CHECK(std::abs(moving.at({1, 1})(2, 2) - 0.01 * v) < 1e-9);
+  const double planar = 0.04 + 0.0025 * v + 0.0004 * v + moving.at({2, 2})(0, 0) * v * v / 3;
+  CHECK(std::abs(moving.at({1, 1})(0, 0) + moving.at({1, 1})(1, 1) - planar) < 1e-9);
+  driving.samples[0].bridges = true;
+  driving.step.samples = driving.samples;
+  driving.step.bridges = true;
+  const auto bridged = check.propagate(car.ports(), driving.step, {}, out).noise;
+  const double bridge_rate = 5 * M_PI / 180;
+  CHECK(std::abs(bridged.at({2, 2})(0, 0) - moving.at({2, 2})(0, 0) - bridge_rate * bridge_rate) < 1e-12);
+  CHECK(bridged.at({1, 1}).trace() > moving.at({1, 1}).trace() + 1);
+}
+
+TEST_CASE("odometry: the heading wraps, and what it can not be is refused") {
+  REQUIRE_NO_COMPLAINTS(check_block(heading_kind(), {0.4}, 1, 1e-15));
+  double x = 3.1, delta = 0.2, y = 0, back = 0;
+  heading_kind().plus({&x, 1}, {&delta, 1}, {&y, 1});
+  CHECK(std::abs(y - (3.3 - 2 * M_PI)) < 1e-15);
+  heading_kind().minus({&y, 1}, {&x, 1}, {&back, 1});
+  CHECK(std::abs(back - 0.2) < 1e-14);
+  for (const double wrong : {std::nan(""), 7.0, -400.0}) CHECK_FALSE(heading_kind().write({&wrong, 1}, {&x, 1}));
+  CHECK_THROWS_AS(bind<PlanarOdometry>({quiet, {{"heading", &heading_kind()}}, {}}), ComponentError);
+  CHECK_THROWS_AS(
+      bind<PlanarOdometry>(
+          {quiet, {{"heading", &heading_kind()}, {"position", &geodetic}, {"ecef_position", &ecef_position}}, {}}),
+      ComponentError);
+}
