@@ -48,7 +48,7 @@ Result RangeRateModel::linearize(const MeasurementInput& in, MeasurementOutput& 
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
-    if (!(s.velocity.cwiseAbs().maxCoeff() < 1e5)) {
+    if (!(s.velocity.norm() < 1e5)) {               // NaN as well
       in.notes.leave("a row is left out: its satellite has no velocity that it can have");
       continue;
     }

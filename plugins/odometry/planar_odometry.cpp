@@ -174,14 +174,14 @@ void PlanarOdometry::differentiate(const Parts& parts, Moved& moved) const {
   Eigen::Matrix<double, 2, 4> way;  // ∂way by yaw, scale, bias, north
   way << arc.by_yaw, -speed / (1 + scale) * arc.by_speed, -arc.by_rate, rate_by_north * arc.by_rate;
 
-  Eigen::Matrix3d by_place = Eigen::Matrix3d::Identity();  // north, east, down
+  Eigen::Matrix3d by_place = Eigen::Matrix3d::Zero();  // north, east, down; the identity is added at the end
   const double n = arc.way[0], e = arc.way[1];
   if (is_ecef_) {
     const Eigen::Matrix3d dtheta = strapdown::axes_per_metre(lla);
     for (int i = 0; i < 3; ++i) by_place.col(i) += dtheta.col(i).cross(Eigen::Vector3d(n, e, 0));
   } else {
     const strapdown::Advance advance = strapdown::advance(lla, {n, e, 0});
-    by_place = advance.by_place;
+    by_place = advance.by_place - Eigen::Matrix3d::Identity();
     way = advance.by_way.head<2>().asDiagonal() * way;
   }
   by_place.topLeftCorner<2, 1>() += way.col(3);
@@ -195,6 +195,7 @@ void PlanarOdometry::differentiate(const Parts& parts, Moved& moved) const {
                                       e * convergence_by_lat / meridian,
                                   0, e * convergence / transverse);
   moved.J.topLeftCorner<3, 3>() = is_ecef_ ? Eigen::Matrix3d(C_en * by_place * C_en.transpose()) : by_place;
+  moved.J.topLeftCorner<3, 3>() += Eigen::Matrix3d::Identity();
   moved.J.topRightCorner<3, 3>() = is_ecef_ ? Eigen::Matrix3d(C_en * by_rest) : by_rest;
   moved.J.bottomLeftCorner<1, 3>() = is_ecef_ ? Eigen::RowVector3d(yaw_by_place * C_en.transpose()) : yaw_by_place;
   moved.J(3, 3) = 1 + convergence * arc.by_yaw[1];
