@@ -203,7 +203,9 @@ std::string history_text(const Json& filter) {
 
 std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
-  return fmt::format("\nFILTER {}: {} in the covariance\n", name, counted(filter.at("dof"), "row")) +
+  const std::string form = filter.at("covariance");
+  return fmt::format("\nFILTER {}: {} in the covariance{}\n", name, counted(filter.at("dof"), "row"),
+                     form == "joseph" ? "" : ", kept as " + form) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
          measurements_text(filter) + implied_states_text(filter) + start_text(filter) + history_text(filter);
 }

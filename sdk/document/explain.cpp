@@ -31,7 +31,11 @@ class FilterText {
       : composition_(composition), filter_(composition.filters()[index]), index_(static_cast<int>(index)) {}
 
   Json explanation() const {
-    Json text{{"name", filter_.name}, {"dof", filter_.dof}, {"blocks", blocks()}, {"derived", derived()}};
+    Json text{{"name", filter_.name},
+              {"dof", filter_.dof},
+              {"covariance", filter_.covariance},
+              {"blocks", blocks()},
+              {"derived", derived()}};
     text["process"] = processes();
     text["couplings"] = couplings();
     text["transition"] = transition();

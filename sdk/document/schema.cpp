@@ -414,6 +414,7 @@ void add_filter_definitions(Json& definitions) {
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
+       {"covariance", described("the form in which P is kept", {{"enum", {"joseph", "ud", "square_root"}}})},
        {"emit",
         described("when its channel has estimates: after accepted measurements, or after each step of its input too",
                   {{"enum", {"measurements", "input"}}})},

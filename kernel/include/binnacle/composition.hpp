@@ -95,6 +95,7 @@ struct FilterInfo {
   std::vector<ProcessInfo> processes;
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
+  std::string covariance;          // the form of P: "joseph", "ud" or "square_root"
   Time history = 0;                // how late a sample may be and is still applied; 0: not at all
   std::int64_t history_steps = 0;  // instants that are worked on, at most, for each that arrives; 0: any number
   std::size_t history_bytes = 0;   // the most that snapshots of a session's live estimates take, for all filters

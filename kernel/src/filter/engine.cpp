@@ -203,7 +203,7 @@ void Engine::step(Time t1, std::span<const InputSample> samples) {
   estimator_.propagate(moment(), t1, samples);
   wants_ = ledger_.wants();
   keep_before(Wants::step_covariance);
-  if (!follows) estimator_.predict();
+  if (!follows) estimator_.predict(t1);
   if (ledger_.observer()) ledger_.observer()->stepped(step_record(t1));
   estimator_.advance();
 }

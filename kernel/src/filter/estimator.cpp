@@ -16,7 +16,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       channels_(channels),
       arena_(arena),
       calls_(calls),
-      P_(std::make_unique<Joseph>(plan.transition, plan.most_dof(), plan.covariance.in(arena))),
+      P_(make_covariance(plan.covariance_kind, plan.transition, plan.most_dof(), plan.max_rows,
+                         plan.covariance.in(arena))),
       rows_(plan),
       outlier_test_(plan.max_rows),
       opening_(plan.n, plan.max_rows),
@@ -115,7 +116,8 @@ void Estimator::start(bool anew) {
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
   const MatrixView P{initial_P_.data(), plan_.n, plan_.n, plan_.n};
   for (const auto& block : plan_.blocks) start_covariance(block, anew, P);
-  P_->set(P);
+  if (const int row = P_->set(P); row >= 0)
+    throw Stop("the initial covariance is not positive semidefinite at '" + component_name(row) + "'");
   for (int i = 0; i < plan_.n; ++i) plan_.initial_variances.in(arena_)[i] = P(i, i);
   std::fill_n(plan_.stationary_variances.in(arena_), plan_.n, std::numeric_limits<double>::quiet_NaN());
 }
@@ -195,11 +197,22 @@ void Estimator::inflate(const MeasurementPlan& measurement) {
 
 // ---- health
 
+/// "velocity.x"
+std::string Estimator::component_name(int row) const {
+  for (const auto& block : plan_.blocks)
+    if (row >= block.first && row < block.first + base::count_of(block.active))
+      return block.name + "." + block.declaration().error[as_size(block.active[as_size(row - block.first)])].name;
+  return "";
+}
+
+void Estimator::predict(Time t1) {
+  if (const int row = P_->predict(phi(), noise()); row >= 0)
+    throw Stop("the process noise is not positive semidefinite at '" + component_name(row) + "' at " + time_text(t1));
+  if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
+}
+
 bool Estimator::is_sound() const {
-  const ConstMatrixView P = covariance();
-  for (int i = 0; i < P.rows; ++i)
-    if (!(P(i, i) >= 0 && P(i, i) < largest_variance)) return false;
-  return is_finite(ConstVectorView(state(), plan_.stored_size));
+  return P_->is_below(largest_variance) && is_finite(ConstVectorView(state(), plan_.stored_size));
 }
 
 void Estimator::stop_unsound(Time t, const std::string& culprit) const {
@@ -212,8 +225,7 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
       if (variance >= 0 && variance < largest_variance) continue;
       char text[64];
       std::snprintf(text, sizeof text, " has the variance %.3g at ", variance);
-      throw Stop("'" + block.name + "." + block.declaration().error[as_size(block.active[a])].name + "'" + text +
-                 time_text(t) + why);
+      throw Stop("'" + component_name(row) + "'" + text + time_text(t) + why);
     }
   }
   throw Stop("the state is not finite at " + time_text(t) + why);

@@ -137,10 +137,7 @@ class Estimator {
 
   /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise().
   void propagate(const Driving& now, Time t1, std::span<const InputSample> samples);
-  void predict() {
-    P_->predict(phi(), noise());
-    if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
-  }
+  void predict(Time t1);
   void put(const double* stored) { std::copy_n(stored, plan_.stored_size, x()); }
   void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
   const double* x_plus() const { return x_plus_.data(); }
@@ -234,6 +231,7 @@ class Estimator {
   double stationary_variance(int row) const;
   void start_value(const BlockPlan& block, const InitialPlan& initial, double* stored);
   void start_covariance(const BlockPlan& block, bool anew, MatrixView P);
+  std::string component_name(int row) const;
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 

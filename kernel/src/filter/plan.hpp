@@ -19,7 +19,7 @@
 #include "binnacle/process_model.hpp"
 #include "binnacle/state_block.hpp"
 #include "binnacle/step_log.hpp"
-#include "filter/covariance.hpp"
+#include "filter/covariance_form.hpp"
 #include "filter/monitor.hpp"
 
 namespace binnacle::internal::filter {
@@ -437,7 +437,8 @@ struct FilterPlan : Planned {
   Place<TimeHead> head;
   Place<Health> health;
   Place<double> state;
-  Place<double> covariance;
+  CovarianceKind covariance_kind = CovarianceKind::joseph;
+  Place<double> covariance;         // as the form keeps it
   Place<double> initial_variances;  // of the newest start
   // Of components that have one by themselves, by the first step after it; infinite else, not a number before.
   Place<double> stationary_variances;

@@ -86,7 +86,7 @@ void Estimator::check_noise(Time t) const {
       const double variance = q[block->active[a] * step];
       if (variance >= 0 && variance <= largest) continue;
       const int row = block->first + static_cast<int>(a);
-      if (variance >= -rounding * covariance()(row, row) && variance <= largest) continue;
+      if (variance >= -rounding * P_->variance(row) && variance <= largest) continue;
       char value[32];
       std::snprintf(value, sizeof value, "%.3g", variance);
       throw Stop(call_text(*process, process->van_loan_group >= 0 ? "linearized" : "propagate", t) + " gave '" +

@@ -145,10 +145,10 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
   for (const int offered = rows_.m;;) {
     std::copy_n(rows_.R_nominal.data(), rows_.m_max * rows_.m, rows_.R);
     if (measurement.noise && !is_withheld) weigh(measurement, t, dt);
-    if (!factor_innovation(rows_)) {
+    if (const char* const why_not = P_->factor(measurement.columns, rows_)) {
       roll_back_noise();
       rows_.nis = std::numeric_limits<double>::quiet_NaN();
-      return {Outcome::rejected, "H P H' + R is not positive definite"};
+      return {Outcome::rejected, why_not};
     }
     rows_.nis = normalized_innovation_squared(rows_);
     if (rows_.left_out == 0) nis_offered = rows_.nis;
@@ -191,10 +191,10 @@ void Estimator::weigh(const MeasurementPlan& measurement, Time t, double dt) {
 // ---- the correction, and what the noise estimator sees of it
 
 void Estimator::correct(const MeasurementPlan& measurement) {
-  gain(plan_.corrected, plan_.n, rows_);
+  P_->gain(plan_.corrected, rows_);
   gain_times_residual(plan_.n, rows_, rows_.delta.data());
   inject();
-  P_->correct(rows_);
+  P_->correct(plan_.corrected, rows_);
   if (measurement.noise && measurement.noise->declaration().looks_back) {
     // To first order, before the reset. G and HPHt are made anew with P⁺ and no longer those of the update.
     for (int i = 0; i < rows_.m; ++i) {
