@@ -28,7 +28,8 @@ ComponentSpec spec_of(const char* type, const char* summary, const char* source,
           .at_least(0.5)
           .at_most(0.9999)
           .defaults("0.95")
-          .about("of what an update gains from Gaussian noise, the share that is left with the weights"),
+          .about("of what an update gains from Gaussian noise, the share that is left with the weights; more where the "
+                 "prior is large"),
       std::move(constant),
       integer("iterations").at_least(1).at_most(10000).defaults("100").about("bound; a note says when it is reached"),
       number("tolerance", "1").above(0).defaults("1e-6").about("relative, of a weight"),
@@ -51,13 +52,14 @@ RobustNoise::RobustNoise(Loss loss, const char* constant, const Binding& binding
   const Parameters& parameters = binding.parameters();
   method_.loss = loss;
   method_.unit = unit_of(parameters.text("by"));
-  method_.is_residual = parameters.text("of") == "residual";
+  method_.of = parameters.text("of") == "residual" ? Whitened::residual : Whitened::innovation;
   method_.iterations = static_cast<int>(parameters.integer("iterations"));
   method_.tolerance = parameters.number("tolerance");
   const int largest = method_.unit == Unit::row ? 1 : noise.max_rows;
   for (int m = 1; m <= largest; ++m)
-    method_.tuning.push_back(parameters.has(constant) ? parameters.number(constant)
-                                                      : tuning_of(loss, parameters.number("efficiency"), m));
+    method_.tuning.push_back(parameters.has(constant)
+                                 ? parameters.number(constant)
+                                 : tuning_of(loss, method_.of, parameters.number("efficiency"), m));
   for (int m = 1; m <= largest; m += std::max(1, largest - 1))
     binding.figure(std::string(constant) + " of " + std::to_string(m) + (m == 1 ? " row" : " rows"),
                    method_.tuning[static_cast<std::size_t>(m - 1)], "1");

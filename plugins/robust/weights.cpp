@@ -229,7 +229,7 @@ class Solver {
 
 Findings write_weighted(const Method& method, const Innovation& in, std::span<Row> rows, MatrixView R) noexcept {
   Solver solver(method, in, rows, R);
-  method.is_residual ? solver.by_residual() : solver.by_innovation();
+  method.of == Whitened::residual ? solver.by_residual() : solver.by_innovation();
   return solver.write();
 }
 

@@ -29,7 +29,7 @@ struct Method {
   Loss loss = Loss::huber;
   std::vector<double> tuning;  // by m − 1
   Unit unit = Unit::sample;
-  bool is_residual = false;
+  Whitened of = Whitened::innovation;
   int iterations = 100;
   double tolerance = 1e-6;  // of ln w
 };

@@ -42,7 +42,7 @@ class Keep : public StepObserver {
 
 const std::string huber = R"(, "noise": {"type": "huber", "by": "row"})";
 
-const RowFigures& figures_of(const MeasurementCounts& counts) { return counts.rows.front(); }
+RowFigures figures_of(const MeasurementCounts& counts) { return counts.rows.front(); }
 
 /// `count` fixes of a position that stands still, each `share`-th of them off by 40 m.
 void push_fixes(Session& session, int count, int share, std::uint64_t seed = 1) {

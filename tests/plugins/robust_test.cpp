@@ -26,6 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr Whitened innovation = Whitened::innovation, residual = Whitened::residual;
 constexpr Loss losses[] = {Loss::huber, Loss::cauchy, Loss::student_t, Loss::dcs};
 
 std::unique_ptr<NoiseEstimator> make(Loss loss, const Json& config, int max_rows) {
@@ -63,6 +64,14 @@ double cost(Loss loss, double c, int m, double d) {
     case Loss::student_t: return (c + m) / 2 * std::log(1 + d2 / c);
     default: return d2 <= c ? d2 / 2 : 2 * c * d2 / (c + d2) - c / 2;
   }
+}
+
+/// That of 95 %, once.
+double constant_of(Loss loss, Whitened of, int m) {
+  static double known[4][2][8] = {};
+  double& constant = known[static_cast<int>(loss)][static_cast<int>(of)][m];
+  if (constant == 0) constant = tuning_of(loss, of, 0.95, m);
+  return constant;
 }
 
 class Draws {
@@ -138,7 +147,7 @@ TEST_CASE("robust: each weight is the derivative of its loss over the residual")
 }
 
 TEST_CASE("robust: an update keeps 95 % of what it gains from Gaussian noise, with any number of rows") {
-  constexpr int samples = 20000;
+  constexpr int samples = 5000;
   for (const Loss loss : losses)
     for (const char* of : {"innovation", "residual"})
       for (int m = 1; m <= 6; ++m) {
@@ -177,15 +186,30 @@ TEST_CASE("robust: the efficiency of a location estimate is not less, and has th
   REQUIRE(std::abs(of_location(Loss::huber, 1.345, 1) - 0.95) < 1e-4);
   REQUIRE(std::abs(of_location(Loss::cauchy, 2.3849, 1) - 0.95) < 1e-4);
   for (const Loss loss : losses)
-    for (const int m : {1, 2, 3, 6, 12, 40}) {
-      const double c = tuning_of(loss, 0.95, m);
-      INFO("loss " << static_cast<int>(loss) << ", m " << m << ", constant " << c);
-      REQUIRE(std::abs(efficiency(loss, c, m) - 0.95) < 1e-6);
-      REQUIRE(of_location(loss, c, m) > 0.9499);
-    }
-  REQUIRE(efficiency(Loss::student_t, tuning_of(Loss::student_t, 0.9, 80), 80) >=
-          0.9);  // its least: one degree of freedom
-  REQUIRE(tuning_of(Loss::student_t, 0.9, 80) == 1.0);
+    for (const Whitened of : {innovation, residual})
+      for (const int m : {1, 2, 3, 6, 12, 30}) {
+        const double c = tuning_of(loss, of, 0.95, m);
+        INFO("loss " << static_cast<int>(loss) << ", m " << m << ", constant " << c);
+        const bool is_least = loss == Loss::student_t && c == 1.0;  // of one degree of freedom
+        REQUIRE(efficiency(loss, of, c, m) > 0.95 - 1e-6);
+        REQUIRE((is_least || efficiency(loss, of, c, m) < 0.95 + 1e-6));
+        REQUIRE((!is_least || m > 6));
+        if (of == residual) REQUIRE(of_location(loss, c, m) > 0.9499);
+      }
+}
+
+TEST_CASE("robust: the settled weight is that of a state that is known") {
+  for (const Loss loss : losses)
+    for (const char* of : {"innovation", "residual"})
+      for (double r = 0.1; r < 3000; r *= 1.3) {
+        const auto R = estimated(*make(loss, {{"of", of}, {"tolerance", 1e-14}}, 1),
+                                 {VectorXd::Constant(1, 2 * r), MatrixXd::Zero(1, 1), MatrixXd::Constant(1, 1, 4)})
+                           .R;
+        const Whitened whitened = of[0] == 'i' ? innovation : residual;
+        const double w = settled_weight(loss, whitened, tuning_of(loss, whitened, 0.95, 1), 1, r * r);
+        INFO("loss " << static_cast<int>(loss) << " of " << of << ", " << r);
+        REQUIRE(std::abs(R(0, 0) * std::max(w, 1e-12) / 4 - 1) < 1e-10);
+      }
 }
 
 // ---- of the innovation
@@ -203,7 +227,7 @@ TEST_CASE("robust: the weight by the innovation is the only fixed point") {
           const int m = static_cast<int>(block.size());
           const MatrixXd M = part(in.HPHt, block), nominal = part(in.R_nominal, block);
           const VectorXd r = part(in.residual, block);
-          const double c = tuning_of(loss, 0.95, m);
+          const double c = constant_of(loss, innovation, m);
           const auto beyond = [&](double candidate) {  // falls as the candidate grows
             const double d2 = r.dot((M + nominal / candidate).ldlt().solve(r));
             return weight(loss, c, m, d2) - candidate;
@@ -239,7 +263,7 @@ TEST_CASE("robust: without an outlier R is the nominal one to the bit, and stude
     for (const char* of : {"innovation", "residual"})
       REQUIRE(estimated(*make(loss, {{"of", of}, {"by", "part"}}, 5), in).R == in.R_nominal);
   const auto R = estimated(*make(Loss::student_t, {{"dof", 4}}, 5), in).R;
-  REQUIRE(std::abs(weight_in(R, in.R_nominal, 0) - 9.0 / 4) < 0.01);  // (ν + m)/ν: surer than nominal
+  REQUIRE(weight_in(R, in.R_nominal, 0) > 2.2);  // at most (ν + m)/ν = 9/4: surer than nominal
 }
 
 TEST_CASE("robust: the larger the prior, the less a loss bites, and a gate by nominal R as well") {
@@ -253,7 +277,7 @@ TEST_CASE("robust: the larger the prior, the less a loss bites, and a gate by no
         REQUIRE(1 / R(0, 0) >= last);
         last = 1 / R(0, 0);
       }
-      REQUIRE(last >= 1);
+      REQUIRE(last > 0.99);
     }
 }
 
@@ -276,7 +300,7 @@ TEST_CASE("robust: the weights by the residual are those of iterated least squar
           for (const auto& block : blocks_by(by)) {
             const int m = static_cast<int>(block.size());
             const double d2 = part(v, block).dot(part(in.R_nominal, block).ldlt().solve(part(v, block)));
-            for (const int row : block) w[row] = weight(loss, tuning_of(loss, 0.95, m), m, d2);
+            for (const int row : block) w[row] = weight(loss, constant_of(loss, residual, m), m, d2);
           }
           if ((w - last).cwiseAbs().maxCoeff() < 1e-15) break;
         }
@@ -310,7 +334,7 @@ TEST_CASE("robust: the update by the residual is the minimum of the loss, found 
         for (const auto& block : units[by_row ? 0 : 1]) {
           const VectorXd v = part(VectorXd(r - H * x), block);
           const int m = static_cast<int>(block.size());
-          sum += cost(loss, tuning_of(loss, 0.95, m), m, std::sqrt(v.dot(part(R, block).ldlt().solve(v))));
+          sum += cost(loss, constant_of(loss, residual, m), m, std::sqrt(v.dot(part(R, block).ldlt().solve(v))));
         }
         return sum;
       };
@@ -365,7 +389,7 @@ TEST_CASE("robust: what there is to say becomes a note") {
     const auto few = notes(Loss::cauchy, {{"of", of}, {"iterations", 1}}, 30, 1, 1);
     REQUIRE(few == std::vector<std::string>{"the weights have not converged within `iterations`; the last were used"});
     REQUIRE(notes(Loss::cauchy, {{"of", of}}, 30, 1, 1).empty());
-    REQUIRE(notes(Loss::dcs, {{"of", of}}, 1e9, 1, 1) ==
+    REQUIRE(notes(Loss::dcs, {{"of", of}}, 1e12, 1, 1) ==
             std::vector<std::string>{"a weight is at its least, 1e-12: an outlier beyond all measure"});
     REQUIRE(notes(Loss::dcs, {{"of", of}}, 1e9, 1, 0) ==
             std::vector<std::string>{"R of rows that share a weight is singular: they keep the weight 1"});
