@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robust_noise.hpp"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -60,9 +59,11 @@ RobustNoise::RobustNoise(Loss loss, const char* constant, const Binding& binding
     method_.tuning.push_back(parameters.has(constant)
                                  ? parameters.number(constant)
                                  : tuning_of(loss, method_.of, parameters.number("efficiency"), m));
-  for (int m = 1; m <= largest; m += std::max(1, largest - 1))
-    binding.figure(std::string(constant) + " of " + std::to_string(m) + (m == 1 ? " row" : " rows"),
-                   method_.tuning[static_cast<std::size_t>(m - 1)], "1");
+  constexpr int few = 6;
+  for (int m = 1; m <= largest; ++m)
+    if (m <= few || m == largest)
+      binding.figure(std::string(constant) + " of " + std::to_string(m) + (m == 1 ? " row" : " rows"),
+                     method_.tuning[static_cast<std::size_t>(m - 1)], "1");
   rows_ = declaration_.judged_by_nominal().keeps_array<Row>(static_cast<std::size_t>(noise.max_rows));
 }
 

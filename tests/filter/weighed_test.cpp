@@ -44,18 +44,54 @@ const std::string huber = R"(, "noise": {"type": "huber", "by": "row"})";
 
 RowFigures figures_of(const MeasurementCounts& counts) { return counts.rows.front(); }
 
-/// `count` fixes of a position that stands still, each `share`-th of them off by 40 m.
-void push_fixes(Session& session, int count, int share, std::uint64_t seed = 1) {
-  std::uint64_t state = seed;
-  const auto uniform = [&] {  // xorshift
-    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
-    return static_cast<double>(state >> 11) * 0x1p-53;
-  };
-  for (int k = 0; k < count; ++k) {
-    double normal = -6;
-    for (int i = 0; i < 12; ++i) normal += uniform();
-    push(session, "z", k, {1 + 0.7 * normal + (share > 0 && k % share == 1 ? 40 : 0)});
+/// Standard normal deviates, the same everywhere.
+class Normal {
+ public:
+  explicit Normal(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 1) {}
+  double operator()() {
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) {  // xorshift
+      state_ ^= state_ << 13, state_ ^= state_ >> 7, state_ ^= state_ << 17;
+      sum += static_cast<double>(state_ >> 11) * 0x1p-53;
+    }
+    return sum;
   }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// `count` fixes of a position that stands still, each `share`-th of them off by 40 m.
+void push_fixes(Session& session, int count, int share) {
+  Normal normal(1);
+  for (int k = 0; k < count; ++k) push(session, "z", k, {1 + 0.7 * normal() + (share > 0 && k % share == 1 ? 40 : 0)});
+}
+
+/// The share of epochs in which the mean NEES of 200 runs of the line, with all drawn as the filter believes, is within its band of
+/// 99 %.
+double share_in_band(const std::string& measurement_extra) {
+  constexpr int runs = 200, epochs = 100;
+  constexpr double low = 2 - 0.3647, high = 2 + 0.3647;  // 2.576 √(2 · 2 / 200)
+  Session session = session_of(line("", measurement_extra));
+  double sums[epochs] = {};
+  for (int run = 0; run < runs; ++run) {
+    Normal normal(static_cast<std::uint64_t>(run + 1));
+    session.reset();
+    double position = 1 + 2 * normal(), velocity = 0.5 + 0.3 * normal();
+    for (int k = 0; k < epochs; ++k) {
+      if (k > 0) {  // ∫ of a random walk of 0.2 /√s over 1 s, given its end
+        const double w = 0.2 * normal();
+        position += velocity + w / 2 + 0.2 * normal() / std::sqrt(12.0);
+        velocity += w;
+      }
+      push(session, "z", k, {position + 0.7 * normal()});
+      const auto x = session.state(FilterId{0});
+      const Eigen::Vector2d error(position - x[0], velocity - x[1]);
+      sums[k] += error.dot(Eigen::Matrix2d(session.covariance(FilterId{0}).as()).ldlt().solve(error));
+    }
+  }
+  return std::count_if(sums, sums + epochs, [](double sum) { return sum / runs > low && sum / runs < high; }) /
+         static_cast<double>(epochs);
 }
 
 }  // namespace
@@ -111,6 +147,17 @@ TEST_CASE("weighed: outliers that a loss takes the effect of are reported all th
   REQUIRE(clean.verdict({0}) == Verdict::ok);
   REQUIRE(spoilt.verdict({0}) != Verdict::ok);
   REQUIRE(figures_of(spoilt.counts({{0}, 0})).rms > 5);
+}
+
+TEST_CASE("weighed: on Gaussian noise a filter with a loss stays consistent") {
+  REQUIRE(share_in_band("") >= 0.97);
+  for (const char* type : {"huber", "cauchy", "student_t", "dcs"})
+    for (const char* of : {"innovation", "residual"}) {
+      const double share =
+          share_in_band(std::string(R"(, "noise": {"type": ")") + type + R"(", "of": ")" + of + R"("})");
+      INFO(type << " of " << of << ": " << share);
+      CHECK(share >= 0.97);
+    }
 }
 
 TEST_CASE("weighed: weights that did not converge are counted") {
