@@ -54,7 +54,8 @@ const std::string config = R"({"binnacle": 1,
       "fix": {"type": "position_fix", "channel": "gnss", "blocks": {"position": "position"}, "sigma": "2 m",
               "gate": 0.999, "recover": {"after": 3, "inflate": {"position.north": "20 m", "velocity.east": "1 m/s"}},
               "withhold": {"every": 10}},
-      "pair": {"type": "rows", "channel": "rows", "blocks": {"x": "pair"}, "gate": {"probability": 0.9999, "by": "row"}},
+      "pair": {"type": "rows", "channel": "rows", "blocks": {"x": "pair"}, "gate": {"probability": 0.9999, "by": "row"},
+               "noise": {"type": "huber", "by": "row"}},
       "exact": {"type": "rows", "channel": "exact", "blocks": {"x": "known"}}}}}})";
 
 /// Follows the log twice: from one event to the next, and from the start.

@@ -74,8 +74,9 @@ struct UpdateRecord {
   const double* residual = nullptr;
   int left_out = 0;  // rows that a gate by row or key took out before `rows` were left, and their keys
   const std::int64_t* left_out_keys = nullptr;
-  double nis = 0;                 // NaN where S is not positive definite
+  double nis = 0;                 // rᵀ judged_S⁻¹ r; NaN where that is not positive definite
   ConstMatrixView S;              // H P⁻ Hᵀ + R
+  ConstMatrixView judged_S;       // S; of the nominal R where the noise estimator is judged_by_nominal()
   ConstMatrixView R;              // as the noise estimator returned it
   ConstMatrixView K;              // n×rows; rows of considered components are zero
   const double* delta = nullptr;  // injected error K r, n

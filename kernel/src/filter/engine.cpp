@@ -288,10 +288,10 @@ void Engine::correct(int measurement, Time t) {
   ledger_.end_silence(measurement, t, estimator_.form());
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
-  const SampleRows& rows = estimator_.rows();
-  const bool is_biased = ledger_.use(
-      {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.square(rows.R), rows.square(rows.S)},
-      rows.nis);
+  SampleRows& rows = estimator_.rows();
+  const bool is_biased =
+      ledger_.use({{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.judged_R(), rows.judged_S()},
+                  rows.nis);
   if (rows.left_out > 0)
     ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));
@@ -400,7 +400,7 @@ StepRecord Engine::step_record(Time t1) {
 }
 
 UpdateRecord Engine::innovation_record(const MeasurementPlan& measurement) {
-  const SampleRows& rows = estimator_.rows();
+  SampleRows& rows = estimator_.rows();
   UpdateRecord record;
   record.rows = rows.m;
   record.nis = rows.nis;
@@ -412,6 +412,7 @@ UpdateRecord Engine::innovation_record(const MeasurementPlan& measurement) {
   record.left_out_keys = rows.left_out_keys.data();
   record.residual = rows.r;
   record.S = rows.square(rows.S);
+  record.judged_S = rows.judged_S();
   record.R = rows.square(rows.R);
   if (!is_wanted(Wants::jacobian)) return record;
   record.H = {H_.data(), rows.m, plan_.n, rows.m};

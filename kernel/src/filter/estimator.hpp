@@ -20,7 +20,8 @@
 namespace binnacle::internal::filter {
 
 /// The rows of the sample at work: linearize() fills them, judge() may thin them out, correct() applies them. R is what
-/// the noise estimator makes of R_nominal.
+/// the noise estimator makes of R_nominal, S is HPHᵀ + R. NIS, gate and monitors are of judged_R() and judged_S(): these
+/// two, or nominal where the estimator only weighs what has passed.
 struct SampleRows : UpdateWork {
   explicit SampleRows(const FilterPlan& plan);
   SampleRows(const SampleRows&) = delete;
@@ -32,11 +33,16 @@ struct SampleRows : UpdateWork {
   void list_left_out(const unsigned char* marked);
   void remove(const unsigned char* marked, int columns, int n);
   MatrixView square(double* matrix) const { return {matrix, m, m, m_max}; }
+  /// S as it is now stays what the sample was judged by.
+  void keep_judged();
+  ConstMatrixView judged_R() { return square(is_kept ? R_nominal.data() : R); }
+  ConstMatrixView judged_S() { return square(is_kept ? S_nominal.data() : S); }
 
   double nis = 0;
   int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
   int removed = 0;   // of these, what are no rows here any more: all but the last, where it made the sample gated
-  base::AlignedVector<double> R_nominal, delta;
+  base::AlignedVector<double> R_nominal, S_nominal, delta;
+  bool is_kept = false;  // S_nominal is there
   // Where an accepted sample's rows are biased: which, the mean of r / √S and of how many it is. Else unused.
   std::vector<unsigned char> biased;
   std::vector<double> mean_z, mean_count;

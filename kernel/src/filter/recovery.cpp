@@ -142,7 +142,9 @@ void Estimator::project(const MeasurementPlan& measurement) { P_->project(measur
 
 // The mean residual of n samples has the noise R / n, and what of P is common to all of them.
 bool Estimator::open_by_mean(const MeasurementPlan& measurement) {
-  const MatrixView R = rows_.square(rows_.R), S = rows_.square(rows_.S);
+  const MatrixView R = rows_.square(rows_.R);
+  const ConstMatrixView S = rows_.judged_S();
+  R.as() = rows_.judged_R().as();
   for (int i = 0; i < rows_.m; ++i) {
     rows_.r[i] = rows_.mean_z[as_size(i)] * std::sqrt(S(i, i));
     for (int j = 0; j < rows_.m; ++j) R(i, j) /= std::sqrt(rows_.mean_count[as_size(i)] * rows_.mean_count[as_size(j)]);
