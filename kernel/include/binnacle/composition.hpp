@@ -99,6 +99,7 @@ struct FilterInfo {
   std::int64_t history_steps = 0;  // instants that are worked on, at most, for each that arrives; 0: any number
   std::size_t history_bytes = 0;   // the most that snapshots of a session's live estimates take, for all filters
   std::vector<InitialInfo> starts_when;
+  bool is_unscented = false;  // propagation by sigma points: Φ of its step log is a regression, and full
   // Blocks that are declared other than zero; `to` and `from` count the filter's blocks, not ports.
   std::vector<Coupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is
   std::vector<Coupling> noise;       // Qd, both halves

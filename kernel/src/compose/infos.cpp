@@ -72,6 +72,7 @@ void FilterComposer::describe() {
   info.dof = plan.n;
   info.stored_size = plan.stored_size;
   info.input_channel = plan.input_channel;
+  info.is_unscented = plan.is_unscented;
   info.history = plan.history;
   info.history_steps = plan.history_steps;
   for (const auto& block : plan.blocks) info.blocks.push_back(block_info(block));

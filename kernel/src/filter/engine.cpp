@@ -200,7 +200,7 @@ bool Engine::follow() {
 void Engine::step(Time t1, std::span<const InputSample> samples) {
   calls_.set_time(t1);
   const bool follows = follow();
-  estimator_.propagate(moment(), t1, samples);
+  estimator_.propagate(moment(), t1, samples, follows);
   wants_ = ledger_.wants();
   keep_before(Wants::step_covariance);
   if (!follows) estimator_.predict();

@@ -30,6 +30,11 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto& block : plan.blocks) values_.push_back(state() + block.stored_offset);
   for (const auto& derived : plan.derived) values_.push_back(at(derived.value));
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
+  if (!plan.is_unscented) return;
+  std::vector<Place<std::byte>> memories;
+  for (const auto& process : plan.processes)
+    if (process.memory.count > 0) memories.push_back(process.memory);
+  sigma_ = std::make_unique<SigmaStep>(plan, memories);
 }
 
 void Estimator::allocate() {

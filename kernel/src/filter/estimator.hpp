@@ -16,6 +16,7 @@
 #include "base/aligned.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/plan.hpp"
+#include "filter/sigma_points.hpp"
 
 namespace binnacle::internal::filter {
 
@@ -135,8 +136,9 @@ class Estimator {
 
   // ---- a step in three: what the models make of it; P; x. propagate.cpp
 
-  /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise().
-  void propagate(const Driving& now, Time t1, std::span<const InputSample> samples);
+  /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise(). `is_nominal`: along a path that is known, where P
+  /// stands still, Φ is the Jacobian.
+  void propagate(const Driving& now, Time t1, std::span<const InputSample> samples, bool is_nominal = false);
   void predict() {
     P_->predict(phi(), noise());
     if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
@@ -226,7 +228,7 @@ class Estimator {
   const SampleView* auxiliary(const AuxiliaryPlan& model);
   template <class Component>
   const MatrixView* zeroed_jacobians(const Component& component, int rows);
-  Result evaluate_derived(const std::vector<int>& values, const Driving& now);
+  Result evaluate_derived(const std::vector<int>& values, const Driving& now, bool wants_jacobians = true);
   void chain(const DerivedPlan& derived);
 
   void note_stationary_variances();
@@ -238,14 +240,40 @@ class Estimator {
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 
   Step read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples);
-  void run_model(std::size_t index, Step step, std::span<const InputSample> samples);
+  Result run_model(std::size_t index, Step step, std::span<const InputSample> samples, bool wants_jacobians = true);
   void run_continuous(std::size_t index);
   void check_noise(Time t) const;
   void discretize_group(const VanLoanGroup& group, double dt);
+  void advance_group(const VanLoanGroup& group);
   void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
   double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
   void hold_frozen();
   std::string culprit(Time t1) const;
+
+  // Sigma points through the models. sigma_propagation.cpp
+
+  /// All of one step. Sized once.
+  struct SigmaStep {
+    SigmaStep(const FilterPlan& plan, const std::vector<Place<std::byte>>& memories);
+    MatrixView errors() { return {e.data(), n, points.count(), n}; }
+    ConstMatrixView jacobian() const { return {Phi.data(), n, n, n}; }
+    void copy_memories(std::byte* arena, std::vector<std::byte>& to) const;
+    void put_memories(const std::vector<std::byte>& from, std::byte* arena) const;
+
+    int n;
+    SigmaPoints points;
+    std::vector<Place<std::byte>> memories;      // of the process models
+    std::vector<std::byte> before, after;        // what they held before the step, and after the centre's call
+    std::vector<double> x, xi, back;             // x̂; ξ; of one block
+    std::vector<double> next, e, deltas, moved;  // x⁺ of each point, by columns; e; of one block by columns, their mean
+    std::vector<double> Phi, Omega;              // Φ of the models; Ω
+  };
+  void regress(const Driving& now, const Step& step, std::span<const InputSample> samples, bool is_nominal);
+  bool run_points(const Driving& now, const Step& step, std::span<const InputSample> samples);
+  bool advance_point(int point, const Driving& now, const Step& step, std::span<const InputSample> samples);
+  bool perturb(int point);
+  bool run_values(const Driving& now, const Step& step, std::span<const InputSample> samples);
+  void average(const BlockPlan& block);
 
   Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Driving& now,
                   int& part_rows);
@@ -286,6 +314,7 @@ class Estimator {
   std::vector<double> initial_P_, reset_jacobians_, post_fit_;
   std::vector<Reset> resets_;
   std::vector<std::byte> memory_backup_, noise_backup_;  // of a measurement's models and noise estimator
+  std::unique_ptr<SigmaStep> sigma_;                     // null: propagation by Jacobians
 };
 
 }  // namespace binnacle::internal::filter

@@ -72,17 +72,19 @@ const MatrixView* Estimator::zeroed_jacobians(const Component& component, int ro
   return jacobians_.data();
 }
 
-/// Derived blocks: evaluates the values, given in order of dependence, with their Jacobians chained to the state blocks;
-/// ends with the first refusal.
-Result Estimator::evaluate_derived(const std::vector<int>& values, const Driving& now) {
+/// Derived blocks: evaluates the values, given in order of dependence, with their Jacobians chained to the state blocks, if
+/// these are wanted; ends with the first refusal.
+Result Estimator::evaluate_derived(const std::vector<int>& values, const Driving& now, bool wants_jacobians) {
   for (const int index : values) {
     const auto& derived = plan_.derived_at(index);
     const auto& declared = derived.derived->declaration();
-    DerivedOutput out{{at(derived.value), declared.stored_size}, zeroed_jacobians(derived, declared.dof())};
-    const DerivedInput in{values_of(derived.ports), driving(now, derived.driving_rates), calls_.notes()};
+    DerivedOutput out{{at(derived.value), declared.stored_size},
+                      wants_jacobians ? zeroed_jacobians(derived, declared.dof()) : nullptr};
+    const DerivedInput in{values_of(derived.ports), driving(now, derived.driving_rates),
+                          wants_jacobians ? calls_.notes() : Notes()};
     const Result result = calls_.during(derived, "evaluate", [&] { return derived.derived->evaluate(in, out); });
     if (!result) return result;
-    chain(derived);
+    if (wants_jacobians) chain(derived);
   }
   return Result::ok();
 }

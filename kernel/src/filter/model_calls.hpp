@@ -87,6 +87,9 @@ class ModelCalls : public CallSite {
             }};
   }
 
+  /// Leaves one on the component that was called last.
+  void note(const char* call, const char* text) { note_book.keep(*component(), *pointer_, call, time(), text); }
+
   /// Calls the component of a plan. A call that returns is over; one that throws stays until leave(), to be named.
   template <class Plan, class Act>
   auto during(const Plan& plan, const char* name, Act&& act) {

@@ -429,6 +429,12 @@ struct FilterPlan : Planned {
   std::vector<GatherPlan> gathers;        // for Φ, after the models and Van Loan
   std::vector<GatherPlan> noise_gathers;  // for Qd
   std::vector<VanLoanGroup> van_loan;
+  // "propagation": "unscented". Then `transition` is of the regression, whose Φ and Qd are n×n, and `jacobians` of what
+  // the models write.
+  bool is_unscented = false;
+  TransitionPlan jacobians;
+  std::size_t regression = 0;            // offset of that Φ in the workspace
+  std::size_t regression_noise = 0;      // and of that Qd
   std::vector<unsigned char> corrected;  // per row of P; empty: all
   std::size_t workspace = 0;             // doubles
   int max_rows = 0;
@@ -448,6 +454,8 @@ struct FilterPlan : Planned {
   Place<QueueEntry> queue;
   Place<double> queue_data;
 
+  /// Φ and Qd as the models write them.
+  const TransitionPlan& of_models() const { return is_unscented ? jacobians : transition; }
   /// Of a value that models bind to, by its index.
   bool is_block(int value) const { return value < static_cast<int>(blocks.size()); }
   const DerivedPlan& derived_at(int value) const { return derived[as_size(value) - blocks.size()]; }

@@ -154,7 +154,7 @@ bool Estimator::open_by_mean(const MeasurementPlan& measurement) {
 void Estimator::note_stationary_variances() {
   double* const kept = plan_.stationary_variances.in(arena_);
   std::fill_n(kept, plan_.n, infinity);
-  const auto& transition = plan_.transition;
+  const auto& transition = plan_.of_models();
   for (const auto& diagonal : transition.diagonals) {
     const double phi = phi_[as_size(diagonal.block)][diagonal.offset];
     const auto noise = std::ranges::find(transition.noise_elements, diagonal.row * padded(plan_.n) + diagonal.row,
