@@ -16,6 +16,7 @@
 #include "base/aligned.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/plan.hpp"
+#include "filter/sigma_points.hpp"
 
 namespace binnacle::internal::filter {
 
@@ -37,6 +38,10 @@ struct SampleRows : UpdateWork {
   int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
   int removed = 0;   // of these, what are no rows here any more: all but the last, where it made the sample gated
   base::AlignedVector<double> R_nominal, delta;
+  // The innovation at the a-priori state: r and S, but once an update was iterated. Then r, S and what belongs to them are of
+  // the last linearization.
+  double *innovation = nullptr, *innovation_S = nullptr;
+  bool has_delta = false;  // `delta` is to be injected as it is; else it is K r
   // Where an accepted sample's rows are biased: which, the mean of r / √S and of how many it is. Else unused.
   std::vector<unsigned char> biased;
   std::vector<double> mean_z, mean_count;
@@ -95,6 +100,46 @@ class Opening {
   std::vector<int> members_;  // U
 };
 
+/// Scratch of updates that evaluate a measurement at other states than the estimate. other_states.cpp
+struct OtherStates {
+  explicit OtherStates(const FilterPlan& plan);
+
+  std::vector<double> x;            // stored, of the other state
+  std::vector<double> by_column;    // its distance δ from the estimate, by column of the compact H
+  SampleRows rows;                  // there
+  std::vector<std::byte> memory;    // of the models, as the call that counts left it
+  std::vector<double> block_delta;  // of one block
+  std::vector<double> resets;       // n×n: reset Jacobians of the blocks, each in the rows that are its own
+};
+
+/// Scratch of Gauss and Newton's method, by the words of iterate.cpp.
+struct Iteration {
+  Iteration(const FilterPlan& plan);
+
+  std::vector<double> r, S;  // of the first linearization
+  // δ and v with δ = P v: of the newest state, the next, and tried; v and the δ that it goes with by column, δ by row of P.
+  std::vector<double> delta, v, next_delta, next_v, tried_delta;
+  std::vector<double> step, seen;  // Δδ by column, H̃ Δδ
+  std::vector<double> L_R;         // factor of R
+  bool has_L_R = false;            // R is not singular
+};
+
+/// What became of the iterations of one sample.
+struct Convergence {
+  int iterations = 0;
+  bool has_converged = true;
+};
+
+/// Sigma points of what a measurement sees, and what its residual is there.
+struct SeenSigmaPoints {
+  SeenSigmaPoints(const FilterPlan& plan);
+
+  SigmaPoints points;
+  Eigen::MatrixXd P;          // of the columns
+  Eigen::MatrixXd residuals;  // rows × points
+  Eigen::MatrixXd fallback, M, Omega;
+};
+
 /// `accepted`, `withheld`, `gated`, or `rejected` where S is not positive definite.
 struct Judgement {
   Outcome outcome = Outcome::accepted;
@@ -150,12 +195,17 @@ class Estimator {
 
   // ---- a sample in three. linearize() keeps the models' memories; roll_back() restores them
 
-  /// Fills the rows of `measurement`, or refuses. linearize.cpp
-  Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  /// Fills the rows of `measurement`, or refuses. `is_plain`: by Jacobians, whatever its update. linearize.cpp
+  Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                   bool is_plain = false);
+  /// Whether the last linearize() took Jacobians where sigma points are asked for.
+  bool was_linearized_instead() const { return was_linearized_instead_; }
   /// Takes linearized rows to R, S, its factor and the NIS. dt: since the last accepted sample [s]. A withheld sample
   /// meets no noise estimator. update.cpp
   Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld,
                   LockOutTest is_locked_out = {});
+  /// Takes judged rows to the linearization about the a-posteriori state, the innovation kept apart. iterate.cpp
+  Convergence iterate(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
   /// δ = K r, x ← x ⊞ δ, P by the form and then by the blocks' reset Jacobians, whole or not at all: every plugin call
   /// comes before x and P change.
   void correct(const MeasurementPlan& measurement);
@@ -208,6 +258,8 @@ class Estimator {
     const double* q = nullptr;
     int step = 0;  // doubles from one element to the next
   };
+  enum class Jacobians : unsigned char { none, wanted };
+  class Elsewhere;
   struct Reset {
     int first = 0;
     int dof = 0;
@@ -226,7 +278,7 @@ class Estimator {
   const SampleView* auxiliary(const AuxiliaryPlan& model);
   template <class Component>
   const MatrixView* zeroed_jacobians(const Component& component, int rows);
-  Result evaluate_derived(const std::vector<int>& values, const Driving& now);
+  Result evaluate_derived(const std::vector<int>& values, const Driving& now, Jacobians wanted);
   void chain(const DerivedPlan& derived);
 
   void note_stationary_variances();
@@ -247,9 +299,24 @@ class Estimator {
   void hold_frozen();
   std::string culprit(Time t1) const;
 
-  Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Driving& now,
-                  int& part_rows);
-  void assemble(const PartPlan& part, int part_rows);
+  Result run_parts(SampleRows& rows, const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                   Jacobians wanted);
+  Result run_part(SampleRows& rows, const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
+                  const Driving& now, Jacobians wanted, int& part_rows);
+  void assemble(SampleRows& rows, const PartPlan& part, int part_rows);
+
+  Result see_elsewhere(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                       Jacobians wanted);
+  void reset_elsewhere(const MeasurementPlan& measurement);
+  Result regress(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  bool see_sigma_points(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  Convergence find_minimum(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  void begin_iteration();
+  void solve_step(const MeasurementPlan& measurement);
+  double decrease(const MeasurementPlan& measurement);
+  bool try_step(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now, double share,
+                double least_decrease, double& cost);
+  bool linearize_tried(const MeasurementPlan& measurement);
   PortCovariance covariance_of(const PartPlan& part);
   void add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
                       const PartPlan::Target& by_b, ConstMatrixView P, MatrixView into);
@@ -267,6 +334,11 @@ class Estimator {
   SampleRows rows_;
   OutlierTest outlier_test_;
   Opening opening_;
+  // Null where no measurement of the filter needs them.
+  std::unique_ptr<OtherStates> other_;
+  std::unique_ptr<Iteration> iteration_;
+  std::unique_ptr<SeenSigmaPoints> sigma_points_;
+  bool was_linearized_instead_ = false;
 
   // Scratch
   std::vector<double> workspace_;  // as the plan lays it out: blocks of Φ and Qd, derived values, Jacobians

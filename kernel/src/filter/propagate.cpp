@@ -21,7 +21,7 @@ ConstVectorView block_of(const Coupling& coupling, const double* block, const st
 }  // namespace
 
 void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSample> samples) {
-  if (const Result result = evaluate_derived(plan_.process_derived, now); !result)
+  if (const Result result = evaluate_derived(plan_.process_derived, now, Jacobians::wanted); !result)
     throw Stop("a derived block cannot be evaluated at " + time_text(now.t) + ": " + result.reason);
   const bool bridges = !samples.empty() && samples.front().bridges;  // such a sample is stepped alone
   const Step step{now.t, t1, seconds(t1 - now.t), {}, bridges};
