@@ -108,20 +108,19 @@ struct OtherStates {
   std::vector<double> by_column;    // its distance δ from the estimate, by column of the compact H
   SampleRows rows;                  // there
   std::vector<std::byte> memory;    // of the models, as the call that counts left it
-  std::vector<double> block_delta;  // of one block
-  std::vector<double> resets;       // n×n: reset Jacobians of the blocks, each in the rows that are its own
+  std::vector<double> block_delta, row;  // of one block
 };
 
-/// Scratch of Gauss and Newton's method, by the words of iterate.cpp.
+/// Scratch of Gauss and Newton's method. iterate.cpp has the symbols.
 struct Iteration {
-  Iteration(const FilterPlan& plan);
+  explicit Iteration(const FilterPlan& plan);
 
   std::vector<double> r, S;  // of the first linearization
-  // δ and v with δ = P v: of the newest state, the next, and tried; v and the δ that it goes with by column, δ by row of P.
-  std::vector<double> delta, v, next_delta, next_v, tried_delta;
-  std::vector<double> step, seen;  // Δδ by column, H̃ Δδ
-  std::vector<double> L_R;         // factor of R
-  bool has_L_R = false;            // R is not singular
+  // δ by row of P and v by column of the compact H, δ = P v: of the newest state, as solved for next, and tried.
+  std::vector<double> delta, v, next_delta, next_v, tried_delta, tried_v;
+  std::vector<double> seen;  // H̃ Δ, and scratch of m
+  std::vector<double> L_R;   // factor of R
+  bool has_L_R = false;      // R is not singular
 };
 
 /// What became of the iterations of one sample.
@@ -132,7 +131,7 @@ struct Convergence {
 
 /// Sigma points of what a measurement sees, and what its residual is there.
 struct SeenSigmaPoints {
-  SeenSigmaPoints(const FilterPlan& plan);
+  explicit SeenSigmaPoints(const FilterPlan& plan);
 
   SigmaPoints points;
   Eigen::MatrixXd P;          // of the columns
@@ -305,6 +304,7 @@ class Estimator {
                   const Driving& now, Jacobians wanted, int& part_rows);
   void assemble(SampleRows& rows, const PartPlan& part, int part_rows);
 
+  VectorView delta_elsewhere(const UpdatePlan::Seen& seen);
   Result see_elsewhere(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
                        Jacobians wanted);
   void reset_elsewhere(const MeasurementPlan& measurement);
@@ -313,9 +313,10 @@ class Estimator {
   Convergence find_minimum(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
   void begin_iteration();
   void solve_step(const MeasurementPlan& measurement);
-  double decrease(const MeasurementPlan& measurement);
+  double square_of_step(const MeasurementPlan& measurement);
   bool try_step(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now, double share,
-                double least_decrease, double& cost);
+                double promised, bool is_last, double& cost);
+  bool keep_rows(const MeasurementPlan& measurement);
   bool linearize_tried(const MeasurementPlan& measurement);
   PortCovariance covariance_of(const PartPlan& part);
   void add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,

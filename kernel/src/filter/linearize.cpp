@@ -108,6 +108,7 @@ void Estimator::chain(const DerivedPlan& derived) {
 Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
                             bool is_plain) {
   std::copy_n(measurement.memory.in(arena_), measurement.memory.count, memory_backup_.data());
+  was_linearized_instead_ = false;
   const Result result = run_parts(rows_, measurement, sample, now, Jacobians::wanted);
   if (!result || is_plain || measurement.update.type != UpdatePlan::Type::unscented) return result;
   return regress(measurement, sample, now);
