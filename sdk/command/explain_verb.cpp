@@ -160,12 +160,22 @@ std::string gate_text(const Json& measurement) {
                      figure(gate.at("nis_limit").get<double>()), recovery);
 }
 
+std::string update_text(const Json& measurement) {
+  if (!measurement.contains("update")) return "";
+  const auto& update = measurement.at("update");
+  const auto type = update.at("type").get<std::string>();
+  if (!update.contains("max")) return type;
+  return fmt::format("{}, at most {} linearizations, to {} sigma", type, update.at("max").dump(),
+                     figure(update.at("tolerance").get<double>()));
+}
+
 std::string measurements_text(const Json& filter) {
-  Table table("llllll");
+  Table table("lllllll");
   for (const auto& measurement : filter.at("measurements"))
     table.row({measurement.at("name"), "on " + value_text(measurement.at("channel")), parts_text(measurement),
                "up to " + counted(measurement.at("max_rows"), "row"), gate_text(measurement),
-               measurement.contains("noise") ? "noise " + value_text(measurement.at("noise")) : ""});
+               measurement.contains("noise") ? "noise " + value_text(measurement.at("noise")) : "",
+               update_text(measurement)});
   return section("Measurements", table);
 }
 

@@ -197,6 +197,10 @@ class FilterText {
                          {"by", gate.by},
                          {"nis_limit", gate.nis_limit},
                          {"recovers", measurement.recovers}};
+      if (const auto& update = measurement.update; update.type != "ekf") {
+        entry["update"] = {{"type", update.type}};
+        if (update.max > 0) entry["update"].update({{"max", update.max}, {"tolerance", update.tolerance}});
+      }
       if (measurement.noise.type) entry["noise"] = measurement.noise.type->full_name();
       measurements.push_back(std::move(entry));
     }

@@ -60,6 +60,13 @@ struct GateInfo {
   double nis_limit = 0;    // of a row, or of a whole sample with all of its rows
 };
 
+/// How its samples correct the state.
+struct UpdateInfo {
+  std::string type = "ekf";  // or "iterated", "unscented"
+  int max = 0;               // of an iterated one: linearizations
+  double tolerance = 0;      // and the last step, in sigma
+};
+
 struct MeasurementInfo {
   std::string name;
   int channel = -1;
@@ -71,6 +78,7 @@ struct MeasurementInfo {
   bool recovers = false;
   bool is_watched = true;  // not excepted from "trust"
   GateInfo gate;
+  UpdateInfo update;
 };
 
 struct ProcessInfo : BoundInfo<ProcessModel> {

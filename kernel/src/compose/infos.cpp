@@ -62,6 +62,12 @@ MeasurementInfo measurement_info(const Catalog& catalog, const FilterPlan& filte
   if (measurement.gate > 0)
     info.gate = {measurement.gate, units[static_cast<int>(measurement.gate_unit)],
                  measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(info.max_rows)]};
+  static constexpr const char* updates[] = {"ekf", "iterated", "unscented"};
+  info.update.type = updates[static_cast<int>(measurement.update.type)];
+  if (measurement.update.type == UpdatePlan::Type::iterated) {
+    info.update.max = measurement.update.most;
+    info.update.tolerance = measurement.update.tolerance;
+  }
   return info;
 }
 

@@ -79,6 +79,13 @@ void Estimator::allocate() {
   block_jacobian_.resize(most_dof * most_dof);
   resets_.reserve(plan_.blocks.size());
   post_fit_.resize(as_size(plan_.max_rows));
+  using enum UpdatePlan::Type;
+  const auto any = [&](UpdatePlan::Type type) {
+    return std::ranges::any_of(plan_.measurements, [&](const auto& its) { return its.update.type == type; });
+  };
+  if (any(iterated)) iteration_ = std::make_unique<Iteration>(plan_);
+  if (any(unscented)) sigma_points_ = std::make_unique<SeenSigmaPoints>(plan_);
+  if (iteration_ || sigma_points_) other_ = std::make_unique<OtherStates>(plan_);
   for (auto* square : {&initial_P_, &reset_jacobians_}) square->resize(as_size(plan_.n) * as_size(plan_.n));
 }
 

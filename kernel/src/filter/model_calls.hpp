@@ -75,12 +75,14 @@ class NoteBook {
 class ModelCalls : public CallSite {
  public:
   NoteBook note_book;  // what models noted
+  bool is_muted = false;  // they are called for states that nobody believes in: their notes are not kept
 
   /// call_text() of the call under way.
   std::string place_text() const { return call_text(*component(), *pointer_, call(), time()); }
 
   /// Lets a model leave notes of the call under way.
   Notes notes() {
+    if (is_muted) return {};
     return {this, [](void* self, const char* text) {
               auto& calls = *static_cast<ModelCalls*>(self);
               calls.note_book.keep(*calls.component(), *calls.pointer_, calls.call(), calls.time(), text);

@@ -286,6 +286,20 @@ struct Tally : SampleCounts {
 /// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
 enum class GateUnit : unsigned char { sample, row, key };
 
+/// How the samples of a measurement correct the state.
+struct UpdatePlan {
+  enum class Type : unsigned char { ekf, iterated, unscented };
+  /// A block that the measurement sees.
+  struct Seen {
+    int block = 0;
+    int first_column = 0;  // of the compact H
+  };
+  Type type = Type::ekf;
+  int most = 10;            // linearizations of an iterated one
+  double tolerance = 1e-3;  // of its last step, in sigma
+  std::vector<Seen> seen;
+};
+
 struct MeasurementPlan : Planned {
   struct Inflation {
     int row = 0;
@@ -308,6 +322,7 @@ struct MeasurementPlan : Planned {
   std::vector<Inflation> inflations;                   // instead of the opening along what the rows see
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
+  UpdatePlan update;
   Place<Tally> tally;
   Place<NisMonitor> nis;
   Place<double> variances;  // of its columns, when a sample was last of use

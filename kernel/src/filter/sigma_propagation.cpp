@@ -11,19 +11,6 @@ namespace binnacle::internal::filter {
 
 namespace {
 
-/// Puts x back, whatever is thrown.
-class Restored {
- public:
-  Restored(double* x, const std::vector<double>& kept) : x_(x), kept_(kept) {}
-  ~Restored() { std::copy(kept_.begin(), kept_.end(), x_); }
-  Restored(const Restored&) = delete;
-  Restored& operator=(const Restored&) = delete;
-
- private:
-  double* x_;
-  const std::vector<double>& kept_;
-};
-
 double largest_of(const double* numbers, int count) {
   double largest = 0;
   for (int i = 0; i < count; ++i) largest = std::max(largest, std::abs(numbers[i]));
@@ -31,6 +18,34 @@ double largest_of(const double* numbers, int count) {
 }
 
 }  // namespace
+
+/// While it lives, process models and derived blocks read a sigma point, and leave no notes: the call at the centre has left
+/// them. The arena never holds any state but the estimate.
+class Estimator::AtPoint {
+ public:
+  explicit AtPoint(Estimator& its) : its_(its) {
+    read_from(its.sigma_->x.data());
+    its.calls_.is_muted = true;
+  }
+  AtPoint(const AtPoint&) = delete;
+  AtPoint& operator=(const AtPoint&) = delete;
+  ~AtPoint() {
+    read_from(its_.state());
+    its_.calls_.is_muted = false;
+  }
+
+ private:
+  void read_from(const double* x) {
+    const auto& plan = its_.plan_;
+    for (std::size_t b = 0; b < plan.blocks.size(); ++b) its_.values_[b] = x + plan.blocks[b].stored_offset;
+    for (std::size_t p = 0; p < plan.processes.size(); ++p)
+      for (std::size_t port = 0; port < plan.processes[p].ports.size(); ++port)
+        if (const int value = plan.processes[p].ports[port]; value >= 0 && plan.is_block(value))
+          its_.ports_[p].inputs[port] = its_.values_[as_size(value)];
+  }
+
+  Estimator& its_;
+};
 
 Estimator::SigmaStep::SigmaStep(const FilterPlan& plan, const std::vector<Place<std::byte>>& its_memories)
     : n(plan.n),
@@ -67,7 +82,8 @@ void Estimator::SigmaStep::put_memories(const std::vector<std::byte>& from, std:
 
 /// After the models' calls at the centre: x_plus() is f(x̂), the tables hold their Jacobians and noise. Where sigma points
 /// can not be had, these are what the step takes, and a note says why.
-void Estimator::regress(const Driving& now, const Step& step, std::span<const InputSample> samples, bool is_nominal) {
+void Estimator::regress_step(const Driving& now, const Step& step, std::span<const InputSample> samples,
+                             bool is_nominal) {
   const int n = plan_.n;
   expand_transition(plan_.jacobians, phi(), {sigma_->Phi.data(), n, n, n});
   expand_noise(plan_.jacobians, noise(), {at(plan_.regression_noise), n, n, n});
@@ -85,15 +101,12 @@ bool Estimator::run_points(const Driving& now, const Step& step, std::span<const
   std::copy_n(state(), plan_.stored_size, sigma.x.begin());
   sigma.copy_memories(arena_, sigma.after);
   bool is_whole = true;
-  {
-    const Restored restored(x(), sigma.x);
-    for (int point = 1; point < count && is_whole; ++point) is_whole = advance_point(point, now, step, samples);
-  }
+  for (int point = 1; point < count && is_whole; ++point) is_whole = advance_point(point, now, step, samples);
   sigma.put_memories(sigma.after, arena_);
   std::copy_n(sigma.next.begin(), plan_.stored_size, x_plus_.begin());
   if (!is_whole) return false;
   for (const auto& block : plan_.blocks) average(block);
-  hold_frozen();
+  hold_frozen(state());
   // Ω is about the points' mean, what P is of is about x̄⁺: E[e eᵀ] = Ω + ē ēᵀ + M P Mᵀ.
   const int n = plan_.n;
   const MatrixView Omega{sigma.Omega.data(), n, n, n}, Qd{at(plan_.regression_noise), n, n, n};
@@ -104,11 +117,11 @@ bool Estimator::run_points(const Driving& now, const Step& step, std::span<const
   return true;
 }
 
-/// x⁺ of a sigma point, to its column of `next`; false, with a note, where there is none. x is left at the point.
+/// x⁺ of a sigma point, to its column of `next`; false, with a note, where there is none.
 bool Estimator::advance_point(int point, const Driving& now, const Step& step, std::span<const InputSample> samples) {
   sigma_->put_memories(sigma_->before, arena_);
   if (!perturb(point) || !run_values(now, step, samples)) return false;
-  hold_frozen();
+  hold_frozen(sigma_->x.data());
   for (const auto& block : plan_.blocks)
     if (!is_finite(block.in(x_plus()))) {
       const auto& process = plan_.processes[as_size(block.process)];
@@ -120,7 +133,7 @@ bool Estimator::advance_point(int point, const Driving& now, const Step& step, s
   return true;
 }
 
-/// x ← x̂ ⊞ ξ. It must be there to a hundredth: not so far that the block's errors wrap around, nor so near that the stored
+/// SigmaStep::x = x̂ ⊞ ξ. It must be there to a hundredth: not so far that the block's errors wrap around, nor so near that the stored
 /// value does not resolve it.
 bool Estimator::perturb(int point) {
   constexpr double share = 0.01;
@@ -132,13 +145,14 @@ bool Estimator::perturb(int point) {
     delta.as().setZero();
     for (std::size_t a = 0; a < block.active.size(); ++a) delta[block.active[a]] = sigma.xi[as_size(block.first) + a];
     const double largest = largest_of(delta.data(), delta.size());
-    const ConstVectorView from = block.in(std::as_const(sigma.x).data());
+    const ConstVectorView from = block.in(state());
+    const VectorView to = block.in(sigma.x.data());
     if (largest == 0) {
-      block.in(x()).as() = from.as();
+      to.as() = from.as();
       continue;
     }
-    calls_.during(block, "plus", [&] { block.block->plus(from, delta, block.in(x())); });
-    calls_.during(block, "minus", [&] { block.block->minus(block.in(x()), from, back); });
+    calls_.during(block, "plus", [&] { block.block->plus(from, delta, to); });
+    calls_.during(block, "minus", [&] { block.block->minus(to, from, back); });
     back.as() -= delta.as();
     if (largest_of(back.data(), back.size()) <= share * largest) continue;
     calls_.note("minus", "sigma points lie beyond its chart or below its resolution: the step took the Jacobians");
@@ -147,8 +161,9 @@ bool Estimator::perturb(int point) {
   return true;
 }
 
-/// x_plus() of the models at x, without Jacobians.
+/// x_plus() of the models at SigmaStep::x, without Jacobians.
 bool Estimator::run_values(const Driving& now, const Step& step, std::span<const InputSample> samples) {
+  const AtPoint at_point(*this);
   const auto is_refused = [&](const Result& result, const char* call) {
     if (result) return false;
     char text[sizeof KeptNote::text];
@@ -156,9 +171,9 @@ bool Estimator::run_values(const Driving& now, const Step& step, std::span<const
     calls_.note(call, text);
     return true;
   };
-  if (is_refused(evaluate_derived(plan_.process_derived, now, false), "evaluate")) return false;
+  if (is_refused(evaluate_derived(plan_.process_derived, now, Jacobians::none), "evaluate")) return false;
   for (std::size_t p = 0; p < plan_.processes.size(); ++p)
-    if (plan_.processes[p].van_loan_group < 0 && is_refused(run_model(p, step, samples, false), "propagate"))
+    if (plan_.processes[p].van_loan_group < 0 && is_refused(run_model(p, step, samples, Jacobians::none), "propagate"))
       return false;
   for (const auto& group : plan_.van_loan) advance_group(group);
   return true;

@@ -31,6 +31,9 @@ void SampleRows::begin(const MeasurementPlan& measurement) {
   m = 0;
   left_out = removed = 0;
   nis = 0;
+  innovation = r;
+  innovation_S = S;
+  has_delta = false;
   std::fill_n(H, as_size(m_max) * measurement.columns.size(), 0.0);
   std::fill_n(R_nominal.data(), m_max * m_max, 0.0);
 }
@@ -192,7 +195,7 @@ void Estimator::weigh(const MeasurementPlan& measurement, Time t, double dt) {
 
 void Estimator::correct(const MeasurementPlan& measurement) {
   gain(plan_.corrected, plan_.n, rows_);
-  gain_times_residual(plan_.n, rows_, rows_.delta.data());
+  if (!rows_.has_delta) gain_times_residual(plan_.n, rows_, rows_.delta.data());
   inject();
   P_->correct(rows_);
   if (measurement.noise && measurement.noise->declaration().looks_back) {
