@@ -118,7 +118,11 @@ std::string processes_text(const Json& filter) {
     table.row({process.at("name"), type_text(process), "advances " + listed_or_dash(process.at("advances")),
                "reads " + listed_or_dash(process.at("reads")),
                process.contains("input") ? "driven by " + value_text(process.at("input")) : ""});
-  return section("Process models", table);
+  std::string points;
+  if (filter.contains("propagation"))
+    points = fmt::format("  propagated by sigma points, up to {} a step: x, Phi and Qd are made of them\n",
+                         filter.at("propagation").at("most_sigma_points").dump());
+  return section("Process models", table) + points;
 }
 
 /// Rows move with columns: x where Φ couples them, \ for a block with itself.

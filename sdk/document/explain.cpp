@@ -33,6 +33,8 @@ class FilterText {
   Json explanation() const {
     Json text{{"name", filter_.name}, {"dof", filter_.dof}, {"blocks", blocks()}, {"derived", derived()}};
     text["process"] = processes();
+    // A direction without variance has no points.
+    if (filter_.is_unscented) text["propagation"] = {{"type", "unscented"}, {"most_sigma_points", 1 + 2 * filter_.dof}};
     text["couplings"] = couplings();
     text["transition"] = transition();
     text["noise"] = pattern(filter_.noise, "row", "column");

@@ -34,13 +34,13 @@ struct Log final : StepObserver {
   const double* nominal() override { return path; }
   void started(Time, const double*, ConstMatrixView its_P) override { P = its_P.as(); }
   void stepped(const StepRecord& record) override {
-    Phi = record.Phi.as(), Qd = record.Qd.as(), P = record.P1.as();
+    Phi = record.Phi.as(), Qd = record.Qd.as(), P = record.P1.as(), P0 = record.P0.as();
     worst = std::max(worst, (Phi * record.P0.as() * Phi.transpose() + Qd - P).norm() / (1e-300 + P.norm()));
   }
   void offered(const UpdateRecord& record) override {
     if (record.outcome == Outcome::accepted) P = record.P1.as();
   }
-  MatrixXd Phi, Qd, P;
+  MatrixXd Phi, Qd, P, P0;
   const double* path = nullptr;
   double worst = 0;
 };
@@ -217,17 +217,20 @@ struct Textbook {
   Quaternion q;
   Vector3 b;
   Matrix6 P;
+  Matrix6 cross = Matrix6::Zero();  // Σ w e ξᵀ of the last step
   int steps = 0;
 
   void step(Number dt, const Vector3& rate, Number growth, Number density) {
     const Matrix6 L = Eigen::LLT<Matrix6>(P).matrixL();
     std::vector<Quaternion> turned;
     std::vector<Vector3> biases;
+    std::vector<Vector6> offsets;
     for (int i = 0; i < 12; ++i) {
       const Vector6 xi = (i % 2 == 0 ? 1 : -1) * std::sqrt(Number(6)) * L.col(i / 2);
       const Vector3 bias = b + xi.tail<3>();
       turned.push_back(turn_by(xi.head<3>()) * q * turn_by(dt * ((1 + growth * steps) * rate - bias)));
       biases.push_back(bias);
+      offsets.push_back(xi);
     }
     q = q * turn_by(dt * ((1 + growth * steps) * rate - b));
     for (int iteration = 0; iteration < 50; ++iteration) {
@@ -236,10 +239,12 @@ struct Textbook {
       q = turn_by(mean) * q;
     }
     P.setZero();
+    cross.setZero();
     for (int i = 0; i < 12; ++i) {
       Vector6 e;
       e << turn_from(turned[static_cast<std::size_t>(i)], q), biases[static_cast<std::size_t>(i)] - b;
       P += e * e.transpose() / 12;
+      cross += e * offsets[static_cast<std::size_t>(i)].transpose() / 12;
     }
     for (int i = 0; i < 3; ++i) P(i, i) += density * density * dt;
     ++steps;
@@ -313,6 +318,8 @@ TEST_CASE(
     CHECK(double(turn_from(q, book.q).norm()) < 1e-9);
     CHECK((x.tail<3>() - book.b.cast<double>()).norm() < 1e-9);
     CHECK((log.P - book.P.cast<double>()).norm() < 1e-9 * log.P.norm());
+    // What a smoother goes back by.
+    if (k > 0) CHECK((log.Phi * log.P0 - book.cross.cast<double>()).norm() < 1e-9 * log.P0.norm());
     distance = std::max(distance, (log.P - of_ekf.P).norm() / log.P.norm());
   }
   CHECK(log.worst < 1e-12);
