@@ -212,6 +212,16 @@ std::string measurement_table(const Json& measurements) {
       reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name,
                              entry["left_out"]["rows"].dump(), entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
+    if (entry.contains("iterated") && entry["iterated"]["samples"] != 0) {
+      const auto& iterated = entry["iterated"];
+      const double samples = iterated["samples"].get<double>();
+      reasons += fmt::format("  {}: iterated, {:.3g} linearizations a sample; {} of {} did not converge\n", name,
+                             number_at(iterated, "linearizations") / samples, iterated["not_converged"].dump(),
+                             counted(iterated["samples"], "sample"));
+    }
+    if (entry.contains("linearized_instead") && entry["linearized_instead"] != 0)
+      reasons += fmt::format("  {}: {} linearized, a sigma point was refused\n", name,
+                             counted(entry["linearized_instead"], "sample"));
     if (entry.contains("replayed"))
       reasons += fmt::format("  {}: {} came late, by up to {:.3g} s, and were applied at their time\n", name,
                              counted(entry["replayed"], "sample"), number_at(entry, "longest_delay_s"));

@@ -37,6 +37,9 @@ TransitionPattern::TransitionPattern(const FilterInfo& filter) : n_(filter.dof) 
   std::vector<std::set<int>> columns(as_size(n_));
   for (int j = 0; j < n_; ++j) columns[as_size(j)].insert(j);
   for (const Coupling& coupling : filter.transition) add_coupling(filter, coupling, columns);
+  if (filter.is_unscented)
+    for (auto& column : columns)
+      for (int i = 0; i < n_; ++i) column.insert(i);
   first_.push_back(0);
   for (const auto& column : columns) {
     rows_.insert(rows_.end(), column.begin(), column.end());

@@ -26,7 +26,7 @@ class Watch final : public StepObserver {
     const bool is_withheld = record.outcome == Outcome::withheld;
     if (until_.is_over(record.t) != is_after_ || (!is_withheld && record.outcome != Outcome::accepted)) return;
     const auto m = as_size(record.rows);
-    const Eigen::LLT<Eigen::MatrixXd> S(record.judged_S.as());
+    const Eigen::LLT<Eigen::MatrixXd> S(record.S.as());
     const double log_det = 2 * Eigen::MatrixXd(S.matrixL()).diagonal().array().log().sum();
     const double size = static_cast<double>(m) * std::log(2 * std::numbers::pi);
     samples_.push_back({record.measurement,

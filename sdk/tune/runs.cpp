@@ -91,7 +91,14 @@ double law_slope(Law law, const Parameter& parameter, double value) {
 Runs::Runs(const Plan& plan, RunSettings settings) : plan_(plan), settings_(std::move(settings)) {
   for (const Member& member : plan.over) {
     configs_.push_back(Json::parse(score::load_config(member.config, member.load).text()));
-    if (plan.objective == Objective::likelihood) refuse_adaptive(*score::load(member.config, member.load), member);
+    if (plan.objective != Objective::likelihood) continue;
+    const auto composition = score::load(member.config, member.load);
+    refuse_adaptive(*composition, member);
+    for (const FilterInfo& filter : composition->filters()) {
+      if (filter.is_unscented) unscented_.insert(in_quotes(filter.name));
+      for (const MeasurementInfo& measurement : filter.measurements)
+        if (measurement.update.type != "ekf") not_ekf_.insert(in_quotes(measurement.name));
+    }
   }
   frozen_.resize(plan.over.size());
 }
@@ -140,8 +147,14 @@ std::vector<Law> Runs::laws() {
   }
   in_parallel(settings_.jobs, tasks.size(), [&](std::size_t t) {
     std::vector<std::string> withhold;
-    for (const auto& measurement : measurements_of(configs_[tasks[t].member]))
+    for (const auto& [name, filter] : configs_[tasks[t].member].at("filters").items())
+      if (filter.contains("propagation")) withhold.push_back(join_pointer("/filters", name) + "/propagation=\"ekf\"");
+    for (const auto& measurement : measurements_of(configs_[tasks[t].member])) {
       withhold.push_back(pointer_of(measurement) + "/withhold={\"every\": 1}");
+      // Sigma points would make Φ, H and R depend on Q.
+      if (configs_[tasks[t].member].contains(Json::json_pointer(pointer_of(measurement) + "/update")))
+        withhold.push_back(pointer_of(measurement) + "/update=\"ekf\"");
+    }
     std::vector<std::unique_ptr<Response>> responses;
     try {
       const auto composition = compose(tasks[t].member, tasks[t].u, Gates::off, withhold);

@@ -27,7 +27,7 @@ class Keep : public StepObserver {
     outcome = record.outcome;
     rows = record.rows;
     nis = record.nis;
-    S = record.S.as(), judged_S = record.judged_S.as(), R = record.R.as(), H = record.H.as();
+    S = record.update_S.as(), judged_S = record.S.as(), R = record.R.as(), H = record.H.as();
     if (outcome != Outcome::accepted) return;
     K = record.K.as(), P0 = record.P0.as(), P1 = record.P1.as();
     delta = Eigen::Map<const Eigen::VectorXd>(record.delta, P0.rows());

@@ -224,8 +224,16 @@ FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
   composer.check_section_keys(at,
                               {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history",
-                               "emit", "covariance"},
+                               "emit", "covariance", "propagation"},
                               "filter '" + plan.name + "'");
+  if (const Reader propagation = at["propagation"]) {
+    const std::vector<std::string> ways = {"ekf", "unscented"};
+    const auto way = propagation.text();
+    if (way && index_of(ways, *way) < 0)
+      propagation.error("B009",
+                        "'propagation' is \"ekf\" or \"unscented\"; found '" + *way + "'" + suggestion(*way, ways));
+    plan.is_unscented = way == ways[1];
+  }
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
     at.key_error("B010", "filter '" + plan.name + "' has no 'blocks'");

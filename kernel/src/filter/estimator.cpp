@@ -31,6 +31,11 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto& block : plan.blocks) values_.push_back(state() + block.stored_offset);
   for (const auto& derived : plan.derived) values_.push_back(at(derived.value));
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
+  if (!plan.is_unscented) return;
+  std::vector<Place<std::byte>> memories;
+  for (const auto& process : plan.processes)
+    if (process.memory.count > 0) memories.push_back(process.memory);
+  sigma_ = std::make_unique<SigmaStep>(plan, memories);
 }
 
 void Estimator::allocate() {
@@ -75,6 +80,13 @@ void Estimator::allocate() {
   block_jacobian_.resize(most_dof * most_dof);
   resets_.reserve(plan_.blocks.size());
   post_fit_.resize(as_size(plan_.max_rows));
+  using enum UpdatePlan::Type;
+  const auto any = [&](UpdatePlan::Type type) {
+    return std::ranges::any_of(plan_.measurements, [&](const auto& its) { return its.update.type == type; });
+  };
+  if (any(iterated)) iteration_ = std::make_unique<Iteration>(plan_);
+  if (any(unscented)) sigma_points_ = std::make_unique<SeenSigmaPoints>(plan_);
+  if (iteration_ || sigma_points_) other_ = std::make_unique<OtherStates>(plan_);
   for (auto* square : {&initial_P_, &reset_jacobians_}) square->resize(as_size(plan_.n) * as_size(plan_.n));
 }
 

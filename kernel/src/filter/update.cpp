@@ -31,14 +31,18 @@ void SampleRows::begin(const MeasurementPlan& measurement) {
   m = 0;
   left_out = removed = 0;
   nis = 0;
-  is_kept = false;
+  innovation = r;
+  judged_R = R;
+  innovation_S = S;
+  has_delta = false;
   std::fill_n(H, as_size(m_max) * measurement.columns.size(), 0.0);
   std::fill_n(R_nominal.data(), m_max * m_max, 0.0);
 }
 
 void SampleRows::keep_judged() {
   std::copy_n(S, m_max * m, S_nominal.data());
-  is_kept = true;
+  innovation_S = S_nominal.data();
+  judged_R = R_nominal.data();
 }
 
 void SampleRows::list_left_out(const unsigned char* marked) {
@@ -207,7 +211,7 @@ void Estimator::weigh(const MeasurementPlan& measurement, Time t, double dt) {
 
 void Estimator::correct(const MeasurementPlan& measurement) {
   P_->gain(plan_.corrected, rows_);
-  gain_times_residual(plan_.n, rows_, rows_.delta.data());
+  if (!rows_.has_delta) gain_times_residual(plan_.n, rows_, rows_.delta.data());
   inject();
   P_->correct(plan_.corrected, rows_);
   if (measurement.noise && measurement.noise->declaration().looks_back) {
