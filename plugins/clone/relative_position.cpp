@@ -115,7 +115,7 @@ RelativePosition::RelativePosition(const Binding& binding)
       throw ComponentError("missing key 'sigma': the channel carries no '" + sigma_name(name) + "'", "");
     axes_.push_back(axis);
   }
-  declaration_.rows(rows).reads(position_).reads(copy_).reads(attitude_).reads(age_).group(
+  declaration_.rows(rows).reads(position_).reads(copy_).reads(attitude_).group(
       rows::these("displacement", rows, "m"));
 }
 
