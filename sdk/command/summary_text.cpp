@@ -27,6 +27,11 @@ std::string count_at(const Json& object, const char* key) {
   return found != object.end() && found->is_number() ? found->dump() : "-";
 }
 
+Names names_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_array() ? found->get<Names>() : Names();
+}
+
 /// "position.horizontal" for every norm of every block.
 std::set<std::string> norms_of(const FilterInfo& filter) {
   std::set<std::string> names;
@@ -234,9 +239,21 @@ std::string measurement_table(const Json& measurements) {
 std::string consistency_table(const Json& consistency) {
   Table table("lrrr");
   table.row({"block", "NEES", "dof", "n"});
+  const auto add = [&](const std::string& name, const Json& entry) {
+    table.row({name, figure(number_at(entry, "nees_mean")), fmt::format("{:.4g}", number_at(entry, "dof")),
+               count_at(entry, "n")});
+  };
+  for (const auto& [name, entry] : consistency.items()) {
+    add(name, entry);
+    if (entry.contains("windows"))
+      for (const auto& [window, inside] : entry["windows"].items()) add(name + " in " + window, inside);
+  }
+  std::string text = "\n" + table.text();
   for (const auto& [name, entry] : consistency.items())
-    table.row({name, figure(number_at(entry, "nees_mean")), count_at(entry, "dof"), count_at(entry, "n")});
-  return "\n" + table.text();
+    if (const auto without = names_at(entry, "without"); !without.empty())
+      text += fmt::format("  {}: of {} together; no reference gives all of {}\n", name,
+                          fmt::join(names_at(entry, "blocks"), ", "), fmt::join(without, ", "));
+  return text;
 }
 
 /// Blocks without any reference: what the filter itself makes of their errors.

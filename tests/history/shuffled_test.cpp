@@ -160,6 +160,7 @@ const std::vector<std::string> spoilt = {
 }  // namespace
 
 TEST_CASE("shuffled: a simulated drive") { is_settled_like_ordered("quickstart", "ins"); }
+TEST_CASE("shuffled: displacements from copies of the state") { is_settled_like_ordered("clone/outage", "ins"); }
 TEST_CASE("shuffled: a transfer alignment with adapted noise") {
   is_settled_like_ordered("transfer_alignment/one_beta", "align");
 }
