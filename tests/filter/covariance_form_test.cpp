@@ -38,7 +38,7 @@ std::vector<std::byte> bytes_of(const Session& session) {
   return bytes;
 }
 
-/// Seconds of a vehicle at rest, with noise, and ten outliers that lock the filter out.
+/// Seconds of a vehicle at rest, with noise; from 60 s on its fixes are elsewhere, which locks the filter out.
 void drive(Session& session, int first, int end, unsigned seed = 3) {
   const auto imu = session.channel("imu"), gnss = session.channel("gnss");
   std::normal_distribution<double> normal;
@@ -48,12 +48,13 @@ void drive(Session& session, int first, int end, unsigned seed = 3) {
       const Time t = (100 * second + i) * nanoseconds(0.01);
       const double increments[] = {1e-6 * normal(engine), 1e-6 * normal(engine), 1e-6 * normal(engine),
                                    1e-4 * normal(engine), 1e-4 * normal(engine), -0.0981 + 1e-4 * normal(engine)};
+      if (i % 50 == 20) {                           // ahead of the input
+        const double off = second >= 60 ? 500 : 0;  // and stays there
+        const double fix[] = {0.8377580409572782 + (off + normal(engine)) / 6.4e6,
+                              0.19198621771937624 + normal(engine) / 6.4e6, 500 + 2 * normal(engine)};
+        session.push(gnss, no_time, t + nanoseconds(0.004), fix);
+      }
       session.push(imu, t, t + nanoseconds(0.01), increments);
-      if (i % 50 != 20) continue;
-      const double off = second >= 60 ? 500 : 0;  // and stays there
-      const double fix[] = {0.8377580409572782 + (off + normal(engine)) / 6.4e6,
-                            0.19198621771937624 + normal(engine) / 6.4e6, 500 + 2 * normal(engine)};
-      session.push(gnss, no_time, t + nanoseconds(0.004), fix);
     }
   }
 }
@@ -85,7 +86,7 @@ TEST_CASE(
   for (const int k : {1, 2}) {
     const Session& session = sessions[static_cast<std::size_t>(k)];
     CAPTURE(forms[k]);
-    CHECK(session.counts({{0}, 0}).by_outcome == counts.by_outcome);
+    CHECK(std::ranges::equal(session.counts({{0}, 0}).by_outcome, counts.by_outcome));
     CHECK(session.counts({{0}, 0}).recoveries == counts.recoveries);
     const Eigen::MatrixXd its = session.covariance(FilterId{0}).as();
     CHECK(((its - P).array() / (sigma * sigma.transpose()).array()).abs().maxCoeff() < 1e-9);
