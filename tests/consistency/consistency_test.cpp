@@ -207,6 +207,14 @@ TEST_CASE("NEES and NIS of a filter whose model is the truth: wandering biases")
   CHECK(found.nis_is_inside);
 }
 
+TEST_CASE("NEES and NIS of a filter whose model is the truth, in the forms that keep a factor of P") {
+  const std::string form = GENERATE("ud", "square_root");
+  const Consistency found =
+      monte_carlo("matched, constant biases, " + form, load("matched.json", {"/filters/ins/covariance=" + form}));
+  CHECK(found.nees_outside == 0);
+  CHECK(found.nis_is_inside);
+}
+
 // NIS hardly sees the process noise of an inertial sensor: the fixes' own noise covers it. NEES does.
 TEST_CASE("a filter with twice the process noise is found out") {
   const Consistency found = monte_carlo("process noise x 2", load("matched.json", process_noise(2)));

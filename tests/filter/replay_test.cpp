@@ -187,7 +187,9 @@ void drive(Session& session) {
 }  // namespace
 
 TEST_CASE("a dense replay from the start and the step log alone gives every P") {
-  const auto composition = filter_tests::composition_of(config);
+  const std::string form = GENERATE("joseph", "ud", "square_root");
+  CAPTURE(form);
+  const auto composition = filter_tests::composition_of(filter_tests::with_form(config, form));
   Session session(composition);
   Replay replay(composition->filters()[0]);
   session.attach(FilterId{0}, &replay);

@@ -18,6 +18,7 @@
 using namespace binnacle;
 using filter_tests::composition_of;
 using filter_tests::push;
+using filter_tests::with_form;
 
 namespace {
 
@@ -211,11 +212,13 @@ double difference(const std::vector<Smoothed>& a, const std::vector<Smoothed>& b
 
 }  // namespace
 
-TEST_CASE("smoothed estimates are those of Rauch, Tung and Striebel") {
+TEST_CASE("smoothed estimates are those of Rauch, Tung and Striebel, in each form of P") {
+  const std::string form = GENERATE("joseph", "ud", "square_root");
+  CAPTURE(form);
   int outliers = 0;
   for (int seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
-    Case test(chain(random), seed);
+    Case test(with_form(chain(random), form), seed);
     drive(test, 120);
     outliers += test.log->left_out + test.log->outcomes[static_cast<int>(Outcome::gated)];
     const auto oracle = rts(*test.log, test.places);
@@ -223,6 +226,37 @@ TEST_CASE("smoothed estimates are those of Rauch, Tung and Striebel") {
     CHECK(difference(test.smoothed(), oracle) < 1e-10);
   }
   CHECK(outliers > 100);  // rows and samples were left out
+}
+
+// Two rows see the same position, of which the prior knows nothing: S is singular in doubles, and its factor is not.
+TEST_CASE("what a filter with a factor of P has used, but the smoother can not, makes no number") {
+  for (const char* sigma : {"1", "1e10"}) {
+    Case test(with_form(R"({"binnacle": 1,
+      "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m"}}},
+                  "y": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+      "filters": {"f": {
+        "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "sigma": )" +
+                            std::string(sigma) + R"(}},
+        "process": {"wander": {"type": "random_walk", "blocks": {"x": "x"}, "q": 0.2}},
+        "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
+                                 "H": [[1], [1]], "sigma": [1, 1]},
+                         "vague": {"type": "linear_measurement", "channel": "y", "blocks": {"x": "x"},
+                                   "sigma": [1e12]}}}}})",
+                        "ud"),
+              3);
+    push(test.session, "y", 0, {0});
+    test.mark();
+    for (const double t : {1.0, 2.0}) {
+      push(test.session, "z", t, {0.5, -0.5});
+      test.mark();
+    }
+    CHECK(test.log->outcomes[static_cast<int>(Outcome::accepted)] == 3);
+    CHECK(test.log->events.back().P1(0, 0) < 1);
+    const auto smoothed = test.smoothed();
+    CHECK(std::isfinite(static_cast<double>(smoothed.back().P(0, 0))));
+    CHECK(std::isfinite(static_cast<double>(smoothed.front().P(0, 0))) == (std::string(sigma) == "1"));
+    CHECK(std::isfinite(static_cast<double>(smoothed.front().x[0])) == (std::string(sigma) == "1"));
+  }
 }
 
 TEST_CASE("smoothed estimates are those of one least squares over all states") {
