@@ -44,7 +44,8 @@ void GateWatch::offered(const UpdateRecord& record) {
   if (record.outcome != Outcome::accepted || gate.probability <= 0) return;
   double nis = 0;
   if (gate.by == "row") {
-    for (int i = 0; i < record.rows; ++i) nis = std::max(nis, record.residual[i] * record.residual[i] / record.judged_S(i, i));
+    for (int i = 0; i < record.rows; ++i)
+      nis = std::max(nis, record.residual[i] * record.residual[i] / record.judged_S(i, i));
   } else if (gate.by == "sample" && record.rows == measurement.max_rows) {
     nis = record.nis;
   } else {
