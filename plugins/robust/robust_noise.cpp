@@ -21,8 +21,8 @@ ComponentSpec spec_of(const char* type, const char* summary, const char* source,
               "what is whitened: the innovation, by H P- H' + R/w; or what the update leaves of it, by the nominal R"),
       choice("by", {"sample", "part", "key", "row"})
           .defaults("\"sample\"")
-          .about(
-              "what shares one weight: the whole sample, the rows of a group (a part of a stack), of a key, or none"),
+          .about("what shares one weight: all rows of a sample, those of a group (a part of a stack), those of a key, "
+                 "or no two"),
       number("efficiency", "1")
           .at_least(0.5)
           .at_most(0.9999)
@@ -76,7 +76,7 @@ void RobustNoise::estimate(const Innovation& in, MatrixView R) const {
 }
 
 ComponentSpec Huber::spec() {
-  return spec_of("huber", "rows with a large residual get the weight k/d: R/w (Huber's loss)",
+  return spec_of("huber", "R/w, where a residual of d > k sigma has the weight w = k/d (Huber's loss)",
                  "P. J. Huber, Robust estimation of a location parameter, Annals of Mathematical Statistics 35, 1964",
                  constant("threshold", "k, the norm of a whitened residual beyond which its weight falls"));
 }
@@ -84,7 +84,7 @@ Huber::Huber(const Binding& binding, const NoiseBinding& noise)
     : RobustNoise(Loss::huber, "threshold", binding, noise) {}
 
 ComponentSpec Cauchy::spec() {
-  return spec_of("cauchy", "rows get the weight 1/(1 + d^2/c^2): R/w (Cauchy's loss)",
+  return spec_of("cauchy", "R/w with the weight w = 1/(1 + d^2/c^2) (Cauchy's loss)",
                  "P. W. Holland and R. E. Welsch, Robust regression using iteratively reweighted least-squares, "
                  "Communications in Statistics A6, 1977",
                  constant("scale", "c, the norm of a whitened residual at which its weight is 1/2"));
@@ -93,7 +93,7 @@ Cauchy::Cauchy(const Binding& binding, const NoiseBinding& noise)
     : RobustNoise(Loss::cauchy, "scale", binding, noise) {}
 
 ComponentSpec StudentT::spec() {
-  return spec_of("student_t", "rows get the weight (nu + m)/(nu + d^2): R/w (likelihood of Student's t)",
+  return spec_of("student_t", "R/w with the weight w = (nu + m)/(nu + d^2) (likelihood of Student's t)",
                  "K. L. Lange, R. J. A. Little and J. M. G. Taylor, Robust statistical modeling using the t "
                  "distribution, Journal of the American Statistical Association 84, 1989",
                  constant("dof", "nu, degrees of freedom"));
@@ -102,7 +102,7 @@ StudentT::StudentT(const Binding& binding, const NoiseBinding& noise)
     : RobustNoise(Loss::student_t, "dof", binding, noise) {}
 
 ComponentSpec DynamicCovarianceScaling::spec() {
-  return spec_of("dcs", "rows get the weight min(1, 2 Phi/(Phi + d^2))^2: R/w (dynamic covariance scaling)",
+  return spec_of("dcs", "R/w with the weight w = min(1, 2 Phi/(Phi + d^2))^2 (dynamic covariance scaling)",
                  "P. Agarwal, G. D. Tipaldi, L. Spinello, C. Stachniss and W. Burgard, Robust map optimization using "
                  "dynamic covariance scaling, ICRA 2013",
                  constant("phi", "Phi, the squared norm of a whitened residual beyond which its weight falls"));

@@ -351,7 +351,8 @@ void add_measurement_definitions(Json& definitions) {
                           {probability,
                            closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
                                          {"probability"})}}};
-  definitions["noise"] = described("a noise estimator: R from what the residuals were, or a robust loss", ref("noise_estimator"));
+  definitions["noise"] =
+      described("a noise estimator: R from what the residuals were, or a robust loss", ref("noise_estimator"));
   definitions["recover"] = described(
       "how a filter that locks the measurement out is opened again: after so many refusals in a row, or after a time "
       "where "

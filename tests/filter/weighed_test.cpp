@@ -67,9 +67,13 @@ void push_fixes(Session& session, int count, int share) {
   for (int k = 0; k < count; ++k) push(session, "z", k, {1 + 0.7 * normal() + (share > 0 && k % share == 1 ? 40 : 0)});
 }
 
-/// The share of epochs in which the mean NEES of 200 runs of the line, with all drawn as the filter believes, is within its band of
-/// 99 %.
-double share_in_band(const std::string& measurement_extra) {
+struct Consistency {
+  double share = 0;  // of epochs in which the mean NEES of 200 runs is within its band of 99 %
+  double nees = 0;   // over all of them, of 2
+};
+
+/// Of 200 runs of the line, with all drawn as the filter believes.
+Consistency consistency_of(const std::string& measurement_extra) {
   constexpr int runs = 200, epochs = 100;
   constexpr double low = 2 - 0.3647, high = 2 + 0.3647;  // 2.576 √(2 · 2 / 200)
   Session session = session_of(line("", measurement_extra));
@@ -90,8 +94,12 @@ double share_in_band(const std::string& measurement_extra) {
       sums[k] += error.dot(Eigen::Matrix2d(session.covariance(FilterId{0}).as()).ldlt().solve(error));
     }
   }
-  return std::count_if(sums, sums + epochs, [](double sum) { return sum / runs > low && sum / runs < high; }) /
-         static_cast<double>(epochs);
+  Consistency found;
+  for (const double sum : sums) {
+    found.share += (sum / runs > low && sum / runs < high) / static_cast<double>(epochs);
+    found.nees += sum / runs / epochs;
+  }
+  return found;
 }
 
 }  // namespace
@@ -150,13 +158,18 @@ TEST_CASE("weighed: outliers that a loss takes the effect of are reported all th
 }
 
 TEST_CASE("weighed: on Gaussian noise a filter with a loss stays consistent") {
-  REQUIRE(share_in_band("") >= 0.97);
+  REQUIRE(consistency_of("").share >= 0.97);
   for (const char* type : {"huber", "cauchy", "student_t", "dcs"})
     for (const char* of : {"innovation", "residual"}) {
-      const double share =
-          share_in_band(std::string(R"(, "noise": {"type": ")") + type + R"(", "of": ")" + of + R"("})");
-      INFO(type << " of " << of << ": " << share);
-      CHECK(share >= 0.97);
+      const auto found =
+          consistency_of(std::string(R"(, "noise": {"type": ")") + type + R"(", "of": ")" + of + R"("})");
+      INFO(type << " of " << of << ": " << found.share << ", NEES " << found.nees);
+      // student_t takes a small residual as a sign of a small variance, and is overconfident where all are as they should
+      // be: README.md of the plugin.
+      if (std::string(type) == "student_t")
+        CHECK((found.nees > 2 && found.nees < 2.2));
+      else
+        CHECK(found.share >= 0.97);
     }
 }
 

@@ -185,6 +185,7 @@ TEST_CASE("robust: the efficiency of a location estimate is not less, and has th
   };
   REQUIRE(std::abs(of_location(Loss::huber, 1.345, 1) - 0.95) < 1e-4);
   REQUIRE(std::abs(of_location(Loss::cauchy, 2.3849, 1) - 0.95) < 1e-4);
+  REQUIRE(of_location(Loss::huber, 1e-3, 10) > 0.95);  // all weights fall together: no threshold has 95 %
   for (const Loss loss : losses)
     for (const Whitened of : {innovation, residual})
       for (const int m : {1, 2, 3, 6, 12, 30}) {
