@@ -284,7 +284,8 @@ void add_components(const Catalog& catalog, Json& definitions) {
     if (type->role == Role::measurement_model) {
       // Alone it stands beside the keys of a measurement, in a stack it does not.
       Json alone = definitions[definition_name(*type)];
-      for (const char* key : {"channel", "noise", "gate", "recover", "withhold", "update"}) alone["properties"][key] = ref(key);
+      for (const char* key : {"channel", "noise", "gate", "recover", "withhold", "update"})
+        alone["properties"][key] = ref(key);
       alone["required"].push_back("channel");
       definitions[definition_name(*type) + ".alone"] = std::move(alone);
     }
@@ -364,15 +365,16 @@ void add_measurement_definitions(Json& definitions) {
   definitions["withhold"] = {
       {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
-  definitions["update"] = described(
-      "how a sample corrects the state: one linearization (ekf), Gauss-Newton's method, or sigma points",
-      {{"anyOf",
-        {{{"enum", {"ekf", "iterated", "unscented"}}},
-         closed_object({{"type", {{"enum", {"ekf", "unscented"}}}}}, {"type"}),
-         closed_object({{"type", {{"const", "iterated"}}},
-                        {"max", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}}},
-                        {"tolerance", {{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}}}},
-                       {"type"})}}});
+  definitions["update"] =
+      described("how a sample corrects the state: one linearization (ekf), Gauss-Newton's method, or sigma points",
+                {{"anyOf",
+                  {{{"enum", {"ekf", "iterated", "unscented"}}},
+                   closed_object({{"type", {{"enum", {"ekf", "unscented"}}}}}, {"type"}),
+                   closed_object({{"type", {{"const", "iterated"}}},
+                                  {"max", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}}},
+                                  {"tolerance",
+                                   {{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}}}},
+                                 {"type"})}}});
   definitions["stacked_measurement"] =
       or_patch(closed_object({{"stack", described("measurement models whose rows make one update",
                                                   some_named(ref("measurement_model")))},

@@ -41,7 +41,8 @@ LoadOptions without_corrections(const std::filesystem::path& config, LoadOptions
     options.sets.push_back(join_pointer(join_pointer(at, name), "withhold") + "=" +
                            withheld_as_well(measurement, stay).dump());
     // P grows along the path: sigma points would be of what the filter never believed.
-    if (measurement.contains("update")) options.sets.push_back(join_pointer(join_pointer(at, name), "update") + "=\"ekf\"");
+    if (measurement.contains("update"))
+      options.sets.push_back(join_pointer(join_pointer(at, name), "update") + "=\"ekf\"");
   }
   return options;
 }

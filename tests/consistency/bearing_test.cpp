@@ -45,7 +45,8 @@ Series monte_carlo(const std::string& update) {
     if (channel != truth) return;
     const auto& engine = runtime.engine(0);
     REQUIRE(engine.status().t == sample.t);
-    const Eigen::Vector4d d = Eigen::Map<const Eigen::Vector4d>(sample.fields) - Eigen::Map<const Eigen::Vector4d>(engine.state());
+    const Eigen::Vector4d d =
+        Eigen::Map<const Eigen::Vector4d>(sample.fields) - Eigen::Map<const Eigen::Vector4d>(engine.state());
     const Eigen::Matrix4d P = engine.covariance().as();
     if (sums.size() <= epoch) sums.push_back(0), squares.push_back(0);
     sums[epoch] += d.dot(P.ldlt().solve(d)) / runs;
@@ -81,8 +82,9 @@ double share_in_band(const Series& series) {
 }  // namespace
 
 TEST_CASE("of a target's bearing alone, at least one way to update is consistent where the extended filter is not") {
-  const std::vector<std::pair<std::string, std::string>> ways = {
-      {"ekf", R"("ekf")"}, {"iterated", R"({"type": "iterated", "max": 20})"}, {"unscented", R"("unscented")"}};
+  const std::vector<std::pair<std::string, std::string>> ways = {{"ekf", R"("ekf")"},
+                                                                 {"iterated", R"({"type": "iterated", "max": 20})"},
+                                                                 {"unscented", R"("unscented")"}};
   std::vector<Series> all;
   for (const auto& [name, update] : ways) all.push_back(monte_carlo(update));
   std::printf("\nNEES of the whole state (4), mean of %d runs, after the bearing at\n  t [s]    ", runs);
@@ -96,9 +98,10 @@ TEST_CASE("of a target's bearing alone, at least one way to update is consistent
   std::printf("\n  RMS [m]  ");
   for (const auto& series : all) std::printf("%12.1f", series.rms_position);
   const Series& iterated = all[1];
-  std::printf("\n  iterated: %.2f linearizations a bearing, %lld of %lld did not converge; unscented: %lld linearized\n",
-              iterated.linearizations / static_cast<double>(iterated.samples), static_cast<long long>(iterated.not_converged),
-              static_cast<long long>(iterated.samples), static_cast<long long>(all[2].linearized));
+  std::printf(
+      "\n  iterated: %.2f linearizations a bearing, %lld of %lld did not converge; unscented: %lld linearized\n",
+      iterated.linearizations / static_cast<double>(iterated.samples), static_cast<long long>(iterated.not_converged),
+      static_cast<long long>(iterated.samples), static_cast<long long>(all[2].linearized));
   CHECK(share_in_band(all[0]) < 0.95);
   CHECK(std::max(share_in_band(all[1]), share_in_band(all[2])) >= 0.95);
 }

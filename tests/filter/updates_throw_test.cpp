@@ -36,7 +36,8 @@ std::string config(const std::string& update) {
 const double far_off[] = {25, 40, 55};
 
 struct Fixture {
-  explicit Fixture(const std::string& update) : composition(filter_tests::composition_of(config(update), CURVED_PLUGIN)) {
+  explicit Fixture(const std::string& update)
+      : composition(filter_tests::composition_of(config(update), CURVED_PLUGIN)) {
     const auto& layout = composition->plan().layout;
     memory.resize(layout.size() + Layout::alignment);
     void* begin = memory.data();
@@ -87,7 +88,8 @@ class Fuse {
 
 }  // namespace
 
-TEST_CASE("what throws in the middle of an iterated or unscented update leaves x, P and memories as they were", "[updates]") {
+TEST_CASE("what throws in the middle of an iterated or unscented update leaves x, P and memories as they were",
+          "[updates]") {
   for (const char* update : {R"("iterated")", R"("unscented")"}) {
     CAPTURE(update);
     int thrown = 0;

@@ -85,5 +85,6 @@ TEST_CASE("bearing: what has no direction is refused", "[aiding]") {
   CHECK(refused(there, {0.1, NAN, NAN, 6, NAN}) == Refusal::invalid);
   const AdditiveKind four(4, "m");
   CHECK_THROWS_AS(bind<Bearing>({{{"sigma", 0.01}}, {{"target", &four}}, {"elevation"}}), ComponentError);
-  CHECK_THROWS_AS(bind<Bearing>({{{"sigma", 0.01}}, {{"target", &target}}, {"elevation", "observer_east"}}), ComponentError);
+  CHECK_THROWS_AS(bind<Bearing>({{{"sigma", 0.01}}, {{"target", &target}}, {"elevation", "observer_east"}}),
+                  ComponentError);
 }

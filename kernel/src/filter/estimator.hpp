@@ -104,10 +104,10 @@ class Opening {
 struct OtherStates {
   explicit OtherStates(const FilterPlan& plan);
 
-  std::vector<double> x;            // stored, of the other state
-  std::vector<double> by_column;    // its distance δ from the estimate, by column of the compact H
-  SampleRows rows;                  // there
-  std::vector<std::byte> memory;    // of the models, as the call that counts left it
+  std::vector<double> x;                 // stored, of the other state
+  std::vector<double> by_column;         // its distance δ from the estimate, by column of the compact H
+  SampleRows rows;                       // there
+  std::vector<std::byte> memory;         // of the models, as the call that counts left it
   std::vector<double> block_delta, row;  // of one block
 };
 
