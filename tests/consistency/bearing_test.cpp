@@ -89,8 +89,8 @@ TEST_CASE("of a target's bearing alone, at least one way to update is consistent
   for (const auto& [name, update] : ways) all.push_back(monte_carlo(update));
   std::printf("\nNEES of the whole state (4), mean of %d runs, after the bearing at\n  t [s]    ", runs);
   for (const auto& [name, update] : ways) std::printf("%12s", name.c_str());
-  for (std::size_t e = 0; e < all[0].nees.size(); e += e < 8 ? 2 : 10) {
-    std::printf("\n  %5.0f    ", 5.0 * static_cast<double>(e));
+  for (std::size_t e = 0; e < all[0].nees.size(); e += e < 10 ? 1 : 5) {
+    std::printf("\n  %5.0f    ", 20.0 * static_cast<double>(e));
     for (const auto& series : all) std::printf("%12.2f", series.nees[e]);
   }
   std::printf("\n  in band  ");

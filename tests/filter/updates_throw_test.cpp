@@ -28,7 +28,7 @@ std::string config(const std::string& update) {
       "blocks": {"pose": {"type": "curved_pose", "init": {"north": 1, "east": -2, "heading": 0.3}, "sigma": [8, 8, 0.5]}},
       "derived": {"tip": {"type": "curved_tip", "blocks": {"pose": "pose"}, "lever_arm": [6, 3]}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "pose"}}},
-      "measurements": {"see": {"type": "curved_ranges", "channel": "z", "blocks": {"tip": "tip"}, "gate": 0.9999,
+      "measurements": {"see": {"type": "curved_ranges", "channel": "z", "blocks": {"tip": "tip"},
         "beacons": [[30, 5], [-10, 40], [-20, -35]], "sigma": 0.5, "update": )" +
          update + "}}}}}";
 }
@@ -56,8 +56,10 @@ struct Fixture {
     sample.t = 0;
     sample.fields = far_off;
     const Driving now{0, nullptr};
-    REQUIRE(estimator->linearize(see, sample, now));
-    REQUIRE(estimator->judge(see, 0, 0, false).outcome == Outcome::accepted);
+    const Result seen = estimator->linearize(see, sample, now);
+    REQUIRE(seen);
+    const Judgement judged = estimator->judge(see, 0, 0, false);
+    REQUIRE(judged.outcome == Outcome::accepted);
     before_iteration = bytes();
     if (see.update.type == UpdatePlan::Type::iterated) estimator->iterate(see, sample, now);
     estimator->correct(see);
