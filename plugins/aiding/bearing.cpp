@@ -18,15 +18,14 @@ ComponentSpec Bearing::spec() {
   ComponentSpec spec;
   spec.type = "bearing";
   spec.summary = "The direction in which an observer sees a point: azimuth and, where there is one, elevation.";
-  spec.source = "Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 10.3";
-  spec.parameters = {
-      parameter::number("sigma", "rad").above(0).required().about("of the azimuth's white noise"),
-      parameter::number("elevation_sigma", "rad")
-          .above(0)
-          .about("of the elevation's white noise; as the azimuth's if absent")};
-  spec.ports = {
-      reads("target", "vector:*:m").about("the point: north, east, or north, east, down, in local axes"),
-      reads("observer", "vector:*:m").optional().about("who sees it, alike; else the sample has its place")};
+  spec.source =
+      "Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 10.3";
+  spec.parameters = {parameter::number("sigma", "rad").above(0).required().about("of the azimuth's white noise"),
+                     parameter::number("elevation_sigma", "rad")
+                         .above(0)
+                         .about("of the elevation's white noise; as the azimuth's if absent")};
+  spec.ports = {reads("target", "vector:*:m").about("the point: north, east, or north, east, down, in local axes"),
+                reads("observer", "vector:*:m").optional().about("who sees it, alike; else the sample has its place")};
   spec.fields = {
       field::level("azimuth", "rad").about("clockwise from north"),
       field::level("elevation", "rad").optional().about("above the horizon; of a target with three components"),
@@ -46,7 +45,8 @@ Bearing::Bearing(const Binding& binding)
       elevation_(binding.field("elevation")) {
   const int dof = target_.dof();
   if (dof != 2 && dof != 3)
-    throw ComponentError("the target has " + std::to_string(dof) + " components; 2 or 3 are possible", "/blocks/target");
+    throw ComponentError("the target has " + std::to_string(dof) + " components; 2 or 3 are possible",
+                         "/blocks/target");
   if (observer_.is_bound() && observer_.dof() != dof)
     throw ComponentError("the observer has " + std::to_string(observer_.dof()) + " components, the target " +
                              std::to_string(dof),
@@ -77,7 +77,8 @@ Result Bearing::linearize(const MeasurementInput& in, MeasurementOutput& out) co
   const int dof = target_.dof();
   Eigen::Vector3d d = Eigen::Vector3d::Zero();
   for (int i = 0; i < dof; ++i)
-    d[i] = in.x[target_][i] - (observer_.is_bound() ? in.x[observer_][i] : in.sample[place_[static_cast<std::size_t>(i)]]);
+    d[i] =
+        in.x[target_][i] - (observer_.is_bound() ? in.x[observer_][i] : in.sample[place_[static_cast<std::size_t>(i)]]);
   if (!d.allFinite()) return Result::invalid("the observer's place is not finite");
   const double azimuth = in.sample[azimuth_], rho = std::hypot(d[0], d[1]);
   if (!(rho > nearest)) return Result::unsupported("the target is where the observer is: it has no azimuth");

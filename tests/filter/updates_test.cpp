@@ -59,7 +59,9 @@ class Recorder final : public StepObserver {
     update.outcome = record.outcome;
     update.nis = record.nis;
     update.rows = record.rows;
-    const auto vector = [](const double* from, int count) { return Eigen::VectorXd(ConstVectorView(from, count).as()); };
+    const auto vector = [](const double* from, int count) {
+      return Eigen::VectorXd(ConstVectorView(from, count).as());
+    };
     if (record.residual) {
       update.residual = vector(record.residual, record.rows);
       update.update_residual = vector(record.update_residual, record.rows);
@@ -111,7 +113,7 @@ std::string linear_config(std::mt19937& random, const std::string& update) {
         "a": {"type": "vector", "size": 3, "unit": "m", "init": [1, -2, 0.5], "sigma": [)" +
          sigma() + ", 0, " + sigma() + R"(]},
         "b": {"type": "vector", "size": 2, "unit": "m", "sigma": )" +
-         sigma() + R"(, "consider": ["y"]},
+         sigma() + R"(, "consider": ["x1"]},
         "c": {"type": "vector", "size": 3, "unit": "m", "init": [0.1, 0.2, 0.3], "sigma": )" +
          sigma() + R"(, "estimate": ["x", "z"]},
         "d": {"type": "vector", "size": 2, "unit": "m/s", "sigma": )" +
@@ -131,7 +133,8 @@ std::string linear_config(std::mt19937& random, const std::string& update) {
            "second": {)" +
          see + listed(matrix(2, 2)) + R"(, "blocks": {"x": "b"}}}},
         "alone": {)" +
-         see + listed(matrix(2, 3)) + R"(, "channel": "w", "blocks": {"x": "a", "y": "mix"}, "update": )" + update + R"(}}}}})";
+         see + listed(matrix(2, 3)) + R"(, "channel": "w", "blocks": {"x": "a", "y": "mix"}, "update": )" + update +
+         R"(}}}}})";
 }
 
 Run linear_run(unsigned seed, const std::string& update) {
@@ -261,9 +264,7 @@ Likeliest likeliest(const Scene& scene, const Matrix& P, const std::vector<int>&
   const Matrix R = noise_of(scene)(rows, rows), weight = R.inverse(), of_prior = P.inverse();
   const auto seen = [&](const Vector& d) { return Vector(residual(scene, plus(prior, d))(rows)); };
   Vector delta = Vector::Zero(P.rows());
-  const auto cost = [&](const Vector& d) {
-    return Real(d.dot(of_prior * d) + seen(d).dot(weight * seen(d)));
-  };
+  const auto cost = [&](const Vector& d) { return Real(d.dot(of_prior * d) + seen(d).dot(weight * seen(d))); };
   for (int i = 0; i < 300; ++i) {
     const Matrix J = differences(seen, delta);
     const Matrix A = of_prior + J.transpose() * weight * J;
@@ -285,7 +286,7 @@ Vector sigmas(const Scene& scene) {
   return s;
 }
 
-const std::string iterated = R"({"type": "iterated", "max": 50, "tolerance": 1e-7})";
+const std::string iterated = R"({"type": "iterated", "max": 500, "tolerance": 1e-10})";
 
 }  // namespace
 
@@ -344,7 +345,7 @@ TEST_CASE("an iterated update finds the likeliest state and its covariance", "[u
     CHECK(run.counts.not_converged == 0);
     const Likeliest sought = likeliest(scene, update.P0.cast<Real>());
     const Vector off = sought.delta - update.delta.cast<Real>();
-    // In sigma of what is known afterwards: the tolerance is of the last step, which shrinks the error that is left.
+    // In sigma of what is known afterwards. Convergence is linear: a step may be far shorter than what is left.
     const Real far = std::sqrt(off.dot(sought.P.inverse() * off));
     CHECK(far < 1e-6L);
     CHECK(distance(sought.P.cast<double>(), update.P1) < 1e-5);
@@ -388,16 +389,18 @@ TEST_CASE("an update that is iterated too little says so, and has come down all 
   scene.z[0] = 20, scene.z[1] = 45, scene.z[2] = 60;
   const auto cost = [&](const Update& update) {
     const Vector d = update.delta.cast<Real>(), r = residual(scene, plus(prior, d));
-    return static_cast<double>(Real(d.dot(update.P0.cast<Real>().inverse() * d) + r.dot(noise_of(scene).inverse() * r)));
+    return static_cast<double>(
+        Real(d.dot(update.P0.cast<Real>().inverse() * d) + r.dot(noise_of(scene).inverse() * r)));
   };
-  const Run whole = scene_run(scene, iterated);
+  const std::string to = R"({"type": "iterated", "tolerance": 1e-4, "max": )";
+  const Run whole = scene_run(scene, to + "500}");
   REQUIRE(whole.counts.not_converged == 0);
   REQUIRE(whole.counts.iterations > 3);
   CHECK(whole.counts.iterated == 1);
   double last = 1e300;
   for (int most = 1; most < static_cast<int>(whole.counts.iterations); ++most) {
     CAPTURE(most);
-    const Run run = scene_run(scene, R"({"type": "iterated", "tolerance": 1e-7, "max": )" + std::to_string(most) + "}");
+    const Run run = scene_run(scene, to + std::to_string(most) + "}");
     CHECK(run.counts.not_converged == 1);
     CHECK(run.counts.iterations == most);
     CHECK(run.notes == 2);  // the model's own, and that it did not converge
@@ -450,6 +453,7 @@ TEST_CASE("an unscented update is the regression on the sigma points", "[updates
   for (int i = 0; i < 20; ++i) {
     CAPTURE(i);
     Scene scene;
+    scene.heading_sigma = 1;
     scene.correlation = i % 2 == 0 ? 0.5 : 0;
     for (double& z : scene.z) z += 5 * normal(random);
     const Run run = scene_run(scene, R"("unscented")", 2);
@@ -459,8 +463,7 @@ TEST_CASE("an unscented update is the regression on the sigma points", "[updates
     // Four components of which all are seen: no weight in the centre, spread 2.
     const Matrix P = update.P0.cast<Real>(), L = P.llt().matrixL();
     Matrix all(3, 8);
-    for (int k = 0; k < 8; ++k)
-      all.col(k) = residual(scene, plus(prior, (k % 2 == 0 ? 2 : -2) * L.col(k / 2)));
+    for (int k = 0; k < 8; ++k) all.col(k) = residual(scene, plus(prior, (k % 2 == 0 ? 2 : -2) * L.col(k / 2)));
     const Vector mean = all.rowwise().mean();
     const Matrix centred = all.colwise() - mean;
     Matrix with_state = Matrix::Zero(4, 3);

@@ -134,7 +134,7 @@ struct Case {
 
 /// A chain of blocks of random sizes: a position that a velocity moves, a drift, a constant of which a part is frozen; by
 /// `extra`, keys of the drift.
-std::string chain(std::mt19937& random, const std::string& extra = "") {
+std::string chain(std::mt19937& random, const std::string& extra = "", const std::string& update = "ekf") {
   const auto between = [&](double low, double high) {
     return std::to_string(std::uniform_real_distribution<double>(low, high)(random));
   };
@@ -159,7 +159,8 @@ std::string chain(std::mt19937& random, const std::string& extra = "") {
          between(5, 30) + R"( s", "sigma": )" + between(0.3, 1) + R"(},
         "stay": {"type": "random_constant", "blocks": {"x": "c"}}},
       "measurements": {
-        "both": {"channel": "z", "gate": {"probability": 0.99, "by": ")" +
+        "both": {"channel": "z", "update": ")" +
+         update + R"(", "gate": {"probability": 0.99, "by": ")" +
          std::string(by_row ? "row" : "sample") + R"("}, "recover": false, "stack": {
           "p": {"type": "linear_measurement", "blocks": {"x": "x"}, "sigma": [0.4, 0.5]},
           "q": {"type": "linear_measurement", "blocks": {"x": "d"}, "sigma": [0.3, 0.6]}}},
@@ -256,6 +257,21 @@ TEST_CASE("what a filter with a factor of P has used, but the smoother can not, 
     CHECK(std::isfinite(static_cast<double>(smoothed.back().P(0, 0))));
     CHECK(std::isfinite(static_cast<double>(smoothed.front().P(0, 0))) == (std::string(sigma) == "1"));
     CHECK(std::isfinite(static_cast<double>(smoothed.front().x[0])) == (std::string(sigma) == "1"));
+  }
+}
+
+TEST_CASE("where all is linear, what is smoothed after other updates is what is smoothed after the Kalman filter's") {
+  for (int seed = 1; seed <= 5; ++seed) {
+    std::vector<std::vector<Smoothed>> all;
+    for (const char* update : {"ekf", "iterated", "unscented"}) {
+      std::mt19937 random(static_cast<unsigned>(seed));
+      Case test(chain(random, "", update), seed);
+      drive(test, 120);
+      all.push_back(test.smoothed());
+    }
+    INFO(seed);
+    CHECK(difference(all[1], all[0]) < 1e-9);
+    CHECK(difference(all[2], all[0]) < 1e-9);
   }
 }
 

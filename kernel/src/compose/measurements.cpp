@@ -224,12 +224,13 @@ class MeasurementComposer {
     const std::vector<std::string> types{"ekf", "iterated", "unscented"};
     const int type = index_of(types, *name);
     if (type < 0)
-      return named.error("B009", "an update is ekf, iterated or unscented; found '" + *name + "'" +
-                                     suggestion(*name, types));
+      return named.error("B009",
+                         "an update is ekf, iterated or unscented; found '" + *name + "'" + suggestion(*name, types));
     plan_.update.type = static_cast<UpdatePlan::Type>(type);
     if (!is_object) return;
     const bool is_iterated = plan_.update.type == UpdatePlan::Type::iterated;
-    update.check_keys(is_iterated ? std::vector<std::string>{"type", "max", "tolerance"} : std::vector<std::string>{"type"},
+    update.check_keys(is_iterated ? std::vector<std::string>{"type", "max", "tolerance"}
+                                  : std::vector<std::string>{"type"},
                       "the update '" + *name + "'");
     if (!is_iterated) return;
     const auto most = update["max"].integer(parameter::integer("max").at_least(1).at_most(1000));

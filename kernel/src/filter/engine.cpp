@@ -297,13 +297,12 @@ void Engine::correct(int measurement, Time t) {
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
   const SampleRows& rows = estimator_.rows();
-  const bool is_biased = ledger_.use(
-      {{rows.keys.data(), as_size(rows.m)},
-       rows.groups.data(),
-       rows.innovation,
-       rows.square(rows.judged_R),
-       rows.square(rows.innovation_S)},
-      rows.nis);
+  const bool is_biased = ledger_.use({{rows.keys.data(), as_size(rows.m)},
+                                      rows.groups.data(),
+                                      rows.innovation,
+                                      rows.square(rows.judged_R),
+                                      rows.square(rows.innovation_S)},
+                                     rows.nis);
   if (rows.left_out > 0)
     ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));

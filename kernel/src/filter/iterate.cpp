@@ -105,8 +105,7 @@ Convergence Estimator::find_minimum(const MeasurementPlan& measurement, const Sa
     if (is_whole) return {j, false};
     rows_.has_delta = true;
     for (int i = 0; i < plan_.n; ++i)
-      rows_.delta[as_size(i)] =
-          plan_.corrected.empty() || plan_.corrected[as_size(i)] ? it.delta[as_size(i)] : 0.0;
+      rows_.delta[as_size(i)] = plan_.corrected.empty() || plan_.corrected[as_size(i)] ? it.delta[as_size(i)] : 0.0;
     return {j, false};
   }
 }
@@ -195,8 +194,8 @@ bool Estimator::keep_rows(const MeasurementPlan& measurement) {
   const auto columns = measurement.columns.size();
   int k = 0;
   for (int i = 0; i < rows_.m; ++i, ++k) {
-    while (k < there.m && (there.groups[as_size(k)] != rows_.groups[as_size(i)] ||
-                           there.keys[as_size(k)] != rows_.keys[as_size(i)]))
+    while (k < there.m &&
+           (there.groups[as_size(k)] != rows_.groups[as_size(i)] || there.keys[as_size(k)] != rows_.keys[as_size(i)]))
       ++k;
     if (k >= there.m) return false;
     there.r[i] = there.r[k];
@@ -223,8 +222,8 @@ bool Estimator::linearize_tried(const MeasurementPlan& measurement) {
     return false;
   }
   UpdateWork &a = rows_, &b = there;
-  for (double* UpdateWork::*const part : {&UpdateWork::H, &UpdateWork::r, &UpdateWork::G, &UpdateWork::HPHt,
-                                          &UpdateWork::S, &UpdateWork::L})
+  for (double* UpdateWork::*const part :
+       {&UpdateWork::H, &UpdateWork::r, &UpdateWork::G, &UpdateWork::HPHt, &UpdateWork::S, &UpdateWork::L})
     std::swap(a.*part, b.*part);
   return true;
 }

@@ -123,8 +123,7 @@ Result Estimator::run_parts(SampleRows& rows, const MeasurementPlan& measurement
   int first_group = 0;
   for (const auto& part : measurement.parts) {
     int part_rows = 0;
-    const Result result =
-        run_part(rows, part, sample, channels_[as_size(measurement.channel)], now, wanted, part_rows);
+    const Result result = run_part(rows, part, sample, channels_[as_size(measurement.channel)], now, wanted, part_rows);
     if (!result) return result;
     if (wanted == Jacobians::wanted) assemble(rows, part, part_rows);
     first_group = name_groups(part.model->declaration().groups, first_group, part_rows, rows.groups.data() + rows.m);

@@ -74,7 +74,7 @@ class NoteBook {
 /// The call under way, which other threads and a handler at exit may look at, at the time of the sample or step at work.
 class ModelCalls : public CallSite {
  public:
-  NoteBook note_book;  // what models noted
+  NoteBook note_book;     // what models noted
   bool is_muted = false;  // they are called for states that nobody believes in: their notes are not kept
 
   /// call_text() of the call under way.

@@ -68,8 +68,7 @@ Result Estimator::see_elsewhere(const MeasurementPlan& measurement, const Sample
     const BlockPlan& block = plan_.blocks[as_size(seen.block)];
     const VectorView delta = delta_elsewhere(seen);
     const double* const x = state();
-    calls_.during(block, "plus",
-                  [&] { block.block->plus(block.in(x), delta, block.in(other_->x.data())); });
+    calls_.during(block, "plus", [&] { block.block->plus(block.in(x), delta, block.in(other_->x.data())); });
   }
   roll_back(measurement);
   const Elsewhere elsewhere(*this, measurement);
@@ -140,8 +139,7 @@ bool Estimator::see_sigma_points(const MeasurementPlan& measurement, const Sampl
   const int m = rows_.m, columns = static_cast<int>(measurement.columns.size()), most = static_cast<int>(its.P.rows());
   const ConstMatrixView P = covariance();
   for (int j = 0; j < columns; ++j)
-    for (int i = j; i < columns; ++i)
-      its.P(i, j) = P(measurement.columns[as_size(i)], measurement.columns[as_size(j)]);
+    for (int i = j; i < columns; ++i) its.P(i, j) = P(measurement.columns[as_size(i)], measurement.columns[as_size(j)]);
   its.points.factor({its.P.data(), columns, columns, most});
   std::copy_n(rows_.r, m, its.residuals.data());
   for (int point = 1; point < its.points.count(); ++point) {
