@@ -55,10 +55,13 @@ TEST_CASE("with copies of the state, the NEES of filters of displacements is tha
 }
 
 TEST_CASE("a copy of what does not move makes P singular for good, and changes nothing") {
-  const auto of = [](const char* options) {
-    return papers::summary_of("run", "clone/outage.json", options).at("filters").at("ins");
+  // From the first copy on.
+  const auto of = [](const std::string& options) {
+    return papers::summary_of("run", "clone/outage.json", options + " --quiet --set /evaluate/after=1")
+        .at("filters")
+        .at("ins");
   };
-  const auto plain = of("--quiet"), singular = of("--quiet --variant singular");
+  const auto plain = of(""), singular = of("--variant singular");
   const auto &regular_state = plain.at("consistency").at("state"), &state = singular.at("consistency").at("state");
   CHECK(regular_state.at("dof") == 15);
   CHECK(state.at("blocks").size() == regular_state.at("blocks").size() + 1);
