@@ -75,12 +75,12 @@ bool Clone::is_due(const ProcessInput& in, Memory& memory) const {
   std::size_t count = std::min(static_cast<std::size_t>(std::max<std::int64_t>(memory.count, 0)), room);
   if (newest.available && newest.t != memory.newest) {
     memory.newest = newest.t;
-    if (newest.t0 == now) is_due = true;
     if (count < room)
       memory.waiting[count++] = newest.t;
     else
       in.notes.leave("more than 64 samples of 'at' are ahead of the filter; no copy is made of some");
   }
+  if (newest.available && newest.t0 == now) is_due = true;
   const auto end = memory.waiting.begin() + static_cast<std::ptrdiff_t>(count);
   const auto ahead = std::partition(memory.waiting.begin(), end, [&](Time t) { return t > now; });
   for (auto past = ahead; past != end; ++past) is_due = is_due || *past > memory.copied;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // configs/clone: with a copy of the state, filters of displacements know how wrong they are; without one they do not.
+#include <cmath>
 #include <string>
 
 #include <boost/math/distributions/chi_squared.hpp>
@@ -51,4 +52,23 @@ TEST_CASE("with copies of the state, the NEES of filters of displacements is tha
       CAPTURE(variant, instant);
       CHECK(nees(summary, variant, "state", instant) > 2 * band(15, statements).second);
     }
+}
+
+TEST_CASE("a copy of what does not move makes P singular for good, and changes nothing") {
+  // From the first copy on.
+  const auto of = [](const std::string& options) {
+    return papers::summary_of("run", "clone/outage.json", options + " --quiet --set /evaluate/after=1")
+        .at("filters")
+        .at("ins");
+  };
+  const auto plain = of(""), singular = of("--variant singular");
+  const auto &regular_state = plain.at("consistency").at("state"), &state = singular.at("consistency").at("state");
+  CHECK(regular_state.at("dof") == 15);
+  CHECK(state.at("blocks").size() == regular_state.at("blocks").size() + 1);
+  CHECK(state.at("dof") == 15);  // of 18 components
+  CHECK(std::abs(state.at("nees_mean").get<double>() / regular_state.at("nees_mean").get<double>() - 1) < 1e-6);
+  const char* const error = "position.horizontal";
+  CHECK(std::abs(singular.at("reference").at(error).at("rms").get<double>() /
+                     plain.at("reference").at(error).at("rms").get<double>() -
+                 1) < 1e-9);
 }

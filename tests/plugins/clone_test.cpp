@@ -124,6 +124,9 @@ TEST_CASE("clone: samples ahead of the filter wait, and of one that was not seen
   CHECK_FALSE(bench.copies(0.4, 0.5, {5, 5}));
   CHECK(bench.copies(0.5, 0.6, {6, 6}));
   CHECK_FALSE(bench.copies(0.6, 0.7, {7, 7}));
+  CHECK(bench.copies(0.7, 0.8, {8, 8}));
+  CHECK_FALSE(bench.copies(0.8, 0.9, {9, 9}));
+  CHECK(bench.copies(0.9, 1.0, {10, 10}));
 }
 
 TEST_CASE("clone: the begin of the newest sample's interval is an instant to be kept, when a step begins there",
