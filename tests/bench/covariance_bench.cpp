@@ -237,7 +237,7 @@ void print_survival(int steps) {
 
 const char* const line_config = R"({"binnacle": 1,
   "sources": {"imu": {"type": "pushed", "fields": {"a": {"unit": "m/s", "kind": "increment"}}},
-              "gnss": {"type": "pushed", "fields": {"x": {"unit": "m"}, "y": {"unit": "m"}}}},
+              "gnss": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m"}}}},
   "filters": {"ins": {
     "blocks": {"position": {"type": "vector", "size": 2, "unit": "m", "sigma": 5},
                "velocity": {"type": "vector", "size": 2, "unit": "m/s", "sigma": 1}},
