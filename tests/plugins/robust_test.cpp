@@ -352,6 +352,21 @@ TEST_CASE("robust: the update by the residual is the minimum of the loss, found 
     }
 }
 
+TEST_CASE("robust: twelve ranges outvote one though the clock is unknown, by the residual alone") {
+  VectorXd r = VectorXd::Constant(12, 3e4);
+  r[5] += 100;
+  const binnacle::testing::InnovationNumbers in{r, MatrixXd::Constant(12, 12, 1e10), MatrixXd::Identity(12, 12)};
+  for (const Loss loss : losses) {
+    const auto of_residual = estimated(*make(loss, {{"of", "residual"}, {"by", "row"}}, 12), in).R;
+    const auto of_innovation = estimated(*make(loss, {{"by", "row"}}, 12), in).R;
+    for (int row = 0; row < 12; ++row) {
+      INFO("loss " << static_cast<int>(loss) << ", row " << row);
+      REQUIRE(((1 / of_residual(row, row) < 0.05) == (row == 5)));
+      REQUIRE(1 / of_innovation(row, row) > 0.9);
+    }
+  }
+}
+
 // ---- what must not happen
 
 TEST_CASE("robust: R stays finite, symmetric and positive semidefinite, whatever comes") {
