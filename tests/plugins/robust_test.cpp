@@ -413,6 +413,21 @@ TEST_CASE("robust: what there is to say becomes a note") {
   }
 }
 
+TEST_CASE("robust: an efficiency and a constant of one's own are refused together") {
+  for (const auto& [loss, name] : {std::pair(Loss::huber, "threshold"), std::pair(Loss::cauchy, "scale"),
+                                   std::pair(Loss::student_t, "dof"), std::pair(Loss::dcs, "phi")}) {
+    std::string pointer = "accepted";
+    try {
+      make(loss, {{name, 2}, {"efficiency", 0.9}}, 1);
+    } catch (const ComponentError& error) {
+      pointer = error.pointer();
+    }
+    REQUIRE(pointer == std::string("/") + name);
+    make(loss, {{name, 2}}, 1);
+    make(loss, {{"efficiency", 0.9}}, 1);
+  }
+}
+
 TEST_CASE("robust: nothing is remembered, and the examples are accepted") {
   Draws draw(4);
   const auto in = five_rows(draw, 1, 30, true);
