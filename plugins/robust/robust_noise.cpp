@@ -26,9 +26,9 @@ ComponentSpec spec_of(const char* type, const char* summary, const char* source,
       number("efficiency", "1")
           .at_least(0.5)
           .at_most(0.9999)
-          .defaults("0.95")
-          .about("of what an update gains from Gaussian noise, the share that is left with the weights; more where the "
-                 "prior is large"),
+          .about(
+              "of what an update gains from Gaussian noise, the share that is left with the weights, or more where the "
+              "prior is large; 0.95 unless the constant is given"),
       std::move(constant),
       integer("iterations").at_least(1).at_most(10000).defaults("100").about("bound; a note says when it is reached"),
       number("tolerance", "1").above(0).defaults("1e-6").about("relative, of a weight"),
@@ -54,11 +54,14 @@ RobustNoise::RobustNoise(Loss loss, const char* constant, const Binding& binding
   method_.of = parameters.text("of") == "residual" ? Whitened::residual : Whitened::innovation;
   method_.iterations = static_cast<int>(parameters.integer("iterations"));
   method_.tolerance = parameters.number("tolerance");
+  if (parameters.has(constant) && parameters.has("efficiency"))
+    throw ComponentError("the efficiency gives the '" + std::string(constant) + "': one of them, not both",
+                         "/" + std::string(constant));
+  const double efficiency = parameters.has("efficiency") ? parameters.number("efficiency") : 0.95;
   const int largest = method_.unit == Unit::row ? 1 : noise.max_rows;
   for (int m = 1; m <= largest; ++m)
-    method_.tuning.push_back(parameters.has(constant)
-                                 ? parameters.number(constant)
-                                 : tuning_of(loss, method_.of, parameters.number("efficiency"), m));
+    method_.tuning.push_back(parameters.has(constant) ? parameters.number(constant)
+                                                      : tuning_of(loss, method_.of, efficiency, m));
   constexpr int few = 6;
   for (int m = 1; m <= largest; ++m)
     if (m <= few || m == largest)

@@ -35,7 +35,7 @@ class Solver {
   }
 
   Findings write() noexcept {
-    for (const Row& row : rows_) findings_.is_at_least |= row.weight <= least_weight;
+    for (const Row& row : rows_) findings_.is_at_least |= row.weight <= (1 + method_.tolerance) * least_weight;
     for (int j = 0; j < m_; ++j)
       for (int i = 0; i < m_; ++i) R_(i, j) = weighted(i, j);
     return findings_;

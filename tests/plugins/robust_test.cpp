@@ -352,6 +352,21 @@ TEST_CASE("robust: the update by the residual is the minimum of the loss, found 
     }
 }
 
+TEST_CASE("robust: twelve ranges outvote one though the clock is unknown, by the residual alone") {
+  VectorXd r = VectorXd::Constant(12, 3e4);
+  r[5] += 100;
+  const binnacle::testing::InnovationNumbers in{r, MatrixXd::Constant(12, 12, 1e10), MatrixXd::Identity(12, 12)};
+  for (const Loss loss : losses) {
+    const auto of_residual = estimated(*make(loss, {{"of", "residual"}, {"by", "row"}}, 12), in).R;
+    const auto of_innovation = estimated(*make(loss, {{"by", "row"}}, 12), in).R;
+    for (int row = 0; row < 12; ++row) {
+      INFO("loss " << static_cast<int>(loss) << ", row " << row);
+      REQUIRE(((1 / of_residual(row, row) < 0.05) == (row == 5)));
+      REQUIRE(1 / of_innovation(row, row) > 0.9);
+    }
+  }
+}
+
 // ---- what must not happen
 
 TEST_CASE("robust: R stays finite, symmetric and positive semidefinite, whatever comes") {
@@ -395,6 +410,21 @@ TEST_CASE("robust: what there is to say becomes a note") {
     REQUIRE(notes(Loss::dcs, {{"of", of}}, 1e9, 1, 0) ==
             std::vector<std::string>{"R of rows that share a weight is singular: they keep the weight 1"});
     REQUIRE(estimated(*make(Loss::huber, {{"of", of}}, 1), {VectorXd::Constant(1, 9), one, 0 * one}).R == 0 * one);
+  }
+}
+
+TEST_CASE("robust: an efficiency and a constant of one's own are refused together") {
+  for (const auto& [loss, name] : {std::pair(Loss::huber, "threshold"), std::pair(Loss::cauchy, "scale"),
+                                   std::pair(Loss::student_t, "dof"), std::pair(Loss::dcs, "phi")}) {
+    std::string pointer = "accepted";
+    try {
+      make(loss, {{name, 2}, {"efficiency", 0.9}}, 1);
+    } catch (const ComponentError& error) {
+      pointer = error.pointer();
+    }
+    REQUIRE(pointer == std::string("/") + name);
+    make(loss, {{name, 2}}, 1);
+    make(loss, {{"efficiency", 0.9}}, 1);
   }
 }
 
