@@ -79,6 +79,19 @@ std::string pointer_of(const std::pair<std::string, std::string>& measurement) {
   return join_pointer(join_pointer("/filters", measurement.first) + "/measurements", measurement.second);
 }
 
+/// Withholds all, and takes Jacobians: sigma points would make Φ, H and R depend on Q.
+std::vector<std::string> all_withheld(const Json& config) {
+  std::vector<std::string> sets;
+  for (const auto& [name, filter] : config.at("filters").items())
+    if (filter.contains("propagation")) sets.push_back(join_pointer("/filters", name) + "/propagation=\"ekf\"");
+  for (const auto& measurement : measurements_of(config)) {
+    sets.push_back(pointer_of(measurement) + "/withhold={\"every\": 1}");
+    if (config.contains(Json::json_pointer(pointer_of(measurement) + "/update")))
+      sets.push_back(pointer_of(measurement) + "/update=\"ekf\"");
+  }
+  return sets;
+}
+
 }  // namespace
 
 double law_value(Law law, double value) { return law == Law::linear ? value : value * value; }
@@ -146,15 +159,7 @@ std::vector<Law> Runs::laws() {
       }
   }
   in_parallel(settings_.jobs, tasks.size(), [&](std::size_t t) {
-    std::vector<std::string> withhold;
-    for (const auto& [name, filter] : configs_[tasks[t].member].at("filters").items())
-      if (filter.contains("propagation")) withhold.push_back(join_pointer("/filters", name) + "/propagation=\"ekf\"");
-    for (const auto& measurement : measurements_of(configs_[tasks[t].member])) {
-      withhold.push_back(pointer_of(measurement) + "/withhold={\"every\": 1}");
-      // Sigma points would make Φ, H and R depend on Q.
-      if (configs_[tasks[t].member].contains(Json::json_pointer(pointer_of(measurement) + "/update")))
-        withhold.push_back(pointer_of(measurement) + "/update=\"ekf\"");
-    }
+    const std::vector<std::string> withhold = all_withheld(configs_[tasks[t].member]);
     std::vector<std::unique_ptr<Response>> responses;
     try {
       const auto composition = compose(tasks[t].member, tasks[t].u, Gates::off, withhold);

@@ -59,7 +59,7 @@ const std::string driving = R"({"binnacle": 1,
                "heading": {"type": "vector", "size": 1, "unit": "rad", "sigma": "40 deg"}},
     "process": {"drive": {"type": "drive", "blocks": {"position": "position", "heading": "heading"}, "speed": 2,
                           "noise": 0.3, "turn_noise": 0.3}},
-    "measurements": {"z": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": 4}}}}})";
+    "measurements": {"z": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "position"}, "sigma": [4]}}}}})";
 
 }  // namespace
 

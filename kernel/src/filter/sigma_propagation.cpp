@@ -133,8 +133,8 @@ bool Estimator::advance_point(int point, const Driving& now, const Step& step, s
   return true;
 }
 
-/// SigmaStep::x = x̂ ⊞ ξ. It must be there to a hundredth: not so far that the block's errors wrap around, nor so near that the stored
-/// value does not resolve it.
+/// SigmaStep::x = x̂ ⊞ ξ. Its errors must be there to a hundredth of the block's sigma: not so far that they wrap around, nor
+/// below what the stored value resolves.
 bool Estimator::perturb(int point) {
   constexpr double share = 0.01;
   auto& sigma = *sigma_;
@@ -144,17 +144,19 @@ bool Estimator::perturb(int point) {
     const VectorView delta(block_delta_.data(), block.dof()), back(sigma.back.data(), block.dof());
     delta.as().setZero();
     for (std::size_t a = 0; a < block.active.size(); ++a) delta[block.active[a]] = sigma.xi[as_size(block.first) + a];
-    const double largest = largest_of(delta.data(), delta.size());
+    double variance = 0;
+    for (std::size_t a = 0; a < block.active.size(); ++a)
+      variance = std::max(variance, P_->variance(block.first + static_cast<int>(a)));
     const ConstVectorView from = block.in(state());
     const VectorView to = block.in(sigma.x.data());
-    if (largest == 0) {
+    if (largest_of(delta.data(), delta.size()) == 0) {
       to.as() = from.as();
       continue;
     }
     calls_.during(block, "plus", [&] { block.block->plus(from, delta, to); });
     calls_.during(block, "minus", [&] { block.block->minus(to, from, back); });
     back.as() -= delta.as();
-    if (largest_of(back.data(), back.size()) <= share * largest) continue;
+    if (largest_of(back.data(), back.size()) <= share * std::sqrt(variance)) continue;
     calls_.note("minus", "sigma points lie beyond its chart or below its resolution: the step took the Jacobians");
     return false;
   }
