@@ -28,8 +28,9 @@ LoadOptions with_update(const std::string& file, const std::string& update) {
 
 TEST_CASE("configs of each subject run with every way to update") {
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  for (const char* config : {"quickstart.json", "updates/bearing.json", "transfer_alignment/base.json", "ship_motion/monte_carlo.json",
-                             "land/matched.json", "ins_gps/straight.json", "faults/simulated.json"})
+  for (const char* config :
+       {"quickstart.json", "updates/bearing.json", "transfer_alignment/base.json", "ship_motion/monte_carlo.json",
+        "land/matched.json", "ins_gps/straight.json", "faults/simulated.json"})
     for (const std::string update : {R"("ekf")", R"("iterated")", R"("unscented")"}) {
       CAPTURE(config, update);
       const std::string file = std::string(BINNACLE_TEST_PROJECT "/configs/") + config;
@@ -48,7 +49,8 @@ TEST_CASE("configs of each subject run with every way to update") {
         }
         std::printf("%-30s %-11s %-12s %s, %.0f accepted", config, filter.name.c_str(), update.c_str(), verdict.c_str(),
                     accepted);
-        if (linearizations > 0) std::printf(", %.2f linearizations, %.0f not converged", linearizations / accepted, not_converged);
+        if (linearizations > 0)
+          std::printf(", %.2f linearizations, %.0f not converged", linearizations / accepted, not_converged);
         if (instead > 0) std::printf(", %.0f linearized instead", instead);
         std::printf("\n");
         CHECK(accepted > 0);

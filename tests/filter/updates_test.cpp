@@ -509,7 +509,8 @@ TEST_CASE("models keep notes and memory of one call alone, however often they ar
     Session session = session_of(scene_config(scene, update));
     for (int i = 0; i < 5; ++i) session.push(session.channel("z"), no_time, i, scene.z);
     bool is_found = false;
-    for (const auto& item : session.notes(FilterId{0}).items())
+    const Diagnostics notes = session.notes(FilterId{0});
+    for (const auto& item : notes.items())
       if (item.message.find("a note of each call") != std::string::npos) {
         is_found = true;
         CHECK(item.message.find("5") != std::string::npos);
