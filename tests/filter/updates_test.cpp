@@ -555,8 +555,9 @@ TEST_CASE("what is wrong with an update is said at its place", "[updates]") {
   has("3", "/filters/f/measurements/see/update");
   CHECK(message(R"({"type": "ekf"})").empty());
   CHECK(message(R"({"type": "iterated", "max": 3, "tolerance": "1e-2"})").empty());
-  const auto composition = filter_tests::composition_of(
-      scene_config({}, R"({"type": "iterated", "max": 3, "tolerance": 0.01})"), CURVED_PLUGIN);
+  const auto composition =
+      filter_tests::composition_of(scene_config({}, R"({"type": "iterated", "max": 3, "tolerance": 0.01})"),
+                                   CURVED_PLUGIN);
   const UpdateInfo& update = composition->filters()[0].measurements[0].update;
   CHECK(update.type == "iterated");
   CHECK(update.max == 3);
