@@ -509,7 +509,8 @@ TEST_CASE("models keep notes and memory of one call alone, however often they ar
     Session session = session_of(scene_config(scene, update));
     for (int i = 0; i < 5; ++i) session.push(session.channel("z"), no_time, i, scene.z);
     bool is_found = false;
-    for (const auto& item : session.notes(FilterId{0}).items())
+    const Diagnostics notes = session.notes(FilterId{0});
+    for (const auto& item : notes.items())
       if (item.message.find("a note of each call") != std::string::npos) {
         is_found = true;
         CHECK(item.message.find("5") != std::string::npos);
@@ -529,4 +530,36 @@ TEST_CASE("an exact measurement is iterated with whole steps", "[updates]") {
   const Vector d = run.updates[0].delta.cast<Real>(), r = residual(scene, plus(prior, d));
   CHECK(std::abs(r[0] - r[1]) < 1e-6L);
   CHECK(std::abs(r[0] - r[2]) < 1e-6L);
+}
+
+TEST_CASE("what is wrong with an update is said at its place", "[updates]") {
+  const auto message = [](const std::string& update) -> std::string {
+    try {
+      session_of(scene_config({}, update));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto has = [&](const std::string& update, const std::string& text) {
+    CAPTURE(update, message(update));
+    CHECK(message(update).find(text) != std::string::npos);
+  };
+  has(R"("unscentd")", "/filters/f/measurements/see/update: an update is ekf, iterated or unscented; found 'unscentd'");
+  has(R"("unscentd")", "did you mean 'unscented'?");
+  has(R"({"max": 3})", "missing key 'type' of 'update'");
+  has(R"({"type": "iterated", "maximum": 3})", "unknown key of the update 'iterated'");
+  has(R"({"type": "unscented", "max": 3})", "unknown key of the update 'unscented'");
+  has(R"({"type": "iterated", "max": 0})", "/update/max");
+  has(R"({"type": "iterated", "tolerance": -1})", "/update/tolerance");
+  has("3", "/filters/f/measurements/see/update");
+  CHECK(message(R"({"type": "ekf"})").empty());
+  CHECK(message(R"({"type": "iterated", "max": 3, "tolerance": "1e-2"})").empty());
+  const auto composition =
+      filter_tests::composition_of(scene_config({}, R"({"type": "iterated", "max": 3, "tolerance": 0.01})"),
+                                   CURVED_PLUGIN);
+  const UpdateInfo& update = composition->filters()[0].measurements[0].update;
+  CHECK(update.type == "iterated");
+  CHECK(update.max == 3);
+  CHECK(update.tolerance == 0.01);
 }

@@ -160,8 +160,8 @@ std::string chain(std::mt19937& random, const std::string& extra = "", const std
         "stay": {"type": "random_constant", "blocks": {"x": "c"}}},
       "measurements": {
         "both": {"channel": "z", "update": ")" +
-         update + R"(", "gate": {"probability": 0.99, "by": ")" +
-         std::string(by_row ? "row" : "sample") + R"("}, "recover": false, "stack": {
+         update + R"(", "gate": {"probability": 0.99, "by": ")" + std::string(by_row ? "row" : "sample") +
+         R"("}, "recover": false, "stack": {
           "p": {"type": "linear_measurement", "blocks": {"x": "x"}, "sigma": [0.4, 0.5]},
           "q": {"type": "linear_measurement", "blocks": {"x": "d"}, "sigma": [0.3, 0.6]}}},
         "speed": {"type": "linear_measurement", "channel": "y", "blocks": {"x": "v"}, "H": [[1, 0.5]], "sigma": [0.2]}}}}})";
