@@ -37,6 +37,8 @@ ComponentSpec Clone::spec() {
   spec.example = R"json({"blocks": {"of": "position", "copy": "position_then", "of_2": "attitude",
     "copy_2": "attitude_then", "age": "age"}, "inputs": {"at": "camera"}})json";
   spec.surroundings = R"json({"blocks": {
+    "position": {"type": "navigation/position", "init": {"lat": "37.4 deg", "lon": "126.9 deg", "height": "60 m"}, "sigma": 5},
+    "attitude": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
     "position_then": {"type": "navigation/position", "init": {"lat": "37.4 deg", "lon": "126.9 deg", "height": "60 m"}, "sigma": 5},
     "attitude_then": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
     "age": {"type": "vector", "size": 1, "unit": "s", "sigma": 0.1}}})json";

@@ -68,11 +68,13 @@ ComponentSpec RelativePosition::spec() {
         field::level(sigma_name(name), "m").optional().about(std::string("standard deviation of ") + name));
   spec.example = R"json({"channel": "camera", "blocks": {"position": "position", "copy": "position_then",
     "attitude": "attitude_then", "age": "age"}, "sigma": ["3 cm", "3 cm", "5 cm"], "gate": 0.999})json";
-  spec.surroundings = R"json({"time": 2, "blocks": {
+  spec.surroundings = R"json({"time": 2, "sources": {"camera": {"type": "core/pushed", "fields": {
+      "dx": {"unit": "m", "kind": "increment"}, "dy": {"unit": "m", "kind": "increment"}, "dz": {"unit": "m", "kind": "increment"}}}},
+    "blocks": {
     "position": {"type": "navigation/position", "init": {"lat": "37.4001 deg", "lon": "126.9001 deg", "height": "61 m"}, "sigma": 1},
     "position_then": {"type": "navigation/position", "init": {"lat": "37.4 deg", "lon": "126.9 deg", "height": "60 m"}, "sigma": 1},
     "attitude_then": {"type": "navigation/attitude", "init": {"roll": 0.02, "pitch": -0.03, "yaw": -0.6}, "sigma": 0.02},
-    "age": {"type": "vector", "size": 1, "unit": "s", "init": 1, "sigma": 1e-7}}})json";
+    "age": {"type": "vector", "size": 1, "unit": "s", "init": 0.01, "sigma": 1e-8}}})json";
   return spec;
 }
 
@@ -115,14 +117,14 @@ RelativePosition::RelativePosition(const Binding& binding)
       throw ComponentError("missing key 'sigma': the channel carries no '" + sigma_name(name) + "'", "");
     axes_.push_back(axis);
   }
-  declaration_.rows(rows).reads(position_).reads(copy_).reads(attitude_).group(
-      rows::these("displacement", rows, "m"));
+  declaration_.rows(rows).reads(position_).reads(copy_).reads(attitude_).group(rows::these("displacement", rows, "m"));
 }
 
 RelativePosition::Way RelativePosition::way(const PortValues& x) const {
   if (!is_geodetic_) {
-    const Matrix I = Matrix::Identity(position_.dof(), position_.dof());
-    return {x[position_].as() - x[copy_].as(), I, -I};
+    Way way{Vector3d::Zero(), Matrix3d::Identity(), -Matrix3d::Identity()};
+    for (int i = 0; i < position_.dof(); ++i) way.d[i] = x[position_][i] - x[copy_][i];
+    return way;
   }
   const Vector3d now = x[position_].as<3>(), then = x[copy_].as<3>();
   const Matrix3d C_en = geodesy::C_en(then[0], then[1]);
@@ -137,23 +139,25 @@ Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput
   if (!(std::abs(seconds(sample.t - sample.t0) - in.x[age_][0]) <= tolerance_))
     return Result::unsupported("its interval begins at another instant than that of the copy");
   const int rows = position_.dof();
-  Vector z(rows);
+  Vector3d z = Vector3d::Zero();
   for (int i = 0; i < rows; ++i) z[i] = sample[axes_[static_cast<std::size_t>(i)].z];
   if (!z.allFinite()) return Result::invalid("the displacement is not finite");
+  const double by_length = relative_ > 0 ? relative_ * relative_ * z.squaredNorm() : 0;
+  if (!std::isfinite(by_length)) return Result::invalid("the displacement is beyond all reason");
   for (int i = 0; i < rows; ++i) {
     const Axis& axis = axes_[static_cast<std::size_t>(i)];
     const double sigma = axis.reported.is_bound() ? sample[axis.reported] : axis.sigma;
     if (!(sigma > 0) || !std::isfinite(sigma * sigma))
       return Result::invalid("a reported standard deviation is 0, negative or not finite");
-    out.R(i, i) = sigma * sigma + relative_ * relative_ * z.squaredNorm();
+    out.R(i, i) = sigma * sigma + by_length;
   }
   const Way way = this->way(in.x);
-  const Matrix axes = is_in_body_axes_ ? Matrix(strapdown::dcm_from_quaternion(in.x[attitude_].as<4>()).transpose())
-                                       : Matrix(Matrix::Identity(rows, rows));
+  const Matrix3d axes = is_in_body_axes_ ? Matrix3d(strapdown::dcm_from_quaternion(in.x[attitude_].as<4>()).transpose())
+                                         : Matrix3d(Matrix3d::Identity());
   out.rows = rows;
-  out.residual.as() = z - axes * way.d;
-  if (const MatrixView H = out.H[position_]) H.as() = axes * way.by_position;
-  if (const MatrixView H = out.H[copy_]) H.as() = axes * way.by_copy;
+  out.residual.as() = (z - axes * way.d).head(rows);
+  if (const MatrixView H = out.H[position_]) H.as() = (axes * way.by_position).topLeftCorner(rows, rows);
+  if (const MatrixView H = out.H[copy_]) H.as() = (axes * way.by_copy).topLeftCorner(rows, rows);
   if (const MatrixView H = out.H[attitude_]) H.as() = axes * strapdown::skew(way.d);
   return Result::ok();
 }

@@ -26,11 +26,10 @@ class RelativePosition final : public MeasurementModel {
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+  /// Of a local position with fewer components, what is left is zero.
   struct Way {
-    Vector d;  // m
-    Matrix by_position, by_copy;
+    Eigen::Vector3d d;  // m
+    Eigen::Matrix3d by_position, by_copy;
   };
   struct Axis {
     Field z, reported;
