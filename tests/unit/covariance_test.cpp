@@ -9,6 +9,7 @@
 #include "catch.hpp"
 #include "covariance_work.hpp"
 #include "filter/covariance.hpp"
+#include "filter/estimator.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/strip_loops.hpp"
 
