@@ -74,10 +74,13 @@ class Numbers {
     for (int i = 0; i < n; ++i) all += (i > 0 ? ", " : "") + text(chance(0.25) ? 0.0 : 0.1 + std::abs(number()));
     return all + "]";
   }
-  std::string matrix(int rows, int columns) {
+  /// Of a motion that dies away: one that grows by e^12 in the run magnifies rounding by as much, in either filter.
+  std::string dynamics(int n) {
     std::string all = "[";
-    for (int i = 0; i < rows; ++i) all += (i > 0 ? ", " : "") + list(columns);
-    return all + "]";
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        all += (j > 0 ? ", " : i > 0 ? "], [" : "[") + text(0.5 * number() - (i == j ? 1.5 : 0));
+    return all + "]]";
   }
   std::string block(const std::string& name, int n, const std::string& unit, const std::string& use = "") {
     return "\"" + name + R"(": {"type": "vector", "size": )" + std::to_string(n) + R"(, "unit": ")" + unit +
@@ -114,7 +117,7 @@ std::string linear_filter(unsigned seed, const std::string& propagation) {
         "wander": {)" +
          wander + R"(},
         "swing": {"type": "linear", "blocks": {"x": "c"}, "F": )" +
-         draw.matrix(3, 3) + R"(, "q": [0.3]},
+         draw.dynamics(3) + R"(, "q": [0.3]},
         "away": {"type": "integrated", "blocks": {"x": "d", "rate": "both"}},
         "drift": {"type": "gauss_markov", "blocks": {"x": "g"}, "tau": [1, 5], "sigma": [0.3, 2]},
         "keep": {"type": "random_constant", "blocks": {"x": "k"}},
