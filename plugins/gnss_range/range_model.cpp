@@ -3,6 +3,7 @@
 #include "range_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -113,8 +114,8 @@ int RangeModel::keep_usable(const Notes& notes, Sightings& sightings, int count)
       notes.leave(text);
       return true;
     }
-    if (noise_.variance(s) > 0) return false;
-    notes.leave("a row is left out: it has no C/N0, or a variance that is not positive");
+    if (const double variance = noise_.variance(s); variance > 0 && std::isfinite(variance)) return false;
+    notes.leave("a row is left out: it has no C/N0, or a variance that is not positive and finite");
     return true;
   };
   const auto end = sightings.begin() + count;

@@ -78,7 +78,7 @@ class Replay final : public StepObserver {
     if (record.left_out > 0) ++events["left out"];
     if (record.residual) {
       const Matrix S = wide(record.H) * last_ * wide(record.H).transpose() + wide(record.R);
-      CHECK((S - wide(record.S)).norm() <= 1e-11 * S.norm());
+      CHECK((S - wide(record.update_S)).norm() <= 1e-11 * S.norm());
       CHECK(std::isfinite(record.residual[0]));
     }
     if (record.outcome != Outcome::accepted) return;
@@ -129,7 +129,7 @@ class Replay final : public StepObserver {
     return static_cast<double>(worst);
   }
   void check_gain(const UpdateRecord& record, const Matrix& H, const Matrix& K) {
-    Matrix expected = last_ * H.transpose() * wide(record.S).inverse();
+    Matrix expected = last_ * H.transpose() * wide(record.update_S).inverse();
     for (const auto& block : info_.blocks)
       for (std::size_t a = 0; a < block.active.size(); ++a)
         if (block.use[static_cast<std::size_t>(block.active[a])] == "considered")

@@ -294,7 +294,8 @@ std::vector<double> seen_at(int k) { return {0.05 * std::sin(k), 0.1 * std::cos(
 }  // namespace
 
 TEST_CASE(
-    "an attitude with a bias: the textbook's filter, written densely; a model's memory counts the centre's calls") {
+    "an attitude with a bias is that of the textbook's filter, written densely, and a model's memory counts the "
+    "centre's calls") {
   Session session = session_of(spinning_with(unscented)), ekf = session_of(spinning_with(""));
   Log log, of_ekf;
   session.attach({0}, &log);

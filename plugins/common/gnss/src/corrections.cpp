@@ -61,7 +61,8 @@ std::vector<ParameterSpec> Corrections::parameters() {
           .defaults("\"10 deg\"")
           .about("satellites below it are not used"),
       number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is given"),
-      list("exclude", text("satellite")).about("satellites that are not used: \"G05\", \"E11\", or the key of a row: \"4301\""),
+      list("exclude", text("satellite"))
+          .about("satellites that are not used: \"G05\", \"E11\", or the key of a row: \"4301\""),
   };
 }
 
@@ -79,10 +80,11 @@ Corrections::Corrections(const Binding& binding) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto key = excluded_key(names[i].text);
     if (!key)
-      throw ComponentError("'" + names[i].text +
-                               "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
-                               "digits or more, \"4301\"",
-                           "/exclude/" + std::to_string(i));
+      throw ComponentError(
+          "'" + names[i].text +
+              "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
+              "digits or more, \"4301\"",
+          "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }
 }
@@ -113,7 +115,7 @@ void Corrections::take(const Epoch& epoch, Tally& tally, const AntennaPlace& pla
     return;
   }
   s.cn0 = rows_.cn0(observations, row);
-  if (is_excluded(s.satellite) || s.cn0 < min_cn0_) {  // false for NaN
+  if (is_excluded(s.satellite) || (min_cn0_ > 0 && s.cn0 < min_cn0_)) {  // false for NaN
     ++tally.masked;
     return;
   }
@@ -162,7 +164,8 @@ bool Corrections::by_row(const SampleView& observations, int row, Sender& sender
   if (rows_.has_velocity()) state.velocity = rows_.velocity(observations, row);
   if (rows_.has_clock()) state.clock = rows_.clock(observations, row);
   if (rows_.has_clock_drift()) state.clock_drift = rows_.clock_drift(observations, row);
-  return std::isfinite(state.clock) && std::isfinite(state.clock_drift);
+  constexpr double most_clock = 1, most_drift = 1e-3;  // s, s/s: what is beyond is no satellite's
+  return std::abs(state.clock) <= most_clock && std::abs(state.clock_drift) <= most_drift;  // false for NaN
 }
 
 bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool knows_place, const Sender& sender,
