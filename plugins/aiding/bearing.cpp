@@ -32,9 +32,11 @@ ComponentSpec Bearing::spec() {
       field::level("observer_north", "m").optional().about("place of the observer, unless it is a block"),
       field::level("observer_east", "m").optional().about("place of the observer, unless it is a block"),
       field::level("observer_down", "m").optional().about("place of the observer, unless it is a block")};
-  spec.example = R"json({"channel": "sonar", "blocks": {"target": "target"}, "sigma": "0.5 deg"})json";
-  spec.surroundings =
-      R"json({"blocks": {"target": {"type": "vector", "size": 2, "unit": "m", "init": [1000, 200], "sigma": 100}}})json";
+  spec.example =
+      R"json({"channel": "sonar", "blocks": {"target": "target", "observer": "vessel"}, "sigma": "0.5 deg"})json";
+  spec.surroundings = R"json({"blocks": {
+    "target": {"type": "vector", "size": 3, "unit": "m", "init": [1000, 200, -50], "sigma": 100},
+    "vessel": {"type": "vector", "size": 3, "unit": "m", "init": [10, -20, 0], "sigma": 5}}})json";
   return spec;
 }
 
