@@ -3,14 +3,13 @@
 #include "range_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
 namespace binnacle::gnss_range {
 
 namespace {
-
-constexpr double largest_variance = 1e18;  // m², m²/s²
 
 std::vector<std::int64_t> read_systems(const Parameters& parameters, const gnss::ObservationRows& rows) {
   std::vector<std::int64_t> systems;
@@ -115,9 +114,8 @@ int RangeModel::keep_usable(const Notes& notes, Sightings& sightings, int count)
       notes.leave(text);
       return true;
     }
-    const double variance = noise_.variance(s);
-    if (variance > 0 && variance < largest_variance) return false;
-    notes.leave("a row is left out: it has no C/N0, or a variance that is none");
+    if (const double variance = noise_.variance(s); variance > 0 && std::isfinite(variance)) return false;
+    notes.leave("a row is left out: it has no C/N0, or a variance that is not positive and finite");
     return true;
   };
   const auto end = sightings.begin() + count;

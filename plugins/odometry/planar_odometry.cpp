@@ -233,6 +233,9 @@ Result PlanarOdometry::propagate(const ProcessInput& in, ProcessOutput& out) con
   J.topLeftCorner<4, 4>().setIdentity();
   Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();
   for (const InputSample& sample : in.step.samples) {
+    constexpr double fastest = 1e5, most_turn = 1e4;  // m/s, rad/s: in range for any vehicle, and for what follows
+    if (!(std::abs(sample[speed_]) < fastest && std::abs(sample[yaw_rate_]) < most_turn))
+      return Result::failed("speed or yaw rate is beyond that of any vehicle");
     Moved moved = move(pose, scale, bias, sample);
     if (out.phi || out.Qd) {
       differentiate(moved.parts, moved);

@@ -271,3 +271,79 @@ TEST_CASE("odometry: the heading wraps, and what it can not be is refused") {
           {quiet, {{"heading", &heading_kind()}, {"position", &geodetic}, {"ecef_position", &ecef_position}}, {}}),
       ComponentError);
 }
+
+// 400 runs of 30 s with turns, from a heading, a scale and a bias that are drawn. NEES of all five has 5 dof: 99 % of such means
+// lie within 5 ± 2.58 √(10/400).
+TEST_CASE("odometry: errors are as large as it says") {
+  for (const bool is_ecef : {false, true}) {
+    Vehicle start;
+    start.is_ecef = is_ecef;
+    const auto model = start.model({{"speed_noise", 0.2}, {"yaw_rate_noise", 0.005}, {"height_noise", 0.0}});
+    const ProcessCheck check(*model, PlanarOdometry::spec());
+    const std::size_t place = is_ecef ? 0 : 1;
+    const int at = static_cast<int>(place);
+    auto stream = random::stream(5, is_ecef ? "ecef" : "geodetic");
+    constexpr double dt = 0.1, s_yaw = 0.02, s_scale = 0.01, s_bias = 0.001;
+    constexpr int runs = 400, steps = 300;
+    double nees = 0;
+    for (int run = 0; run < runs; ++run) {
+      Vehicle drawn = start;
+      drawn.yaw += s_yaw * random::normal(stream);
+      drawn.scale_error += s_scale * random::normal(stream);
+      drawn.bias += s_bias * random::normal(stream);
+      PortStates truth = drawn.ports(), estimate = start.ports();
+      Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();  // position, heading, scale, bias
+      P.diagonal().tail<3>() << s_yaw * s_yaw, s_scale * s_scale, s_bias * s_bias;
+      for (int k = 0; k < steps; ++k) {
+        const double v = 8 + 3 * std::sin(0.02 * k), w = 0.2 * std::cos(0.05 * k);
+        Complaints out;
+        const Drive real({{v, w}}, dt),
+            seen({{v + 0.2 * (1 + drawn.scale_error) / std::sqrt(dt) * random::normal(stream),
+                   w + 0.005 / std::sqrt(dt) * random::normal(stream)}},
+                 dt);
+        const auto moved = check.propagate(truth, real.step, {}, out),
+                   made = check.propagate(estimate, seen.step, {}, out);
+        REQUIRE(out.empty());
+        Eigen::Matrix<double, 6, 6> Phi = Eigen::Matrix<double, 6, 6>::Identity(), Q = Phi * 0;
+        Phi.topRows<4>() << made.transition.at({at, at}), made.transition.at({at, 2}), made.transition.at({at, 3}),
+            made.transition.at({at, 4}), made.transition.at({2, at}), made.transition.at({2, 2}),
+            made.transition.at({2, 3}), made.transition.at({2, 4});
+        Q.topLeftCorner<4, 4>() << made.noise.at({at, at}), made.noise.at({at, 2}), made.noise.at({at, 2}).transpose(),
+            made.noise.at({2, 2});
+        P = Phi * P * Phi.transpose() + Q;
+        for (const std::size_t port : {place, std::size_t{2}})
+          truth[port].x = moved.x_plus[port], estimate[port].x = made.x_plus[port];
+      }
+      const StateBlock& kind = *estimate[place].block;
+      Eigen::Matrix<double, 6, 1> error;
+      kind.minus({truth[place].x.data(), 3}, {estimate[place].x.data(), 3}, {error.data(), 3});
+      error.tail<3>() << std::remainder(truth[2].x[0] - estimate[2].x[0], 2 * M_PI),
+          drawn.scale_error - start.scale_error, drawn.bias - start.bias;
+      if (is_ecef) {
+        Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Identity();
+        turn.topLeftCorner<3, 3>() = strapdown::C_en(berlin[0], berlin[1]).transpose();
+        error = turn * error, P = turn * P * turn.transpose();
+      }
+      const Eigen::Array<int, 5, 1> rows(0, 1, 3, 4, 5);  // the height is known
+      const Eigen::Matrix<double, 5, 5> part = P(rows, rows);
+      const Eigen::Matrix<double, 5, 1> of = error(rows);
+      nees += of.dot(part.llt().solve(of)) / runs;
+    }
+    INFO(is_ecef << " " << nees);
+    CHECK(std::abs(nees - 5) < 2.58 * std::sqrt(10.0 / runs));
+  }
+}
+
+TEST_CASE("odometry: what makes nothing of the speed is refused") {
+  Vehicle car;
+  car.scale_error = -0.95;
+  const auto model = car.model(quiet);
+  const Drive drive({{1, 0}}, 1), wild({{1e300, 0}}, 1);
+  Complaints out;
+  ProcessCheck(*model, PlanarOdometry::spec()).propagate(car.ports(), drive.step, {}, out);
+  CHECK(out.text().find("refused") != std::string::npos);
+  car.scale_error = 0;
+  Complaints other;
+  ProcessCheck(*model, PlanarOdometry::spec()).propagate(car.ports(), wild.step, {}, other);
+  CHECK(other.text().find("beyond that of any vehicle") != std::string::npos);
+}

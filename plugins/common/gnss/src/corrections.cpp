@@ -20,7 +20,6 @@ constexpr double shortest_pseudorange = 1e6;  // m; clocks may be off by much, b
 constexpr double longest_pseudorange = 1e9;
 constexpr double least_range = 1e6;                          // m, to a satellite
 constexpr double lowest_orbit = 6.5e6, highest_orbit = 1e9;  // m from the earth's centre: kilometres are below
-constexpr double largest_clock = 1, largest_drift = 1e-3;    // s, s/s; a broadcast clock has less than a millisecond
 
 /// "G05", or the key of a row, "4301".
 std::optional<SatelliteKey> excluded_key(std::string_view text) {
@@ -116,7 +115,7 @@ void Corrections::take(const Epoch& epoch, Tally& tally, const AntennaPlace& pla
     return;
   }
   s.cn0 = rows_.cn0(observations, row);
-  if (is_excluded(s.satellite) || s.cn0 < min_cn0_) {  // false for NaN
+  if (is_excluded(s.satellite) || (min_cn0_ > 0 && s.cn0 < min_cn0_)) {  // false for NaN
     ++tally.masked;
     return;
   }
@@ -165,7 +164,8 @@ bool Corrections::by_row(const SampleView& observations, int row, Sender& sender
   if (rows_.has_velocity()) state.velocity = rows_.velocity(observations, row);
   if (rows_.has_clock()) state.clock = rows_.clock(observations, row);
   if (rows_.has_clock_drift()) state.clock_drift = rows_.clock_drift(observations, row);
-  return std::abs(state.clock) < largest_clock && std::abs(state.clock_drift) < largest_drift;
+  constexpr double most_clock = 1, most_drift = 1e-3;  // s, s/s: what is beyond is no satellite's
+  return std::abs(state.clock) <= most_clock && std::abs(state.clock_drift) <= most_drift;  // false for NaN
 }
 
 bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool knows_place, const Sender& sender,
