@@ -101,7 +101,7 @@ struct Vehicle {
 
 }  // namespace
 
-TEST_CASE("odometry: a vehicle goes where it heads, and turns the way it is told") {
+TEST_CASE("odometry: a vehicle goes where it heads, and turns the way its sensor gives") {
   Vehicle car;
   car.scale_error = car.bias = 0;
   json still = quiet;
