@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "sentence.hpp"
-#include "utc_clock.hpp"
 
 namespace binnacle::nmea {
 

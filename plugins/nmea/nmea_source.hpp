@@ -10,7 +10,6 @@
 #include "binnacle/source.hpp"
 #include "decoder.hpp"
 #include "live_epochs.hpp"
-#include "utc_clock.hpp"
 
 namespace binnacle::nmea {
 

@@ -9,9 +9,15 @@
 #include <string>
 #include <string_view>
 
-#include "utc_clock.hpp"
+#include "civil_time/utc_clock.hpp"
 
 namespace binnacle::nmea {
+
+using civil_time::Day;
+using civil_time::parse_day;
+using civil_time::parse_instant;
+using civil_time::Utc;
+using civil_time::UtcClock;
 
 /// Of what stands between '$' and '*'.
 std::uint8_t checksum(std::string_view body);
