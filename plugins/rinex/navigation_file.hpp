@@ -5,11 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "faults.hpp"
 #include "gnss/atmosphere.hpp"
 #include "gnss/message_choice.hpp"
+#include "text/faults.hpp"
 
 namespace binnacle::rinex {
+
+using text_file::Faults;
+using text_file::OnInvalid;
 
 using Message = gnss::BroadcastMessage;
 

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "faults.hpp"
 #include "gnss/observation_channels.hpp"
+#include "text/faults.hpp"
 
 namespace binnacle::rinex {
+
+using text_file::Faults;
 
 using gnss::Observation;
 using gnss::Signals;
