@@ -37,10 +37,11 @@ ComponentSpec PosSource::spec() {
                  "seconds; x, y, z; east, north, up from the base station"),
       choice("time_system", {"gpst", "utc", "jst"}).about("of a file without a header"),
       boolean("velocity").defaults("false").about("a file without a header, or live input, has columns of velocity"),
-      object("reference", {number("lat", "rad").required(), number("lon", "rad").required(),
-                           number("height", "m").required().about("above the ellipsoid")})
+      object("reference", {parameter::number("lat", "rad").required(), parameter::number("lon", "rad").required(),
+                           parameter::number("height", "m").required().about("above the ellipsoid")})
           .about("the base station, where the header of a file of baselines does not state it"),
-      number("geoid_separation", "m").about("height of the geoid above the ellipsoid, for heights above the sea")};
+      parameter::number("geoid_separation", "m")
+          .about("height of the geoid above the ellipsoid, for heights above the sea")};
   for (ParameterSpec& each : line_input::Lines::parameters()) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.example = R"json({"path": "track.pos", "week": 2381})json";
@@ -269,9 +270,9 @@ void PosSource::write(const Solution& s, SourceOutput& output) const {
   out[figures_] << s.quality, s.satellites, s.age, s.ratio;
   if (!c.has_position_sd()) return;
   const MatrixView P = out.attach_covariance();
-  P.setZero();
-  P.topLeftCorner(3, 3) = s.position_covariance;
-  if (c.has_velocity_sd()) P.bottomRightCorner(3, 3) = s.velocity_covariance;
+  P.as().setZero();
+  P.block(0, 0, 3, 3).as() = s.position_covariance;
+  if (c.has_velocity_sd()) P.block(3, 3, 3, 3).as() = s.velocity_covariance;
 }
 
 }  // namespace binnacle::rtklib
