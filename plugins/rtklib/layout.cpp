@@ -42,7 +42,12 @@ template <std::size_t N>
 bool find_all(const std::vector<std::string_view>& names, const std::array<std::string_view, N>& wanted,
               std::array<int, N>& places) {
   std::size_t found = 0;
-  for (std::size_t i = 0; i < N; ++i) found += (places[i] = find(names, {wanted[i]})) >= 0;
+  for (std::size_t i = 0; i < N; ++i) {
+    places[i] = find(names, {wanted[i]});
+    // RTKLIB calls the last column of solutions in degrees, minutes and seconds so.
+    if (places[i] < 0 && wanted[i] == "sdun") places[i] = find(names, {"sdue"});
+    found += places[i] >= 0;
+  }
   if (found == N) return true;
   places.fill(-1);
   return found == 0;

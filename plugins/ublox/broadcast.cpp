@@ -50,10 +50,9 @@ bool has_right_parity(std::uint32_t word, std::uint32_t before) {
          parity(data, before >> 1 & 1u, before & 1u) == (word & 0x3F);
 }
 
-/// IS-GPS-200 20.3.3.3.1.3 [m]; 0: no prediction.
+/// IS-GPS-200 20.3.3.3.1.3, nominal values [m]; 0: no prediction.
 double user_range_accuracy(std::uint32_t index) {
-  constexpr std::array<double, 15> table{2.4, 3.4, 4.85, 6.85, 9.65, 13.65, 24,  48,
-                                         96,  192, 384,  768,  1536, 3072,  6144};
+  constexpr std::array<double, 15> table{2, 2.8, 4, 5.7, 8, 11.3, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096};
   return index < table.size() ? table[index] : 0;
 }
 
@@ -177,12 +176,12 @@ bool is_same(const gnss::BroadcastMessage& a, const gnss::BroadcastMessage& b) {
 
 Broadcast BroadcastCollector::take(const Payload& payload, Time now) {
   Broadcast result;
-  if (payload.size() < 8 || payload.size() != 8u + 4u * payload.u1(4) || payload.u1(7) < 1 || payload.u1(7) > 2) {
+  if (payload.size() < 8 || payload.size() != 8u + 4u * payload.u1(4) || payload.u1(6) < 1 || payload.u1(6) > 2) {
     result.fault = "its length or version is not known";
     return result;
   }
   const int system = payload.u1(0), satellite = payload.u1(1);
-  const int signal = payload.u1(7) == 2 ? payload.u1(2) : 0, words = payload.u1(4);
+  const int signal = payload.u1(6) == 2 ? payload.u1(2) : 0, words = payload.u1(4);
   if (system == 0 && signal == 0 && words == 10 && satellite >= 1 && satellite <= 32)
     return take_lnav(payload, satellite, now);
   const bool is_inav = signal == 0 || signal == 1 || signal == 5 || signal == 6;

@@ -13,7 +13,7 @@ using namespace binnacle;
 using namespace binnacle::test;
 using namespace binnacle::kitti;
 using nlohmann::json;
-using Oxts = Reading<OxtsSource>;
+using Oxts = Recorded<OxtsSource>;
 
 namespace {
 
@@ -132,5 +132,5 @@ TEST_CASE("what is missing or damaged is left out and said") {
   drive.write(0, row({.lat = 91}));
   CHECK(drive.read().has_reported("a coordinate is beyond its range"));
   const Folder empty;
-  CHECK_THROWS_AS(Oxts({{"path", empty.file("")}}), ComponentError);
+  CHECK_THROWS_AS(Oxts(json{{"path", empty.file("")}}), ComponentError);
 }

@@ -84,7 +84,7 @@ void read_mutants(const std::vector<std::string>& seeds, const std::string& name
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
     const auto begin = std::chrono::steady_clock::now();
     try {
-      const Reading<SourceType> r(with_path);
+      const Recorded<SourceType> r(with_path);
       ++read;
       reported += !r.reports.empty();
       samples += r.samples.size();
@@ -108,7 +108,7 @@ void read_mutants(const std::vector<std::string>& seeds, const std::string& name
 /// A few messages of each kind that is read.
 std::string ubx_seed() {
   std::mt19937_64 random(7);
-  const auto noise = [&](Payload p, std::size_t from) {
+  const auto noise = [&](Content p, std::size_t from) {
     for (std::size_t at = from; at < p.bytes().size(); ++at) p.u1(at, static_cast<unsigned>(random() & 0xFF));
     return p;
   };
@@ -116,18 +116,18 @@ std::string ubx_seed() {
   for (unsigned i = 1; i < 4; ++i) {
     const std::uint32_t itow = pvt_itow + 250 * i;
     bytes += ubx(0x0107, pvt(itow, pvt_second).put(16, static_cast<std::int32_t>(250000000 * i)).bytes());
-    bytes += ubx(0x0102, Payload(28).u4(0, itow).u4(20, 20).bytes());
-    bytes += ubx(0x0112, Payload(36).u4(0, itow).u4(28, 20).bytes());
-    bytes += ubx(0x0114, Payload(36).u4(4, itow).u4(28, 20).bytes());
-    bytes += ubx(0x013C, Payload(64).u1(0, 1).u4(4, itow).u4(60, 0x105).bytes());
+    bytes += ubx(0x0102, Content(28).u4(0, itow).u4(20, 20).bytes());
+    bytes += ubx(0x0112, Content(36).u4(0, itow).u4(28, 20).bytes());
+    bytes += ubx(0x0114, Content(36).u4(4, itow).u4(28, 20).bytes());
+    bytes += ubx(0x013C, Content(64).u1(0, 1).u4(4, itow).u4(60, 0x105).bytes());
     bytes += ubx(0x1002,
-                 Payload(16).u4(0, 1000 + 250 * i).u2(4, 2 << 11).u4(8, 14u << 24 | 77).u4(12, 16u << 24 | 99).bytes());
+                 Content(16).u4(0, 1000 + 250 * i).u2(4, 2 << 11).u4(8, 14u << 24 | 77).u4(12, 16u << 24 | 99).bytes());
     bytes += ubx(0x1003,
-                 Payload(20).u4(4, 14u << 24 | 77).u4(8, 256 * i).u4(12, 16u << 24 | 99).u4(16, 256 * i + 128).bytes());
-    bytes += ubx(0x1015, Payload(36).u4(0, 1 | 0x3F << 8).u4(8, itow).bytes());
-    bytes += ubx(0x0213, noise(Payload(48).u1(0, 0).u1(1, 7).u1(4, 10).u1(7, 2), 8).bytes());
-    bytes += ubx(0x0213, noise(Payload(40).u1(0, 2).u1(1, 7).u1(2, 1).u1(4, 8).u1(7, 2), 8).bytes());
-    Payload raw(16 + 2 * 32);
+                 Content(20).u4(4, 14u << 24 | 77).u4(8, 256 * i).u4(12, 16u << 24 | 99).u4(16, 256 * i + 128).bytes());
+    bytes += ubx(0x1015, Content(36).u4(0, 1 | 0x3F << 8).u4(8, itow).bytes());
+    bytes += ubx(0x0213, noise(Content(48).u1(0, 0).u1(1, 7).u1(4, 10).u1(6, 2), 8).bytes());
+    bytes += ubx(0x0213, noise(Content(40).u1(0, 2).u1(1, 7).u1(2, 1).u1(4, 8).u1(6, 2), 8).bytes());
+    Content raw(16 + 2 * 32);
     raw.put(0, itow * 1e-3).u2(8, 2381).i1(10, 18).u1(11, 2).u1(12, 1).u1(13, 1);
     for (unsigned k = 0; k < 2; ++k)
       raw.put(16 + 32 * k, 2.1e7 + k)
@@ -204,7 +204,7 @@ TEST_CASE("mutations of OXTS folders") {
     folder.write("oxts/data/0000000000.txt", i % 2 == 1 ? mutate(good.row) : good.row);
     folder.write("oxts/data/0000000001.txt", good.row);
     try {
-      const Reading<kitti::OxtsSource> r({{"path", folder.file("")}});
+      const Recorded<kitti::OxtsSource> r(json{{"path", folder.file("")}});
       ++read;
     } catch (const ComponentError&) {
       ++refused;

@@ -73,11 +73,11 @@ struct Sample {
 
 /// Everything that a recorded source emits, read as the kernel does it.
 template <class SourceType>
-struct Reading {
+struct Recorded {
   std::string reports;
   std::vector<Sample> samples;
 
-  explicit Reading(const nlohmann::json& parameters) {
+  explicit Recorded(const nlohmann::json& parameters) {
     const auto source = bind<SourceType>({parameters, {}, {}});
     Reports collected;
     try {

@@ -14,7 +14,7 @@ using namespace binnacle;
 using namespace binnacle::test;
 using namespace binnacle::rtklib;
 using nlohmann::json;
-using Pos = Reading<PosSource>;
+using Pos = Recorded<PosSource>;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 

@@ -8,21 +8,21 @@
 
 namespace binnacle::test {
 
-class Payload {
+class Content {
  public:
-  explicit Payload(std::size_t size) : bytes_(size, '\0') {}
+  explicit Content(std::size_t size) : bytes_(size, '\0') {}
 
   template <class T>
-  Payload& put(std::size_t at, T value) {
+  Content& put(std::size_t at, T value) {
     std::memcpy(bytes_.data() + at, &value, sizeof value);
     return *this;
   }
-  Payload& u1(std::size_t at, unsigned value) { return put(at, static_cast<std::uint8_t>(value)); }
-  Payload& u2(std::size_t at, unsigned value) { return put(at, static_cast<std::uint16_t>(value)); }
-  Payload& u4(std::size_t at, std::uint32_t value) { return put(at, value); }
-  Payload& i1(std::size_t at, int value) { return put(at, static_cast<std::int8_t>(value)); }
-  Payload& i2(std::size_t at, int value) { return put(at, static_cast<std::int16_t>(value)); }
-  Payload& i4(std::size_t at, std::int32_t value) { return put(at, value); }
+  Content& u1(std::size_t at, unsigned value) { return put(at, static_cast<std::uint8_t>(value)); }
+  Content& u2(std::size_t at, unsigned value) { return put(at, static_cast<std::uint16_t>(value)); }
+  Content& u4(std::size_t at, std::uint32_t value) { return put(at, value); }
+  Content& i1(std::size_t at, int value) { return put(at, static_cast<std::int8_t>(value)); }
+  Content& i2(std::size_t at, int value) { return put(at, static_cast<std::int16_t>(value)); }
+  Content& i4(std::size_t at, std::int32_t value) { return put(at, value); }
   const std::string& bytes() const { return bytes_; }
 
  private:
@@ -64,8 +64,8 @@ inline std::string ubx_with_right_checksums(std::string bytes) {
 }
 
 /// NAV-PVT with a 3D fix of 2025-08-28; iTOW [ms] and the time of day [s] of UTC belong to it.
-inline Payload pvt(std::uint32_t itow, int seconds_of_day) {
-  Payload p(92);
+inline Content pvt(std::uint32_t itow, int seconds_of_day) {
+  Content p(92);
   p.u4(0, itow).u2(4, 2025).u1(6, 8).u1(7, 28);
   p.u1(8, static_cast<unsigned>(seconds_of_day / 3600)).u1(9, static_cast<unsigned>(seconds_of_day / 60 % 60));
   p.u1(10, static_cast<unsigned>(seconds_of_day % 60)).u1(11, 0x07).u4(12, 25);

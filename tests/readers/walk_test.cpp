@@ -8,6 +8,7 @@
 #include "catch.hpp"
 #include "gnss/channels.hpp"
 #include "gnss/corrections.hpp"
+#include "gnss/gps_time.hpp"
 #include "reading.hpp"
 #include "recorded_data.hpp"
 #include "rinex/rinex_source.hpp"
@@ -16,8 +17,8 @@
 using namespace binnacle;
 using namespace binnacle::test;
 using nlohmann::json;
-using Ubx = Reading<ublox::UbloxSource>;
-using Rinex = Reading<rinex::RinexSource>;
+using Ubx = Recorded<ublox::UbloxSource>;
+using Rinex = Recorded<rinex::RinexSource>;
 
 namespace {
 
@@ -61,7 +62,74 @@ std::map<double, std::map<std::string, double>> by_satellite(const Sample& sampl
 
 }  // namespace
 
+namespace {
+
+/// NAV-PVT as ubxtool, gpsd's decoder of UBX, prints it: "velN 1 velE -2 …".
+std::vector<std::map<std::string, std::int64_t>> decoded_by_gpsd(const std::string& file) {
+  const Folder folder;
+  const std::string copy = folder.file("walk.ubx"), out = folder.file("ubxtool.txt");
+  std::filesystem::copy_file(file, copy);
+  const std::string command = "timeout 120 ubxtool -r -f '" + copy + "' -v 2 -w 2 > '" + out + "' 2>&1 < /dev/null";
+  if (std::system(command.c_str()) < 0) return {};
+  std::vector<std::map<std::string, std::int64_t>> messages;
+  std::ifstream lines(out);
+  bool is_pvt = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("UBX-", 0) == 0) {
+      is_pvt = line == "UBX-NAV-PVT:";
+      if (is_pvt) messages.emplace_back();
+      continue;
+    }
+    std::istringstream words(line);
+    for (std::string name, value; is_pvt && words >> name >> value;) try {
+        messages.back().emplace(name, std::stoll(value));
+      } catch (const std::exception&) {
+        break;  // flags in words
+      }
+  }
+  return messages;
+}
+
+}  // namespace
+
 TEST_CASE("NAV-PVT of the walk equals gpsd's decoding to its digits") {
+  const auto file = walk();
+  if (!file) return;
+  if (!has_program("ubxtool")) return skip("no ubxtool (Debian package gpsd-clients)");
+  const auto theirs = decoded_by_gpsd(*file);
+  const Ubx r({{"path", *file}, {"week", week}});
+  const auto ours = r.of("");
+  REQUIRE(ours.size() == 536);
+  REQUIRE(theirs.size() == ours.size());
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const Sample& s = ours[i];
+    const auto is = [&](const char* name, double value, double digit) {
+      INFO(i << " " << name << " " << value);
+      REQUIRE(theirs[i].at(name) == std::llround(value / digit));
+      REQUIRE(std::abs(static_cast<double>(theirs[i].at(name)) * digit - value) < 1e-6 * digit);
+    };
+    is("iTOW", seconds(s.t), 1e-3);
+    is("lat", s["lat"] / degree, 1e-7);
+    is("lon", s["lon"] / degree, 1e-7);
+    is("height", s["height"], 1e-3);
+    is("hMSL", s["height_msl"], 1e-3);
+    is("hAcc", s["position_sd_n"], 1e-3);
+    is("vAcc", s["position_sd_d"], 1e-3);
+    is("velN", s["vn"], 1e-3);
+    is("velE", s["ve"], 1e-3);
+    is("velD", s["vd"], 1e-3);
+    is("gSpeed", s["speed"], 1e-3);
+    is("headMot", s["course"] / degree, 1e-5);
+    is("sAcc", s["velocity_sd_e"], 1e-3);
+    is("headAcc", s["course_sd"] / degree, 1e-5);
+    is("pDOP", s["pdop"], 1e-2);
+    is("tAcc", s["time_sd"], 1e-9);
+    is("numSV", s["satellites"], 1);
+    is("fixType", s["fix_type"], 1);
+  }
+}
+
+TEST_CASE("gpsd's positions and times of the walk are those of NAV-PVT") {
   const auto file = walk();
   if (!file) return;
   if (!has_program("gpsdecode")) return skip("no gpsdecode (Debian package gpsd-clients)");
@@ -72,35 +140,25 @@ TEST_CASE("NAV-PVT of the walk equals gpsd's decoding to its digits") {
   std::ifstream lines(out);
   for (std::string line; std::getline(lines, line);) {
     const json report = json::parse(line);
-    if (report.at("class") == "TPV" && report.contains("track") && report.contains("climb"))
-      reports[gps_time_of(report.at("time"))] = report;
+    if (report.at("class") == "TPV" && report.contains("track") && report.contains("eps"))
+      reports.emplace(gps_time_of(report.at("time")), report);
   }
-  REQUIRE(reports.size() > 500);
-  const Ubx r({{"path", *file}, {"week", week}});
-  const auto fixes = r.of("");
-  CHECK(fixes.size() == 536);
   std::size_t compared = 0;
-  for (const Sample& s : fixes) {
+  const Ubx r({{"path", *file}, {"week", week}});
+  for (const Sample& s : r.of("")) {
     const auto found = reports.find(s.t);
-    if (found == reports.end()) continue;  // gpsd's first epochs lack a field
-    const json& g = found->second;
+    if (found == reports.end()) continue;
     const auto is = [&](const char* name, double value, double half_a_digit) {
-      INFO(name << " " << value << " " << g);
-      REQUIRE(std::abs(g.at(name).get<double>() - value) <= half_a_digit);
+      INFO(name << " " << value << " " << found->second);
+      REQUIRE(std::abs(found->second.at(name).get<double>() - value) <= half_a_digit);
     };
     is("lat", s["lat"] / degree, 0.51e-9);
     is("lon", s["lon"] / degree, 0.51e-9);
     is("altHAE", s["height"], 0.51e-4);
-    is("altMSL", s["height_msl"], 0.51e-4);
     is("speed", s["speed"], 0.51e-3);
-    is("track", s["course"] / degree, 0.51e-4);
-    is("climb", -s["vd"], 0.51e-3);
-    is("eph", s["position_sd_n"], 0.51e-3);
-    is("epv", s["position_sd_d"], 0.51e-3);
-    is("eps", s["velocity_sd_n"], 0.51e-2);
     ++compared;
   }
-  CHECK(compared + 2 >= fixes.size());
+  CHECK(compared > 500);
 }
 
 TEST_CASE("pseudoranges, range rates and C/N0 of RXM-RAWX equal convbin's RINEX") {
