@@ -30,8 +30,9 @@ ComponentSpec UbloxSource::spec() {
   for (ParameterSpec& each : gnss::ChoiceRules::parameters()) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : line_input::Bytes::parameters("a message")) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
-  spec.example = R"json({"from": "file:log.ubx", "messages": ["NAV-PVT"], "week": 2381})json";
-  spec.surroundings = R"json({"files": {"log.ubx": ""}})json";
+  spec.example = R"json({"path": "log.ubx", "messages": ["NAV-PVT"], "week": 2381})json";
+  spec.surroundings =
+      R"json({"files": {"log.ubx": {"hex": "b56201075c00005a5b18e907081c111e1607190000000000000003010011cfd053c10445e617101c18009b6f18000e0000000a000000dc0500003cf6ffff2c010000630b0000f83bcb014600000087d612007b0000000000000000000000000000001109b56201075c00e85d5b18e907081c111e1707190000000000000003010011cfd053c10445e617101c18009b6f18000e0000000a000000dc0500003cf6ffff2c010000630b0000f83bcb014600000087d612007b000000000000000000000000000000fdcc"}}})json";
   return spec;
 }
 
