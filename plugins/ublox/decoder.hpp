@@ -27,7 +27,7 @@ struct Item {
   Broadcast broadcast;  // of Kind::subframe
 };
 
-/// Where what is wrong is told. `at`: byte of the stream.
+/// Takes what is wrong. `at`: byte of the stream.
 class Complaints {
  public:
   virtual ~Complaints() = default;

@@ -21,7 +21,7 @@ constexpr std::size_t block = 1 << 16;
 
 std::string at_byte(std::uint64_t at) { return "byte " + std::to_string(at); }
 
-/// Counted by what is wrong, and told when all is read.
+/// Counted by what is wrong, and reported when all is read.
 class Faults final : public Complaints {
  public:
   Faults(std::string path, bool stops) : path_(std::move(path)), stops_(stops) {}

@@ -2,6 +2,7 @@
 #include "miniature.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <stdexcept>

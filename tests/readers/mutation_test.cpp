@@ -70,10 +70,8 @@ template <class SourceType>
 void read_mutants(const std::vector<std::string>& seeds, const std::string& name, const json& parameters,
                   bool with_checksums = false) {
   Mutator mutate(20260120);
-  // In memory where there is such a file system: millions of files.
-  const std::string folder =
-      std::filesystem::is_directory("/dev/shm") ? "/dev/shm" : std::filesystem::temp_directory_path().string();
-  const std::string file = folder + "/binnacle_mutant_" + std::to_string(::getpid()) + "_" + name;
+  const Folder folder;
+  const std::string file = folder.file(name);
   json with_path = parameters;
   with_path["path"] = file;
   std::size_t read = 0, refused = 0, reported = 0, samples = 0;
@@ -95,7 +93,6 @@ void read_mutants(const std::vector<std::string>& seeds, const std::string& name
     INFO("mutation " << i);
     REQUIRE(took.count() < 20.0);
   }
-  std::filesystem::remove(file);
   INFO(name << ": " << read << " read, " << reported << " with a report, " << refused << " refused, " << samples
             << " samples");
   if (std::getenv("BINNACLE_MUTATIONS"))
@@ -177,7 +174,12 @@ TEST_CASE("mutations of solution files") {
       "%  JST e-baseline(m) n-baseline(m) u-baseline(m) Q ns sde(m) sdn(m) sdu(m) sden(m) sdnu(m) sdue(m) age(s) "
       "ratio\n"
       "2025/08/29 02:30:22.000 1.5 2.5 -0.5 1 9 0.1 0.2 0.3 0.04 -0.05 0.06 0.0 9.9\n";
-  read_mutants<rtklib::PosSource>({pos_seed, ecef, baseline}, "track.pos", {{"week", 2381}});
+  // Most of the bytes are lines of solutions: a damaged header refuses all of them.
+  std::string longer = pos_seed;
+  for (int i = 43; i < 60; ++i)
+    longer += "2025/08/28 17:30:" + std::to_string(i) +
+              ".000 40.096691600 -105.147166500 1601.4350 1 25 0.0099 0.0099 0.0100 0.0010 -0.0020 0.0000 0.00 3.0\n";
+  read_mutants<rtklib::PosSource>({longer, ecef, baseline, longer}, "track.pos", {{"week", 2381}});
 }
 
 namespace {

@@ -76,82 +76,47 @@ TEST_CASE("NAV-PVT without a fix is left out, counted and said") {
   CHECK(r.has_reported("1 × NAV-PVT of which the position is invalid (invalidLlh)"));
 }
 
-TEST_CASE("other solutions: places, high precision, headings") {
-  std::string bytes = header_pvt();
-  bytes += ubx(nav_posllh, Content(28)
-                               .u4(0, pvt_itow)
-                               .i4(4, -1051471665)
-                               .i4(8, 400966916)
-                               .i4(12, 1580048)
-                               .i4(16, 1601435)
-                               .u4(20, 20)
-                               .u4(24, 30)
-                               .bytes());
-  bytes += ubx(nav_velned, Content(36)
-                               .u4(0, pvt_itow)
-                               .i4(4, 150)
-                               .i4(8, -250)
-                               .i4(12, 30)
-                               .u4(16, 293)
-                               .u4(20, 292)
-                               .i4(24, 9000000)
-                               .u4(28, 7)
-                               .u4(32, 100000)
-                               .bytes());
-  bytes += ubx(nav_hpposllh, Content(36)
-                                 .u4(4, pvt_itow)
-                                 .i4(8, -1051471665)
-                                 .i4(12, 400966916)
-                                 .i4(16, 1580048)
-                                 .i4(20, 1601435)
-                                 .i1(24, -32)
-                                 .i1(25, 31)
-                                 .i1(26, -4)
-                                 .i1(27, 5)
-                                 .u4(28, 140)
-                                 .u4(32, 100)
-                                 .bytes());
-  bytes += ubx(nav_relposned, Content(64)
-                                  .u1(0, 1)
-                                  .u2(2, 7)
-                                  .u4(4, pvt_itow)
-                                  .i4(8, 100)
-                                  .i4(12, -50)
-                                  .i4(16, 3)
-                                  .i4(20, 112)
-                                  .i4(24, 33343000)
-                                  .i1(32, 25)
-                                  .i1(33, -12)
-                                  .i1(34, 0)
-                                  .i1(35, 9)
-                                  .u4(36, 100)
-                                  .u4(40, 110)
-                                  .u4(44, 120)
-                                  .u4(48, 90)
-                                  .u4(52, 50000)
-                                  .u4(60, 1 | 2 | 4 | 2 << 3 | 1 << 8)
-                                  .bytes());
-  const Ubx r = read(bytes);
+TEST_CASE("NAV-POSLLH, -VELNED and -HPPOSLLH: places, high precision") {
+  Content llh(28), velned(36), hp(36);
+  llh.u4(0, pvt_itow).i4(4, -1051471665).i4(8, 400966916).i4(12, 1580048).i4(16, 1601435).u4(20, 20).u4(24, 30);
+  velned.u4(0, pvt_itow).i4(4, 150).i4(8, -250).i4(12, 30).u4(16, 293).u4(20, 292).i4(24, 9000000).u4(28, 7);
+  velned.u4(32, 100000);
+  hp.u4(4, pvt_itow).i4(8, -1051471665).i4(12, 400966916).i4(16, 1580048).i4(20, 1601435);
+  hp.i1(24, -32).i1(25, 31).i1(26, -4).i1(27, 5).u4(28, 140).u4(32, 100);
+  const Ubx r = read(header_pvt() + ubx(nav_posllh, llh.bytes()) + ubx(nav_velned, velned.bytes()) +
+                     ubx(nav_hpposllh, hp.bytes()));
   CHECK(r.reports.empty());
-  const Sample llh = r.of("posllh").at(0), v = r.of("velned").at(0), hp = r.of("hpposllh").at(0),
-               rel = r.of("relposned").at(0);
-  for (const auto& s : {llh, v, hp, rel}) CHECK(s.t == r.samples[0].t);
-  CHECK(near(llh["lat"], 40.0966916 * degree));
-  CHECK(near(llh["position_sd_d"], 0.03));
+  const Sample p = r.of("posllh").at(0), v = r.of("velned").at(0), h = r.of("hpposllh").at(0);
+  for (const auto& s : {p, v, h}) CHECK(s.t == r.samples[0].t);
+  CHECK(near(p["lat"], 40.0966916 * degree));
+  CHECK(near(p["position_sd_d"], 0.03));
   CHECK(near(v["vn"], 1.5));
+  CHECK(near(v["ve"], -2.5));
   CHECK(near(v["vd"], 0.3));
   CHECK(near(v["speed"], 2.92));
   CHECK(near(v["course"], 90 * degree));
   CHECK(near(v["velocity_sd_n"], 0.07));
-  CHECK(near(hp["lat"], 40.096691631 * degree));
-  CHECK(near(hp["lon"], -105.147166532 * degree));
-  CHECK(near(hp["height"], 1580.0476));
-  CHECK(near(hp["height_msl"], 1601.4355));
-  CHECK(near(hp["position_sd_n"], 0.014));
+  CHECK(near(v["course_sd"], degree));
+  CHECK(near(h["lat"], 40.096691631 * degree));
+  CHECK(near(h["lon"], -105.147166532 * degree));
+  CHECK(near(h["height"], 1580.0476));
+  CHECK(near(h["height_msl"], 1601.4355));
+  CHECK(near(h["position_sd_n"], 0.014));
+}
+
+TEST_CASE("NAV-RELPOSNED: places, high precision, heading") {
+  Content p(64);
+  p.u1(0, 1).u2(2, 7).u4(4, pvt_itow).i4(8, 100).i4(12, -50).i4(16, 3).i4(20, 112).i4(24, 33343000);
+  p.i1(32, 25).i1(33, -12).i1(34, 0).i1(35, 9).u4(36, 100).u4(40, 110).u4(44, 120).u4(48, 90).u4(52, 50000);
+  p.u4(60, 1 | 2 | 4 | 2 << 3 | 1 << 8);
+  const Ubx r = read(header_pvt() + ubx(nav_relposned, p.bytes()));
+  const Sample rel = r.of("relposned").at(0);
+  CHECK(rel.t == r.samples[0].t);
   CHECK(near(rel["relative_n"], 1.0025));
   CHECK(near(rel["relative_e"], -0.5012));
   CHECK(near(rel["relative_d"], 0.03));
   CHECK(near(rel["length"], 1.1209));
+  CHECK(near(rel["length_sd"], 0.009));
   CHECK(near(rel["relative_sd_e"], 0.011));
   CHECK(near(rel["yaw"], 333.43 * degree));
   CHECK(near(rel["yaw_sd"], 0.5 * degree));
