@@ -37,7 +37,8 @@ ComponentSpec PosSource::spec() {
                  "seconds; x, y, z; east, north, up from the base station"),
       choice("time_system", {"gpst", "utc", "jst"}).about("of a file without a header"),
       boolean("velocity").defaults("false").about("a file without a header, or live input, has columns of velocity"),
-      object("reference", {parameter::number("lat", "rad").required(), parameter::number("lon", "rad").required(),
+      object("reference", {parameter::number("lat", "rad").required().about("geodetic latitude"),
+                           parameter::number("lon", "rad").required().about("east positive"),
                            parameter::number("height", "m").required().about("above the ellipsoid")})
           .about("the base station, where the header of a file of baselines does not state it"),
       parameter::number("geoid_separation", "m")

@@ -213,6 +213,17 @@ TEST_CASE("lines that are damaged are left out, counted, and named by line") {
   CHECK(read(header('d', 0) + good + none).has_reported("B065 track.pos:0 1 lines with Q = 0"));
 }
 
+TEST_CASE("live: lines as they come") {
+  const Folder folder;
+  const std::string file =
+      folder.write("track.pos", header('x', 0) + row('x', 0, false) + "spoilt\n" + row('x', 0, false, 1));
+  const Pos r({{"from", "file:" + file}, {"week", week}, {"velocity", true}});
+  REQUIRE(r.samples.size() == 2);
+  CHECK(std::abs(r.samples[1]["lat"] - lla[0]) * 6.4e6 < 1e-6);
+  CHECK(std::abs(r.samples[1]["vd"] - 0.75) < 1e-8);
+  CHECK(r.has_reported("a line is no good: it has 1 words instead of 24"));
+}
+
 TEST_CASE("the recorded .pos is read as it is") {
   const auto folder = recorded_data("receivers");
   if (!folder) return;

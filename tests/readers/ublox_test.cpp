@@ -292,3 +292,37 @@ TEST_CASE("gzipped, and what is cut there") {
   CHECK(r.samples.size() < 200);
   CHECK(r.has_reported("B061 cut.ubx.gz:0"));
 }
+
+TEST_CASE("live: the same samples from the same bytes, and the same complaints") {
+  const Folder folder;
+  std::string bytes = "garbage";
+  for (unsigned i = 0; i < 50; ++i) {
+    bytes += ubx(nav_pvt, pvt(pvt_itow + 1000u * i, pvt_second + static_cast<int>(i)).bytes());
+    Content raw(48);
+    raw.put(0, (pvt_itow + 1000u * i) * 1e-3).u2(8, week).i1(10, 18).u1(11, 1).u1(12, 1).u1(13, 1);
+    raw.put(16, 2.1e7 + i).put(24, 1.1e8).put(32, 1000.0f).u1(37, 5).u1(42, 40).u1(46, 3);
+    bytes += ubx(rxm_rawx, raw.bytes());
+  }
+  bytes += ubx(0x0A09, "x") + ubx(nav_velned, "short");
+  const std::string file = folder.write("log.ubx", bytes);
+  const Ubx recorded({{"path", file}, {"week", week}}), live({{"from", "file:" + file}, {"week", week}});
+  for (const std::string channel : {"", "obs"}) {
+    const auto a = recorded.of(channel), b = live.of(channel);
+    REQUIRE(a.size() == 50);
+    REQUIRE(b.size() == a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      CHECK(a[i].t == b[i].t);
+      CHECK(a[i].rows == b[i].rows);
+      for (const auto& [name, value] : a[i].fields) {
+        const double other = b[i][name];
+        CHECK((other == value || (std::isnan(value) && std::isnan(other))));
+      }
+    }
+  }
+  CHECK(live.of("obs")[7].rows.at(0).at("pseudorange") == 2.1e7 + 7);
+  CHECK(live.of("obs")[7].rows.at(0).at("range_rate") < -190);
+  INFO(live.reports);
+  CHECK(live.has_reported("7 bytes between messages belong to none so far"));
+  CHECK(live.has_reported("messages that are not read: 0A-09 (1) so far"));
+  CHECK(live.has_reported("NAV-VELNED of unknown length or version, left out"));
+}
