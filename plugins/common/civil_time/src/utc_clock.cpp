@@ -55,7 +55,7 @@ int number(std::string_view text, std::size_t at, std::size_t digits) {
 std::optional<Day> parse_day(std::string_view text) {
   if (text.size() != 10 || text[4] != '-' || text[7] != '-') return {};
   const int y = number(text, 0, 4), m = number(text, 5, 2), d = number(text, 8, 2);
-  if (y < 0 || m < 0 || d < 0) return {};
+  if (y < 1900 || y > 2200 || m < 0 || d < 0) return {};  // nanoseconds of others are too many
   const year_month_day date{year(y), month(static_cast<unsigned>(m)), day(static_cast<unsigned>(d))};
   if (!date.ok()) return {};
   return Day(date);
