@@ -2,9 +2,9 @@
 // Readers under damage: bytes of good files are flipped, cut, repeated, swapped. Whatever comes of it, there is no crash, no
 // hang, no sample that goes back in time, and a message that is lost is one that was reported. BINNACLE_MUTATIONS=1000000 says how many for each
 // reader; the seed is fixed, so that each failure can be seen again.
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <random>
 #include <string>
 
@@ -80,7 +80,7 @@ void read_mutants(const std::vector<std::string>& seeds, const std::string& name
     std::string bytes = mutate(seeds[static_cast<std::size_t>(i) % seeds.size()]);
     if (with_checksums && i % 2 == 0) bytes = ubx_with_right_checksums(bytes);
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();  // of the processor: a machine that is busy is no hang
     try {
       const Recorded<SourceType> r(with_path);
       ++read;
@@ -89,9 +89,9 @@ void read_mutants(const std::vector<std::string>& seeds, const std::string& name
     } catch (const ComponentError&) {
       ++refused;
     }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    const double took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     INFO("mutation " << i);
-    REQUIRE(took.count() < 20.0);
+    REQUIRE(took < 20.0);
   }
   INFO(name << ": " << read << " read, " << reported << " with a report, " << refused << " refused, " << samples
             << " samples");
