@@ -101,6 +101,7 @@ class FilterComposer {
   void read_process_input(ProcessPlan& process, Component& component);
   void add_measurements();
   void read_trust();  // trust.cpp
+  void read_form();
   void read_history(const ChannelDeclaration& estimates);
   void warn_of_dead_reckoning() const;
   void warn_of_gates() const;

@@ -31,6 +31,7 @@ class MeasurementComposer {
     add_noise();
     add_recovery();
     add_withholding();
+    add_update();
     if (composer_.failures() != failures) return false;
     FilterPlan& filter = filter_.plan;
     filter.max_rows = std::max(filter.max_rows, plan_.max_rows);
@@ -41,7 +42,7 @@ class MeasurementComposer {
 
  private:
   void add_parts() {
-    std::vector<std::string> allowed{"channel", "noise", "gate", "recover", "withhold"};
+    std::vector<std::string> allowed{"channel", "noise", "gate", "recover", "withhold", "update"};
     const Reader stack = at_["stack"];
     if (!stack) {
       for (const char* key : {"type", "blocks", "fields", "inputs"}) allowed.emplace_back(key);
@@ -107,6 +108,7 @@ class MeasurementComposer {
       column = count_of(plan_.columns);
       for (int a = 0; a < count_of(blocks[as_size(block)].active); ++a)
         plan_.columns.push_back(blocks[as_size(block)].first + a);
+      plan_.update.seen.push_back({block, column});
     }
     for (auto& part : plan_.parts)
       for (auto& read : part.reads)
@@ -208,6 +210,33 @@ class MeasurementComposer {
     }
     for (const Reader& window : windows.elements("'withhold'"))
       if (const auto span = window.span()) plan_.withheld.push_back(*span);
+  }
+
+  /// `"update": "iterated"`, or an object with its type and what else it takes.
+  void add_update() {
+    const Reader update = at_["update"];
+    if (!update) return;
+    const bool is_object = update.is_object();
+    if (is_object && !update.require("type", "update", "\"ekf\", \"iterated\" or \"unscented\"")) return;
+    const Reader named = is_object ? update["type"] : update;
+    const auto name = named.text();
+    if (!name) return;
+    const std::vector<std::string> types{"ekf", "iterated", "unscented"};
+    const int type = index_of(types, *name);
+    if (type < 0)
+      return named.error("B009",
+                         "an update is ekf, iterated or unscented; found '" + *name + "'" + suggestion(*name, types));
+    plan_.update.type = static_cast<UpdatePlan::Type>(type);
+    if (!is_object) return;
+    const bool is_iterated = plan_.update.type == UpdatePlan::Type::iterated;
+    update.check_keys(is_iterated ? std::vector<std::string>{"type", "max", "tolerance"}
+                                  : std::vector<std::string>{"type"},
+                      "the update '" + *name + "'");
+    if (!is_iterated) return;
+    const auto most = update["max"].integer(parameter::integer("max").at_least(1).at_most(1000));
+    plan_.update.most = static_cast<int>(most.value_or(plan_.update.most));
+    const auto tolerance = update["tolerance"].number(parameter::number("tolerance", "1").above(0).below(1));
+    plan_.update.tolerance = tolerance.value_or(plan_.update.tolerance);
   }
 
   FilterComposer& filter_;
