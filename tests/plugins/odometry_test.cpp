@@ -47,8 +47,8 @@ struct Sample {
 };
 
 struct Bench {
-  explicit Bench(nlohmann::json parameters, bool is_ecef = false)
-      : is_ecef(is_ecef),
+  explicit Bench(nlohmann::json parameters, bool in_ecef = false)
+      : is_ecef(in_ecef),
         model(bind<PlanarOdometry>({std::move(parameters),
                                     is_ecef ? Ports{{"ecef_position", &ecef},
                                                     {"heading", &heading},
