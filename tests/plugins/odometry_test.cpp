@@ -155,13 +155,13 @@ TEST_CASE("odometry: a bridge of a hole has the noise that its parameters say") 
   CHECK(bridged - plain == Approx(0.01));
 }
 
-// 400 runs of 30 s with turns; the NEES of position and heading has 3 dof: 99 % of such means lie within 3 ± 2.58 √(6/400).
+// 200 runs of 15 s with turns; the NEES of position and heading has 3 dof: 99 % of such means lie within 3 ± 2.58 √(6/200).
 TEST_CASE("odometry: errors are as large as it says") {
   const Bench bench({{"speed_noise", 0.2}, {"yaw_rate_noise", 0.005}, {"height_noise", 0.0}, {"earth_rate", false}});
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   constexpr double dt = 0.1;
-  constexpr int runs = 400, steps = 300;
+  constexpr int runs = 200, steps = 150;
   double nees = 0;
   for (int run = 0; run < runs; ++run) {
     auto truth = bench.ports(0.4), estimate = truth;
