@@ -65,35 +65,41 @@ std::vector<ParameterSpec> receiver_parameters() {
                        number("bias", "m").at_least(0).defaults("100").about("1-sigma of the bias at the start"),
                        number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the drift at the start")})
           .defaults("{}")
-          .about("the receiver's clock"),
-      list("cuts",
-           object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
-                          integer("satellites")
-                              .at_least(0)
-                              .at_most(most_satellites)
-                              .required()
-                              .about("of those in view; 0: an outage"),
-                          choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
-          .about("stretches in which fewer satellites are seen"),
-      list("faults",
-           object("fault",
-                  {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
-                   time("to").required().about("last instant"), number("pseudorange", "m").defaults("0").about("added"),
-                   number("range_rate", "m/s").defaults("0").about("added")}))
-          .about("what a satellite reports wrongly"),
-      object("given", {integer("systems")
-                           .at_least(1)
-                           .at_most(most_systems)
-                           .defaults("1")
-                           .about("satellite systems: satellite i is of system 1 + (i - 1) mod systems"),
-                       number("offset", "m")
+          .about("the receiver's clock")};
+}
+
+/// What happens to it, and what else it emits.
+std::vector<ParameterSpec> event_parameters() {
+  using namespace parameter;
+  return {list("cuts",
+               object("cut",
+                      {time("from").required().about("first instant"), time("to").required().about("last instant"),
+                       integer("satellites")
                            .at_least(0)
-                           .defaults("100")
-                           .about("1-sigma of what pseudoranges of each system but the first have more; constant")})
-          .about("the channel NAME.given, with the same measurements and the satellites' ECEF positions"),
-      list("clock_jumps", object("jump", {time("at").required().about("instant"),
-                                          number("jump", "s").required().about("added to the receiver's clock")}))
-          .about("resets of the receiver's clock")};
+                           .at_most(most_satellites)
+                           .required()
+                           .about("of those in view; 0: an outage"),
+                       choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
+              .about("stretches in which fewer satellites are seen"),
+          list("faults", object("fault", {text("satellite").required().about("\"G05\""),
+                                          time("from").required().about("first instant"),
+                                          time("to").required().about("last instant"),
+                                          number("pseudorange", "m").defaults("0").about("added"),
+                                          number("range_rate", "m/s").defaults("0").about("added")}))
+              .about("what a satellite reports wrongly"),
+          object("given", {integer("systems")
+                               .at_least(1)
+                               .at_most(most_systems)
+                               .defaults("1")
+                               .about("satellite systems: satellite i is of system 1 + (i - 1) mod systems"),
+                           number("offset", "m")
+                               .at_least(0)
+                               .defaults("100")
+                               .about("1-sigma of what pseudoranges of each system but the first have more; constant")})
+              .about("the channel NAME.given, with the same measurements and the satellites' ECEF positions"),
+          list("clock_jumps", object("jump", {time("at").required().about("instant"),
+                                              number("jump", "s").required().about("added to the receiver's clock")}))
+              .about("resets of the receiver's clock")};
 }
 
 }  // namespace
@@ -136,6 +142,8 @@ ComponentSpec ConstellationSimulator::spec() {
   spec.parameters = constellation_parameters();
   const std::vector<ParameterSpec> own = receiver_parameters();
   spec.parameters.insert(spec.parameters.end(), own.begin(), own.end());
+  const std::vector<ParameterSpec> events = event_parameters();
+  spec.parameters.insert(spec.parameters.end(), events.begin(), events.end());
   spec.inputs = {{"truth",
                   {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"),
                    level("height", "m", "of the antenna"), level("vn", "m/s", "of the antenna"),

@@ -272,8 +272,8 @@ TEST_CASE("odometry: the heading wraps, and what it can not be is refused") {
       ComponentError);
 }
 
-// 1000 runs of 30 s with turns, from a heading, a scale and a bias that are drawn. NEES of all five has 5 dof: 99 % of pairs of
-// such means lie within 5 ± 2.81 √(10/1000).
+// 400 runs of 30 s with turns, from a heading, a scale and a bias that are drawn. NEES of all five has 5 dof: 99 % of pairs of
+// such means lie within 5 ± 2.81 √(10/400).
 TEST_CASE("odometry: errors are as large as it says") {
   for (const bool is_ecef : {false, true}) {
     Vehicle start;
@@ -284,7 +284,7 @@ TEST_CASE("odometry: errors are as large as it says") {
     const int at = static_cast<int>(place);
     auto stream = random::stream(5, is_ecef ? "ecef" : "geodetic");
     constexpr double dt = 0.25, s_yaw = 0.02, s_scale = 0.01, s_bias = 0.001;
-    constexpr int runs = 1000, steps = 120;
+    constexpr int runs = 400, steps = 120;
     double nees = 0;
     for (int run = 0; run < runs; ++run) {
       Vehicle drawn = start;

@@ -84,10 +84,10 @@ struct UpdateRecord {
   const double* residual = nullptr;
   int left_out = 0;  // rows that a gate by row or key took out before `rows` were left, and their keys
   const std::int64_t* left_out_keys = nullptr;
-  double nis = 0;                 // rᵀ S⁻¹ r; NaN where S is not positive definite
-  ConstMatrixView S;              // what the residual was judged by; of nominal R where the noise estimator is judged_by_nominal()
-  ConstMatrixView R;              // as the noise estimator returned it
-  ConstMatrixView K;              // n×rows; rows of considered components are zero
+  double nis = 0;     // rᵀ S⁻¹ r; NaN where S is not positive definite
+  ConstMatrixView S;  // what the residual was judged by; of nominal R where the noise estimator is judged_by_nominal()
+  ConstMatrixView R;  // as the noise estimator returned it
+  ConstMatrixView K;  // n×rows; rows of considered components are zero
   const double* update_residual = nullptr;
   ConstMatrixView update_S;
   const double* delta = nullptr;  // injected error, n

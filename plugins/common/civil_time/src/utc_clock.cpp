@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "utc_clock.hpp"
+#include "civil_time/utc_clock.hpp"
 
 #include <array>
 #include <charconv>
 #include <string>
 
-namespace binnacle::nmea {
+namespace binnacle::civil_time {
 
 namespace {
 
@@ -37,10 +37,6 @@ constexpr std::array<LeapSecond, 18> leap_second_table{{{1981y / 7 / 1, 1},
                                                         {2017y / 1 / 1, 18}}};
 
 constexpr Time second = nanoseconds_per_second;
-constexpr Time day_length = 86400 * second;
-constexpr Day gps_epoch = 1980y / 1 / 6;
-
-constexpr Time begin_of(Day day) { return Time{day.time_since_epoch().count()} * day_length; }
 
 Day day_of(Time since_1970) {
   return floor<days>(sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(since_1970)));
@@ -59,7 +55,7 @@ int number(std::string_view text, std::size_t at, std::size_t digits) {
 std::optional<Day> parse_day(std::string_view text) {
   if (text.size() != 10 || text[4] != '-' || text[7] != '-') return {};
   const int y = number(text, 0, 4), m = number(text, 5, 2), d = number(text, 8, 2);
-  if (y < 0 || m < 0 || d < 0) return {};
+  if (y < 1900 || y > 2200 || m < 0 || d < 0) return {};  // nanoseconds of others are too many
   const year_month_day date{year(y), month(static_cast<unsigned>(m)), day(static_cast<unsigned>(d))};
   if (!date.ok()) return {};
   return Day(date);
@@ -135,9 +131,22 @@ Utc UtcClock::utc(Time t) const {
   return split(since_1970 - offset);
 }
 
+Time UtcClock::time_of_gps(Time gps, std::optional<Time> data_leap) const {
+  const Time since_1970 = gps + begin_of(gps_epoch);
+  if (is_gps_) return since_1970 - origin_;
+  if (data_leap) return since_1970 - *data_leap - origin_;
+  // As in the table: of an inserted second the same number as of the one after it.
+  Time offset = 0;
+  for (const LeapSecond& leap : leap_second_table) {
+    if (since_1970 < begin_of(Day(leap.from)) + leap.gps_minus_utc * second) break;
+    offset = leap.gps_minus_utc * second;
+  }
+  return since_1970 - offset - origin_;
+}
+
 Time UtcClock::time(const Utc& utc) const {
   const Time since_1970 = begin_of(utc.day) + utc.of_day;
   return since_1970 - origin_ + (is_gps_ ? leap_seconds(utc.day) : 0);
 }
 
-}  // namespace binnacle::nmea
+}  // namespace binnacle::civil_time

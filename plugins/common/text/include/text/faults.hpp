@@ -7,7 +7,7 @@
 
 #include "binnacle/source.hpp"
 
-namespace binnacle::rinex {
+namespace binnacle::text_file {
 
 enum class OnInvalid { error, skip };
 
@@ -40,4 +40,4 @@ class Faults {
   std::map<std::pair<std::string, std::string>, Kind> kinds_;
 };
 
-}  // namespace binnacle::rinex
+}  // namespace binnacle::text_file

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults of a file: the first one ends the run, or they are left out, counted and reported.
-#include "faults.hpp"
+#include "text/faults.hpp"
 
 #include "binnacle/parameters.hpp"
 
-namespace binnacle::rinex {
+namespace binnacle::text_file {
 
 void Faults::add(const std::string& code, int line, const std::string& what, const std::string& message) {
   if (on_invalid_ == OnInvalid::error) throw ComponentError::in_data(message, path_, line, code);
@@ -23,4 +23,4 @@ void Faults::report() const {
   }
 }
 
-}  // namespace binnacle::rinex
+}  // namespace binnacle::text_file
