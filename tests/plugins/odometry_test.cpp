@@ -123,7 +123,7 @@ TEST_CASE("odometry: signs of the turn, the bias, the scale and the earth's rate
   CHECK(std::abs(turned.after(turned.ports(3.1), Sample(0, 0.1, 1))[3] - (3.2 - 2 * M_PI)) < 1e-12);
 }
 
-TEST_CASE("odometry: transition by differences; noise of a step is that of its parts") {
+TEST_CASE("odometry: transition by differences, noise of a step is that of its parts") {
   for (const bool is_ecef : {false, true})
     for (const bool feels_earth : {false, true}) {
       INFO(is_ecef << " " << feels_earth);
@@ -204,7 +204,7 @@ TEST_CASE("odometry: a heading wraps") {
   CHECK(back == Approx(0.5));
 }
 
-TEST_CASE("odometry: one position, geodetic or ECEF; a scale that makes nothing of the speed is refused") {
+TEST_CASE("odometry: one position, geodetic or ECEF, and a scale that makes nothing of the speed is refused") {
   CHECK_THROWS_AS(bind<PlanarOdometry>({quiet, {{"heading", &heading}}, {}}), ComponentError);
   CHECK_THROWS_AS(bind<PlanarOdometry>(
                       {quiet, {{"heading", &heading}, {"position", &geodetic}, {"ecef_position", &ecef}}, {}}),
