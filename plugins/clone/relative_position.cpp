@@ -7,6 +7,7 @@
 #include <string>
 
 #include "binnacle/geodesy.hpp"
+#include "strapdown/local_axes.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::clone {
@@ -19,16 +20,6 @@ using Eigen::Vector3d;
 constexpr std::array<const char*, 3> names = {"dx", "dy", "dz"};
 
 std::string sigma_name(const char* name) { return std::string(name) + "_sd"; }
-
-/// By what north, east, down turn with a displacement of the place [rad/m].
-Matrix3d turn_of_axes(const Vector3d& lla) {
-  const geodesy::Radii radii = geodesy::radii(lla[0]);
-  Matrix3d turn = Matrix3d::Zero();
-  turn(0, 1) = 1 / (radii.transverse + lla[2]);
-  turn(1, 0) = -1 / (radii.meridian + lla[2]);
-  turn(2, 1) = -std::tan(lla[0]) / (radii.transverse + lla[2]);
-  return turn;
-}
 
 }  // namespace
 
@@ -130,7 +121,7 @@ RelativePosition::Way RelativePosition::way(const PortValues& x) const {
   const Matrix3d C_en = geodesy::C_en(then[0], then[1]);
   const Vector3d d = C_en.transpose() * (geodesy::ecef_from_lla(now) - geodesy::ecef_from_lla(then));
   return {d, C_en.transpose() * geodesy::C_en(now[0], now[1]),
-          -Matrix3d::Identity() + strapdown::skew(d) * turn_of_axes(then)};
+          -Matrix3d::Identity() + strapdown::skew(d) * strapdown::axes_per_metre(then)};
 }
 
 Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput& out) const {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 #include "reports.hpp"
@@ -104,17 +103,11 @@ NmeaSource::NmeaSource(const Binding& binding)
     if (!options_.date) throw ComponentError("'" + p.text("date") + "' is no day; expected \"2026-11-23\"", "/date");
   }
   declare_channels(has_sigmas_);
-  if (p.has("path") == p.has("from"))
-    throw ComponentError("\"path\" of a file that is whole, or \"from\" of live input, is needed, and not both");
-  if (p.has("from")) {
+  declaration_.live = line_input::is_live(p);
+  if (declaration_.live)
     live_ = std::make_unique<LiveEpochs>(p, clock_, options_);
-    declaration_.live = true;
-    return;
-  }
-  path_ = p.text("path");
-  if (p.text("stamp") == "arrival") throw ComponentError("a recorded file has no times of arrival", "/stamp");
-  if (!std::filesystem::exists(path_))
-    throw ComponentError::in_data("cannot be opened: No such file or directory", path_, 0, "B060");
+  else
+    path_ = line_input::existing_path(p);
 }
 
 void NmeaSource::declare_channels(bool has_sigmas) {

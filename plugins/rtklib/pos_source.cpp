@@ -54,15 +54,12 @@ ComponentSpec PosSource::spec() {
 PosSource::PosSource(const Binding& binding) : clock_(binding.parameters()) {
   const Parameters& p = binding.parameters();
   read_parameters(p);
-  if (p.has("path") == p.has("from"))
-    throw ComponentError("\"path\" of a file that is whole, or \"from\" of live input, is needed, and not both");
-  if (p.has("from")) {
+  declaration_.live = line_input::is_live(p);
+  if (declaration_.live) {
     live_ = std::make_unique<Live>(p);
-    declaration_.live = true;
     layout_ = stated_.value_or(Layout{});
     layout_.columns = standard_columns(p.boolean("velocity"));
   } else {
-    if (p.text("stamp") == "arrival") throw ComponentError("a recorded file has no times of arrival", "/stamp");
     path_ = p.text("path");
     peek();
   }

@@ -2,7 +2,6 @@
 #include "ublox_source.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 
 #include "binnacle/parameters.hpp"
@@ -46,17 +45,11 @@ UbloxSource::UbloxSource(const Binding& binding)
   rules_.stops_on_error = p.text("on_error") == "stop";
   choose_messages(p);
   declare_channels();
-  if (p.has("path") == p.has("from"))
-    throw ComponentError("\"path\" of a file that is whole, or \"from\" of live input, is needed, and not both");
-  if (p.has("from")) {
+  declaration_.live = line_input::is_live(p);
+  if (declaration_.live)
     live_ = std::make_unique<LiveMessages>(p, rules_);
-    declaration_.live = true;
-    return;
-  }
-  path_ = p.text("path");
-  if (p.text("stamp") == "arrival") throw ComponentError("a recorded file has no times of arrival", "/stamp");
-  if (!std::filesystem::exists(path_))
-    throw ComponentError::in_data("cannot be opened: No such file or directory", path_, 0, "B060");
+  else
+    path_ = line_input::existing_path(p);
 }
 
 /// Orbits are computed from GPS time, so that channels which count UTC can have none.

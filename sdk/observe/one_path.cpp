@@ -35,17 +35,12 @@ Json withheld_as_well(const Json& measurement, const Stay& stay) {
 LoadOptions without_corrections(const std::filesystem::path& config, LoadOptions options, const FilterInfo& filter,
                                 const Stay& stay) {
   const Json all = Json::parse(score::load_config(config, options).text());
-  const std::string of_filter = join_pointer("/filters", filter.name);
   const Json& measurements = all.at("filters").at(filter.name).at("measurements");
-  const std::string at = join_pointer(of_filter, "measurements");
-  if (filter.is_unscented) options.sets.push_back(join_pointer(of_filter, "propagation") + "=\"ekf\"");
-  for (const auto& [name, measurement] : measurements.items()) {
+  const std::string at = join_pointer(join_pointer("/filters", filter.name), "measurements");
+  for (const auto& [name, measurement] : measurements.items())
     options.sets.push_back(join_pointer(join_pointer(at, name), "withhold") + "=" +
                            withheld_as_well(measurement, stay).dump());
-    // P grows along the path: sigma points would be of what the filter never believed.
-    if (measurement.contains("update"))
-      options.sets.push_back(join_pointer(join_pointer(at, name), "update") + "=\"ekf\"");
-  }
+  for (auto& set : score::by_jacobians(all, filter.name)) options.sets.push_back(std::move(set));  // P grows along it
   return options;
 }
 

@@ -83,12 +83,9 @@ std::string pointer_of(const std::pair<std::string, std::string>& measurement) {
 std::vector<std::string> all_withheld(const Json& config) {
   std::vector<std::string> sets;
   for (const auto& [name, filter] : config.at("filters").items())
-    if (filter.contains("propagation")) sets.push_back(join_pointer("/filters", name) + "/propagation=\"ekf\"");
-  for (const auto& measurement : measurements_of(config)) {
+    for (auto& set : score::by_jacobians(config, name)) sets.push_back(std::move(set));
+  for (const auto& measurement : measurements_of(config))
     sets.push_back(pointer_of(measurement) + "/withhold={\"every\": 1}");
-    if (config.contains(Json::json_pointer(pointer_of(measurement) + "/update")))
-      sets.push_back(pointer_of(measurement) + "/update=\"ekf\"");
-  }
   return sets;
 }
 

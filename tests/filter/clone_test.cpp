@@ -95,6 +95,19 @@ std::int64_t count(const Session& filter, const char* measurement, Outcome outco
   return filter.counts(filter.measurement(measurement)).by_outcome[static_cast<int>(outcome)];
 }
 
+/// A position that is carried by speeds, a copy of it, and ways from there.
+const char* const carried_and_copied = R"({"binnacle": 1,
+    "sources": {"go": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
+                "way": {"type": "pushed", "fields": {"dx": {"unit": "m", "kind": "increment"}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 1, "sigma": 2},
+                 "then": {"type": "vector", "size": 1, "unit": "m", "sigma": 5},
+                 "age": {"type": "vector", "size": 1, "unit": "s", "estimate": []}},
+      "process": {"go": {"type": "carried", "input": "go", "blocks": {"x": "x"}},
+                  "copy": {"type": "clone", "inputs": {"at": "way"}, "blocks": {"of": "x", "copy": "then", "age": "age"}}},
+      "measurements": {"way": {"type": "relative_position", "channel": "way", "frame": "navigation", "sigma": [0.05, 1, 1],
+                               "blocks": {"position": "x", "copy": "then", "age": "age"}}}}}})";
+
 }  // namespace
 
 TEST_CASE("clone: a filter with copies is the least squares solution over all instants") {
@@ -145,17 +158,7 @@ TEST_CASE("clone: who takes the begin of each way as known believes too much") {
 }
 
 TEST_CASE("clone: after the step that copies, P has not its full rank, and the filter goes on") {
-  auto session = filter_tests::session_of(R"({"binnacle": 1,
-    "sources": {"go": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
-                "way": {"type": "pushed", "fields": {"dx": {"unit": "m", "kind": "increment"}}}},
-    "filters": {"f": {
-      "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 1, "sigma": 2},
-                 "then": {"type": "vector", "size": 1, "unit": "m", "sigma": 5},
-                 "age": {"type": "vector", "size": 1, "unit": "s", "estimate": []}},
-      "process": {"go": {"type": "carried", "input": "go", "blocks": {"x": "x"}},
-                  "copy": {"type": "clone", "inputs": {"at": "way"}, "blocks": {"of": "x", "copy": "then", "age": "age"}}},
-      "measurements": {"way": {"type": "relative_position", "channel": "way", "frame": "navigation", "sigma": [0.05, 1, 1],
-                               "blocks": {"position": "x", "copy": "then", "age": "age"}}}}}})");
+  auto session = filter_tests::session_of(carried_and_copied);
   const double v = 3;
   const auto go = [&](double from, double to) {
     session.push(session.channel("go"), nanoseconds(from), nanoseconds(to), {&v, 1});
@@ -266,17 +269,7 @@ TEST_CASE("clone: a way that comes late, within the history, is used as if it ha
 }
 
 TEST_CASE("clone: of ways that all wait for the input, those are used whose begin was kept") {
-  auto session = filter_tests::session_of(R"({"binnacle": 1,
-    "sources": {"go": {"type": "pushed", "fields": {"v": {"unit": "m/s", "kind": "rate"}}},
-                "way": {"type": "pushed", "fields": {"dx": {"unit": "m", "kind": "increment"}}}},
-    "filters": {"f": {
-      "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 1, "sigma": 2},
-                 "then": {"type": "vector", "size": 1, "unit": "m", "sigma": 5},
-                 "age": {"type": "vector", "size": 1, "unit": "s", "estimate": []}},
-      "process": {"go": {"type": "carried", "input": "go", "blocks": {"x": "x"}},
-                  "copy": {"type": "clone", "inputs": {"at": "way"}, "blocks": {"of": "x", "copy": "then", "age": "age"}}},
-      "measurements": {"way": {"type": "relative_position", "channel": "way", "frame": "navigation", "sigma": [0.05, 1, 1],
-                               "blocks": {"position": "x", "copy": "then", "age": "age"}}}}}})");
+  auto session = filter_tests::session_of(carried_and_copied);
   const double v = 1;
   const auto go = [&](double from, double to) {
     session.push(session.channel("go"), nanoseconds(from), nanoseconds(to), {&v, 1});

@@ -226,35 +226,25 @@ FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
                               {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history",
                                "emit", "covariance", "propagation"},
                               "filter '" + plan.name + "'");
-  if (const Reader propagation = at["propagation"]) {
-    const std::vector<std::string> ways = {"ekf", "unscented"};
-    const auto way = propagation.text();
-    if (way && index_of(ways, *way) < 0)
-      propagation.error("B009",
-                        "'propagation' is \"ekf\" or \"unscented\"; found '" + *way + "'" + suggestion(*way, ways));
-    plan.is_unscented = way == ways[1];
-  }
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
     at.key_error("B010", "filter '" + plan.name + "' has no 'blocks'");
     is_complete = false;
   }
   for (const Reader& block : blocks) add_block(block);
-  read_form();
+  read_forms();
   publish_estimates();
 }
 
-/// In which form P is kept.
-void FilterComposer::read_form() {
-  const Reader form = at["covariance"];
-  const auto name = form.text();
-  if (!name) return;
-  const std::vector<std::string> names(std::begin(covariance_names), std::end(covariance_names));
-  const int kind = index_of(names, *name);
-  if (kind >= 0)
-    plan.covariance_kind = static_cast<CovarianceKind>(kind);
-  else
-    form.error("B009", "P is kept as joseph, ud or square_root; found '" + *name + "'" + suggestion(*name, names));
+/// In which form P is kept, and how it is propagated.
+void FilterComposer::read_forms() {
+  const auto kind =
+      read_name<CovarianceKind>(at["covariance"], covariance_names, "P is kept as joseph, ud or square_root");
+  plan.covariance_kind = kind.value_or(plan.covariance_kind);
+  enum class Way { ekf, unscented };
+  static constexpr const char* ways[] = {"ekf", "unscented"};
+  plan.is_unscented =
+      read_name<Way>(at["propagation"], ways, "'propagation' is \"ekf\" or \"unscented\"") == Way::unscented;
 }
 
 void FilterComposer::add_block(const Reader& block_at) {

@@ -58,12 +58,10 @@ MeasurementInfo measurement_info(const Catalog& catalog, const FilterPlan& filte
     info.noise = {measurement.name, catalog.find(Role::noise_estimator, measurement.noise_type), measurement.noise};
   info.recovers = measurement.recover_after > 0;
   info.is_watched = measurement.is_watched;
-  static constexpr const char* units[] = {"sample", "row", "key"};
   if (measurement.gate > 0)
-    info.gate = {measurement.gate, units[static_cast<int>(measurement.gate_unit)],
+    info.gate = {measurement.gate, gate_unit_names[static_cast<int>(measurement.gate_unit)],
                  measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(info.max_rows)]};
-  static constexpr const char* updates[] = {"ekf", "iterated", "unscented"};
-  info.update.type = updates[static_cast<int>(measurement.update.type)];
+  info.update.type = UpdatePlan::names[static_cast<int>(measurement.update.type)];
   if (measurement.update.type == UpdatePlan::Type::iterated) {
     info.update.max = measurement.update.most;
     info.update.tolerance = measurement.update.tolerance;

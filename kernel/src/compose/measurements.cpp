@@ -126,13 +126,8 @@ class MeasurementComposer {
     if (is_object) {
       gate.check_keys({"probability", "by"}, "'gate'");
       if (!gate.require("probability", "gate", "0 < p < 1")) return;
-      const std::vector<std::string> units{"sample", "row", "key"};
-      const auto by = gate["by"].text();
-      const int unit = by ? index_of(units, *by) : 0;
-      if (unit < 0)
-        gate["by"].error("B009", "a gate is by sample, row or key; found '" + *by + "'" + suggestion(*by, units));
-      else
-        plan_.gate_unit = static_cast<GateUnit>(unit);
+      plan_.gate_unit =
+          read_name<GateUnit>(gate["by"], gate_unit_names, "a gate is by sample, row or key").value_or(plan_.gate_unit);
     }
     const auto spec = parameter::number("gate", "1").about("probability").above(0).below(1);
     plan_.gate = (is_object ? gate["probability"] : gate).number(spec).value_or(0.0);
@@ -218,20 +213,15 @@ class MeasurementComposer {
     if (!update) return;
     const bool is_object = update.is_object();
     if (is_object && !update.require("type", "update", "\"ekf\", \"iterated\" or \"unscented\"")) return;
-    const Reader named = is_object ? update["type"] : update;
-    const auto name = named.text();
-    if (!name) return;
-    const std::vector<std::string> types{"ekf", "iterated", "unscented"};
-    const int type = index_of(types, *name);
-    if (type < 0)
-      return named.error("B009",
-                         "an update is ekf, iterated or unscented; found '" + *name + "'" + suggestion(*name, types));
-    plan_.update.type = static_cast<UpdatePlan::Type>(type);
+    const auto type = read_name<UpdatePlan::Type>(is_object ? update["type"] : update, UpdatePlan::names,
+                                                  "an update is ekf, iterated or unscented");
+    if (!type) return;
+    plan_.update.type = *type;
     if (!is_object) return;
-    const bool is_iterated = plan_.update.type == UpdatePlan::Type::iterated;
+    const bool is_iterated = *type == UpdatePlan::Type::iterated;
     update.check_keys(is_iterated ? std::vector<std::string>{"type", "max", "tolerance"}
                                   : std::vector<std::string>{"type"},
-                      "the update '" + *name + "'");
+                      "the update '" + std::string(UpdatePlan::names[static_cast<int>(*type)]) + "'");
     if (!is_iterated) return;
     const auto most = update["max"].integer(parameter::integer("max").at_least(1).at_most(1000));
     plan_.update.most = static_cast<int>(most.value_or(plan_.update.most));

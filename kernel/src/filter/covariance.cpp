@@ -117,19 +117,7 @@ void Joseph::project(const std::vector<int>& columns, const UpdateWork& work) co
 
 const char* Joseph::factor(const std::vector<int>&, const UpdateWork& work) {
   add_noise(work);
-  const MatrixView S{work.S, work.m, work.m, work.m_max}, L{work.L, work.m, work.m, work.m_max};
-  for (int j = 0; j < work.m; ++j) {
-    double pivot = S(j, j);
-    for (int k = 0; k < j; ++k) pivot -= L(j, k) * L(j, k);
-    if (!(pivot > 0) || !std::isfinite(pivot)) return not_positive;
-    L(j, j) = std::sqrt(pivot);
-    for (int i = j + 1; i < work.m; ++i) {
-      double sum = S(i, j);
-      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
-      L(i, j) = sum / L(j, j);
-    }
-  }
-  return nullptr;
+  return factor_symmetric(work.S, work.m, work.m_max, 0, work.L) ? nullptr : not_positive;
 }
 
 void Joseph::gain(const std::vector<unsigned char>& corrected, const UpdateWork& work) const {

@@ -3,6 +3,7 @@
 #include "filter/covariance_form.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/index.hpp"
 #include "filter/covariance.hpp"
@@ -75,16 +76,35 @@ void add_noise(const UpdateWork& work) {
   MatrixView{work.S, work.m, work.m, work.m_max}.as() = HPHt.as() + R.as();
 }
 
-double normalized_innovation_squared(const UpdateWork& work) {
-  const MatrixView L{work.L, work.m, work.m, work.m_max};
-  double nis = 0;
-  for (int i = 0; i < work.m; ++i) {
-    double sum = work.r[i];
-    for (int k = 0; k < i; ++k) sum -= L(i, k) * work.y[k];
-    work.y[i] = sum / L(i, i);
-    nis += work.y[i] * work.y[i];
+bool factor_symmetric(const double* A, int m, int ld, double least, double* L) {
+  for (int j = 0; j < m; ++j) {
+    const double diagonal = A[j + j * ld];
+    double pivot = diagonal;
+    for (int k = 0; k < j; ++k) pivot -= L[j + k * ld] * L[j + k * ld];
+    if (!(pivot > least * diagonal) || !std::isfinite(pivot)) return false;
+    L[j + j * ld] = std::sqrt(pivot);
+    for (int i = j + 1; i < m; ++i) {
+      double sum = A[i + j * ld];
+      for (int k = 0; k < j; ++k) sum -= L[i + k * ld] * L[j + k * ld];
+      L[i + j * ld] = sum / L[j + j * ld];
+    }
   }
-  return nis;
+  return true;
+}
+
+double whitened_square(const double* L, const double* e, int m, int ld, double* y) {
+  double square = 0;
+  for (int i = 0; i < m; ++i) {
+    double sum = e[i];
+    for (int k = 0; k < i; ++k) sum -= L[i + k * ld] * y[k];
+    y[i] = sum / L[i + i * ld];
+    square += y[i] * y[i];
+  }
+  return square;
+}
+
+double normalized_innovation_squared(const UpdateWork& work) {
+  return whitened_square(work.L, work.r, work.m, work.m_max, work.y);
 }
 
 void gain_times_residual(int n, const UpdateWork& work, double* __restrict delta) {

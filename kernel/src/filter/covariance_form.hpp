@@ -94,6 +94,11 @@ inline double* collect(const RowGroup& group, const double* const* phi, double* 
 inline constexpr const char* not_positive = "H P H' + R is not positive definite";
 /// work.S = HPHt + R.
 void add_noise(const UpdateWork& work);
+/// L with A = L Lᵀ, of m×m matrices whose columns are `ld` doubles apart; lower triangles are read and written. False where a
+/// pivot is not finite, or not above the share `least` of its diagonal element.
+bool factor_symmetric(const double* A, int m, int ld, double least, double* L);
+/// |L⁻¹ e|²; y, which may be e, becomes L⁻¹ e.
+double whitened_square(const double* L, const double* e, int m, int ld, double* y);
 /// rᵀ S⁻¹ r by the factor, the normalized innovation squared.
 double normalized_innovation_squared(const UpdateWork& work);
 /// delta = K r, padded(n) doubles.

@@ -29,8 +29,7 @@ int factor_semidefinite(double* A, int m, double* d, Slack&& slack) {
     const double own = std::abs(at(j, j));
     double pivot = at(j, j);
     for (int k = 0; k < j; ++k) pivot -= at(j, k) * at(j, k) * d[k];
-    if (!std::isfinite(pivot) || (pivot < -most * own && pivot < -most * own - slack(j)) || at(j, j) < -slack(j))
-      return j;
+    if (!std::isfinite(pivot) || pivot < -most * own - slack(j) || at(j, j) < -slack(j)) return j;
     const bool is_zero = pivot <= 8 * m * epsilon * own;
     d[j] = is_zero ? 0.0 : pivot;
     at(j, j) = 1;

@@ -22,34 +22,7 @@ namespace {
 
 constexpr int most_halvings = 10;
 constexpr double sufficient = 1e-4;  // share of what the linearization promises (Armijo)
-
-/// L with A = L Lᵀ, both m×m with columns `ld` doubles apart; false where A is not positive definite.
-bool factor(const double* A, int m, int ld, double* L) {
-  for (int j = 0; j < m; ++j) {
-    double pivot = A[j + j * ld];
-    for (int k = 0; k < j; ++k) pivot -= L[j + k * ld] * L[j + k * ld];
-    if (!(pivot > 1e-14 * A[j + j * ld])) return false;
-    L[j + j * ld] = std::sqrt(pivot);
-    for (int i = j + 1; i < m; ++i) {
-      double sum = A[i + j * ld];
-      for (int k = 0; k < j; ++k) sum -= L[i + k * ld] * L[j + k * ld];
-      L[i + j * ld] = sum / L[j + j * ld];
-    }
-  }
-  return true;
-}
-
-/// |L⁻¹ e|². `y`, of m, is scratch.
-double whitened_square(const double* L, const double* e, int m, int ld, double* y) {
-  double square = 0;
-  for (int i = 0; i < m; ++i) {
-    double sum = e[i];
-    for (int k = 0; k < i; ++k) sum -= L[i + k * ld] * y[k];
-    y[i] = sum / L[i + i * ld];
-    square += y[i] * y[i];
-  }
-  return square;
-}
+constexpr double singular = 1e-14;   // share of a diagonal element of R
 
 }  // namespace
 
@@ -118,7 +91,7 @@ void Estimator::begin_iteration() {
   if (rows_.innovation_S == rows_.S) rows_.innovation_S = std::copy_n(rows_.S, ld * m, it.S.data()) - ld * m;
   std::ranges::fill(it.delta, 0.0);
   std::ranges::fill(it.v, 0.0);
-  it.has_L_R = factor(rows_.R, m, ld, it.L_R.data());
+  it.has_L_R = factor_symmetric(rows_.R, m, ld, singular, it.L_R.data());
 }
 
 /// w = S⁻¹ r̃, v = H̃ᵀ w and δ = P v of the linearization in rows_.

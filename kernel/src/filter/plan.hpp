@@ -285,10 +285,12 @@ struct Tally : SampleCounts {
 
 /// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
 enum class GateUnit : unsigned char { sample, row, key };
+inline constexpr const char* gate_unit_names[] = {"sample", "row", "key"};
 
 /// How the samples of a measurement correct the state.
 struct UpdatePlan {
   enum class Type : unsigned char { ekf, iterated, unscented };
+  static constexpr const char* names[] = {"ekf", "iterated", "unscented"};
   /// A block that the measurement sees.
   struct Seen {
     int block = 0;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -24,6 +25,22 @@ std::string seconds_text(Clock::duration time) {
 
 Time monotonic_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+}
+
+bool is_live(const Parameters& parameters) {
+  const bool from = parameters.has("from");
+  if (from == parameters.has("path"))
+    throw ComponentError("\"path\" of a file that is whole, or \"from\" of live input, is needed, and not both");
+  if (!from && parameters.text("stamp") == "arrival")
+    throw ComponentError("a recorded file has no times of arrival", "/stamp");
+  return from;
+}
+
+std::string existing_path(const Parameters& parameters) {
+  const std::string& path = parameters.text("path");
+  if (!std::filesystem::exists(path))
+    throw ComponentError::in_data("cannot be opened: No such file or directory", path, 0, "B060");
+  return path;
 }
 
 struct Bytes::Intake {

@@ -17,6 +17,12 @@ namespace binnacle::line_input {
 /// Of the machine's monotonic clock.
 Time monotonic_now();
 
+/// Whether a source that takes `path` or `from` is live: by `from`. Throws ComponentError where it has both or neither, or a path
+/// with "stamp": "arrival".
+bool is_live(const Parameters& parameters);
+/// `path`, of a file that is there; throws ComponentError::in_data (B060) else.
+std::string existing_path(const Parameters& parameters);
+
 class Bytes {
  public:
   /// `from`, `stamp`, `silence`, `on_error`; `unit`: what is left out when it is no good, "a line". The constructor needs
