@@ -198,6 +198,7 @@ FieldSpec read_column(const std::string& field, const Value& value, const FirstR
   spec.unit = member(value, "unit")->text;
   spec.kind = kind ? kind_of(kind->text) : FieldKind::level;
   spec.text = "column " + column.name;
+  column.kind = spec.kind;
   layout.has_intervals |= spec.kind != FieldKind::level;
   layout.columns.push_back(std::move(column));
   return spec;

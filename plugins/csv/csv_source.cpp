@@ -17,12 +17,26 @@ namespace {
 using Value = ParameterValue;
 
 ParameterSpec time_spec() {
-  return parameter::object("time", {parameter::text("column").about(
-                                        "its name in the header, or its number from 1; default: the first column"),
-                                    parameter::number("unit", "*")
-                                        .defaults("\"s\"")
-                                        .about("unit of the labels: \"s\", \"ms\", \"us\", \"h\""),
-                                    parameter::time("offset").defaults("0").about("added to every label")})
+  return parameter::object(
+             "time",
+             {parameter::text("column").about(
+                  "its name in the header, or its number from 1; default: the first column"),
+              parameter::number("unit", "*")
+                  .defaults("\"s\"")
+                  .about("unit of the labels: \"s\", \"ms\", \"us\", \"h\""),
+              parameter::time("offset").defaults("0").about("added to every label"),
+              parameter::choice("format", {"number", "iso8601"})
+                  .defaults("\"number\"")
+                  .about("iso8601: date and time in one cell, 2026-11-23T12:00:05.25+01:00, also with a blank for T"),
+              parameter::text("date_column").about("of dates; 'column' then has times of day, 12:00:05.25"),
+              parameter::choice("date_order", {"ymd", "dmy", "mdy"})
+                  .defaults("\"ymd\"")
+                  .about("of dates: 2026-11-23, 23.11.2026 or 11/23/2026; any of - / . between, or nothing"),
+              parameter::text("week_column").about("of GPS weeks; 'column' then has times of the week, in 'unit'"),
+              parameter::time("zone")
+                  .at_least(-26 * 3600)
+                  .at_most(26 * 3600)
+                  .about("calendar times minus UTC, where a cell has no zone of its own; default: they are UTC")})
       .defaults("{}")
       .about("the column of time labels; a label is the end of its sample's interval");
 }
@@ -55,6 +69,9 @@ Format read_format(const Parameters& parameters) {
   format.delimiter = delimiter[0];
   format.comment = parameters.text("comment");
   format.has_header = parameters.boolean("header");
+  format.has_decimal_comma = parameters.has("decimal") && parameters.text("decimal") == ",";
+  if (format.has_decimal_comma && format.delimiter == ',')
+    throw ComponentError("decimal commas need another delimiter than \",\": \";\", \"\\t\" or \" \"", "/decimal");
   return format;
 }
 
@@ -106,20 +123,55 @@ std::int64_t nanoseconds_of(const Value& unit) {
   return whole;
 }
 
+/// Where labels are no plain numbers.
+void read_calendar(const Parameters& parameters, const Parameters& time, const FirstRow& first, Layout& layout) {
+  using Form = CalendarTime::Form;
+  const bool is_iso = time.has("format") && time.text("format") == "iso8601";
+  const bool has_date = time.has("date_column"), has_week = time.has("week_column");
+  const auto refuse_if = [](bool is_wrong, const std::string& message, const std::string& pointer) {
+    if (is_wrong) throw ComponentError(message, pointer);
+  };
+  refuse_if(is_iso && (has_date || has_week), "a time of ISO 8601 has its date, and needs no other column",
+            has_date ? "/time/date_column" : "/time/week_column");
+  refuse_if(has_date && has_week, "there is 'date_column' too: a time is of a day or of a week", "/time/week_column");
+  const bool is_calendar = is_iso || has_date, counts = is_calendar || has_week;
+  refuse_if(time.has("zone") && !is_calendar,
+            "a zone belongs to calendar times, which need \"format\": \"iso8601\" or a 'date_column'", "/time/zone");
+  for (const char* key : {"week", "epoch", "leap_seconds"})
+    refuse_if(
+        parameters.has(key) && !counts,
+        "it says where time is zero for calendar times and GPS weeks; here labels are plain numbers: see 'offset'",
+        std::string("/") + key);
+  if (!counts) return;
+  refuse_if(is_calendar && layout.time_unit != nanoseconds_per_second, "calendar times have no unit", "/time/unit");
+  CalendarTime calendar{.clock = civil_time::UtcClock(parameters)};
+  calendar.form = is_iso ? Form::instant : has_date ? Form::date_and_time : Form::week_and_seconds;
+  if (time.has("zone")) calendar.zone = time.time("zone");
+  if (!is_iso) {
+    const char* const key = has_date ? "date_column" : "week_column";
+    calendar.other_name = time.text(key);
+    calendar.other = find_column(calendar.other_name, layout.format, first, std::string("/time/") + key);
+    refuse_if(calendar.other == layout.time.index, "it is the column of times too", std::string("/time/") + key);
+  }
+  const std::string order = time.has("date_order") ? time.text("date_order") : "ymd";
+  calendar.order = order == "dmy"   ? civil_time::DateOrder::dmy
+                   : order == "mdy" ? civil_time::DateOrder::mdy
+                                    : civil_time::DateOrder::ymd;
+  layout.calendar = calendar;
+}
+
 void read_time(const Parameters& parameters, const FirstRow& first, Layout& layout) {
   layout.time.name = layout.format.has_header ? first.cells.front() : "1";
-  if (!parameters.has("time")) return;
-  for (const auto& [key, value] : parameters.members("time")) {
-    if (value.type == Value::Type::absent) continue;
-    if (key == "column") {
-      layout.time.name = value.text;
-      layout.time.index = find_column(value.text, layout.format, first, "/time/column");
-    } else if (key == "unit") {
-      layout.time_unit = nanoseconds_of(value);
-    } else if (key == "offset") {
-      layout.time_offset = value.integer;
-    }
+  const Parameters time = parameters.has("time") ? parameters.object("time") : Parameters();
+  if (parameters.has("time"))
+    for (const auto& [key, value] : parameters.members("time"))
+      if (key == "unit" && value.type != Value::Type::absent) layout.time_unit = nanoseconds_of(value);
+  if (time.has("column")) {
+    layout.time.name = time.text("column");
+    layout.time.index = find_column(layout.time.name, layout.format, first, "/time/column");
   }
+  if (time.has("offset")) layout.time_offset = time.time("offset");
+  read_calendar(parameters, time, first, layout);
 }
 
 void read_window(const Parameters& parameters, Layout& layout) {
@@ -154,9 +206,15 @@ ComponentSpec CsvSource::spec() {
       "and increments ten times the median step, else none"));
   spec.parameters.push_back(parameter::list("window", parameter::time("time"))
                                 .about("[from, to], after the offset: only samples inside are read"));
+  spec.parameters.push_back(parameter::integer("every").at_least(1).at_most(1'000'000).defaults("1").about(
+      "so many samples become one: of levels the first of them; rates are averaged, increments summed"));
+  for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.parameters.push_back(parameter::text("delimiter")
                                 .defaults("\",\"")
                                 .about("character between cells; \" \" stands for any run of blanks"));
+  spec.parameters.push_back(parameter::choice("decimal", {".", ","})
+                                .defaults("\".\"")
+                                .about("what stands before the fraction of numbers; a comma needs another delimiter"));
   spec.parameters.push_back(
       parameter::text("comment").defaults("\"#\"").about("lines that begin with it are skipped; \"\": none"));
   spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
@@ -206,9 +264,10 @@ CsvSource::CsvSource(const Binding& binding) {
   }
   if (parameters.has("max_gap")) layout_.max_gap = parameters.time("max_gap");
   read_window(parameters, layout_);
+  if (parameters.has("every")) layout_.every = static_cast<int>(parameters.integer("every"));
   layout_.on_invalid = parameters.text("invalid_rows") == "skip" ? OnInvalid::skip : OnInvalid::error;
   if (layout_.has_intervals)
-    channel.max_interval = layout_.interval.value_or(layout_.max_gap.value_or(nanoseconds_per_second));
+    channel.max_interval = layout_.every * layout_.interval.value_or(layout_.max_gap.value_or(nanoseconds_per_second));
   channel_ = declaration_.emits(std::move(channel));
   next_ = declaration_.keeps<std::uint64_t>();
 }

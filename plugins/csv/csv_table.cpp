@@ -10,6 +10,7 @@
 
 #include "binnacle/parameters.hpp"
 #include "cells.hpp"
+#include "decimation.hpp"
 #include "text/text_file.hpp"
 
 namespace binnacle::csv {
@@ -70,11 +71,19 @@ struct RowFault {
   explicit operator bool() const { return code != nullptr; }
 };
 
+/// "12,5" between other delimiters.
+std::string comma_hint(std::string_view cell) {
+  const std::size_t comma = cell.find(',');
+  const bool may_be_decimal = comma != cell.npos && cell.find_first_not_of("+-0123456789,eE") == cell.npos &&
+                              cell.find(',', comma + 1) == cell.npos;
+  return may_be_decimal ? "; for decimal commas set \"decimal\": \",\"" : "";
+}
+
 std::string describe(CellFault fault, std::string_view cell, const char* limits) {
   switch (fault) {
     case CellFault::empty: return " is empty";
     case CellFault::out_of_range: return ": " + quoted(cell) + " is beyond " + limits;
-    default: return ": " + quoted(cell) + " is not a number";
+    default: return ": " + quoted(cell) + " is not a number" + comma_hint(cell);
   }
 }
 
@@ -118,6 +127,7 @@ class TableReader {
     report_skipped();
     require_samples();
     set_intervals();
+    if (layout_.every > 1) thin_out(layout_, table_);
     return std::move(table_);
   }
 
@@ -178,14 +188,38 @@ class TableReader {
     return {};
   }
 
-  RowFault take_time(Time& label) {
+  RowFault read_label(Time& label) {
     const std::string_view cell = cells_[layout_.time.index];
-    CellFault fault = parse_time(cell, layout_.time_unit, label);
+    CellFault fault = CellFault::none;
+    if (layout_.calendar) {
+      const CalendarTime& calendar = *layout_.calendar;
+      const bool is_number = calendar.form == CalendarTime::Form::week_and_seconds;
+      std::string flaw = calendar.read(is_number ? with_point(cell) : cell, layout_.time.name, cells_[calendar.other],
+                                       layout_.time_unit, label);
+      if (!flaw.empty()) return {"B062", std::move(flaw)};
+    } else {
+      fault = parse_time(with_point(cell), layout_.time_unit, label);
+    }
     Time shifted = 0;
     if (fault == CellFault::none && __builtin_add_overflow(label, layout_.time_offset, &shifted))
       fault = CellFault::out_of_range;
     if (fault != CellFault::none)
       return {"B062", "time column '" + layout_.time.name + "'" + describe(fault, cell, "+-292 years")};
+    return {};
+  }
+
+  /// A number as it stands, or of a file with decimal commas with a point; there one with a point is none ("1.234" may be a
+  /// thousand).
+  std::string_view with_point(std::string_view cell) {
+    if (!layout_.format.has_decimal_comma) return cell;
+    if (cell.find('.') != cell.npos) return "no number";
+    text_.assign(cell);
+    std::ranges::replace(text_, ',', '.');
+    return text_;
+  }
+
+  RowFault take_time(Time& label) {
+    if (RowFault fault = read_label(label)) return fault;
     if (label_min_ == no_time) label_min_ = label;
     label_max_ = std::max(label_max_, label);
     if (last_label_ != no_time && (layout_.rows ? label < last_label_ : label <= last_label_))
@@ -199,7 +233,7 @@ class TableReader {
       const Column& column = layout_.columns[i];
       const std::string_view cell = cells_[column.index];
       double value = 0;
-      const CellFault fault = parse_number(cell, value);
+      const CellFault fault = parse_number(with_point(cell), value);
       if (fault == CellFault::none && std::isfinite(value) && column.missing.numbers.empty()) {
         row_[i] = in_si(value, column);
         continue;
@@ -294,6 +328,7 @@ class TableReader {
   Reporter& reporter_;
   std::vector<std::string_view> cells_;
   std::vector<double> row_;
+  std::string text_;                          // a number with a point for its comma
   std::vector<int> lines_;                    // the first of each sample
   std::vector<std::pair<double, int>> keys_;  // of the sample under way, and their lines
   std::map<std::string, Skipped> skipped_;
