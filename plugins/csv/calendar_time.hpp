@@ -13,6 +13,9 @@ namespace binnacle::csv {
 
 struct CalendarTime {
   enum class Form { instant, date_and_time, week_and_seconds };
+
+  explicit CalendarTime(const civil_time::UtcClock& of_channels) : clock(of_channels) {}
+
   Form form = Form::instant;
   std::size_t other = 0;  // the column of dates or weeks
   std::string other_name;

@@ -144,7 +144,7 @@ void read_calendar(const Parameters& parameters, const Parameters& time, const F
         std::string("/") + key);
   if (!counts) return;
   refuse_if(is_calendar && layout.time_unit != nanoseconds_per_second, "calendar times have no unit", "/time/unit");
-  CalendarTime calendar{.clock = civil_time::UtcClock(parameters)};
+  CalendarTime calendar(civil_time::UtcClock{parameters});
   calendar.form = is_iso ? Form::instant : has_date ? Form::date_and_time : Form::week_and_seconds;
   if (time.has("zone")) calendar.zone = time.time("zone");
   if (!is_iso) {
