@@ -190,15 +190,16 @@ class TableReader {
 
   RowFault read_label(Time& label) {
     const std::string_view cell = cells_[layout_.time.index];
+    const bool has_comma = layout_.format.has_decimal_comma;
     CellFault fault = CellFault::none;
     if (layout_.calendar) {
       const CalendarTime& calendar = *layout_.calendar;
       const bool is_number = calendar.form == CalendarTime::Form::week_and_seconds;
-      std::string flaw = calendar.read(is_number ? with_point(cell) : cell, layout_.time.name, cells_[calendar.other],
-                                       layout_.time_unit, label);
+      std::string flaw = calendar.read(is_number && has_comma ? with_point(cell) : cell, layout_.time.name,
+                                       cells_[calendar.other], layout_.time_unit, label);
       if (!flaw.empty()) return {"B062", std::move(flaw)};
     } else {
-      fault = parse_time(with_point(cell), layout_.time_unit, label);
+      fault = parse_time(has_comma ? with_point(cell) : cell, layout_.time_unit, label);
     }
     Time shifted = 0;
     if (fault == CellFault::none && __builtin_add_overflow(label, layout_.time_offset, &shifted))
@@ -208,10 +209,8 @@ class TableReader {
     return {};
   }
 
-  /// A number as it stands, or of a file with decimal commas with a point; there one with a point is none ("1.234" may be a
-  /// thousand).
+  /// A number with a decimal comma as one with a point; one with a point is none ("1.234" may be a thousand).
   std::string_view with_point(std::string_view cell) {
-    if (!layout_.format.has_decimal_comma) return cell;
     if (cell.find('.') != cell.npos) return "no number";
     text_.assign(cell);
     std::ranges::replace(text_, ',', '.');
@@ -229,11 +228,12 @@ class TableReader {
   }
 
   RowFault take_values() {
+    const bool has_comma = layout_.format.has_decimal_comma;
     for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
       const Column& column = layout_.columns[i];
       const std::string_view cell = cells_[column.index];
       double value = 0;
-      const CellFault fault = parse_number(with_point(cell), value);
+      const CellFault fault = parse_number(has_comma ? with_point(cell) : cell, value);
       if (fault == CellFault::none && std::isfinite(value) && column.missing.numbers.empty()) {
         row_[i] = in_si(value, column);
         continue;
