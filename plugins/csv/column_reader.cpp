@@ -13,6 +13,8 @@ using Value = ParameterValue;
 
 namespace {
 
+const std::vector<std::string> local_axes{"north", "east", "down", "up", "v_north", "v_east", "v_down", "v_up"};
+
 ParameterSpec missing_spec() {
   return parameter::list("missing", parameter::text("value"))
       .about(
@@ -132,17 +134,11 @@ ParameterSpec column_spec() {
 }
 
 ParameterSpec local_spec() {
-  const auto axis = [](const char* name, const char* about) {
-    return parameter::object(name, cell_members("'" + std::string(name) + "'")).about(about);
-  };
-  return parameter::object("local", {axis("north", "from the origin, m"), axis("east", "from the origin, m"),
-                                     axis("down", "from the origin, m; or 'up'"), axis("up", "instead of 'down'"),
-                                     axis("v_north", "velocity along the same axes, m/s"), axis("v_east", "m/s"),
-                                     axis("v_down", "m/s; or 'v_up'"), axis("v_up", "instead of 'v_down'")})
+  return parameter::map("local", parameter::object("axis", cell_members("the axis's name")))
       .about(
-          "columns in local axes, north-east-down or east-north-up by their names; they become lat, lon, height, and "
-          "vn, "
-          "ve, vd");
+          "columns in local axes: north, east and down or up, m; v_north, v_east and v_down or v_up, m/s. They become "
+          "lat, "
+          "lon, height, and vn, ve, vd");
 }
 
 /// As the member stands, or null.
@@ -208,6 +204,13 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   if (!parameters.has("local")) return;
   Value local;
   local.members = parameters.members("local");
+  for (const auto& [key, value] : local.members)
+    if (std::ranges::find(local_axes, key) == local_axes.end()) {
+      const std::string near = closest(key, local_axes);
+      throw ComponentError("'" + key + "' is no local axis; " +
+                               (near.empty() ? "they are: " + list_of(local_axes) : "did you mean '" + near + "'?"),
+                           "/local/" + escaped(key));
+    }
   LocalColumns turned{local_axes_of(parameters, "local columns", "/local"), layout.columns.size()};
   const auto add = [&](const char* name, const char* other, double& sign, FieldSpec field) {
     for (const FieldSpec& before : fields)
@@ -221,9 +224,7 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   add("north", "", same, field::level("lat", "rad").about("geodetic latitude"));
   add("east", "", same, field::level("lon", "rad").about("east positive"));
   add("down", "up", turned.down_sign, field::level("height", "m").about("above the ellipsoid"));
-  turned.has_velocity = false;
-  for (const char* name : {"v_north", "v_east", "v_down", "v_up"})
-    turned.has_velocity |= member(local, name) != nullptr;
+  for (const auto& [key, value] : local.members) turned.has_velocity |= key.starts_with("v_");
   if (turned.has_velocity) {
     add("v_north", "", same, field::level("vn", "m/s").about("north of the place"));
     add("v_east", "", same, field::level("ve", "m/s").about("east of the place"));
