@@ -339,7 +339,8 @@ TEST_CASE("a default may stand elsewhere in the config", "[spec]") {
 
   CHECK(read(R"({"origin": {"lat": "49 deg", "height": 3, "long": 1}, "c": {"type": "csv"}})").text ==
         "c.json:1:43: error[B012] /origin/long: unknown key of 'origin'; did you mean 'lon' (rad, >= -6.28319, <= "
-        "6.28319)?");
+        "6.28319)?\n"
+        "c.json:1:60: error[B010] /c: 'origin' of 'csv' is that of the config, in which something is wrong (/origin)");
   CHECK_THAT(read(R"({"origin": {"lat": 49, "lon": 8.4, "height": 115}, "c": {"type": "csv"}})").text,
              Contains("/origin/lat: 'lat' is 49 rad, out of range (rad, >= -1.5708, <= 1.5708)"));
   CHECK_THAT(read(R"({"c": {"type": "csv", "origin": "KIT"}})").text,

@@ -514,8 +514,14 @@ ParameterValue Reader::parameters(const std::vector<ParameterSpec>& specs, const
   ParameterValue all = spec::Check{parameter::object(type_name, specs), *this, ports, name}.members(reserved);
   for (const ParameterSpec& each : specs) {
     if (!spec::is_elsewhere(each) || (*this)[each.name]) continue;
-    ParameterValue value = Reader(*document_, *diagnostics_, each.default_json).value(each, ports);
-    if (value.type != ParameterValue::Type::absent) all.members.emplace_back(each.name, std::move(value));
+    Diagnostics found;
+    ParameterValue value = Reader(*document_, found, each.default_json).value(each, ports);
+    diagnostics_->merge(found);
+    if (found.has_errors())
+      error("B010", base::in_quotes(each.name) + " of " + name +
+                        " is that of the config, in which something is wrong (" + each.default_json + ")");
+    else if (value.type != ParameterValue::Type::absent)
+      all.members.emplace_back(each.name, std::move(value));
   }
   return all;
 }
