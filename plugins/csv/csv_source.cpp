@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "cells.hpp"
+#include "column_reader.hpp"
 
 namespace binnacle::csv {
 
@@ -15,35 +16,27 @@ namespace {
 
 using Value = ParameterValue;
 
-ParameterSpec missing_spec() {
-  return parameter::list("missing", parameter::text("value"))
-      .about(
-          "cells that mean \"no data\"; the field is then NaN. Numbers match in any spelling: \"-9999\", \"nan\", "
-          "\"\"");
-}
-
-ParameterSpec column_spec() {
-  return parameter::object(
-      "field",
-      {parameter::text("column").about("its name in the header, or its number from 1 without one; default: the field's "
-                                       "name"),
-       parameter::number("unit", "*")
-           .required()
-           .about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\", \"1\""),
-       parameter::choice("kind", {"level", "rate", "increment"})
-           .defaults("\"level\"")
-           .about("level: at the sample's time; rate: mean over the interval that ends there; increment: integral over "
-                  "it"),
-       missing_spec()});
-}
-
 ParameterSpec time_spec() {
-  return parameter::object("time", {parameter::text("column").about(
-                                        "its name in the header, or its number from 1; default: the first column"),
-                                    parameter::number("unit", "*")
-                                        .defaults("\"s\"")
-                                        .about("unit of the labels: \"s\", \"ms\", \"us\", \"h\""),
-                                    parameter::time("offset").defaults("0").about("added to every label")})
+  return parameter::object(
+             "time",
+             {parameter::text("column").about(
+                  "its name in the header, or its number from 1; default: the first column"),
+              parameter::number("unit", "*")
+                  .defaults("\"s\"")
+                  .about("unit of the labels: \"s\", \"ms\", \"us\", \"h\""),
+              parameter::time("offset").defaults("0").about("added to every label"),
+              parameter::choice("format", {"number", "iso8601"})
+                  .defaults("\"number\"")
+                  .about("iso8601: date and time in one cell, 2026-11-23T12:00:05.25+01:00, also with a blank for T"),
+              parameter::text("date_column").about("of dates; 'column' then has times of day, 12:00:05.25"),
+              parameter::choice("date_order", {"ymd", "dmy", "mdy"})
+                  .defaults("\"ymd\"")
+                  .about("of dates: 2026-11-23, 23.11.2026 or 11/23/2026; any of - / . between, or nothing"),
+              parameter::text("week_column").about("of GPS weeks; 'column' then has times of the week, in 'unit'"),
+              parameter::time("zone")
+                  .at_least(-26 * 3600)
+                  .at_most(26 * 3600)
+                  .about("calendar times minus UTC, where a cell has no zone of its own; default: they are UTC")})
       .defaults("{}")
       .about("the column of time labels; a label is the end of its sample's interval");
 }
@@ -66,88 +59,6 @@ ParameterSpec rows_spec() {
       .about("consecutive lines with the same label are one sample with a row for each; every field is then per row");
 }
 
-/// As the member stands, or null.
-const Value* member(const Value& object, std::string_view name) {
-  for (const auto& [key, value] : object.members)
-    if (key == name && value.type != Value::Type::absent) return &value;
-  return nullptr;
-}
-
-std::string escaped(std::string key) {
-  for (std::size_t at = 0; (at = key.find_first_of("~/", at)) != std::string::npos; at += 2)
-    key.replace(at, 1, key[at] == '~' ? "~0" : "~1");
-  return key;
-}
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-/// A header of one cell that has another separator in it: the delimiter is not what the config says.
-std::string other_delimiter(const FirstRow& header) {
-  if (header.cells.size() != 1) return {};
-  for (const char* delimiter : {";", "\t", "|", ",", " "})
-    if (header.cells.front().find(*delimiter) != std::string::npos)
-      return std::string("; the header is a single cell: is the delimiter \"") +
-             (*delimiter == '\t' ? "\\t" : delimiter) + "\"?";
-  return {};
-}
-
-std::size_t index_in_header(const std::string& name, const FirstRow& header, const std::string& pointer) {
-  const auto& cells = header.cells;
-  const auto found = std::find(cells.begin(), cells.end(), name);
-  if (found == cells.end()) {
-    std::string message = "no column '" + name + "'";
-    if (const std::string other = other_delimiter(header); !other.empty()) {
-      message += other;
-    } else if (header.is_numeric) {
-      message += ": the first line holds numbers only; for a file without header line set \"header\": false";
-    } else {
-      const std::string near = closest(name, cells);
-      message +=
-          (near.empty() ? "; " : "; did you mean '" + near + "'? ") + std::string("the header has: ") + list_of(cells);
-    }
-    throw ComponentError(message, pointer);
-  }
-  if (std::find(found + 1, cells.end(), name) != cells.end())
-    throw ComponentError("column '" + name + "' stands in the header twice", pointer);
-  return static_cast<std::size_t>(found - cells.begin());
-}
-
-std::size_t index_by_number(const std::string& number, const FirstRow& first, const std::string& pointer) {
-  std::size_t index = 0;
-  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
-  if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > first.cells.size())
-    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1 to " +
-                             std::to_string(first.cells.size()),
-                         pointer);
-  return index - 1;
-}
-
-std::size_t find_column(const std::string& name, const Format& format, const FirstRow& first,
-                        const std::string& pointer) {
-  return format.has_header ? index_in_header(name, first, pointer) : index_by_number(name, first, pointer);
-}
-
-Missing read_missing(const Value& column) {
-  Missing missing;
-  const Value* list = member(column, "missing");
-  if (!list) return missing;
-  for (const auto& element : list->elements) {
-    double number = 0;
-    missing.texts.push_back(element.text);
-    if (parse_number(element.text, number) != CellFault::none) continue;
-    if (std::isnan(number)) {
-      missing.has_nan = true;
-    } else {
-      missing.numbers.push_back(number);
-    }
-  }
-  return missing;
-}
-
 Format read_format(const Parameters& parameters) {
   Format format;
   format.path = parameters.text("path");
@@ -158,6 +69,9 @@ Format read_format(const Parameters& parameters) {
   format.delimiter = delimiter[0];
   format.comment = parameters.text("comment");
   format.has_header = parameters.boolean("header");
+  format.has_decimal_comma = parameters.has("decimal") && parameters.text("decimal") == ",";
+  if (format.has_decimal_comma && format.delimiter == ',')
+    throw ComponentError("decimal commas need another delimiter than \",\": \";\", \"\\t\" or \" \"", "/decimal");
   return format;
 }
 
@@ -209,43 +123,55 @@ std::int64_t nanoseconds_of(const Value& unit) {
   return whole;
 }
 
+/// Where labels are no plain numbers.
+void read_calendar(const Parameters& parameters, const Parameters& time, const FirstRow& first, Layout& layout) {
+  using Form = CalendarTime::Form;
+  const bool is_iso = time.has("format") && time.text("format") == "iso8601";
+  const bool has_date = time.has("date_column"), has_week = time.has("week_column");
+  const auto refuse_if = [](bool is_wrong, const std::string& message, const std::string& pointer) {
+    if (is_wrong) throw ComponentError(message, pointer);
+  };
+  refuse_if(is_iso && (has_date || has_week), "a time of ISO 8601 has its date, and needs no other column",
+            has_date ? "/time/date_column" : "/time/week_column");
+  refuse_if(has_date && has_week, "there is 'date_column' too: a time is of a day or of a week", "/time/week_column");
+  const bool is_calendar = is_iso || has_date, counts = is_calendar || has_week;
+  refuse_if(time.has("zone") && !is_calendar,
+            "a zone belongs to calendar times, which need \"format\": \"iso8601\" or a 'date_column'", "/time/zone");
+  for (const char* key : {"week", "epoch", "leap_seconds"})
+    refuse_if(
+        parameters.has(key) && !counts,
+        "it says where time is zero for calendar times and GPS weeks; here labels are plain numbers: see 'offset'",
+        std::string("/") + key);
+  if (!counts) return;
+  refuse_if(is_calendar && layout.time_unit != nanoseconds_per_second, "calendar times have no unit", "/time/unit");
+  CalendarTime calendar(civil_time::UtcClock{parameters});
+  calendar.form = is_iso ? Form::instant : has_date ? Form::date_and_time : Form::week_and_seconds;
+  if (time.has("zone")) calendar.zone = time.time("zone");
+  if (!is_iso) {
+    const char* const key = has_date ? "date_column" : "week_column";
+    calendar.other_name = time.text(key);
+    calendar.other = find_column(calendar.other_name, layout.format, first, std::string("/time/") + key);
+    refuse_if(calendar.other == layout.time.index, "it is the column of times too", std::string("/time/") + key);
+  }
+  const std::string order = time.has("date_order") ? time.text("date_order") : "ymd";
+  calendar.order = order == "dmy"   ? civil_time::DateOrder::dmy
+                   : order == "mdy" ? civil_time::DateOrder::mdy
+                                    : civil_time::DateOrder::ymd;
+  layout.calendar = calendar;
+}
+
 void read_time(const Parameters& parameters, const FirstRow& first, Layout& layout) {
   layout.time.name = layout.format.has_header ? first.cells.front() : "1";
-  if (!parameters.has("time")) return;
-  for (const auto& [key, value] : parameters.members("time")) {
-    if (value.type == Value::Type::absent) continue;
-    if (key == "column") {
-      layout.time.name = value.text;
-      layout.time.index = find_column(value.text, layout.format, first, "/time/column");
-    } else if (key == "unit") {
-      layout.time_unit = nanoseconds_of(value);
-    } else if (key == "offset") {
-      layout.time_offset = value.integer;
-    }
+  const Parameters time = parameters.has("time") ? parameters.object("time") : Parameters();
+  if (parameters.has("time"))
+    for (const auto& [key, value] : parameters.members("time"))
+      if (key == "unit" && value.type != Value::Type::absent) layout.time_unit = nanoseconds_of(value);
+  if (time.has("column")) {
+    layout.time.name = time.text("column");
+    layout.time.index = find_column(layout.time.name, layout.format, first, "/time/column");
   }
-}
-
-FieldKind kind_of(const std::string& text) {
-  return text == "rate" ? FieldKind::rate : text == "increment" ? FieldKind::increment : FieldKind::level;
-}
-
-FieldSpec read_column(const std::string& field, const Value& value, const FirstRow& first, Layout& layout) {
-  const Value* unit = member(value, "unit");
-  const Value* name = member(value, "column");
-  const Value* kind = member(value, "kind");
-  Column column;
-  column.name = name ? name->text : field;
-  column.index = find_column(column.name, layout.format, first, "/columns/" + escaped(field) + "/column");
-  column.scale = unit->number;
-  column.missing = read_missing(value);
-  FieldSpec spec;
-  spec.name = field;
-  spec.unit = unit->text;
-  spec.kind = kind ? kind_of(kind->text) : FieldKind::level;
-  spec.text = "column " + column.name;
-  layout.has_intervals |= spec.kind != FieldKind::level;
-  layout.columns.push_back(std::move(column));
-  return spec;
+  if (time.has("offset")) layout.time_offset = time.time("offset");
+  read_calendar(parameters, time, first, layout);
 }
 
 void read_window(const Parameters& parameters, Layout& layout) {
@@ -265,8 +191,11 @@ ComponentSpec CsvSource::spec() {
   spec.summary = "recorded samples from delimited text, plain or gzipped";
   spec.source = "RFC 4180 (text/csv), RFC 1952 (gzip)";
   spec.parameters.push_back(parameter::path("path").required().about("the file; gzip is recognized by its content"));
-  spec.parameters.push_back(
-      parameter::map("columns", column_spec()).required().about("fields of the channel and the columns they stand in"));
+  spec.parameters.push_back(parameter::map("columns", column_spec())
+                                .defaults("{}")
+                                .about("fields of the channel and the columns they stand in"));
+  spec.parameters.push_back(local_spec());
+  spec.parameters.push_back(parameter::origin());
   spec.parameters.push_back(time_spec());
   spec.parameters.push_back(
       parameter::time("interval")
@@ -277,9 +206,15 @@ ComponentSpec CsvSource::spec() {
       "and increments ten times the median step, else none"));
   spec.parameters.push_back(parameter::list("window", parameter::time("time"))
                                 .about("[from, to], after the offset: only samples inside are read"));
+  spec.parameters.push_back(parameter::integer("every").at_least(1).at_most(1'000'000).defaults("1").about(
+      "so many samples become one: of levels the first of them; rates are averaged, increments summed"));
+  for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.parameters.push_back(parameter::text("delimiter")
                                 .defaults("\",\"")
                                 .about("character between cells; \" \" stands for any run of blanks"));
+  spec.parameters.push_back(parameter::choice("decimal", {".", ","})
+                                .defaults("\".\"")
+                                .about("what stands before the fraction of numbers; a comma needs another delimiter"));
   spec.parameters.push_back(
       parameter::text("comment").defaults("\"#\"").about("lines that begin with it are skipped; \"\": none"));
   spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
@@ -315,6 +250,7 @@ CsvSource::CsvSource(const Binding& binding) {
   ChannelDeclaration channel;
   for (const auto& [field, value] : parameters.members("columns"))
     channel.fields.push_back(read_column(field, value, first, layout_));
+  read_local(parameters, first, layout_, channel.fields);
   if (channel.fields.empty()) throw ComponentError("no field is named", "/columns");
   if (parameters.has("rows")) {
     read_rows(parameters, channel, layout_);
@@ -328,9 +264,10 @@ CsvSource::CsvSource(const Binding& binding) {
   }
   if (parameters.has("max_gap")) layout_.max_gap = parameters.time("max_gap");
   read_window(parameters, layout_);
+  if (parameters.has("every")) layout_.every = static_cast<int>(parameters.integer("every"));
   layout_.on_invalid = parameters.text("invalid_rows") == "skip" ? OnInvalid::skip : OnInvalid::error;
   if (layout_.has_intervals)
-    channel.max_interval = layout_.interval.value_or(layout_.max_gap.value_or(nanoseconds_per_second));
+    channel.max_interval = layout_.every * layout_.interval.value_or(layout_.max_gap.value_or(nanoseconds_per_second));
   channel_ = declaration_.emits(std::move(channel));
   next_ = declaration_.keeps<std::uint64_t>();
 }

@@ -10,6 +10,7 @@
 
 #include "binnacle/parameters.hpp"
 #include "cells.hpp"
+#include "decimation.hpp"
 #include "text/text_file.hpp"
 
 namespace binnacle::csv {
@@ -70,11 +71,19 @@ struct RowFault {
   explicit operator bool() const { return code != nullptr; }
 };
 
+/// "12,5" between other delimiters.
+std::string comma_hint(std::string_view cell) {
+  const std::size_t comma = cell.find(',');
+  const bool may_be_decimal = comma != cell.npos && cell.find_first_not_of("+-0123456789,eE") == cell.npos &&
+                              cell.find(',', comma + 1) == cell.npos;
+  return may_be_decimal ? "; for decimal commas set \"decimal\": \",\"" : "";
+}
+
 std::string describe(CellFault fault, std::string_view cell, const char* limits) {
   switch (fault) {
     case CellFault::empty: return " is empty";
     case CellFault::out_of_range: return ": " + quoted(cell) + " is beyond " + limits;
-    default: return ": " + quoted(cell) + " is not a number";
+    default: return ": " + quoted(cell) + " is not a number" + comma_hint(cell);
   }
 }
 
@@ -83,6 +92,12 @@ bool is_missing(const Missing& missing, std::string_view cell, CellFault fault, 
   if (fault != CellFault::none) return false;
   if (std::isnan(value)) return missing.has_nan;
   return std::find(missing.numbers.begin(), missing.numbers.end(), value) != missing.numbers.end();
+}
+
+/// Without an offset a zero keeps its sign.
+double in_si(double value, const Column& column) {
+  const double scaled = value * column.scale;
+  return column.offset == 0 ? scaled : scaled + column.offset;
 }
 
 class TableReader {
@@ -112,6 +127,7 @@ class TableReader {
     report_skipped();
     require_samples();
     set_intervals();
+    if (layout_.every > 1) thin_out(layout_, table_);
     return std::move(table_);
   }
 
@@ -172,14 +188,37 @@ class TableReader {
     return {};
   }
 
-  RowFault take_time(Time& label) {
+  RowFault read_label(Time& label) {
     const std::string_view cell = cells_[layout_.time.index];
-    CellFault fault = parse_time(cell, layout_.time_unit, label);
+    const bool has_comma = layout_.format.has_decimal_comma;
+    CellFault fault = CellFault::none;
+    if (layout_.calendar) {
+      const CalendarTime& calendar = *layout_.calendar;
+      const bool is_number = calendar.form == CalendarTime::Form::week_and_seconds;
+      std::string flaw = calendar.read(is_number && has_comma ? with_point(cell) : cell, layout_.time.name,
+                                       cells_[calendar.other], layout_.time_unit, label);
+      if (!flaw.empty()) return {"B062", std::move(flaw)};
+    } else {
+      fault = parse_time(has_comma ? with_point(cell) : cell, layout_.time_unit, label);
+    }
     Time shifted = 0;
     if (fault == CellFault::none && __builtin_add_overflow(label, layout_.time_offset, &shifted))
       fault = CellFault::out_of_range;
     if (fault != CellFault::none)
       return {"B062", "time column '" + layout_.time.name + "'" + describe(fault, cell, "+-292 years")};
+    return {};
+  }
+
+  /// A number with a decimal comma as one with a point; one with a point is none ("1.234" may be a thousand).
+  std::string_view with_point(std::string_view cell) {
+    if (cell.find('.') != cell.npos) return "no number";
+    text_.assign(cell);
+    std::ranges::replace(text_, ',', '.');
+    return text_;
+  }
+
+  RowFault take_time(Time& label) {
+    if (RowFault fault = read_label(label)) return fault;
     if (label_min_ == no_time) label_min_ = label;
     label_max_ = std::max(label_max_, label);
     if (last_label_ != no_time && (layout_.rows ? label < last_label_ : label <= last_label_))
@@ -189,13 +228,14 @@ class TableReader {
   }
 
   RowFault take_values() {
+    const bool has_comma = layout_.format.has_decimal_comma;
     for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
       const Column& column = layout_.columns[i];
       const std::string_view cell = cells_[column.index];
       double value = 0;
-      const CellFault fault = parse_number(cell, value);
+      const CellFault fault = parse_number(has_comma ? with_point(cell) : cell, value);
       if (fault == CellFault::none && std::isfinite(value) && column.missing.numbers.empty()) {
-        row_[i] = value * column.scale;
+        row_[i] = in_si(value, column);
         continue;
       }
       if (is_missing(column.missing, cell, fault, value)) {
@@ -205,8 +245,10 @@ class TableReader {
       if (fault != CellFault::none)
         return {"B062", "column '" + column.name + "'" + describe(fault, cell, "the range of a double")};
       if (!std::isfinite(value)) return {"B064", "column '" + column.name + "' is " + std::string(cell)};
-      row_[i] = value * column.scale;
+      row_[i] = in_si(value, column);
     }
+    if (layout_.local && !layout_.local->turn(row_))
+      return {"B062", "the local position is more than 10 000 km from the origin"};
     return {};
   }
 
@@ -286,6 +328,7 @@ class TableReader {
   Reporter& reporter_;
   std::vector<std::string_view> cells_;
   std::vector<double> row_;
+  std::string text_;                          // a number with a point for its comma
   std::vector<int> lines_;                    // the first of each sample
   std::vector<std::pair<double, int>> keys_;  // of the sample under way, and their lines
   std::map<std::string, Skipped> skipped_;

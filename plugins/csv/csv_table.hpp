@@ -9,6 +9,8 @@
 
 #include "binnacle/source.hpp"
 #include "binnacle/time.hpp"
+#include "calendar_time.hpp"
+#include "local_columns.hpp"
 
 namespace binnacle::csv {
 
@@ -25,6 +27,7 @@ struct Format {
   char delimiter = ',';
   std::string comment;  // a line that begins with it is skipped; "": none is
   bool has_header = true;
+  bool has_decimal_comma = false;
   std::optional<Where> where;  // the header is always read
 };
 
@@ -47,7 +50,9 @@ struct Missing {
 struct Column {
   std::string name;  // as the header or the config calls it
   std::size_t index = 0;
-  double scale = 1;  // to SI
+  FieldKind kind = FieldKind::level;
+  double scale = 1;   // to SI
+  double offset = 0;  // SI, added afterwards
   Missing missing;
 };
 
@@ -64,7 +69,10 @@ struct Layout {
   Column time;                                      // scale unused
   std::int64_t time_unit = nanoseconds_per_second;  // ns
   Time time_offset = 0;
+  std::optional<CalendarTime> calendar;  // else labels are numbers
+  int every = 1;                         // samples that become one
   std::vector<Column> columns;
+  std::optional<LocalColumns> local;  // what the last of the columns become
   std::optional<RowLayout> rows;
   bool has_intervals = false;    // some column is a rate or increment
   std::optional<Time> interval;  // fixed; else from label to label

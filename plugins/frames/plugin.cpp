@@ -4,6 +4,7 @@
 
 #include "lever_arm.hpp"
 #include "lever_arm_velocity.hpp"
+#include "local_position.hpp"
 #include "mounted_attitude.hpp"
 #include "rotate_axes.hpp"
 
@@ -12,5 +13,7 @@ BINNACLE_PLUGIN("frames", "1.0.0", registry) {
   registry.add<LeverArm>();
   registry.add<LeverArmVelocity>();
   registry.add<MountedAttitude>();
+  registry.add<LocalFromGeodetic>();
+  registry.add<GeodeticFromLocal>();
   registry.add<RotateAxes>();
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "civil_time/iso8601.hpp"
+
 namespace binnacle::kitti {
 
 namespace {
@@ -83,22 +85,7 @@ std::string read_record(std::string_view line, OxtsRecord& record) {
 
 std::optional<civil_time::Utc> read_stamp(std::string_view line) {
   while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.remove_suffix(1);
-  if (line.size() < 19 || (line[10] != ' ' && line[10] != 'T')) return {};
-  std::string whole(line.substr(0, 19));
-  whole[10] = 'T';
-  const auto instant = civil_time::parse_instant(whole);
-  if (!instant) return {};
-  Time fraction = 0, place = nanoseconds_per_second / 10;
-  if (line.size() > 19) {
-    if (line[19] != '.') return {};
-    for (const char c : line.substr(20)) {
-      if (c < '0' || c > '9') return {};
-      fraction += (c - '0') * place;
-      place /= 10;
-    }
-  }
-  const auto day = civil_time::parse_day(line.substr(0, 10));
-  return civil_time::Utc{*day, *instant - civil_time::begin_of(*day) + fraction};
+  return civil_time::parse_utc(line);
 }
 
 }  // namespace binnacle::kitti

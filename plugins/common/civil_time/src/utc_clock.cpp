@@ -2,8 +2,9 @@
 #include "civil_time/utc_clock.hpp"
 
 #include <array>
-#include <charconv>
 #include <string>
+
+#include "civil_time/iso8601.hpp"
 
 namespace binnacle::civil_time {
 
@@ -42,37 +43,19 @@ Day day_of(Time since_1970) {
   return floor<days>(sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(since_1970)));
 }
 
-/// Of exactly this many digits; −1 where it is none.
-int number(std::string_view text, std::size_t at, std::size_t digits) {
-  int value = -1;
-  if (text.size() < at + digits) return -1;
-  const auto [rest, error] = std::from_chars(text.data() + at, text.data() + at + digits, value);
-  return error == std::errc() && rest == text.data() + at + digits ? value : -1;
-}
-
 }  // namespace
 
 std::optional<Day> parse_day(std::string_view text) {
-  if (text.size() != 10 || text[4] != '-' || text[7] != '-') return {};
-  const int y = number(text, 0, 4), m = number(text, 5, 2), d = number(text, 8, 2);
-  if (y < 1900 || y > 2200 || m < 0 || d < 0) return {};  // nanoseconds of others are too many
-  const year_month_day date{year(y), month(static_cast<unsigned>(m)), day(static_cast<unsigned>(d))};
-  if (!date.ok()) return {};
-  return Day(date);
+  if (text.size() != 10 || text[4] != '-') return {};
+  return parse_date(text);
 }
 
 std::optional<Time> parse_instant(std::string_view text) {
-  if (text.ends_with('Z')) text.remove_suffix(1);
-  const auto date = parse_day(text.substr(0, 10));
-  if (!date) return {};
-  const auto time = text.substr(std::min<std::size_t>(text.size(), 10));
-  if (time.empty()) return begin_of(*date);
-  const bool has_seconds = time.size() == 9;
-  if ((time.size() != 6 && !has_seconds) || time[0] != 'T' || time[3] != ':' || (has_seconds && time[6] != ':'))
-    return {};
-  const int h = number(time, 1, 2), m = number(time, 4, 2), s = has_seconds ? number(time, 7, 2) : 0;
-  if (h < 0 || h > 23 || m < 0 || m > 59 || s < 0 || s > 59) return {};
-  return begin_of(*date) + (h * 3600 + m * 60 + s) * second;
+  if (text.ends_with('Z') && text.size() == 11) text.remove_suffix(1);
+  if (const auto day = parse_day(text)) return begin_of(*day);
+  const auto utc = parse_utc(text);
+  if (!utc) return {};
+  return begin_of(utc->day) + utc->of_day;
 }
 
 std::vector<ParameterSpec> UtcClock::parameters() {

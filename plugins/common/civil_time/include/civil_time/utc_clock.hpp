@@ -17,7 +17,7 @@ using Day = std::chrono::sys_days;
 
 /// "2026-11-23"; empty where it is no day of the calendar, or none from 1900 to 2200.
 std::optional<Day> parse_day(std::string_view text);
-/// "2026-11-23T12:00:00Z", also without seconds, time or Z: nanoseconds of UTC since 1970.
+/// "2026-11-23T12:00:00Z", or another form of parse_utc(), also without time or Z: nanoseconds of UTC since 1970.
 std::optional<Time> parse_instant(std::string_view text);
 
 /// Days and weeks of GPS time begin here.

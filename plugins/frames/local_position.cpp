@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_position.hpp"
+
+#include <cmath>
+
+namespace binnacle::frames {
+
+namespace {
+
+using field::level;
+
+const char* const sources =
+    "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 2.1";
+
+std::vector<FieldSpec> geodetic_fields() {
+  return {level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
+          level("height", "m").about("above the ellipsoid")};
+}
+FieldSpec velocity_field(const char* name, const char* text) { return level(name, "m/s").optional().about(text); }
+
+}  // namespace
+
+ComponentSpec LocalFromGeodetic::spec() {
+  ComponentSpec spec;
+  spec.type = "local_from_geodetic";
+  spec.summary = "Positions of a channel in local north, east, down of an origin.";
+  spec.source = sources;
+  spec.parameters = {parameter::origin()};
+  auto fields = geodetic_fields();
+  fields.push_back(velocity_field("vn", "north of the place"));
+  fields.push_back(velocity_field("ve", "east of the place"));
+  fields.push_back(velocity_field("vd", "down of the place"));
+  spec.inputs = {input("geodetic", std::move(fields)).about("the track")};
+  spec.example = R"json({"input": "truth", "origin": {"lat": "49.01 deg", "lon": "8.43 deg", "height": "115 m"}})json";
+  return spec;
+}
+
+LocalFromGeodetic::LocalFromGeodetic(const Binding& binding)
+    : axes_(local_axes_of(binding.parameters(), "local coordinates")) {
+  const Input track = binding.input("geodetic");
+  position_ = binding.fields(track, "lat", "lon", "height");
+  velocity_ = binding.fields(track, "vn", "ve", "vd");
+  ChannelDeclaration channel;
+  local_position_ = channel.carries(level("north", "m").about("of the origin"), level("east", "m"), level("down", "m"),
+                                    level("up", "m").about("-down"));
+  local_velocity_ = channel.carries(level("v_north", "m/s").about("along the origin's axes"), level("v_east", "m/s"),
+                                    level("v_down", "m/s"));
+  channel_ = declaration_.emits(std::move(channel));
+}
+
+void LocalFromGeodetic::on(const TransformInput& in, Emitter& emitter) const {
+  const Eigen::Vector3d lla = in.sample[position_];
+  SampleWriter& out = emitter.on(channel_);
+  out.t = in.sample.t;
+  const Eigen::Vector3d p_l = axes_.ned_from_lla(lla);
+  out[local_position_] << p_l, -p_l[2];
+  if (velocity_.is_bound()) out[local_velocity_] = axes_.C_nl(lla).transpose() * Eigen::Vector3d(in.sample[velocity_]);
+  emitter.emit(channel_);
+}
+
+ComponentSpec GeodeticFromLocal::spec() {
+  ComponentSpec spec;
+  spec.type = "geodetic_from_local";
+  spec.summary = "Local positions of a channel as latitude, longitude and height: for a measurement or a reference.";
+  spec.source = sources;
+  spec.parameters = {parameter::origin()};
+  spec.inputs = {input("local", {level("north", "m").about("of the origin"), level("east", "m").about("of the origin"),
+                                 level("down", "m").optional().about("of the origin; or 'up'"),
+                                 level("up", "m").optional().about("instead of 'down'"),
+                                 velocity_field("v_north", "along the origin's axes"),
+                                 velocity_field("v_east", "along the origin's axes"),
+                                 velocity_field("v_down", "along the origin's axes")})
+                     .about("the track")};
+  spec.example = R"json({"input": "truth", "origin": {"lat": "49.01 deg", "lon": "8.43 deg", "height": "115 m"}})json";
+  return spec;
+}
+
+GeodeticFromLocal::GeodeticFromLocal(const Binding& binding)
+    : axes_(local_axes_of(binding.parameters(), "local coordinates")) {
+  const Input track = binding.input("local");
+  horizontal_ = binding.fields(track, "north", "east");
+  down_ = binding.fields(track, "down");
+  up_ = binding.fields(track, "up");
+  velocity_ = binding.fields(track, "v_north", "v_east", "v_down");
+  if (!down_.is_bound() && !up_.is_bound())
+    throw ComponentError("the channel has neither 'down' nor 'up': local axes are three", "/input");
+  ChannelDeclaration channel;
+  position_ =
+      channel.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
+                      level("height", "m").about("above the ellipsoid"));
+  geodetic_velocity_ =
+      channel.carries(level("vn", "m/s").about("north of the place"), level("ve", "m/s"), level("vd", "m/s"));
+  channel_ = declaration_.emits(std::move(channel));
+}
+
+void GeodeticFromLocal::on(const TransformInput& in, Emitter& emitter) const {
+  const Eigen::Vector2d horizontal = in.sample[horizontal_];
+  const double down = down_.is_bound() ? in.sample[down_][0] : -in.sample[up_][0];
+  const Eigen::Vector3d lla = axes_.lla_from_ned({horizontal[0], horizontal[1], down});
+  SampleWriter& out = emitter.on(channel_);
+  out.t = in.sample.t;
+  out[position_] = lla;
+  if (velocity_.is_bound()) out[geodetic_velocity_] = axes_.C_nl(lla) * Eigen::Vector3d(in.sample[velocity_]);
+  emitter.emit(channel_);
+}
+
+}  // namespace binnacle::frames
