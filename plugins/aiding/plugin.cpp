@@ -2,5 +2,9 @@
 // What the plugin `aiding` brings.
 #include "binnacle/plugin.hpp"
 #include "bearing.hpp"
+#include "range.hpp"
 
-BINNACLE_PLUGIN("aiding", "1.0.0", registry) { registry.add<binnacle::aiding::Bearing>(); }
+BINNACLE_PLUGIN("aiding", "1.0.0", registry) {
+  registry.add<binnacle::aiding::Bearing>();
+  registry.add<binnacle::aiding::Range>();
+}
