@@ -62,6 +62,7 @@ SensorKind body_velocity();
 SensorKind heading();
 SensorKind course();
 SensorKind attitude();
+SensorKind range();
 
 // ---- for those who write one
 

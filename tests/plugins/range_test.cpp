@@ -98,7 +98,7 @@ TEST_CASE("range: what the config knows of a bias is taken off, and one block ma
   const auto model = bind<Range>(
       {{{"sigma", 0.1}, {"anchors", three}}, {{"position", &position}, {"bias", &bias}}, without({"range", "anchor"})});
   // In a plane, at down 0: the anchor stands 4 m above it.
-  const PortStates ports{{&position, {33, 0}, 1.0, 1e-9}, {&bias, {0.25}, 0.1, 1e-9}};
+  const PortStates ports{{&position, {33, 0}, 0.1, 1e-9}, {&bias, {0.25}, 0.1, 1e-9}};
   const Rows sample({{{"range", 6}, {"anchor", 107}}});
   Complaints out;
   const Measured m = linearize(*model, sample, ports, {}, out);
