@@ -9,6 +9,8 @@
 #include "heading.hpp"
 #include "height.hpp"
 #include "magnetometer.hpp"
+#include "range.hpp"
+#include "range_difference.hpp"
 
 BINNACLE_PLUGIN("aiding", "1.1.0", registry) {
   using namespace binnacle::aiding;
@@ -19,4 +21,6 @@ BINNACLE_PLUGIN("aiding", "1.1.0", registry) {
   registry.add<Heading>();
   registry.add<Height>();
   registry.add<Magnetometer>();
+  registry.add<Range>();
+  registry.add<RangeDifference>();
 }

@@ -13,7 +13,7 @@ namespace binnacle::aiding_simulator {
 
 std::vector<SensorKind> sensor_kinds() {
   std::vector<SensorKind> kinds;
-  for (SensorKind (*const kind)() : {magnetometer, height, body_velocity, heading, course, attitude})
+  for (SensorKind (*const kind)() : {magnetometer, height, body_velocity, heading, course, attitude, range})
     kinds.push_back(kind());
   return kinds;
 }

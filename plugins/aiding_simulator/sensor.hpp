@@ -2,6 +2,7 @@
 // What a simulated sensor is: its parameters, its channel, its slow errors, its reading.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -42,6 +43,11 @@ class Noise {
     const double x = next(), y = next(), z = next();
     return {x, y, z};
   }
+  /// An exponential deviate of this mean with the probability `share`, else 0. Two draws.
+  double exponential(double mean, double share) {
+    const double chance = random::uniform(stream_), deviate = -mean * std::log(1 - random::uniform(stream_));
+    return chance < share ? size_ * deviate : 0.0;
+  }
 
  private:
   random::Philox& stream_;
@@ -76,6 +82,7 @@ SensorKind body_velocity();
 SensorKind heading();
 SensorKind course();
 SensorKind attitude();
+SensorKind range();
 
 // ---- for those who write one
 

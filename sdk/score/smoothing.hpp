@@ -71,6 +71,7 @@ class Smoothing {
     Filter(const ScorePlan& plan, const SmoothingPlan& smoothing, Session& session);
     const SmoothingPlan& plan;
     const FilterInfo& info;
+    const LocalColumns local;
     std::unique_ptr<smooth::SmoothedFilter> backward;  // of a fixed interval
     std::unique_ptr<smooth::FixedLag> lag;
     std::unique_ptr<FilterScore> score;
