@@ -2,7 +2,6 @@
 // A velocity in body axes: a Doppler log, a wheel.
 #include <cmath>
 
-#include "random/normal.hpp"
 #include "sensor.hpp"
 #include "strapdown/rotation.hpp"
 
@@ -32,14 +31,14 @@ class BodyVelocity final : public Sensor {
             {"mount_z", "rad", "about z", misalignment_[2]}};
   }
   bool needs_rates() const override { return !lever_arm_.isZero(0.0); }
-  void measure(const Truth& truth, std::span<const double> e, random::Philox& noise, SampleWriter& out) const override {
+  void measure(const Truth& truth, std::span<const double> e, Noise& noise, SampleWriter& out) const override {
     const Vector3d v_b = truth.C_nb.transpose() * velocity_at(truth, lever_arm_);
     const Vector3d zeta(e[1], e[2], e[3]);
     const Vector3d v = (1 + e[0]) * strapdown::dcm_from_quaternion(strapdown::quaternion_exp(zeta)) * v_b;
-    const auto n = random::normal3(noise);
+    const Vector3d n = noise.next3();
     Vector3d reading = v;
     const double by_speed = relative_ * v.norm();
-    for (int i = 0; i < 3; ++i) reading[i] += std::hypot(noise_[i], by_speed) * n[static_cast<std::size_t>(i)];
+    for (int i = 0; i < 3; ++i) reading[i] += std::hypot(noise_[i], by_speed) * n[i];
     out[v_] = reading;
   }
 

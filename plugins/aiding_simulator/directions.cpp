@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "random/normal.hpp"
 #include "sensor.hpp"
 #include "strapdown/rotation.hpp"
 
@@ -26,9 +25,9 @@ class Heading final : public Sensor {
     heading_ = channel.carries(field::level("heading", "rad").about("of the baseline, clockwise from north"));
   }
   std::vector<SlowError> errors() const override { return {bias_}; }
-  void measure(const Truth& truth, std::span<const double> e, random::Philox& noise, SampleWriter& out) const override {
+  void measure(const Truth& truth, std::span<const double> e, Noise& noise, SampleWriter& out) const override {
     const Vector3d u = truth.C_nb * baseline_;
-    out[heading_] = wrapped(std::atan2(u[1], u[0]) + e[0] + noise_ * random::normal(noise));
+    out[heading_] = wrapped(std::atan2(u[1], u[0]) + e[0] + noise_ * noise.next());
   }
 
  private:
@@ -46,8 +45,8 @@ class Course final : public Sensor {
     course_ = channel.carries(field::level("course", "rad").about("over ground, clockwise from north"));
   }
   std::vector<SlowError> errors() const override { return {}; }
-  void measure(const Truth& truth, std::span<const double>, random::Philox& noise, SampleWriter& out) const override {
-    const double north = random::normal(noise), east = random::normal(noise);
+  void measure(const Truth& truth, std::span<const double>, Noise& noise, SampleWriter& out) const override {
+    const double north = noise.next(), east = noise.next();
     out[course_] = std::atan2(truth.v_n[1] + velocity_noise_ * east, truth.v_n[0] + velocity_noise_ * north);
   }
 
@@ -66,9 +65,9 @@ class Attitude final : public Sensor {
                               field::level("yaw", "rad").about("clockwise from north"));
   }
   std::vector<SlowError> errors() const override { return {}; }
-  void measure(const Truth& truth, std::span<const double>, random::Philox& noise, SampleWriter& out) const override {
-    const auto n = random::normal3(noise);
-    const Vector3d turn = noise_.cwiseProduct(Vector3d(n[0], n[1], n[2]));
+  void measure(const Truth& truth, std::span<const double>, Noise& noise, SampleWriter& out) const override {
+    const Vector3d n = noise.next3();
+    const Vector3d turn = noise_.cwiseProduct(n);
     out[angles_] =
         strapdown::euler_from_quaternion(strapdown::attitude_plus(strapdown::quaternion_from_dcm(truth.C_nb), turn));
   }

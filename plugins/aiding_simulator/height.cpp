@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // A barometer, as a height.
-#include "random/normal.hpp"
 #include "sensor.hpp"
 
 namespace binnacle::aiding_simulator {
@@ -22,9 +21,9 @@ class Height final : public Sensor {
   std::vector<SlowError> errors() const override {
     return {bias_, {"scale", "1", "scale factor error of the height over the reference", scale_}};
   }
-  void measure(const Truth& truth, std::span<const double> e, random::Philox& noise, SampleWriter& out) const override {
+  void measure(const Truth& truth, std::span<const double> e, Noise& noise, SampleWriter& out) const override {
     const double h = position_at(truth, lever_arm_)[2];
-    out[height_] = h + e[0] + e[1] * (h - reference_) + noise_ * random::normal(noise);
+    out[height_] = h + e[0] + e[1] * (h - reference_) + noise_ * noise.next();
   }
 
  private:

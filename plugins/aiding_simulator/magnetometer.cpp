@@ -2,7 +2,6 @@
 // A magnetometer of three axes.
 #include <cmath>
 
-#include "random/normal.hpp"
 #include "sensor.hpp"
 
 namespace binnacle::aiding_simulator {
@@ -35,9 +34,9 @@ class Magnetometer final : public Sensor {
     for (const char* name : {"sxy", "sxz", "syz"}) all.push_back({name, "1", "soft iron across axes", cross_axis_});
     return all;
   }
-  void measure(const Truth& truth, std::span<const double> e, random::Philox& noise, SampleWriter& out) const override {
+  void measure(const Truth& truth, std::span<const double> e, Noise& noise, SampleWriter& out) const override {
     const Vector3d m = truth.C_nb.transpose() * field_n_;
-    const auto n = random::normal3(noise);
+    const Vector3d n = noise.next3();
     out[b_] = Vector3d(m[0] + e[3] * m[0] + e[6] * m[1] + e[7] * m[2] + e[0] + noise_[0] * n[0],
                        m[1] + e[6] * m[0] + e[4] * m[1] + e[8] * m[2] + e[1] + noise_[1] * n[1],
                        m[2] + e[7] * m[0] + e[8] * m[1] + e[5] * m[2] + e[2] + noise_[2] * n[2]);

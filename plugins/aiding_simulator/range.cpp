@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "binnacle/geodesy.hpp"
-#include "random/normal.hpp"
 #include "sensor.hpp"
 
 namespace binnacle::aiding_simulator {
@@ -49,16 +48,15 @@ class Range final : public Sensor {
       errors.push_back({"bias_" + anchor.name, "m", "what ranges to anchor " + anchor.name + " have too much", bias_});
     return errors;
   }
-  void measure(const Truth& truth, std::span<const double> e, random::Philox& noise, SampleWriter& out) const override {
+  void measure(const Truth& truth, std::span<const double> e, Noise& noise, SampleWriter& out) const override {
     const Vector3d r = geodesy::ecef_from_lla(position_at(truth, lever_arm_));
     out.rows = 0;
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
-      const double white = noise_ * random::normal(noise), chance = random::uniform(noise);
-      const double detour = -detour_ * std::log(1 - random::uniform(noise));
+      const double white = noise_ * noise.next(), detour = noise.exponential(detour_, anchors_[i].blocked);
       const double range = (r - anchors_[i].r).norm();
       if (range > reach_) continue;
       out(out.rows, anchor_) = anchors_[i].key;
-      out(out.rows, range_) = range + e[i] + white + (chance < anchors_[i].blocked ? detour : 0.0);
+      out(out.rows, range_) = range + e[i] + white + detour;
       ++out.rows;
     }
   }

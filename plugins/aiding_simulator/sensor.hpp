@@ -2,6 +2,7 @@
 // What a simulated sensor is: its parameters, its channel, its slow errors, its reading.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,7 +15,7 @@
 #include "binnacle/parameters.hpp"
 #include "binnacle/sample.hpp"
 #include "binnacle/spec.hpp"
-#include "random/philox.hpp"
+#include "random/normal.hpp"
 
 namespace binnacle::aiding_simulator {
 
@@ -33,6 +34,26 @@ struct SlowError {
   double constant = 0, wandering = 0, tau = 1;
 };
 
+/// White noise: deviates of N(0, 1), or zeros where everything is perfect. Streams are used alike in both.
+class Noise {
+ public:
+  Noise(random::Philox& stream, bool is_perfect) : stream_(stream), size_(is_perfect ? 0 : 1) {}
+  double next() { return size_ * random::normal(stream_); }
+  Eigen::Vector3d next3() {
+    const double x = next(), y = next(), z = next();
+    return {x, y, z};
+  }
+  /// An exponential deviate of this mean with the probability `share`, else 0. Two draws.
+  double exponential(double mean, double share) {
+    const double chance = random::uniform(stream_), deviate = -mean * std::log(1 - random::uniform(stream_));
+    return chance < share ? size_ * deviate : 0.0;
+  }
+
+ private:
+  random::Philox& stream_;
+  double size_;
+};
+
 /// Immutable once it is declared. All that changes is handed in.
 class Sensor {
  public:
@@ -43,8 +64,7 @@ class Sensor {
   /// Without it `Truth::omega_ib_b` may be NaN.
   virtual bool needs_rates() const { return false; }
   /// A reading. `errors`: as errors() lists them, at this instant. As many deviates are drawn whatever their sizes.
-  virtual void measure(const Truth& truth, std::span<const double> errors, random::Philox& noise,
-                       SampleWriter& out) const = 0;
+  virtual void measure(const Truth& truth, std::span<const double> errors, Noise& noise, SampleWriter& out) const = 0;
 };
 
 /// A kind of sensor that the simulator may have.

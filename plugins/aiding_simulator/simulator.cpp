@@ -37,6 +37,7 @@ ComponentSpec AidingSimulator::spec() {
       "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., sections 6.1.1, "
       "6.2.1 and 6.5";
   for (SensorKind& kind : sensor_kinds()) spec.parameters.push_back(std::move(kind.spec));
+  spec.parameters.push_back(parameter::boolean("perfect").defaults("false").about("no errors at all"));
   spec.inputs = {
       input("truth",
             {field::level("lat", "rad").about("geodetic latitude"), field::level("lon", "rad").about("longitude"),
@@ -53,7 +54,7 @@ ComponentSpec AidingSimulator::spec() {
   return spec;
 }
 
-AidingSimulator::AidingSimulator(const Binding& binding) {
+AidingSimulator::AidingSimulator(const Binding& binding) : is_perfect_(binding.parameters().boolean("perfect")) {
   const Input input = binding.input("truth");
   position_ = binding.fields(input, "lat", "lon", "height");
   velocity_ = binding.fields(input, "vn", "ve", "vd");
@@ -71,8 +72,10 @@ AidingSimulator::AidingSimulator(const Binding& binding) {
     ChannelDeclaration channel(kind.name);
     sensor->declare(channel);
     Part part{kind.name, nullptr, own.time("every"), sensor->errors(), errors, declaration_.emits(std::move(channel))};
-    for (const SlowError& error : part.errors)
+    for (SlowError& error : part.errors) {
+      if (is_perfect_) error.constant = error.wandering = 0;
       error_fields_.push_back(truth.carries(field::level(part.name + "_" + error.name, error.unit).about(error.text)));
+    }
     errors += part.errors.size();
     part.sensor = std::move(sensor);
     parts_.push_back(std::move(part));
@@ -138,7 +141,8 @@ void AidingSimulator::on(const TransformInput& in, Emitter& emitter) const {
     SampleWriter& out = emitter.on(part.channel);
     out.t = sample.t;
     const std::span<const double> errors = in.memory[values_];
-    part.sensor->measure(truth, errors.subspan(part.first_error, part.errors.size()), memory.noise, out);
+    Noise noise(memory.noise, is_perfect_);
+    part.sensor->measure(truth, errors.subspan(part.first_error, part.errors.size()), noise, out);
     emitter.emit(part.channel);
   }
 }

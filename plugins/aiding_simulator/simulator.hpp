@@ -37,6 +37,7 @@ class AidingSimulator final : public Transform {
   void advance(const MemoryView& bytes, double dt) const;
   void emit_errors(Time t, const MemoryView& bytes, Emitter& emitter) const;
 
+  bool is_perfect_;
   std::vector<Part> parts_;
   Fields<3> position_, velocity_, attitude_, rates_;
   OutputChannel truth_;
