@@ -31,9 +31,9 @@ std::vector<ParameterSpec> point_parameters() {
           number("x", "m").about("ECEF"),
           number("y", "m").about("ECEF"),
           number("z", "m").about("ECEF"),
-          number("north", "m").about("local"),
+          number("north", "m").about("local, from the origin"),
           number("east", "m").about("local"),
-          number("down", "m").about("local; may be left out where the sensor's place has two components: 0")};
+          number("down", "m").about("local; left out, it is 0, where the sensor's place is a vector of two")};
 }
 
 SensorPlace::SensorPlace(const Binding& binding, const char* port) : port_(binding.port(port)) {
@@ -44,19 +44,22 @@ SensorPlace::SensorPlace(const Binding& binding, const char* port) : port_(bindi
                              kind + "'",
                          std::string("/blocks/") + port);
   kind_ = *found;
+  if (binding.parameters().has("origin")) local_ = local_axes_of(binding.parameters(), "");
 }
 
 void SensorPlace::demand(PlaceKind given, const std::string& pointer) const {
-  if ((given == PlaceKind::local) == (kind_ == PlaceKind::local)) return;
-  throw ComponentError(given == PlaceKind::local
-                           ? "the point is local (north, east, down), the sensor's place is on the earth: give lat, "
-                             "lon, height or x, y, z"
-                           : "the sensor's place is local, the point is on the earth: give north, east, down",
-                       pointer);
+  if (local_ || (given == PlaceKind::local) == (kind_ == PlaceKind::local)) return;
+  const char* const who = given == PlaceKind::local ? "local points (north, east, down) for a place on the earth"
+                                                    : "points on the earth for a local place";
+  local_axes_of({}, who, pointer);  // throws: there is none
 }
 
 Eigen::Vector3d SensorPlace::bring(const Point& point) const {
-  return point.kind == PlaceKind::geodetic ? strapdown::ecef_from_lla(point.coordinates) : point.coordinates;
+  if (point.kind == PlaceKind::local)
+    return kind_ == PlaceKind::local ? point.coordinates : local_->ecef_from_ned(point.coordinates);
+  const Eigen::Vector3d r_e =
+      point.kind == PlaceKind::geodetic ? strapdown::ecef_from_lla(point.coordinates) : point.coordinates;
+  return kind_ == PlaceKind::local ? local_->ned_from_ecef(r_e) : r_e;
 }
 
 std::optional<Point> SensorPlace::read(const Parameters& object, const std::string& pointer) const {

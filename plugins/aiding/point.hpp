@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "binnacle/binding.hpp"
+#include "binnacle/local_axes.hpp"
 #include "binnacle/model_input.hpp"
 #include "binnacle/spec.hpp"
 #include "strapdown/place.hpp"
@@ -27,10 +28,11 @@ struct Point {
   Eigen::Vector3d coordinates;
 };
 
-/// The place of the sensor, by its port, and the axes that it brings: those of strapdown::cartesian().
+/// The place of the sensor, by its port, and the axes that it brings: those of strapdown::cartesian(). A local place is in
+/// north, east, down of parameter::origin(), which is needed only where a point is given in other coordinates.
 class SensorPlace {
  public:
-  /// Throws at `/blocks/PORT` for a block that is no place.
+  /// Throws at `/blocks/PORT` for a block that is no place. The component declares parameter::origin().
   SensorPlace(const Binding& binding, const char* port);
 
   Port port() const noexcept { return port_; }
@@ -50,6 +52,7 @@ class SensorPlace {
  private:
   Port port_;
   strapdown::PlaceKind kind_ = strapdown::PlaceKind::local;
+  std::optional<geodesy::LocalAxes> local_;
 };
 
 }  // namespace binnacle::aiding

@@ -29,7 +29,7 @@ ComponentSpec Range::spec() {
           .about("white noise of a range; not needed where each anchor or the channel (range_sigma, range_variance) "
                  "has one"),
       number("relative", "1").at_least(0).defaults("0").about("adds (relative * range)^2 to each variance"),
-      Anchors::parameter(),
+      Anchors::parameter(), parameter::origin(),
       integer("max_rows")
           .at_least(1)
           .at_most(256)

@@ -55,7 +55,7 @@ ComponentSpec RangeDifference::spec() {
           .about("white noise of one anchor's time of arrival, as a distance; a difference has twice the variance. Not "
                  "needed "
                  "where each of 'anchors' has one"),
-      Anchors::parameter(),
+      Anchors::parameter(), parameter::origin(),
       integer("reference").about("number of the anchor that is taken off, where the channel has no field 'reference'")};
   spec.ports = {reads("position", "*").about("of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
                 reads("bias", "vector:*:m")

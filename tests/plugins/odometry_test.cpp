@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Planar odometry: its way against the closed form, its signs, Φ by differences, and its noise by Monte Carlo.
+#include <array>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -32,22 +34,30 @@ nlohmann::json with(nlohmann::json json, const nlohmann::json& more) {
   return json;
 }
 
-/// One sample of speed and yaw rate that fills a step.
+const std::vector<std::string> of_body = {"left_speed", "right_speed"}, of_wheels = {"speed", "yaw_rate"};
+
+/// One sample of speed and yaw rate, or of two wheels, that fills a step.
 struct Sample {
-  Sample(double speed, double yaw_rate, double dt, bool bridges = false) : fields{speed, yaw_rate} {
+  struct Wheels {
+    double left, right;
+  };
+  Sample(double speed, double yaw_rate, double dt, bool bridges = false)
+      : Sample({speed, yaw_rate, NAN, NAN}, dt, bridges) {}
+  Sample(Wheels wheels, double dt) : Sample({NAN, NAN, wheels.left, wheels.right}, dt, false) {}
+  Sample(const std::array<double, 4>& all, double dt, bool bridges) : fields(all) {
     const Time t = nanoseconds(dt);
-    input = {0, t, dt, 0, t, fields, bridges};
+    input = {0, t, dt, 0, t, fields.data(), bridges};
     step = {0, t, dt, {&input, 1}, bridges};
   }
   Sample(const Sample&) = delete;
   Sample& operator=(const Sample&) = delete;
-  double fields[2];
+  std::array<double, 4> fields;
   InputSample input;
   Step step;
 };
 
 struct Bench {
-  explicit Bench(nlohmann::json parameters, bool in_ecef = false)
+  explicit Bench(nlohmann::json parameters, bool in_ecef = false, const std::vector<std::string>& lacks = of_body)
       : is_ecef(in_ecef),
         model(bind<PlanarOdometry>({std::move(parameters),
                                     is_ecef ? Ports{{"ecef_position", &ecef},
@@ -58,7 +68,7 @@ struct Bench {
                                                     {"heading", &heading},
                                                     {"scale", &scale},
                                                     {"yaw_rate_bias", &rate_bias}},
-                                    {}})),
+                                    lacks})),
         check(*model, PlanarOdometry::spec()) {}
 
   PortStates ports(double yaw, double s = 0, double b = 0, const Vector3d& lla = berlin) const {
@@ -121,6 +131,40 @@ TEST_CASE("odometry: signs of the turn, the bias, the scale and the earth's rate
   CHECK(std::abs(gyro.after(gyro.ports(1), Sample(0, rest, 100))[3] - 1) < 1e-9);
   const Bench turned(with(quiet, {{"earth_rate", false}}));
   CHECK(std::abs(turned.after(turned.ports(3.1), Sample(0, 0.1, 1))[3] - (3.2 - 2 * M_PI)) < 1e-12);
+}
+
+TEST_CASE("odometry: two wheels") {
+  const Bench bench(with(quiet, {{"track", 0.5}}), false, of_wheels);
+  // About the point between them: the left one forward turns it to the right. No earth's rate: wheels turn with the ground.
+  const auto right = bench.after(bench.ports(0), Sample(Sample::Wheels{0.1, -0.1}, 1));
+  CHECK(right[3] == Approx(0.4));
+  CHECK(right.head<3>().norm() < 1e-8);
+  // About the right one.
+  const auto about = bench.after(bench.ports(0), Sample(Sample::Wheels{M_PI / 4, 0}, 1));
+  CHECK(about[3] == Approx(M_PI / 2).margin(1e-7));
+  CHECK(about[0] == Approx(0.25).margin(1e-6));
+  CHECK(about[1] == Approx(0.25).margin(1e-6));
+  const Sample sample(Sample::Wheels{3, 2.8}, 0.2);
+  REQUIRE_NO_COMPLAINTS(bench.check.transition(bench.ports(0.7, 0.02, 0.01), sample.step, {}, {1e-6, 1e-9}));
+
+  const auto message = [](const nlohmann::json& parameters, const std::vector<std::string>& lacks) -> std::string {
+    try {
+      Bench(parameters, false, lacks);
+    } catch (const ComponentError& error) {
+      return error.pointer() + ": " + error.what();
+    }
+    return "";
+  };
+  CHECK(message(quiet, of_body).empty());
+  CHECK(message(quiet, {}).find("/fields: the input carries speed or yaw rate, and speeds of two wheels") == 0);
+  CHECK(message(quiet, {"yaw_rate", "left_speed", "right_speed"})
+            .find("/fields: the input carries no field for "
+                  "'yaw_rate'") == 0);
+  CHECK(message(quiet, {"speed", "yaw_rate", "left_speed"})
+            .find("/fields: the input carries no field for "
+                  "'left_speed'") == 0);
+  CHECK(message(quiet, of_wheels).find(": missing key 'track'") == 0);
+  CHECK(message(with(quiet, {{"track", 1}}), of_body).find("/track: 'track' is for the speeds of two wheels") == 0);
 }
 
 TEST_CASE("odometry: transition by differences, noise of a step is that of its parts") {
