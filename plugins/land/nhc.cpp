@@ -38,7 +38,7 @@ ComponentSpec Nhc::spec() {
       parameter::number("min_speed", "m/s").at_least(0).defaults("2").about("slower than this it is unsupported"),
       parameter::number("max_turn_rate", "rad/s").above(0).about("turning faster than this it is unsupported"),
       Spacing::parameter()};
-  spec.ports = VehicleVelocity::ports();
+  spec.ports = vehicle_ports();
   spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
   spec.example = R"json({"channel": "motion.moving", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment"}, "sigma": "0.2 m/s"})json";
@@ -87,9 +87,9 @@ Result Nhc::linearize(const MeasurementInput& in, MeasurementOutput& out) const 
     out.R(row, row) = variance[first_ + row];
   }
   if (rows_ == 2)
-    velocity_.write_jacobians<2>(value, yz, out.H);
+    velocity_.write_jacobians(value, yz, out.H);
   else
-    velocity_.write_jacobians<1>(value, yz.row(first_), out.H);
+    velocity_.write_jacobians(value, Eigen::RowVector3d(yz.row(first_)), out.H);
   return Result::ok();
 }
 

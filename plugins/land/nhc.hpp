@@ -9,7 +9,7 @@
 #include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"
 #include "spacing.hpp"
-#include "vehicle_velocity.hpp"
+#include "vehicle_ports.hpp"
 
 namespace binnacle::land {
 
@@ -23,7 +23,7 @@ class Nhc final : public MeasurementModel {
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  VehicleVelocity velocity_;
+  vehicle::VehicleVelocity velocity_;
   Spacing spacing_;
   DrivingRateVector<3> omega_;
   Eigen::Vector2d sigma_;                // m/s: y, z

@@ -23,7 +23,7 @@ ComponentSpec Odometer::spec() {
           .at_least(0)
           .defaults("0")
           .about("a sample of less is unsupported: many sensors report nothing of creeping")};
-  spec.ports = VehicleVelocity::ports();
+  spec.ports = vehicle_ports();
   spec.ports.push_back(reads("scale", "vector:1:1")
                            .optional()
                            .about("scale factor error s: the sensor reports (1 + s) times the speed"));
@@ -58,7 +58,7 @@ Result Odometer::linearize(const MeasurementInput& in, MeasurementOutput& out) c
   out.rows = 1;
   out.residual[0] = speed - factor * forward;
   out.R(0, 0) = sigma_ * sigma_ + relative_ * speed * relative_ * speed;
-  velocity_.write_jacobians<1>(value, Eigen::RowVector3d(factor, 0, 0), out.H);
+  velocity_.write_jacobians(value, Eigen::RowVector3d(factor, 0, 0), out.H);
   if (const MatrixView H = out.H[scale_]) H(0, 0) = forward;
   return Result::ok();
 }

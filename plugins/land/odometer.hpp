@@ -4,7 +4,7 @@
 
 #include "binnacle/measurement_model.hpp"
 #include "binnacle/spec.hpp"
-#include "vehicle_velocity.hpp"
+#include "vehicle_ports.hpp"
 
 namespace binnacle::land {
 
@@ -17,7 +17,7 @@ class Odometer final : public MeasurementModel {
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  VehicleVelocity velocity_;
+  vehicle::VehicleVelocity velocity_;
   Port scale_;
   Field speed_;
   double sigma_;      // m/s

@@ -67,6 +67,11 @@ ComponentSpec PlanarOdometry::spec() {
           .defaults("true")
           .about("the yaw rate is a gyroscope's, and has the earth's in it; false: it is made of wheel speeds"));
   spec.parameters.push_back(
+      number("track", "m")
+          .above(0)
+          .plausible(1e-3, 100)
+          .about("from the left to the right wheel, where the channel has the speeds of two wheels"));
+  spec.parameters.push_back(
       object(
           "bridge",
           {number("acceleration", "m/s^2").at_least(0).defaults("1").about("how fast the speed may change meanwhile"),
@@ -78,8 +83,10 @@ ComponentSpec PlanarOdometry::spec() {
                 advances("heading", "heading").about("of the vehicle: where it rolls to"),
                 reads("scale", "vector:1:1").optional().about("s: a wheel sensor gives (1 + s) times the speed"),
                 reads("yaw_rate_bias", "vector:1:rad/s").optional().about("of the yaw rate, clockwise positive")};
-  spec.fields = {field::rate("speed", "m/s").about("forward positive"),
-                 field::rate("yaw_rate", "rad/s").about("of the vehicle; its sign: positive_turn")};
+  spec.fields = {field::rate("speed", "m/s").optional().about("forward positive"),
+                 field::rate("yaw_rate", "rad/s").optional().about("of the vehicle; its sign: positive_turn"),
+                 field::rate("left_speed", "m/s").optional().about("of the left wheel, instead of speed and yaw rate"),
+                 field::rate("right_speed", "m/s").optional().about("of the right wheel")};
   spec.example = R"json({"input": "car", "blocks": {"position": "position", "heading": "heading", "scale": "scale",
     "yaw_rate_bias": "bias"}, "speed_noise": "0.1 m/sqrt(s)", "yaw_rate_noise": "0.1 deg/sqrt(s)",
     "height_noise": "0.1 m/sqrt(m)", "distance_noise": "0.05 m/sqrt(m)"})json";
@@ -93,11 +100,7 @@ ComponentSpec PlanarOdometry::spec() {
 }
 
 PlanarOdometry::PlanarOdometry(const Binding& binding)
-    : heading_(binding.port("heading")),
-      scale_(binding.port("scale")),
-      bias_(binding.port("yaw_rate_bias")),
-      speed_(binding.field("speed")),
-      yaw_rate_(binding.field("yaw_rate")) {
+    : heading_(binding.port("heading")), scale_(binding.port("scale")), bias_(binding.port("yaw_rate_bias")) {
   is_ecef_ = binding.port("ecef_position").is_bound();
   if (is_ecef_ == binding.port("position").is_bound())
     throw ComponentError("plug a block into one of the ports 'position' and 'ecef_position'", "/blocks");
@@ -105,6 +108,7 @@ PlanarOdometry::PlanarOdometry(const Binding& binding)
   const Parameters& parameters = binding.parameters();
   turn_ = parameters.text("positive_turn") == "clockwise" ? 1.0 : -1.0;
   feels_earth_ = parameters.boolean("earth_rate");
+  bind_input(binding);
   S_speed_ = squared(parameters.number("speed_noise"));
   S_distance_ = squared(parameters.number("distance_noise"));
   S_side_ = squared(parameters.number("side_noise"));
@@ -127,6 +131,34 @@ PlanarOdometry::PlanarOdometry(const Binding& binding)
   q_hh_ = declaration_.adds_noise(heading_, heading_);
 }
 
+void PlanarOdometry::bind_input(const Binding& binding) {
+  speed_ = binding.field("speed"), yaw_rate_ = binding.field("yaw_rate");
+  left_ = binding.field("left_speed"), right_ = binding.field("right_speed");
+  const bool has_body = speed_.is_bound() || yaw_rate_.is_bound(), has_wheels = left_.is_bound() || right_.is_bound();
+  if (has_body && has_wheels)
+    throw ComponentError("the input carries speed or yaw rate, and speeds of two wheels too: recognize one pair",
+                         "/fields");
+  const Field &first = has_wheels ? left_ : speed_, &second = has_wheels ? right_ : yaw_rate_;
+  if (!first.is_bound() || !second.is_bound())
+    throw ComponentError(std::string("the input carries no field for '") +
+                             (has_wheels ? (first.is_bound() ? "right_speed" : "left_speed")
+                                         : (first.is_bound() ? "yaw_rate" : "speed")) +
+                             "': it takes speed and yaw_rate, or left_speed and right_speed",
+                         "/fields");
+  if (has_wheels != binding.parameters().has("track"))
+    throw ComponentError(has_wheels ? "missing key 'track': how far the two wheels are apart"
+                                    : "'track' is for the speeds of two wheels, which the input does not carry",
+                         has_wheels ? "" : "/track");
+  if (!has_wheels) return;
+  track_ = binding.parameters().number("track");
+  feels_earth_ = false;
+}
+
+PlanarOdometry::Reading PlanarOdometry::read(const InputSample& sample) const {
+  if (track_ == 0) return {sample[speed_], turn_ * sample[yaw_rate_]};
+  return {(sample[left_] + sample[right_]) / 2, (sample[left_] - sample[right_]) / track_};
+}
+
 /// What a sample's step is made of.
 struct PlanarOdometry::Parts {
   Eigen::Vector3d lla;
@@ -145,9 +177,9 @@ struct PlanarOdometry::Moved {
 PlanarOdometry::Moved PlanarOdometry::move(const Pose& pose, double scale, double bias,
                                            const InputSample& sample) const {
   const Eigen::Vector3d lla = is_ecef_ ? strapdown::lla_from_ecef(pose.position) : pose.position;
-  const double speed = sample[speed_] / (1 + scale);
-  const double rate =
-      turn_ * sample[yaw_rate_] - bias + (feels_earth_ ? strapdown::wgs84::omega_ie * std::sin(lla[0]) : 0.0);
+  const Reading reading = read(sample);
+  const double speed = reading.speed / (1 + scale);
+  const double rate = reading.rate - bias + (feels_earth_ ? strapdown::wgs84::omega_ie * std::sin(lla[0]) : 0.0);
   Moved moved{{lla, Eigen::Matrix3d::Identity(), strapdown::radii(lla[0]), PlanarArc(pose.yaw, speed, rate, sample.dt),
                speed, rate, scale, sample.dt},
               {},
@@ -234,7 +266,8 @@ Result PlanarOdometry::propagate(const ProcessInput& in, ProcessOutput& out) con
   Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();
   for (const InputSample& sample : in.step.samples) {
     constexpr double fastest = 1e5, most_turn = 1e4;  // m/s, rad/s: in range for any vehicle, and for what follows
-    if (!(std::abs(sample[speed_]) < fastest && std::abs(sample[yaw_rate_]) < most_turn))
+    const Reading reading = read(sample);
+    if (!(std::abs(reading.speed) < fastest && std::abs(reading.rate) < most_turn))
       return Result::failed("speed or yaw rate is beyond that of any vehicle");
     Moved moved = move(pose, scale, bias, sample);
     if (out.phi || out.Qd) {

@@ -12,7 +12,8 @@ namespace binnacle::odometry {
 /// Speed z_v and yaw rate z_ω, means over the interval of the driving input, move the vehicle along an arc in the plane
 /// that touches the ellipsoid's normal at its place:
 ///     v = z_v / (1 + s)      ω = ±z_ω − b + Ω sin L      p⁺ = p ⊞ arc(ψ, v, ω, dt)      ψ⁺ = ψ + ω dt + east tan L/(R_t + h)
-/// s and b: ports `scale` and `yaw_rate_bias`. Ω sin L only with `earth_rate`. The last term is how north turns as one
+/// s and b: ports `scale` and `yaw_rate_bias`. Ω sin L only with `earth_rate`. Of two wheels, `track` apart, z_v is the mean of
+/// their speeds and z_ω = (left − right)/track; that turns with the ground, so there is no Ω sin L. The last term is how north turns as one
 /// goes east. The height stays.
 class PlanarOdometry final : public ProcessModel {
  public:
@@ -31,6 +32,13 @@ class PlanarOdometry final : public ProcessModel {
   using Jacobian = Eigen::Matrix<double, 4, 6>;
   struct Parts;
   struct Moved;
+  /// Speed forward [m/s] and yaw rate, clockwise [rad/s], as they are measured.
+  struct Reading {
+    double speed, rate;
+  };
+
+  void bind_input(const Binding& binding);
+  Reading read(const InputSample& sample) const;
 
   Moved move(const Pose& pose, double scale, double bias, const InputSample& sample) const;
   void differentiate(const Parts& parts, Moved& moved) const;
@@ -39,8 +47,9 @@ class PlanarOdometry final : public ProcessModel {
 
   Port position_, heading_, scale_, bias_;
   bool is_ecef_;
-  Field speed_, yaw_rate_;
-  double turn_;  // +1: a positive yaw rate is clockwise seen from above
+  Field speed_, yaw_rate_, left_, right_;
+  double track_ = 0;  // m, from wheel to wheel; 0: the channel has speed and yaw rate
+  double turn_;       // +1: a positive yaw rate is clockwise seen from above
   bool feels_earth_;
   double S_speed_, S_distance_, S_side_, S_height_, S_yaw_, S_turn_;  // squares of the parameters
   double bridge_acceleration_, bridge_rate_;                          // m/s², rad/s

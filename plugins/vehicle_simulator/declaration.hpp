@@ -21,7 +21,7 @@ struct Channels {
   } gnss;
   struct Truth {
     OutputChannel channel;
-    OutputFields<3> position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, accel_scale, misalignment;
+    OutputFields<3> position, velocity, attitude, gyro_bias, accel_bias, gyro_scale, accel_scale, misalignment, rates;
     OutputField speed, standing;
   } truth;
   struct Initial {

@@ -181,6 +181,7 @@ void VehicleSimulator::emit_truth(Memory& memory, SampleWriter& out) const {
   out[to.misalignment] = Eigen::Vector3d(memory.body.misalignment);
   out[to.speed] = speed;
   out[to.standing] = speed == 0.0 ? 1.0 : 0.0;
+  out[to.rates] = motion.omega_ib_b;
 }
 
 // The estimate is drawn so that truth = estimate ⊞ δ with δ ~ N(0, P₀), P₀ = diag(sigma²).

@@ -3,6 +3,7 @@
 #include "../../plugins/odometry/planar_odometry.hpp"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -38,19 +39,26 @@ const StateBlock& heading_kind() {
   return *block;
 }
 
+using Names = std::vector<std::string>;  // fields that a channel lacks
+const Names no_wheels = {"left_speed", "right_speed"}, no_body = {"speed", "yaw_rate"};
+
 /// A step of as many samples as speeds are given, all of one length.
 struct Drive {
+  enum Of { body, wheels };  // speed and yaw rate, or the left and the right wheel
   std::vector<double> numbers;
   std::vector<InputSample> samples;
   Step step;
-  Drive(const std::vector<Vector2d>& speed_and_rate, double dt) {
-    for (const Vector2d& each : speed_and_rate) numbers.insert(numbers.end(), {each[0], each[1]});
-    for (std::size_t i = 0; i < speed_and_rate.size(); ++i) {
+  Drive(const std::vector<Vector2d>& pairs, double dt, Of of = body) {
+    for (const Vector2d& each : pairs) {
+      numbers.insert(numbers.end(), {NAN, NAN, NAN, NAN});
+      (numbers.end() - 4 + 2 * of)[0] = each[0], (numbers.end() - 4 + 2 * of)[1] = each[1];
+    }
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
       InputSample sample;
       sample.t0 = nanoseconds(dt * static_cast<double>(i)), sample.t1 = nanoseconds(dt * static_cast<double>(i + 1));
       sample.whole_t0 = sample.t0, sample.whole_t1 = sample.t1;
       sample.dt = dt;
-      sample.fields = numbers.data() + 2 * i;
+      sample.fields = numbers.data() + 4 * i;
       samples.push_back(sample);
     }
     step = {0, samples.back().t1, dt * static_cast<double>(samples.size()), samples};
@@ -75,18 +83,18 @@ struct Vehicle {
             {&scale, {scale_error}, 0.01},
             {&rate_bias, {bias}, 0.01}};
   }
-  std::unique_ptr<PlanarOdometry> model(json parameters) const {
+  std::unique_ptr<PlanarOdometry> model(json parameters, const Names& lacks = no_wheels) const {
     Ports bound{{"heading", &heading_kind()}, {"scale", &scale}, {"yaw_rate_bias", &rate_bias}};
     if (is_ecef) {
       bound["ecef_position"] = &ecef_position;
     } else {
       bound["position"] = &geodetic;
     }
-    return bind<PlanarOdometry>({std::move(parameters), bound, {}});
+    return bind<PlanarOdometry>({std::move(parameters), bound, lacks});
   }
   /// North, east, down of where a step leads, and the heading there.
-  Eigen::Vector4d way(const json& parameters, const Drive& drive) const {
-    const auto bound = model(parameters);
+  Eigen::Vector4d way(const json& parameters, const Drive& drive, const Names& lacks = no_wheels) const {
+    const auto bound = model(parameters, lacks);
     Complaints out;
     const auto made = ProcessCheck(*bound, PlanarOdometry::spec()).propagate(ports(), drive.step, {}, out);
     INFO(out.text());
@@ -136,6 +144,47 @@ TEST_CASE("odometry: a vehicle goes where it heads, and turns the way its sensor
   const Drive standing({{0, -earth}}, 100);
   car.yaw = 0.3;
   CHECK(std::abs(car.way(quiet, standing)[3] - 0.3) < 1e-12);
+}
+
+TEST_CASE("odometry: two wheels") {
+  Vehicle robot;
+  robot.yaw = robot.scale_error = robot.bias = 0;
+  json parameters = quiet;
+  parameters["track"] = 0.5;
+  // About the point between them: the left one forward turns it to the right. No earth's rate: wheels turn with the ground.
+  const Eigen::Vector4d between = robot.way(parameters, Drive({{0.1, -0.1}}, 1, Drive::wheels), no_body);
+  CHECK(between[3] == Approx(0.4));
+  CHECK(between.head<3>().norm() < 1e-8);
+  // About the right one.
+  const Eigen::Vector4d about = robot.way(parameters, Drive({{M_PI / 4, 0}}, 1, Drive::wheels), no_body);
+  CHECK(about[3] == Approx(M_PI / 2).margin(1e-7));
+  CHECK(about[0] == Approx(0.25).margin(1e-6));
+  CHECK(about[1] == Approx(0.25).margin(1e-6));
+  const Vehicle driving;
+  const Drive drive({{3, 2.8}}, 0.2, Drive::wheels);
+  const auto model = driving.model(parameters, no_body);
+  REQUIRE_NO_COMPLAINTS(ProcessCheck(*model, PlanarOdometry::spec()).transition(driving.ports(), drive.step, {}, {1e-6, 1e-9}));
+}
+
+TEST_CASE("odometry: one pair of speeds, and the track of two wheels") {
+  const auto message = [](const json& parameters, const Names& lacks) -> std::string {
+    try {
+      Vehicle().model(parameters, lacks);
+    } catch (const ComponentError& error) {
+      return error.pointer() + ": " + error.what();
+    }
+    return "";
+  };
+  json with_track = quiet;
+  with_track["track"] = 1;
+  CHECK(message(quiet, no_wheels).empty());
+  CHECK(message(quiet, {}).find("/fields: the input carries speed or yaw rate, and speeds of two wheels") == 0);
+  CHECK(message(quiet, {"yaw_rate", "left_speed", "right_speed"})
+            .find("/fields: the input carries no field for 'yaw_rate'") == 0);
+  CHECK(message(quiet, {"speed", "yaw_rate", "left_speed"})
+            .find("/fields: the input carries no field for 'left_speed'") == 0);
+  CHECK(message(quiet, no_body).find(": missing key 'track'") == 0);
+  CHECK(message(with_track, no_wheels).find("/track: 'track' is for the speeds of two wheels") == 0);
 }
 
 TEST_CASE("odometry: the arc is where ten thousand short steps lead") {

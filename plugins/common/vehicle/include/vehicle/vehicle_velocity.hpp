@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A velocity in the axes of the vehicle, with what it depends on.
+// A velocity in the axes of the vehicle or of a sensor on it, with what it depends on.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,14 +12,15 @@
 #include "binnacle/spec.hpp"
 #include "binnacle/view.hpp"
 
-namespace binnacle::land {
+namespace binnacle::vehicle {
 
 /// v_v = exp([ζ×]) C_bn v_n [m/s; forward, right, down]: paper 001 (2), (5), (6), (5) being C_v^b = I − [ζ×].
 /// With δ = truth − estimate throughout (attitude: C_true = (I + [φ×]) Ĉ), E = exp([ζ×]):
 ///   ∂v_v/∂v_n = E C_bn     ∂v_v/∂φ = E C_bn [v_n×]     ∂v_v/∂ζ = −[v_v×] J_l(ζ)
 class VehicleVelocity {
  public:
-  static std::vector<PortSpec> ports();
+  /// velocity, attitude, misalignment; the texts say of what point and of what axes.
+  static std::vector<PortSpec> ports(std::string of_point, std::string of_axes);
 
   /// Declares its ports as read; refuses a misalignment that has neither two (y, z) nor three components.
   VehicleVelocity(const Binding& binding, MeasurementDeclaration& declaration);
@@ -30,9 +31,9 @@ class VehicleVelocity {
   };
   Value at(const PortValues& x) const;
 
-  /// H = direction · ∂v_v/∂(port) for each of its ports; direction: rows × 3.
-  template <int Rows>
-  void write_jacobians(const Value& value, const Eigen::Matrix<double, Rows, 3>& direction,
+  /// H = direction · ∂v_v/∂(port) for each of its ports; direction: rows × 3, at most 3 rows.
+  template <class Direction>
+  void write_jacobians(const Value& value, const Eigen::MatrixBase<Direction>& direction,
                        const PortJacobians& H) const {
     if (!H) return;
     H[velocity_].as() = direction * value.by_velocity;
@@ -45,4 +46,4 @@ class VehicleVelocity {
   Port velocity_, attitude_, misalignment_;
 };
 
-}  // namespace binnacle::land
+}  // namespace binnacle::vehicle

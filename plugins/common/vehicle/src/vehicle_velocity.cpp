@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A velocity in the axes of the vehicle, with what it depends on.
-#include "vehicle_velocity.hpp"
+// A velocity in the axes of the vehicle or of a sensor on it, with what it depends on.
+#include "vehicle/vehicle_velocity.hpp"
+
+#include <utility>
 
 #include "binnacle/parameters.hpp"
 #include "strapdown/rotation.hpp"
 
-namespace binnacle::land {
+namespace binnacle::vehicle {
 
 namespace {
 
@@ -14,14 +16,12 @@ using Eigen::Vector3d;
 
 }  // namespace
 
-std::vector<PortSpec> VehicleVelocity::ports() {
-  return {
-      reads("velocity", "velocity.ned").about("of the point that does not slip: a lever_arm_velocity to the rear axle"),
-      reads("attitude", "attitude")
-          .about("of the vehicle as it is thought to be: a mounted_attitude unless the IMU's axes are its"),
-      reads("misalignment", "vector:*:rad")
-          .optional()
-          .about("zeta of paper 001 (5), vehicle axes: x y z, or two components y z")};
+std::vector<PortSpec> VehicleVelocity::ports(std::string of_point, std::string of_axes) {
+  return {reads("velocity", "velocity.ned").about(std::move(of_point)),
+          reads("attitude", "attitude").about(std::move(of_axes)),
+          reads("misalignment", "vector:*:rad")
+              .optional()
+              .about("zeta of paper 001 (5), vehicle axes: x y z, or two components y z")};
 }
 
 VehicleVelocity::VehicleVelocity(const Binding& binding, MeasurementDeclaration& declaration)
@@ -52,4 +52,4 @@ VehicleVelocity::Value VehicleVelocity::at(const PortValues& x) const {
   return value;
 }
 
-}  // namespace binnacle::land
+}  // namespace binnacle::vehicle
