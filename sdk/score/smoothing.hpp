@@ -12,6 +12,7 @@
 
 #include "binnacle/session.hpp"
 #include "filter_score.hpp"
+#include "local_columns.hpp"
 #include "plan.hpp"
 #include "score/run.hpp"
 #include "smooth/fixed_lag.hpp"
