@@ -23,7 +23,7 @@ BIASES = {f"{RANGES}/anchors/{anchor}/bias": [round(0.02 * i - 0.1, 2) for i in 
 ODOMETRY = {MOTION + "/speed_noise": [0.005, 0.01, 0.02, 0.05, 0.1],
             MOTION + "/yaw_rate_noise": [0.02, 0.05, 0.1, 0.2, 0.4],
             MOTION + "/turn_noise": [0, 0.05, 0.1, 0.2, 0.4]}
-EFFICIENCY = {RANGES + "/noise/efficiency": [0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98]}
+EFFICIENCY = {RANGES + "/noise/efficiency": [0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98]}
 LOSSES = ["huber", "cauchy", "student_t", "dcs"]
 
 
@@ -32,6 +32,9 @@ def error(settings):
     command = [binnacle, "run", str(here / "base.json"), "--json", "--quiet", "--var", "uwb=" + str(pathlib.Path(data).resolve())]
     for source in ("ranges", "wheels"):
         command += ["--set", f'/sources/{source}/window=["0 s", "15 s"]']
+    settings = dict(settings)
+    if noise := {key: settings.pop(f"{RANGES}/noise/{key}") for key in ("type", "efficiency") if f"{RANGES}/noise/{key}" in settings}:
+        settings[RANGES + "/noise"] = noise
     for pointer, value in settings.items():
         command += ["--set", f"{pointer}={json.dumps(value)}"]
     run = subprocess.run(command, capture_output=True, text=True)

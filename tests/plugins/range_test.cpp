@@ -22,8 +22,8 @@ using Eigen::Vector3d;
 namespace {
 
 using Row = std::map<std::string, double>;
-const std::vector<std::string> names = {"range",        "anchor",        "range_sigma", "range_variance", "anchor_lat",
-                                        "anchor_lon",   "anchor_height", "anchor_x",    "anchor_y",       "anchor_z",
+const std::vector<std::string> names = {"range",        "anchor",        "range_sd",   "range_variance", "anchor_lat",
+                                        "anchor_lon",   "anchor_height", "anchor_x",   "anchor_y",       "anchor_z",
                                         "anchor_north", "anchor_east",   "anchor_down"};
 
 /// Rows of a channel that carries these fields.
@@ -195,14 +195,14 @@ TEST_CASE("range: a row's own noise wins, and where it has none the config's hol
                      ports, {}, out);
   };
   const nlohmann::json with_sigma{{"anchors", three}, {"sigma", 0.1}}, without_sigma{{"anchors", three}};
-  Measured m = variances("range_sigma", with_sigma, 0.2);
+  Measured m = variances("range_sd", with_sigma, 0.2);
   CHECK(m.R.diagonal().isApprox(Vector3d(0.04, 0.01, 0.09)));
   m = variances("range_variance", with_sigma, 0.2);
   CHECK(m.R.diagonal().isApprox(Vector3d(0.2, 0.01, 0.09)));
   m = variances("range_variance", without_sigma, 0.2);
   CHECK(m.R.diagonal().isApprox(Eigen::Vector2d(0.2, 0.09)));  // of the second nobody knows
   CHECK(m.keys == std::vector<std::int64_t>{105, 109});
-  m = variances("range_sigma", with_sigma, 0);
+  m = variances("range_sd", with_sigma, 0);
   CHECK(m.keys == std::vector<std::int64_t>{107, 109});
 }
 
@@ -270,7 +270,7 @@ TEST_CASE("range: what does not fit is refused when it is bound", "[aiding]") {
              "/fields: the channel carries a part of the anchors' places, and no field for 'anchor_down'"));
   CHECK(says(message({good, local, without({"range", "anchor", "anchor_north", "anchor_east", "anchor_down"})}),
              "/anchors/105: the channel carries the anchors' places: leave them out here, or there"));
-  CHECK(says(message({good, local, without({"range", "anchor", "range_sigma", "range_variance"})}),
+  CHECK(says(message({good, local, without({"range", "anchor", "range_sd", "range_variance"})}),
              "/fields: the channel carries both"));
   CHECK(says(message({good, {{"position", &position}, {"bias", &two}}, plain}),
              "/blocks/bias: its block has 2 components where 'anchors' lists 3"));
