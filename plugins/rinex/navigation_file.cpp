@@ -49,6 +49,9 @@ enum Orbit {
   orbit_numbers
 };
 
+/// Bits of Galileo's data sources (RINEX 3.04 table A8): pages from E1-B or E5b-I, from E5a-I; whose clock it is.
+enum Sources : long { is_inav = 0b101, is_fnav = 0b10, clock_of_E5a = 1 << 8, clock_of_E5b = 1 << 9 };
+
 struct Record {
   gnss::SatelliteKey satellite = 0;
   int line = 0;
@@ -185,8 +188,10 @@ class NavigationReader {
     const auto bits = [&](Orbit which) {
       return static_cast<long>(std::clamp(record.orbit[which].value_or(0), 0.0, 1e6));
     };
-    // I/NAV alone is for E1: bit 0 (from E1-B) or 2 (from E5b-I); bit 1 is F/NAV.
-    if (is_galileo && (bits(data_sources) & 0b101) == 0) return;
+    const long sources = bits(data_sources);
+    if (is_galileo && (sources & (is_inav | is_fnav)) == 0)
+      return refuse("its data sources, " + std::to_string(sources) + ", name neither I/NAV nor F/NAV");
+    const bool is_fnav_only = is_galileo && (sources & is_inav) == 0;
 
     Message message;
     message.line = record.line;
@@ -208,15 +213,18 @@ class NavigationReader {
     e.crc = value(crc), e.crs = value(crs);
     e.cic = value(cic), e.cis = value(cis);
     e.af0 = *record.clock[0], e.af1 = *record.clock[1], e.af2 = *record.clock[2];
-    // Galileo on E1 with the I/NAV clock: BGD(E1, E5b), the second one (OS SIS ICD 5.1.5).
-    e.group_delay = is_galileo ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
+    // Galileo on E1 (OS SIS ICD 5.1.5): BGD(E1, E5a) where the clock is that of E1 and E5a, else BGD(E1, E5b), the second.
+    const bool is_of_E5a = is_fnav_only || ((sources & clock_of_E5a) != 0 && (sources & clock_of_E5b) == 0);
+    e.group_delay =
+        is_galileo && !is_of_E5a ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
     e.accuracy = std::max(0.0, record.orbit[accuracy].value_or(0));
     e.issue = value(iode);
     if (!gnss::is_usable(e)) return refuse("the orbit or clock is none of a satellite");
     if (std::abs(e.toe - e.toc) > 86400) return refuse("toe and toc are more than a day apart");
     message.toe = nanoseconds(e.toe);
-    // Galileo: data validity and health of E1-B, bits 0 to 2 (RINEX 3.04 table A8).
-    message.is_healthy = is_galileo ? (bits(health) & 0b111) == 0 : value(health) == 0;
+    // Galileo: validity and health of E1-B, bits 0 to 2; F/NAV knows those of E5a alone, bits 3 to 5.
+    message.is_healthy = is_galileo ? (bits(health) & (is_fnav_only ? 0b111000 : 0b111)) == 0 : value(health) == 0;
+    message.is_substitute = is_fnav_only;
     const double sent = record.orbit[transmission].value_or(9999e5);
     double uploaded = origin + (std::abs(sent) < 1e6 ? sent : value(toe) - 7200);
     // Given in seconds of its own week or of toe's: the nearer to toe.

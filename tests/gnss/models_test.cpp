@@ -151,7 +151,10 @@ TEST_CASE("each correction is worth what it should be") {
                         without_delay = residuals({{"group_delay", false}}),
                         without_turn = residuals({{"earth_rotation", false}}),
                         with_iono = residuals({{"ionosphere", "klobuchar"}}),
-                        with_tropo = residuals({{"troposphere", "saastamoinen"}});
+                        with_tropo = residuals({{"troposphere", "saastamoinen"}}),
+                        with_cosecant =
+                            residuals({{"troposphere", "saastamoinen"}, {"troposphere_mapping", "cosecant"}}),
+                        with_winter = residuals({{"troposphere", "saastamoinen"}, {"day_of_year", 28}});
   for (std::size_t i = 0; i < scene.observations.size(); i += gnss::observation::field_count, ++row) {
     const auto& e = scene.sky.ephemerides[static_cast<std::size_t>(scene.observations[i]) - 101];
     const auto state = Sky::state(e, scene.label - 0.08);
@@ -167,8 +170,16 @@ TEST_CASE("each correction is worth what it should be") {
                                               direction.azimuth, direction.elevation, scene.label);
     CHECK(std::abs(with_iono[row] - all[row] + iono) < 0.01);
     CHECK(iono > 1);
-    const double tropo = gnss::saastamoinen_delay(home[0], home[2], direction.elevation).delay;
+    const double tropo = gnss::troposphere_delay(gnss::Mapping::niell, home[0], home[2], direction.elevation, 0).delay;
     CHECK(std::abs(with_tropo[row] - all[row] + tropo) < 0.02);
+    const double flat =
+        gnss::troposphere_delay(gnss::Mapping::cosecant, home[0], home[2], direction.elevation, 0).delay;
+    CHECK(std::abs(with_cosecant[row] - with_tropo[row] + flat - tropo) < 1e-3 * flat);
+    // In winter the air is lower.
+    const double winter =
+        gnss::troposphere_delay(gnss::Mapping::niell, home[0], home[2], direction.elevation, gnss::season_of(28)).delay;
+    CHECK(winter > tropo);
+    CHECK(std::abs(with_winter[row] - with_tropo[row] + winter - tropo) < 0.05 * (winter - tropo));
   }
 }
 

@@ -125,7 +125,8 @@ TEST_CASE("ranges, directions and atmosphere equal the oracle's") {
     const Direction direction = direction_in(antenna.C_en, path.direction);
     const double iono = klobuchar_delay(*broadcasts.file(row.at("nav")).klobuchar, antenna.lla[0], antenna.lla[1],
                                         direction.azimuth, direction.elevation, time_of_day(t));
-    const double tropo = saastamoinen_delay(antenna.lla[0], antenna.lla[2], direction.elevation).delay;
+    const double tropo =
+        troposphere_delay(Mapping::cosecant, antenna.lla[0], antenna.lla[2], direction.elevation, 0).delay;
     const double model = path.range - speed_of_light * (state.clock - message.group_delay) + iono + tropo;
 
     const Eigen::Vector3d r(value(row, "sx_m"), value(row, "sy_m"), value(row, "sz_m"));

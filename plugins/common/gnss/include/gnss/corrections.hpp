@@ -104,6 +104,8 @@ class Corrections {
   double min_sin_elevation_;
   double min_cn0_;
   bool earth_rotation_, satellite_clock_, group_delay_, klobuchar_, saastamoinen_;
+  Mapping mapping_;
+  double season_ = 0;  // as of troposphere_delay()
 };
 
 }  // namespace binnacle::gnss
