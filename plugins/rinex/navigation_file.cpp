@@ -19,7 +19,7 @@ namespace {
 constexpr int lines_of_orbit = 7;  // after the line of the clock
 constexpr std::size_t number_width = 19;
 
-/// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6 and A8.
+/// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6, A8 and A14.
 enum Orbit {
   iode,
   crs,
@@ -52,6 +52,8 @@ enum Orbit {
 /// Bits of Galileo's data sources (RINEX 3.04 table A8): pages from E1-B or E5b-I, from E5a-I; whose clock it is.
 enum Sources : long { is_inav = 0b101, is_fnav = 0b10, clock_of_E5a = 1 << 8, clock_of_E5b = 1 << 9 };
 
+bool is_beidou(gnss::SatelliteKey key) { return gnss::constellation_of(key) == gnss::Constellation::beidou; }
+
 struct Record {
   gnss::SatelliteKey satellite = 0;
   int line = 0;
@@ -73,6 +75,10 @@ class NavigationReader {
     } catch (const text_file::FileFault& fault) {
       faults_.add(fault.code, 0, "rest of the file", fault.what());
     }
+    if (glonass_ > 0)
+      faults_.note("B065", first_glonass_,
+                   std::to_string(glonass_) + (glonass_ == 1 ? " message" : " messages") +
+                       " of GLONASS left out: it is not read");
     return std::move(navigation_);
   }
 
@@ -147,7 +153,8 @@ class NavigationReader {
     const auto satellite = gnss::parse_satellite(columns(first, 0, is_old ? 2 : 3));
     if (!satellite) {
       const char system = first.front();
-      if (is_old || std::string_view("RSJCI").find(system) == std::string_view::npos)
+      if (system == 'R' && !is_old && ++glonass_ == 1) first_glonass_ = line;
+      if (is_old || std::string_view("RSJI").find(system) == std::string_view::npos)
         faults_.add("B062", line, "message", "'" + first.substr(0, is_old ? 2 : 3) + "' is no satellite");
       return;
     }
@@ -165,13 +172,29 @@ class NavigationReader {
                               columns(first, after + 3, 3), columns(first, after + 6, 3), columns(first, after + 9, 3),
                               columns(first, after + 12, is_old ? 5 : 3), origin_week_);
     if (!toc) return faults_.add("B062", line, "message", "the time of the clock of " + name + " is none");
-    record.toc = *toc;
+    record.toc = *toc + (is_beidou(*satellite) ? nanoseconds(gnss::gps_minus_beidou) : 0);
     for (std::size_t i = 0; i < 3; ++i)
       record.clock[i] = number(columns(first, 22 + shift + i * number_width, number_width));
     for (std::size_t i = 0; i < rest.size(); ++i)
       for (std::size_t j = 0; j < 4; ++j)
         record.orbit[4 * i + j] = number(columns(rest[i], 3 + shift + j * number_width, number_width));
     take_message(record, name);
+  }
+
+  static void take_orbit(const Record& record, gnss::Ephemeris& e) {
+    const auto value = [&](Orbit which) { return *record.orbit[which]; };
+    e.semi_major_axis = value(sqrt_a) * value(sqrt_a);
+    e.eccentricity = value(eccentricity);
+    e.i0 = value(i0);
+    e.omega0 = value(omega0);
+    e.perigee = value(perigee);
+    e.m0 = value(m0);
+    e.delta_n = value(delta_n);
+    e.omega_dot = value(omega_dot);
+    e.i_dot = value(i_dot);
+    e.cuc = value(cuc), e.cus = value(cus);
+    e.crc = value(crc), e.crs = value(crs);
+    e.cic = value(cic), e.cis = value(cis);
   }
 
   void take_message(const Record& record, const std::string& name) {
@@ -197,24 +220,17 @@ class NavigationReader {
     message.line = record.line;
     gnss::Ephemeris& e = message.ephemeris;
     e.satellite = record.satellite;
-    const double origin = (value(week) - origin_week_) * static_cast<double>(gnss::seconds_per_week);
+    // Weeks and seconds of week of BeiDou are its own.
+    const double first_week = is_beidou(record.satellite) ? gnss::beidou_week_zero : 0;
+    const double origin = (value(week) + first_week - origin_week_) * static_cast<double>(gnss::seconds_per_week) +
+                          (is_beidou(record.satellite) ? gnss::gps_minus_beidou : 0);
     e.toe = origin + value(toe);
     e.toc = seconds(record.toc);
-    e.semi_major_axis = value(sqrt_a) * value(sqrt_a);
-    e.eccentricity = value(eccentricity);
-    e.i0 = value(i0);
-    e.omega0 = value(omega0);
-    e.perigee = value(perigee);
-    e.m0 = value(m0);
-    e.delta_n = value(delta_n);
-    e.omega_dot = value(omega_dot);
-    e.i_dot = value(i_dot);
-    e.cuc = value(cuc), e.cus = value(cus);
-    e.crc = value(crc), e.crs = value(crs);
-    e.cic = value(cic), e.cis = value(cis);
+    take_orbit(record, e);
     e.af0 = *record.clock[0], e.af1 = *record.clock[1], e.af2 = *record.clock[2];
     // Galileo on E1 (OS SIS ICD 5.1.5): BGD(E1, E5a) where the clock is that of E1 and E5a, else BGD(E1, E5b), the second.
-    const bool is_of_E5a = is_fnav_only || ((sources & clock_of_E5a) != 0 && (sources & clock_of_E5b) == 0);
+    const long clock = sources & (clock_of_E5a | clock_of_E5b);
+    const bool is_of_E5a = clock == clock_of_E5a || (clock != clock_of_E5b && is_fnav_only);
     e.group_delay =
         is_galileo && !is_of_E5a ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
     e.accuracy = std::max(0.0, record.orbit[accuracy].value_or(0));
@@ -237,6 +253,8 @@ class NavigationReader {
   int origin_week_;
   Faults& faults_;
   Version version_;
+  std::size_t glonass_ = 0;  // messages
+  int first_glonass_ = 0;    // line
   std::optional<std::array<double, 4>> alpha_, beta_;
   Navigation navigation_;
 };

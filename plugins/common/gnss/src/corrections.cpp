@@ -95,11 +95,11 @@ Corrections::Corrections(const Binding& binding) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto key = excluded_key(names[i].text);
     if (!key)
-      throw ComponentError(
-          "'" + names[i].text +
-              "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
-              "digits or more, \"4301\"",
-          "/exclude/" + std::to_string(i));
+      throw ComponentError("'" + names[i].text +
+                               "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", \"C01\" … \"C63\", or the key "
+                               "of a row with three "
+                               "digits or more, \"4301\"",
+                           "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }
 }
@@ -203,6 +203,8 @@ bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool kn
   if (klobuchar_) {
     s.ionosphere = klobuchar_delay(read_klobuchar(epoch.klobuchar->fields), place.lla[0], place.lla[1],
                                    s.direction.azimuth, s.direction.elevation, time_of_day(epoch.t));
+    if (const double f = rows_.are_given() ? l1_frequency : carrier_frequency(s.satellite); f != l1_frequency)
+      s.ionosphere *= (l1_frequency / f) * (l1_frequency / f);  // dispersive: as 1/f²
     s.delay += s.ionosphere;
   }
   if (saastamoinen_) {
