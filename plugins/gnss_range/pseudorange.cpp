@@ -17,11 +17,12 @@ ComponentSpec Pseudorange::spec() {
   describe_range_model(spec, true);
   spec.ports = position_ports();
   spec.ports.push_back(reads("clock", "receiver_clock").about("of the receiver"));
-  spec.ports.push_back(reads("system_offset", "vector:*:m")
-                           .optional()
-                           .formerly("galileo_bias")
-                           .about("what pseudoranges of each of 'systems' but the first have more than those of the "
-                                  "first; without 'systems': what Galileo's have more than those of GPS"));
+  spec.ports.push_back(
+      reads("system_offset", "vector:*:m")
+          .optional()
+          .formerly("galileo_bias")
+          .about("what pseudoranges of each of 'systems' but the first have more than those of the "
+                 "first; without 'systems': what Galileo's have more than those of GPS, and BeiDou is left out"));
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "blocks": {"position": "antenna", "clock": "clock"}, "sigma": "0.5 m", "sigma_elevation": "0.5 m",
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";

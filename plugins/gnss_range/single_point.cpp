@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "binnacle/view.hpp"
 #include "strapdown/earth.hpp"
@@ -16,7 +17,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int unknowns = 5;  // x y z, clock, and what Galileo has more
+constexpr int offsets = 2;             // what Galileo, BeiDou have more than the first system there is
+constexpr int unknowns = 4 + offsets;  // x y z, clock
 using Normal = Eigen::Matrix<double, unknowns, unknowns>;
 using Unknowns = Eigen::Matrix<double, unknowns, 1>;
 using Covariance = Eigen::Matrix<double, 8, 8>;
@@ -27,14 +29,45 @@ constexpr double lowest = 6.0e6, highest = 1e8;  // m from the earth's centre
 
 double squared(double x) { return x * x; }
 
-bool is_galileo(const gnss::Sighting& s) { return gnss::constellation_of(s.satellite) == gnss::Constellation::galileo; }
+/// The systems of an epoch. The clock is that of the first; −1 is the offset of a satellite on it.
+struct Systems {
+  std::array<bool, 1 + gnss::constellations.size()> is_there{};
+  int count = 0;
+  gnss::Constellation first = gnss::Constellation::none;
+
+  Systems(std::span<const gnss::Sighting> sightings) {
+    for (const gnss::Sighting& s : sightings) {
+      const auto constellation = gnss::constellation_of(s.satellite);
+      bool& known = is_there[static_cast<std::size_t>(constellation)];
+      count += !known;
+      known = true;
+      if (first == gnss::Constellation::none || constellation < first) first = constellation;
+    }
+  }
+  int offset_of(const gnss::Sighting& s) const {
+    const auto constellation = gnss::constellation_of(s.satellite);
+    return constellation == first ? -1
+                                  : static_cast<int>(constellation) - static_cast<int>(gnss::Constellation::galileo);
+  }
+  bool has_offset(int i) const {
+    const auto constellation = static_cast<gnss::Constellation>(static_cast<int>(gnss::Constellation::galileo) + i);
+    return constellation != first && is_there[static_cast<std::size_t>(constellation)];
+  }
+};
+
+Unknowns design(const gnss::Sighting& s, int offset) {
+  Unknowns a = Unknowns::Zero();
+  a.head<4>() << -s.path.scale * s.path.direction, 1;
+  if (offset >= 0) a[4 + offset] = 1;
+  return a;
+}
 
 }  // namespace
 
 /// The latest messages and the latest place: where the next epoch begins.
 struct SinglePointState {
   std::int64_t ephemeris_rows = 0;
-  double ephemerides[gnss::most_rows * gnss::ephemeris_field_count] = {};
+  double ephemerides[gnss::most_messages * gnss::ephemeris_field_count] = {};
   std::int64_t has_klobuchar = 0;
   double klobuchar[8] = {};
   std::int64_t has_place = 0;
@@ -44,8 +77,8 @@ struct SinglePointState {
 struct SinglePointFix {
   gnss::AntennaPlace place{Vector3d::Zero(), Vector3d::Zero(), Eigen::Matrix3d::Identity()};
   bool knows_place = false;
-  double clock = 0;         // m
-  double galileo_bias = 0;  // m
+  double clock = 0;                      // m
+  std::array<double, offsets> offset{};  // m
   Vector3d velocity = Vector3d::Zero();
   double drift = 0;  // m/s
   Normal cofactors = Normal::Zero();
@@ -55,6 +88,15 @@ struct SinglePointFix {
   int excluded_count = 0;
   std::array<gnss::SatelliteKey, gnss::most_rows> excluded{};
 };
+
+namespace {
+
+double residual_of(const gnss::Sighting& s, int offset, const SinglePointFix& fix) {
+  const double system = offset >= 0 ? fix.offset[static_cast<std::size_t>(offset)] : 0;
+  return s.pseudorange - (s.path.range + fix.clock + system + s.delay);
+}
+
+}  // namespace
 
 ComponentSpec SinglePoint::spec() {
   using namespace parameter;
@@ -142,7 +184,7 @@ void SinglePoint::on(const TransformInput& in, Emitter& emitter) const {
   const SampleView& sample = in.sample;
   SinglePointState& state = in.memory[state_];
   if (in.from == ephemeris_) {
-    const int rows = std::clamp(sample.rows, 0, gnss::most_rows);
+    const int rows = std::clamp(sample.rows, 0, gnss::most_messages);
     state.ephemeris_rows = rows;
     std::copy_n(sample.row_fields, rows * gnss::ephemeris_field_count, state.ephemerides);
     return;
@@ -154,7 +196,7 @@ void SinglePoint::on(const TransformInput& in, Emitter& emitter) const {
   }
   if (corrections_.wants_klobuchar() && state.has_klobuchar != 1) return;
   SampleView ephemerides;
-  ephemerides.rows = static_cast<int>(std::clamp<std::int64_t>(state.ephemeris_rows, 0, gnss::most_rows));
+  ephemerides.rows = static_cast<int>(std::clamp<std::int64_t>(state.ephemeris_rows, 0, gnss::most_messages));
   ephemerides.row_fields = state.ephemerides;
   ephemerides.available = true;
   SampleView klobuchar;
@@ -217,28 +259,20 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
                        double& moved) const {
   Normal N = Normal::Zero(), plain = Normal::Zero();
   Unknowns b = Unknowns::Zero();
-  bool has_gps = false, has_galileo = false;
-  for (int i = 0; i < count; ++i) {
-    const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
-    (is_galileo(s) ? has_galileo : has_gps) = true;
-    Unknowns a;
-    a << -s.path.scale * s.path.direction, 1, is_galileo(s) ? 1 : 0;
-    const double residual =
-        s.pseudorange - (s.path.range + fix.clock + (is_galileo(s) ? fix.galileo_bias : 0) + s.delay);
+  const std::span epoch(sightings.data(), static_cast<std::size_t>(count));
+  const Systems systems(epoch);
+  for (const gnss::Sighting& s : epoch) {
+    const int offset = systems.offset_of(s);
+    const Unknowns a = design(s, offset);
+    const double residual = residual_of(s, offset, fix);
     const double weight = knows_place ? 1 / range_noise_.variance(s) : 1;
     N += weight * a * a.transpose();
     plain += a * a.transpose();
     b += weight * residual * a;
   }
-  if (count < 4 + (has_gps && has_galileo ? 1 : 0)) return false;
-  if (!(has_gps && has_galileo)) {  // one constellation: its clock is the clock
-    N.row(4).setZero();
-    N.col(4).setZero();
-    plain.row(4).setZero();
-    plain.col(4).setZero();
-    N(4, 4) = plain(4, 4) = 1;
-    b[4] = 0;
-  }
+  if (count < 3 + systems.count) return false;
+  for (int i = 0; i < offsets; ++i)
+    if (!systems.has_offset(i)) N(4 + i, 4 + i) = plain(4 + i, 4 + i) = 1;
   const Eigen::LDLT<Normal> solver(N), unweighted(plain);
   const Eigen::Matrix<double, unknowns, 1> D = unweighted.vectorD();
   if (solver.info() != Eigen::Success || !(D.minCoeff() > 1e-9)) return false;
@@ -246,7 +280,7 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
   if (!dx.allFinite()) return false;
   fix.place.ecef += dx.head<3>();
   fix.clock += dx[3];
-  fix.galileo_bias += dx[4];
+  for (int i = 0; i < offsets; ++i) fix.offset[static_cast<std::size_t>(i)] += dx[4 + i];
   fix.cofactors = solver.solve(Normal::Identity());
   const Normal dop = unweighted.solve(Normal::Identity());
   fix.gdop = std::sqrt(dop.diagonal().head<4>().sum());
@@ -256,18 +290,15 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
 
 /// Baarda's data snooping: r_i over the standard deviation that the fit leaves it, σ_i² − a_i N⁻¹ a_iᵀ.
 SinglePoint::Verdict SinglePoint::exclude_worst(const Sightings& sightings, int count, SinglePointFix& fix) const {
-  int galileo = 0;
-  for (int i = 0; i < count; ++i) galileo += is_galileo(sightings[static_cast<std::size_t>(i)]);
-  const int to_spare = count - (galileo > 0 && galileo < count ? 5 : 4);
+  const Systems systems(std::span(sightings.data(), static_cast<std::size_t>(count)));
+  const int to_spare = count - 3 - systems.count;
   double worst = exclude_beyond_;
   int at = -1;
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
-    Unknowns a;
-    a << -s.path.scale * s.path.direction, 1, is_galileo(s) ? 1 : 0;
-    if (galileo == 0 || galileo == count) a[4] = 0;
-    const double residual =
-        s.pseudorange - (s.path.range + fix.clock + (is_galileo(s) ? fix.galileo_bias : 0) + s.delay);
+    const int offset = systems.offset_of(s);
+    const Unknowns a = design(s, offset);
+    const double residual = residual_of(s, offset, fix);
     const double variance = range_noise_.variance(s);
     const double left = variance - a.dot(fix.cofactors * a);
     if (!(left > 1e-6 * variance)) continue;

@@ -19,7 +19,7 @@ namespace {
 constexpr int lines_of_orbit = 7;  // after the line of the clock
 constexpr std::size_t number_width = 19;
 
-/// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6 and A8.
+/// A message as it stands: RINEX 2.11 table A4, RINEX 3.04 tables A6, A8 and A14.
 enum Orbit {
   iode,
   crs,
@@ -49,6 +49,11 @@ enum Orbit {
   orbit_numbers
 };
 
+/// Bits of Galileo's data sources (RINEX 3.04 table A8): pages from E1-B or E5b-I, from E5a-I; whose clock it is.
+enum Sources : long { is_inav = 0b101, is_fnav = 0b10, clock_of_E5a = 1 << 8, clock_of_E5b = 1 << 9 };
+
+bool is_beidou(gnss::SatelliteKey key) { return gnss::constellation_of(key) == gnss::Constellation::beidou; }
+
 struct Record {
   gnss::SatelliteKey satellite = 0;
   int line = 0;
@@ -70,6 +75,10 @@ class NavigationReader {
     } catch (const text_file::FileFault& fault) {
       faults_.add(fault.code, 0, "rest of the file", fault.what());
     }
+    if (glonass_ > 0)
+      faults_.note("B065", first_glonass_,
+                   std::to_string(glonass_) + (glonass_ == 1 ? " message" : " messages") +
+                       " of GLONASS left out: it is not read");
     return std::move(navigation_);
   }
 
@@ -144,7 +153,8 @@ class NavigationReader {
     const auto satellite = gnss::parse_satellite(columns(first, 0, is_old ? 2 : 3));
     if (!satellite) {
       const char system = first.front();
-      if (is_old || std::string_view("RSJCI").find(system) == std::string_view::npos)
+      if (system == 'R' && !is_old && ++glonass_ == 1) first_glonass_ = line;
+      if (is_old || std::string_view("RSJI").find(system) == std::string_view::npos)
         faults_.add("B062", line, "message", "'" + first.substr(0, is_old ? 2 : 3) + "' is no satellite");
       return;
     }
@@ -162,13 +172,29 @@ class NavigationReader {
                               columns(first, after + 3, 3), columns(first, after + 6, 3), columns(first, after + 9, 3),
                               columns(first, after + 12, is_old ? 5 : 3), origin_week_);
     if (!toc) return faults_.add("B062", line, "message", "the time of the clock of " + name + " is none");
-    record.toc = *toc;
+    record.toc = *toc + (is_beidou(*satellite) ? nanoseconds(gnss::gps_minus_beidou) : 0);
     for (std::size_t i = 0; i < 3; ++i)
       record.clock[i] = number(columns(first, 22 + shift + i * number_width, number_width));
     for (std::size_t i = 0; i < rest.size(); ++i)
       for (std::size_t j = 0; j < 4; ++j)
         record.orbit[4 * i + j] = number(columns(rest[i], 3 + shift + j * number_width, number_width));
     take_message(record, name);
+  }
+
+  static void take_orbit(const Record& record, gnss::Ephemeris& e) {
+    const auto value = [&](Orbit which) { return *record.orbit[which]; };
+    e.semi_major_axis = value(sqrt_a) * value(sqrt_a);
+    e.eccentricity = value(eccentricity);
+    e.i0 = value(i0);
+    e.omega0 = value(omega0);
+    e.perigee = value(perigee);
+    e.m0 = value(m0);
+    e.delta_n = value(delta_n);
+    e.omega_dot = value(omega_dot);
+    e.i_dot = value(i_dot);
+    e.cuc = value(cuc), e.cus = value(cus);
+    e.crc = value(crc), e.crs = value(crs);
+    e.cic = value(cic), e.cis = value(cis);
   }
 
   void take_message(const Record& record, const std::string& name) {
@@ -185,38 +211,36 @@ class NavigationReader {
     const auto bits = [&](Orbit which) {
       return static_cast<long>(std::clamp(record.orbit[which].value_or(0), 0.0, 1e6));
     };
-    // I/NAV alone is for E1: bit 0 (from E1-B) or 2 (from E5b-I); bit 1 is F/NAV.
-    if (is_galileo && (bits(data_sources) & 0b101) == 0) return;
+    const long sources = bits(data_sources);
+    if (is_galileo && (sources & (is_inav | is_fnav)) == 0)
+      return refuse("its data sources, " + std::to_string(sources) + ", name neither I/NAV nor F/NAV");
+    const bool is_fnav_only = is_galileo && (sources & is_inav) == 0;
 
     Message message;
     message.line = record.line;
     gnss::Ephemeris& e = message.ephemeris;
     e.satellite = record.satellite;
-    const double origin = (value(week) - origin_week_) * static_cast<double>(gnss::seconds_per_week);
+    // Weeks and seconds of week of BeiDou are its own.
+    const double first_week = is_beidou(record.satellite) ? gnss::beidou_week_zero : 0;
+    const double origin = (value(week) + first_week - origin_week_) * static_cast<double>(gnss::seconds_per_week) +
+                          (is_beidou(record.satellite) ? gnss::gps_minus_beidou : 0);
     e.toe = origin + value(toe);
     e.toc = seconds(record.toc);
-    e.semi_major_axis = value(sqrt_a) * value(sqrt_a);
-    e.eccentricity = value(eccentricity);
-    e.i0 = value(i0);
-    e.omega0 = value(omega0);
-    e.perigee = value(perigee);
-    e.m0 = value(m0);
-    e.delta_n = value(delta_n);
-    e.omega_dot = value(omega_dot);
-    e.i_dot = value(i_dot);
-    e.cuc = value(cuc), e.cus = value(cus);
-    e.crc = value(crc), e.crs = value(crs);
-    e.cic = value(cic), e.cis = value(cis);
+    take_orbit(record, e);
     e.af0 = *record.clock[0], e.af1 = *record.clock[1], e.af2 = *record.clock[2];
-    // Galileo on E1 with the I/NAV clock: BGD(E1, E5b), the second one (OS SIS ICD 5.1.5).
-    e.group_delay = is_galileo ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
+    // Galileo on E1 (OS SIS ICD 5.1.5): BGD(E1, E5a) where the clock is that of E1 and E5a, else BGD(E1, E5b), the second.
+    const long clock = sources & (clock_of_E5a | clock_of_E5b);
+    const bool is_of_E5a = clock == clock_of_E5a || (clock != clock_of_E5b && is_fnav_only);
+    e.group_delay =
+        is_galileo && !is_of_E5a ? record.orbit[group_delay_2].value_or(value(group_delay)) : value(group_delay);
     e.accuracy = std::max(0.0, record.orbit[accuracy].value_or(0));
     e.issue = value(iode);
     if (!gnss::is_usable(e)) return refuse("the orbit or clock is none of a satellite");
     if (std::abs(e.toe - e.toc) > 86400) return refuse("toe and toc are more than a day apart");
     message.toe = nanoseconds(e.toe);
-    // Galileo: data validity and health of E1-B, bits 0 to 2 (RINEX 3.04 table A8).
-    message.is_healthy = is_galileo ? (bits(health) & 0b111) == 0 : value(health) == 0;
+    // Galileo: validity and health of E1-B, bits 0 to 2; F/NAV knows those of E5a alone, bits 3 to 5.
+    message.is_healthy = is_galileo ? (bits(health) & (is_fnav_only ? 0b111000 : 0b111)) == 0 : value(health) == 0;
+    message.is_substitute = is_fnav_only;
     const double sent = record.orbit[transmission].value_or(9999e5);
     double uploaded = origin + (std::abs(sent) < 1e6 ? sent : value(toe) - 7200);
     // Given in seconds of its own week or of toe's: the nearer to toe.
@@ -229,6 +253,8 @@ class NavigationReader {
   int origin_week_;
   Faults& faults_;
   Version version_;
+  std::size_t glonass_ = 0;  // messages
+  int first_glonass_ = 0;    // line
   std::optional<std::array<double, 4>> alpha_, beta_;
   Navigation navigation_;
 };

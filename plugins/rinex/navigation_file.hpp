@@ -21,7 +21,7 @@ struct Navigation {
   std::optional<gnss::Klobuchar> klobuchar;
 };
 
-/// Messages of GPS (LNAV) and Galileo (I/NAV); those of other systems are passed over.
+/// Messages of GPS (LNAV), Galileo (I/NAV, F/NAV) and BeiDou (D1, D2); those of other systems are passed over.
 /// Times count from the begin of GPS week `origin_week`.
 Navigation read_navigation(const std::string& path, int origin_week, Faults& faults);
 

@@ -3,12 +3,14 @@
 #include "observation_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
 
 #include "binnacle/parameters.hpp"
 #include "columns.hpp"
+#include "gnss/gps_time.hpp"
 #include "gnss/orbit.hpp"
 #include "header.hpp"
 #include "text/in_order.hpp"
@@ -19,7 +21,6 @@ namespace {
 
 constexpr std::size_t cell_width = 16;  // F14.3, I1, I1
 constexpr std::size_t number_width = 14;
-constexpr double wavelength = gnss::speed_of_light / gnss::l1_frequency;
 
 /// Which observation of a line is which; −1: none.
 struct Places {
@@ -60,6 +61,10 @@ class ObservationReader {
     } catch (const text_file::FileFault& fault) {
       faults_.add(fault.code, 0, "rest of the file", fault.what());
     }
+    if (glonass_ > 0)
+      faults_.note("B065", first_glonass_,
+                   std::to_string(glonass_) + (glonass_ == 1 ? " observation" : " observations") +
+                       " of GLONASS left out: it is not read");
     return in_order(std::move(epochs_));
   }
 
@@ -108,18 +113,22 @@ class ObservationReader {
       faults_.add("B062", line(), "header line", "scale factors of observations are not applied");
     } else if (name == "TIME OF FIRST OBS") {
       const auto scale = trimmed(columns(line_, 48, 3));
-      if (!scale.empty() && scale != "GPS" && scale != "GAL")
+      to_gps_ = scale == "BDT" ? nanoseconds(gnss::gps_minus_beidou) : 0;
+      if (!scale.empty() && scale != "GPS" && scale != "GAL" && scale != "QZS" && scale != "BDT")
         faults_.add("B062", line(), "header line",
                     "times are on the clock of " + std::string(scale) + "; taken as GPS time");
     }
   }
 
   void find_places() {
-    for (const auto constellation : {gnss::Constellation::gps, gnss::Constellation::galileo}) {
-      const bool is_galileo = constellation == gnss::Constellation::galileo;
-      const std::string code = is_old() ? signals_.of(constellation).substr(0, 1) : signals_.of(constellation);
-      const auto& types = is_old() ? old_types_ : new_types_[is_galileo ? 'E' : 'G'];
-      Places& places = is_galileo ? galileo_ : gps_;
+    bool has_pseudoranges = false;
+    for (const auto constellation : gnss::constellations) {
+      const bool is_beidou = constellation == gnss::Constellation::beidou;
+      std::string code = signals_.of(constellation);
+      if (is_old()) code = is_beidou ? "" : code.substr(0, 1);  // version 2 has no BeiDou: its C2 is L2C
+      const auto index = static_cast<std::size_t>(constellation);
+      const auto& types = is_old() ? old_types_ : new_types_["?GEC"[index]];
+      Places& places = places_[index];
       places = Places{};
       places.count = static_cast<int>(types.size());
       const auto find = [&](char kind) {
@@ -130,10 +139,11 @@ class ObservationReader {
       places.doppler = find('D');
       places.cn0 = find('S');
       places.phase = find('L');
+      has_pseudoranges = has_pseudoranges || places.pseudorange >= 0;
     }
     if (is_old() && old_count_ != static_cast<int>(old_types_.size()))
       faults_.add("B062", line(), "header line", "the number of observation types is not that of the types listed");
-    if (gps_.pseudorange < 0 && galileo_.pseudorange < 0)
+    if (!has_pseudoranges)
       throw ComponentError::in_data("holds no pseudoranges of the signals that are asked for", path_, line(), "B066");
   }
 
@@ -194,7 +204,7 @@ class ObservationReader {
       return false;
     }
     Epoch epoch;
-    epoch.t = *t;
+    epoch.t = *t + to_gps_;
     epoch.line = head_line;
     epoch.event = *flag == 1 ? 1 : 0;
     if (const auto offset = number(is_old() ? columns(head, 68, 12) : columns(head, 41, 15)))
@@ -265,12 +275,13 @@ class ObservationReader {
   void take_row(const std::string& name, const std::string& row, Epoch& epoch) {
     const auto satellite = gnss::parse_satellite(name);
     if (!satellite) {
-      // GLONASS, SBAS, QZSS, BeiDou, NavIC are passed over.
-      if (name.empty() || std::string_view("RSJCI").find(name.front()) == std::string_view::npos)
+      // GLONASS is counted; SBAS, QZSS, NavIC are passed over.
+      if (!name.empty() && name.front() == 'R' && ++glonass_ == 1) first_glonass_ = line();
+      if (name.empty() || std::string_view("RSJI").find(name.front()) == std::string_view::npos)
         faults_.add("B062", line(), "observation", "'" + name + "' is no satellite");
       return;
     }
-    const Places& places = gnss::constellation_of(*satellite) == gnss::Constellation::galileo ? galileo_ : gps_;
+    const Places& places = places_[static_cast<std::size_t>(gnss::constellation_of(*satellite))];
     if (places.pseudorange < 0) return;
     Observation observation;
     observation.satellite = *satellite;
@@ -284,6 +295,7 @@ class ObservationReader {
     for (const auto& other : epoch.satellites)
       if (other.satellite == *satellite)
         return faults_.add("B062", line(), "observation", name + " stands in its epoch twice");
+    const double wavelength = gnss::speed_of_light / gnss::carrier_frequency(*satellite);
     observation.range_rate = -wavelength * doppler;  // a satellite that comes nearer has a positive Doppler shift
     observation.phase *= wavelength;
     epoch.satellites.push_back(observation);
@@ -311,7 +323,10 @@ class ObservationReader {
   char system_ = ' ';
   std::vector<std::string> old_types_;
   std::map<char, std::vector<std::string>> new_types_;
-  Places gps_, galileo_;
+  std::size_t glonass_ = 0;  // observations
+  int first_glonass_ = 0;    // line
+  std::array<Places, 1 + gnss::constellations.size()> places_;
+  Time to_gps_ = 0;  // what is added to the times of epochs
   std::vector<Epoch> epochs_;
 };
 

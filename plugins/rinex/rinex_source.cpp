@@ -15,7 +15,7 @@ ComponentSpec RinexSource::spec() {
   ComponentSpec spec;
   spec.type = "rinex";
   spec.summary = "recorded GNSS observations and broadcast messages, RINEX 2 and 3, plain or gzipped";
-  spec.source = "RINEX 2.11 (2007), RINEX 3.04 (2018); IS-GPS-200; Galileo OS SIS ICD";
+  spec.source = "RINEX 2.11 (2007), RINEX 3.04 (2018); IS-GPS-200; Galileo OS SIS ICD; BDS-SIS-ICD-B1I-3.0";
   spec.parameters = {
       path("observations").about("file of observations; without it only messages are emitted"),
       path("navigation").about("file of broadcast messages"),

@@ -39,6 +39,8 @@ UbloxSource::UbloxSource(const Binding& binding)
     : rules_{{{}, {}, civil_time::UtcClock(binding.parameters()), 0, 0}, {}, false, {}} {
   const Parameters& p = binding.parameters();
   rules_.decoder.signals = gnss::Signals::of(p);
+  if (!rules_.decoder.signals.beidou.empty())
+    throw ComponentError("of BeiDou neither observations nor messages are read; leave it \"\"", "/signals/beidou");
   rules_.decoder.raw_tick = p.time("raw_tick");
   rules_.decoder.sensor_shift = p.time("sensor_shift");
   rules_.messages = gnss::ChoiceRules::of(p);

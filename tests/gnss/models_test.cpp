@@ -151,7 +151,10 @@ TEST_CASE("each correction is worth what it should be") {
                         without_delay = residuals({{"group_delay", false}}),
                         without_turn = residuals({{"earth_rotation", false}}),
                         with_iono = residuals({{"ionosphere", "klobuchar"}}),
-                        with_tropo = residuals({{"troposphere", "saastamoinen"}});
+                        with_tropo = residuals({{"troposphere", "saastamoinen"}}),
+                        with_cosecant =
+                            residuals({{"troposphere", "saastamoinen"}, {"troposphere_mapping", "cosecant"}}),
+                        with_winter = residuals({{"troposphere", "saastamoinen"}, {"day_of_year", 28}});
   for (std::size_t i = 0; i < scene.observations.size(); i += gnss::observation::field_count, ++row) {
     const auto& e = scene.sky.ephemerides[static_cast<std::size_t>(scene.observations[i]) - 101];
     const auto state = Sky::state(e, scene.label - 0.08);
@@ -167,9 +170,58 @@ TEST_CASE("each correction is worth what it should be") {
                                               direction.azimuth, direction.elevation, scene.label);
     CHECK(std::abs(with_iono[row] - all[row] + iono) < 0.01);
     CHECK(iono > 1);
-    const double tropo = gnss::saastamoinen_delay(home[0], home[2], direction.elevation).delay;
+    const double tropo = gnss::troposphere_delay(gnss::Mapping::niell, home[0], home[2], direction.elevation, 0).delay;
     CHECK(std::abs(with_tropo[row] - all[row] + tropo) < 0.02);
+    const double flat =
+        gnss::troposphere_delay(gnss::Mapping::cosecant, home[0], home[2], direction.elevation, 0).delay;
+    CHECK(std::abs(with_cosecant[row] - with_tropo[row] + flat - tropo) < 1e-3 * flat);
+    // In winter the air is lower.
+    const double winter =
+        gnss::troposphere_delay(gnss::Mapping::niell, home[0], home[2], direction.elevation, gnss::season_of(28)).delay;
+    CHECK(winter > tropo);
+    CHECK(std::abs(with_winter[row] - with_tropo[row] + winter - tropo) < 0.05 * (winter - tropo));
   }
+}
+
+TEST_CASE("the ionosphere delays BeiDou's B1I by more than L1, as the square of the frequencies") {
+  Scene scene;
+  for (auto& e : scene.sky.ephemerides) e.satellite += 219;  // G01 becomes C20
+  for (std::size_t i = 0; i < scene.observations.size(); i += gnss::observation::field_count)
+    scene.observations[i] += 219;
+  scene.ephemerides = scene.sky.ephemeris_rows();
+  scene.auxiliary[0] = rows_view(scene.ephemerides, gnss::ephemeris_field_count, 0);
+  const auto measured = [&](const char* ionosphere) {
+    const auto model = bind_by_ephemeris<Pseudorange>({{{"elevation_mask", 0.0}, {"ionosphere", ionosphere}},
+                                                       {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}},
+                                                       {}});
+    const PortStates ports{{}, {&ecef_position, scene.ecef()}, {&receiver_clock, scene.clock_state()}, {}};
+    Complaints out;
+    return linearize(*model, scene.sample(), ports, {}, out, scene.auxiliary);
+  };
+  const Measured with = measured("klobuchar"), without = measured("none");
+  REQUIRE(with.keys.size() >= 6);
+  const auto place = gnss::place_from_ecef(scene.r0);
+  for (std::size_t i = 0; i < with.keys.size(); ++i) {
+    const auto& e = scene.sky.ephemerides.at(static_cast<std::size_t>(with.keys[i]) - 320);
+    const auto direction =
+        gnss::direction_in(place.C_en, (Sky::state(e, scene.label - 0.08).position - scene.r0).normalized());
+    const double on_L1 = gnss::klobuchar_delay(gnss::read_klobuchar(scene.coefficients.data()), home[0], home[1],
+                                               direction.azimuth, direction.elevation, scene.label);
+    const auto row = static_cast<Eigen::Index>(i);
+    const double ratio = (without.residual[row] - with.residual[row]) / on_L1;
+    CHECK(std::abs(ratio - std::pow(1575.42 / 1561.098, 2)) < 2e-3);
+  }
+}
+
+TEST_CASE("a day of the year that nothing uses is refused") {
+  const auto with = [](const json& parameters) {
+    return bind_by_ephemeris<Pseudorange>(
+        {parameters, {{"ecef_position", &ecef_position}, {"clock", &receiver_clock}}, {}});
+  };
+  CHECK_NOTHROW(with({{"troposphere", "saastamoinen"}, {"day_of_year", 92}}));
+  CHECK_THROWS_AS(with({{"day_of_year", 92}}), ComponentError);
+  CHECK_THROWS_AS(with({{"troposphere", "saastamoinen"}, {"troposphere_mapping", "cosecant"}, {"day_of_year", 92}}),
+                  ComponentError);
 }
 
 TEST_CASE("H of pseudoranges against differences, in either kind of position") {

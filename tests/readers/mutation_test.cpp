@@ -13,6 +13,7 @@
 #include "kitti/oxts_source.hpp"
 #include "nmea/nmea_source.hpp"
 #include "reading.hpp"
+#include "rinex/rinex_source.hpp"
 #include "rtklib/pos_source.hpp"
 #include "ublox/recording.hpp"
 #include "ublox/ublox_source.hpp"
@@ -214,6 +215,95 @@ TEST_CASE("mutations of OXTS folders") {
   }
   if (std::getenv("BINNACLE_MUTATIONS"))
     std::printf("oxts: %d mutations, %zu read, %zu refused\n", count, read, refused);
+  CHECK(read + refused == static_cast<std::size_t>(count));
+  CHECK(read > 0);
+}
+
+namespace {
+
+const char* const rinex_observations =
+    R"(     3.04           OBSERVATION DATA    M: Mixed            RINEX VERSION / TYPE
+site                                                        MARKER NAME
+ -3962108.6730  3381309.5740  3668678.6380                  APPROX POSITION XYZ
+G    3 C1C D1C S1C                                          SYS / # / OBS TYPES
+C    3 C2I D2I S2I                                          SYS / # / OBS TYPES
+  2021    11     9     3    30    0.0000000     GPS         TIME OF FIRST OBS
+                                                            END OF HEADER
+> 2021 11 09 03 30 00.0000000  0  4
+C01  36785178.664        -188.948          45.000  
+C35  22632604.654        2136.520          45.000  
+G02  21425594.385        1607.020          45.000  
+R05  21425594.385        1607.020          45.000  
+> 2021 11 09 03 30 01.0000000  0  4
+C01  36785214.951        -188.962          45.000  
+C35  22632194.396        2136.121          45.000  
+G02  21425288.605        1606.742          45.000  
+R05  21425288.605        1606.742          45.000  
+)";
+
+const char* const rinex_messages = R"(     3.04           N: GNSS NAV DATA    M: Mixed            RINEX VERSION / TYPE
+                                                            END OF HEADER
+C01 2021 11 09 03 30 00-1.000000000000D-05-2.000000000000D-11 0.000000000000D+00
+     1.000000000000D+00-7.000000000000D+01 4.100000000000D-09 2.043460952792D+00
+    -2.000000000000D-06 4.000000000000D-04 7.000000000000D-06 6.493396645824D+03
+     1.854000000000D+05-6.000000000000D-08 1.351958121000D+01-8.000000000000D-08
+     9.075712110371D-02 1.800000000000D+02 4.000000000000D-01-7.600000000000D-09
+    -3.000000000000D-10 0.000000000000D+00 8.270000000000D+02 0.000000000000D+00
+     2.000000000000D+00 0.000000000000D+00-5.000000000000D-09 9.000000000000D-09
+     1.818000000000D+05 0.000000000000D+00 0.000000000000D+00 0.000000000000D+00
+G02 2021 11 09 04 00 00 1.200000000000D-04 2.000000000000D-11 0.000000000000D+00
+     1.000000000000D+00 7.000000000000D+01 4.210000000000D-09-5.280244880340D-02
+     2.000000000000D-06 9.000000000000D-03 7.000000000000D-06 5.153700000000D+03
+     1.872000000000D+05 6.000000000000D-08 1.469803710582D+01-8.000000000000D-08
+     9.599310885969D-01 1.910000000000D+02 1.100000000000D+00-7.710000000000D-09
+     3.000000000000D-10 0.000000000000D+00 2.183000000000D+03 0.000000000000D+00
+     2.000000000000D+00 0.000000000000D+00 5.000000000000D-09 1.000000000000D+00
+     1.836000000000D+05 0.000000000000D+00 0.000000000000D+00 0.000000000000D+00
+E02 2021 11 09 04 00 00 1.200000000000D-04 2.000000000000D-11 0.000000000000D+00
+     1.000000000000D+00 7.000000000000D+01 4.210000000000D-09-5.280244880340D-02
+     2.000000000000D-06 9.000000000000D-03 7.000000000000D-06 5.153700000000D+03
+     1.872000000000D+05 6.000000000000D-08 1.469803710582D+01-8.000000000000D-08
+     9.599310885969D-01 1.910000000000D+02 1.100000000000D+00-7.710000000000D-09
+     3.000000000000D-10 5.170000000000D+02 2.183000000000D+03 0.000000000000D+00
+     2.000000000000D+00 0.000000000000D+00 5.000000000000D-09 1.000000000000D+00
+     1.836000000000D+05 0.000000000000D+00 0.000000000000D+00 0.000000000000D+00
+)";
+
+/// Version 2 as the component's example has it, version 3 of three systems.
+std::vector<std::pair<std::string, std::string>> rinex_seeds() {
+  const json files = json::parse(rinex::RinexSource::spec().surroundings).at("files");
+  return {{files.at("site.obs"), files.at("site.nav")}, {rinex_observations, rinex_messages}};
+}
+
+}  // namespace
+
+TEST_CASE("mutations of RINEX") {
+  const auto seeds = rinex_seeds();
+  Mutator mutate(20260120);
+  const Folder folder;
+  std::size_t read = 0, refused = 0, reported = 0, samples = 0;
+  const int count = mutations();
+  for (int i = 0; i < count; ++i) {
+    const auto& [observations, messages] = seeds[static_cast<std::size_t>(i) % seeds.size()];
+    folder.write("site.obs", i / 2 % 2 == 0 ? mutate(observations) : observations);
+    folder.write("site.nav", i / 2 % 2 == 1 ? mutate(messages) : messages);
+    const std::clock_t begin = std::clock();
+    try {
+      const Recorded<rinex::RinexSource> r(json{{"observations", folder.file("site.obs")},
+                                                {"navigation", folder.file("site.nav")},
+                                                {"signals", {{"galileo", "1C"}, {"beidou", "2I"}}}});
+      ++read;
+      reported += !r.reports.empty();
+      samples += r.samples.size();
+    } catch (const ComponentError&) {
+      ++refused;
+    }
+    INFO("mutation " << i);
+    REQUIRE(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < 20.0);
+  }
+  if (std::getenv("BINNACLE_MUTATIONS"))
+    std::printf("rinex: %d mutations, %zu read, %zu with a report, %zu refused, %zu samples\n", count, read, reported,
+                refused, samples);
   CHECK(read + refused == static_cast<std::size_t>(count));
   CHECK(read > 0);
 }

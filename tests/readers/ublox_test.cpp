@@ -225,6 +225,8 @@ TEST_CASE("messages that are not read, unknown lengths, messages that are missin
   CHECK(read(header_pvt(), {{"messages", {"NAV-PVT", "RXM-RAWX"}}}).has_reported("B066 log.ubx:0 holds no RXM-RAWX"));
   CHECK_THROWS_AS(read(header_pvt(), {{"messages", {"NAV-PTV"}}}), ComponentError);
   CHECK_THROWS_AS(read(header_pvt(), {{"messages", {"RXM-RAWX"}}, {"epoch", "2025-08-28"}}), ComponentError);
+  CHECK_THROWS_AS(read(header_pvt(), {{"signals", {{"beidou", "2I"}}}}),
+                  ComponentError);  // rinex reads it, this does not
 }
 
 TEST_CASE("sensors: axes, signs, scales, ticks, and times by the order of messages") {

@@ -251,7 +251,9 @@ std::vector<double> rests_of(const Ubx& r, double least, double most) {
       const auto path = gnss::signal_path(state.position, antenna, true);
       const auto direction = gnss::direction_in(geodesy::C_en(lla[0], lla[1]), path.direction);
       if (direction.elevation < 15 * degree) continue;
-      const double troposphere = gnss::saastamoinen_delay(lla[0], lla[2], direction.elevation).delay;
+      const double troposphere =
+          gnss::troposphere_delay(gnss::Mapping::niell, lla[0], lla[2], direction.elevation, gnss::season_of(240))
+              .delay;
       rests.push_back(range - path.range + gnss::speed_of_light * (state.clock - e.group_delay) - troposphere);
     }
   }

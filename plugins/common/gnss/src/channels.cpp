@@ -36,7 +36,7 @@ constexpr Member members[] = {
     {"af0", "s", &Ephemeris::af0, "clock offset"},
     {"af1", "1", &Ephemeris::af1, "clock drift, s/s"},
     {"af2", "1/s", &Ephemeris::af2, "clock ageing, s/s^2"},
-    {"group_delay", "s", &Ephemeris::group_delay, "T_GD, BGD(E1, E5b)"},
+    {"group_delay", "s", &Ephemeris::group_delay, "T_GD, BGD, TGD1"},
     {"accuracy", "m", &Ephemeris::accuracy, "URA, SISA"},
     {"issue", "1", &Ephemeris::issue, "IODE, IODnav"},
 };
@@ -47,7 +47,8 @@ FieldSpec row_field(const char* name, const char* unit, bool optional, std::stri
 }
 
 FieldSpec satellite_field() {
-  return row_field("satellite", "1", false, "constellation (1 GPS, 2 Galileo) times 100, plus the satellite's number");
+  return row_field("satellite", "1", false,
+                   "constellation (1 GPS, 2 Galileo, 3 BeiDou) times 100, plus the satellite's number");
 }
 
 }  // namespace

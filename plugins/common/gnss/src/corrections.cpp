@@ -55,6 +55,13 @@ std::vector<ParameterSpec> Corrections::parameters() {
       choice("troposphere", {"none", "saastamoinen"})
           .defaults("\"none\"")
           .about("saastamoinen: standard atmosphere, 70 % relative humidity"),
+      choice("troposphere_mapping", {"niell", "cosecant"})
+          .defaults("\"niell\"")
+          .about("from the zenith to the line of sight; cosecant: 1/sin(elevation), 0.2 m too much at 10 deg"),
+      number("day_of_year", "1")
+          .at_least(1)
+          .below(367)
+          .about("1: the first of January; the season of mapping niell. Default: its mean over the year"),
       number("elevation_mask", "rad")
           .at_least(0)
           .below(M_PI / 2)
@@ -73,6 +80,14 @@ Corrections::Corrections(const Binding& binding) {
   group_delay_ = parameters.boolean("group_delay");
   klobuchar_ = parameters.text("ionosphere") == "klobuchar";
   saastamoinen_ = parameters.text("troposphere") == "saastamoinen";
+  mapping_ = parameters.text("troposphere_mapping") == "niell" ? Mapping::niell : Mapping::cosecant;
+  if (parameters.has("day_of_year")) {
+    if (!saastamoinen_ || mapping_ != Mapping::niell)
+      throw ComponentError(
+          "the day of the year is for \"troposphere\": \"saastamoinen\" with \"troposphere_mapping\": \"niell\"",
+          "/day_of_year");
+    season_ = season_of(parameters.number("day_of_year"));
+  }
   min_sin_elevation_ = std::sin(parameters.number("elevation_mask"));
   min_cn0_ = parameters.number("cn0_mask");
   if (!parameters.has("exclude")) return;
@@ -80,11 +95,11 @@ Corrections::Corrections(const Binding& binding) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto key = excluded_key(names[i].text);
     if (!key)
-      throw ComponentError(
-          "'" + names[i].text +
-              "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
-              "digits or more, \"4301\"",
-          "/exclude/" + std::to_string(i));
+      throw ComponentError("'" + names[i].text +
+                               "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", \"C01\" … \"C63\", or the key "
+                               "of a row with three "
+                               "digits or more, \"4301\"",
+                           "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }
 }
@@ -188,10 +203,12 @@ bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool kn
   if (klobuchar_) {
     s.ionosphere = klobuchar_delay(read_klobuchar(epoch.klobuchar->fields), place.lla[0], place.lla[1],
                                    s.direction.azimuth, s.direction.elevation, time_of_day(epoch.t));
+    if (const double f = rows_.are_given() ? l1_frequency : carrier_frequency(s.satellite); f != l1_frequency)
+      s.ionosphere *= (l1_frequency / f) * (l1_frequency / f);  // dispersive: as 1/f²
     s.delay += s.ionosphere;
   }
   if (saastamoinen_) {
-    const TroposphereDelay troposphere = saastamoinen_delay(place.lla[0], place.lla[2], elevation);
+    const TroposphereDelay troposphere = troposphere_delay(mapping_, place.lla[0], place.lla[2], elevation, season_);
     s.delay += troposphere.delay;
     s.d_delay_down = -troposphere.d_height;
   }

@@ -13,6 +13,7 @@ namespace {
 using BySatellite = std::map<SatelliteKey, std::vector<std::size_t>>;
 
 bool is_better(const BroadcastMessage& a, const BroadcastMessage& b, Choice choice, Time t) {
+  if (a.is_substitute != b.is_substitute) return b.is_substitute;
   if (choice == Choice::nearest_toe) {
     const Time age_a = std::abs(t - a.toe), age_b = std::abs(t - b.toe);
     if (age_a != age_b) return age_a < age_b;

@@ -11,27 +11,36 @@ namespace binnacle::gnss {
 ParameterSpec Signals::parameter() {
   using namespace binnacle::parameter;
   return object("signals", {text("gps").defaults("\"1C\"").about("GPS: L1 C/A is 1C; \"\": none"),
-                            text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none")})
+                            text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none"),
+                            text("beidou").defaults("\"\"").about("BeiDou: B1I is 2I, in RINEX 3.02 1I; \"\": none")})
       .defaults("{}")
       .about("the signal that is taken of each constellation, by the code of its observations");
 }
 
 Signals Signals::of(const Parameters& parameters) {
   const Parameters codes = parameters.object("signals");
-  Signals signals{codes.text("gps"), codes.text("galileo")};
+  Signals signals{codes.text("gps"), codes.text("galileo"), codes.text("beidou")};
   for (const char* constellation : {"gps", "galileo"}) {
     const std::string& code = codes.text(constellation);
     if (!code.empty() && (code.size() != 2 || code.front() != '1'))
       throw ComponentError("a code has two characters and begins with 1, the frequency: \"1C\"; found '" + code + "'",
                            std::string("/signals/") + constellation);
   }
-  if (signals.gps.empty() && signals.galileo.empty()) throw ComponentError("no signal is taken", "/signals");
+  if (!signals.beidou.empty() && signals.beidou != "2I" && signals.beidou != "1I")
+    throw ComponentError(
+        "of BeiDou B1I is read, \"2I\" (in RINEX 3.02 \"1I\"): its messages' clock and group delay are for it; "
+        "found '" +
+            signals.beidou + "'",
+        "/signals/beidou");
+  if (signals.gps.empty() && signals.galileo.empty() && signals.beidou.empty())
+    throw ComponentError("no signal is taken", "/signals");
   return signals;
 }
 
 void ObservationChannels::declare(const Signals& signals, SourceDeclaration& declaration) {
-  const auto rows = most_satellites_per_constellation *
-                    (static_cast<int>(!signals.gps.empty()) + static_cast<int>(!signals.galileo.empty()));
+  int rows = 0;
+  for (const Constellation constellation : constellations)
+    if (!signals.of(constellation).empty()) rows += most_satellites(constellation);
   ChannelDeclaration obs("obs"), ephemeris("ephemeris", ephemeris_fields()), iono("iono");
   const auto fields = observation_fields(false);
   satellite_ = obs.carries_per_row(fields[observation::satellite]);

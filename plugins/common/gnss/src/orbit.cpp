@@ -10,9 +10,31 @@ namespace binnacle::gnss {
 
 namespace {
 
-/// μ as the constellation's users are to take it: IS-GPS-200 table 20-IV, Galileo OS SIS ICD table 58 [m³/s²].
+/// μ as the constellation's users are to take it: IS-GPS-200 table 20-IV, Galileo OS SIS ICD table 58, BDS-SIS-ICD-B1I-3.0
+/// table 5-11 [m³/s²].
 double gravitational_constant(SatelliteKey key) {
-  return constellation_of(key) == Constellation::galileo ? 3.986004418e14 : 3.986005e14;
+  return constellation_of(key) == Constellation::gps ? 3.986005e14 : 3.986004418e14;
+}
+
+constexpr double omega_e_beidou = 7.2921150e-5;  // rad/s, the same table
+
+bool is_geostationary(SatelliteKey key) {
+  const SatelliteKey number = key % 100;
+  return constellation_of(key) == Constellation::beidou && (number <= 5 || number >= 59);
+}
+
+/// A geostationary orbit's elements are of axes that were tilted by 5 deg about x, so that its inclination is none of zero:
+/// r = R_z(ω t) R_x(−5°) r_tilted, and the tilted axes do not turn.
+void untilt(SatelliteState& state, double tk) {
+  constexpr double tilt = 5 * M_PI / 180;
+  const double s = std::sin(omega_e_beidou * tk), c = std::cos(omega_e_beidou * tk);
+  const auto turned = [&](const Eigen::Vector3d& v) {
+    const double y = v.y() * std::cos(tilt) - v.z() * std::sin(tilt);
+    return Eigen::Vector3d(c * v.x() + s * y, c * y - s * v.x(), v.y() * std::sin(tilt) + v.z() * std::cos(tilt));
+  };
+  state.position = turned(state.position);
+  state.velocity =
+      turned(state.velocity) + omega_e_beidou * Eigen::Vector3d(state.position.y(), -state.position.x(), 0);
 }
 
 double since(double reference, Time t, double back) { return seconds(t - nanoseconds(reference)) - back; }
@@ -74,8 +96,11 @@ SatelliteState satellite_state(const Ephemeris& e, Time t, double back) {
 
   const double x = r * std::cos(u), y = r * std::sin(u);  // in the orbital plane
   const double x_dot = r_dot * std::cos(u) - y * u_dot, y_dot = r_dot * std::sin(u) + x * u_dot;
-  const double node_dot = e.omega_dot - omega_e;
-  const double node = e.omega0 + node_dot * tk - omega_e * time_of_week(e.toe);
+  const bool is_beidou = constellation_of(e.satellite) == Constellation::beidou,
+             is_tilted = is_geostationary(e.satellite);
+  const double omega = is_beidou ? omega_e_beidou : omega_e;
+  const double node_dot = is_tilted ? e.omega_dot : e.omega_dot - omega;
+  const double node = e.omega0 + node_dot * tk - omega * time_of_week(is_beidou ? e.toe - gps_minus_beidou : e.toe);
   const double sin_node = std::sin(node), cos_node = std::cos(node);
   const double sin_i = std::sin(i), cos_i = std::cos(i);
 
@@ -85,6 +110,7 @@ SatelliteState satellite_state(const Ephemeris& e, Time t, double back) {
   state.velocity = {x_dot * cos_node - across_dot * sin_node - state.position.y() * node_dot,
                     x_dot * sin_node + across_dot * cos_node + state.position.x() * node_dot,
                     y_dot * sin_i + y * cos_i * i_dot};
+  if (is_tilted) untilt(state, tk);
   const double dt = since(e.toc, t, back);
   const double F = relativity(e, mu);
   state.clock = e.af0 + dt * (e.af1 + dt * e.af2) + F * sin_E;

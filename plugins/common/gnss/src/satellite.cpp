@@ -11,6 +11,8 @@ std::optional<SatelliteKey> parse_satellite(std::string_view text) {
     const char letter = text.front();
     if (letter == 'E') {
       constellation = Constellation::galileo;
+    } else if (letter == 'C') {
+      constellation = Constellation::beidou;
     } else if (letter != 'G' && letter != ' ') {
       return std::nullopt;
     }
@@ -19,13 +21,13 @@ std::optional<SatelliteKey> parse_satellite(std::string_view text) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   if (!digit(text[1]) || !(digit(text[0]) || text[0] == ' ')) return std::nullopt;
   const int number = (text[0] == ' ' ? 0 : text[0] - '0') * 10 + (text[1] - '0');
-  if (number < 1 || number > (constellation == Constellation::gps ? 32 : most_satellites_per_constellation))
+  if (number < 1 || number > (constellation == Constellation::gps ? 32 : most_satellites(constellation)))
     return std::nullopt;
   return satellite_key(constellation, number);
 }
 
 std::string satellite_name(SatelliteKey key) {
-  const char* letter = constellation_of(key) == Constellation::galileo ? "E" : "G";
+  const char letter = "?GEC"[static_cast<std::size_t>(constellation_of(key))];
   const auto number = key % 100;
   return letter + std::string(number < 10 ? "0" : "") + std::to_string(number);
 }

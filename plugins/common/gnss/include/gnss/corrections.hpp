@@ -18,7 +18,10 @@
 
 namespace binnacle::gnss {
 
-inline constexpr int most_rows = 2 * most_satellites_per_constellation;
+inline constexpr int most_rows = 72;  // of satellites that are used in one epoch
+/// Of an ephemeris channel.
+inline constexpr int most_messages = most_satellites(Constellation::gps) + most_satellites(Constellation::galileo) +
+                                     most_satellites(Constellation::beidou);
 inline constexpr double least_sine = 0.017;  // of elevation, where a mapping 1/sin is cut off: 1 deg
 
 /// Where the antenna is thought to be.
@@ -104,6 +107,8 @@ class Corrections {
   double min_sin_elevation_;
   double min_cn0_;
   bool earth_rotation_, satellite_clock_, group_delay_, klobuchar_, saastamoinen_;
+  Mapping mapping_;
+  double season_ = 0;  // as of troposphere_delay()
 };
 
 }  // namespace binnacle::gnss

@@ -11,6 +11,9 @@ namespace binnacle::gnss {
 
 inline constexpr std::int64_t seconds_per_week = 604800;
 inline constexpr double seconds_per_day = 86400.0;
+/// BeiDou's time is that of GPS less 14 s, and its week 0 is GPS week 1356 (BDS-SIS-ICD-B1I-3.0, 3.3).
+inline constexpr double gps_minus_beidou = 14.0;
+inline constexpr int beidou_week_zero = 1356;
 
 /// Days from 1980-01-06 to a date of the Gregorian calendar (Fliegel and Van Flandern, CACM 11 (1968) 657).
 constexpr std::int64_t gps_day(int year, int month, int day) noexcept {

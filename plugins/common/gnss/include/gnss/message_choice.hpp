@@ -15,7 +15,8 @@ struct BroadcastMessage {
   Time toe = no_time;
   Time uploaded = no_time;  // from when on a receiver has it
   bool is_healthy = false;
-  int line = 0;  // of a text file
+  bool is_substitute = false;  // used only while the satellite has no other: Galileo's F/NAV, for a user of E1
+  int line = 0;                // of a text file
 };
 
 /// nearest_toe: the one whose reference time is nearest, uploaded or not: what post-processing does.

@@ -19,12 +19,13 @@ namespace binnacle::gnss {
 struct Signals {
   std::string gps = "1C";
   std::string galileo = "1C";
+  std::string beidou;
 
   static ParameterSpec parameter();
-  /// Throws ComponentError where a code is none of the first frequency.
+  /// Throws ComponentError where a code is none that can be used.
   static Signals of(const Parameters& parameters);
   const std::string& of(Constellation constellation) const {
-    return constellation == Constellation::galileo ? galileo : gps;
+    return constellation == Constellation::galileo ? galileo : constellation == Constellation::beidou ? beidou : gps;
   }
   bool takes(SatelliteKey key) const { return !of(constellation_of(key)).empty(); }
 };

@@ -12,8 +12,15 @@ namespace binnacle::gnss {
 inline constexpr double speed_of_light = 299792458.0;  ///< m/s
 inline constexpr double omega_e = 7.2921151467e-5;     ///< rad/s, earth rotation of IS-GPS-200 and Galileo's OS SIS ICD
 inline constexpr double l1_frequency = 1575.42e6;      ///< Hz; Galileo's E1 too
+inline constexpr double b1_frequency = 1561.098e6;     ///< Hz, BeiDou's B1I
 
-/// A broadcast message in SI: IS-GPS-200 table 20-IV and 20.3.3.3, Galileo OS SIS ICD tables 57 to 60.
+/// Of the signal whose pseudoranges are used [Hz].
+constexpr double carrier_frequency(SatelliteKey key) noexcept {
+  return constellation_of(key) == Constellation::beidou ? b1_frequency : l1_frequency;
+}
+
+/// A broadcast message in SI: IS-GPS-200 table 20-IV and 20.3.3.3, Galileo OS SIS ICD tables 57 to 60;
+/// BeiDou BDS-SIS-ICD-B1I-3.0 tables 5-8 to 5-10.
 /// Times are seconds on the clock of the channel that carries it (gps_time.hpp).
 struct Ephemeris {
   SatelliteKey satellite = 0;
@@ -34,9 +41,9 @@ struct Ephemeris {
   double af0 = 0;           // s
   double af1 = 0;           // s/s
   double af2 = 0;           // s/s²
-  double group_delay = 0;   // s: T_GD, Galileo's BGD(E1, E5b); a single-frequency user subtracts it from the clock
-  double accuracy = 0;      // m: URA, SISA
-  double issue = 0;         // IODE, IODnav
+  double group_delay = 0;  // s: T_GD, Galileo's BGD, BeiDou's TGD1; a single-frequency user subtracts it from the clock
+  double accuracy = 0;     // m: URA, SISA
+  double issue = 0;        // IODE, IODnav
 };
 
 /// In ECEF axes of the instant itself (no rotation during the travel of a signal).
@@ -50,7 +57,8 @@ struct SatelliteState {
 /// The eccentric anomaly: E − e sin E = M. Newton's method, from a start that makes it converge for every e < 1.
 double eccentric_anomaly(double mean_anomaly, double eccentricity);
 
-/// Orbit and clock `back` seconds before t. IS-GPS-200 table 20-IV; velocity by differentiating it; relativity
+/// Orbit and clock `back` seconds before t. IS-GPS-200 table 20-IV; BeiDou's geostationary satellites (C01 to C05, C59 to
+/// C63) after BDS-SIS-ICD-B1I-3.0 table 5-11; velocity by differentiating it; relativity
 /// F e √A sin E, F = −2 √μ / c² (20.3.3.3.3.1).
 SatelliteState satellite_state(const Ephemeris& ephemeris, Time t, double back = 0);
 
