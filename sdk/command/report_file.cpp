@@ -12,7 +12,10 @@ namespace binnacle::command {
 std::filesystem::path report_in(const std::filesystem::path& folder) { return folder / "report.html"; }
 
 std::size_t write_report(const std::filesystem::path& folder, const std::filesystem::path& page) {
-  const std::string text = report::page(read_results(folder));
+  return write_page(report::page(read_results(folder)), page);
+}
+
+std::size_t write_page(const std::string& text, const std::filesystem::path& page) {
   AtomicFile file(page);
   file.write(text);
   file.commit();

@@ -6,7 +6,8 @@
 namespace binnacle::convert {
 
 std::string gpx(const Material& material) {
-  const auto separation = material.track.has_vertical ? material.request.geoid_separation : std::nullopt;
+  const bool has_height = material.track.has_vertical && material.request.geoid_separation.has_value();
+  const double separation = has_height ? *material.request.geoid_separation : 0;
   const int decimals = decimals_of(material.track.records);
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"binnacle export\" "
@@ -19,15 +20,15 @@ std::string gpx(const Material& material) {
     text += "\" lon=\"";
     append_fixed(text, degrees(record.lon), 9);
     text += "\">";
-    if (separation) {
+    if (has_height) {
       text += "<ele>";
-      append_fixed(text, record.height - *separation, 3);
+      append_fixed(text, record.height - separation, 3);
       text += "</ele>";
     }
     if (material.time) text += "<time>" + iso(material.time->clock.utc(record.t), decimals) + "</time>";
-    if (separation) {
+    if (has_height) {
       text += "<geoidheight>";
-      append_fixed(text, *separation, 3);
+      append_fixed(text, separation, 3);
       text += "</geoidheight>";
     }
     text += "</trkpt>\n";

@@ -49,12 +49,12 @@ int decimals_of(const std::vector<Record>& records) {
 }
 
 std::string calendar(Time since_1970, int decimals, char of_date, char between) {
-  using namespace std::chrono;
   const Time unit = decimals == 3 ? 1'000'000 : 1'000;
   const Time half = unit / 2, up = since_1970 + half;
   const Time rounded = up - ((up % unit) + unit) % unit;
-  const auto day = floor<days>(sys_time<nanoseconds>(nanoseconds(rounded)));
-  const year_month_day date(day);
+  const auto day = std::chrono::floor<std::chrono::days>(
+      std::chrono::sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(rounded)));
+  const std::chrono::year_month_day date(day);
   const Time of_day = rounded - civil_time::begin_of(day);
   const auto s = of_day / nanoseconds_per_second;
   std::array<char, 64> all;
