@@ -5,31 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-
-#include "sentence.hpp"
 
 namespace binnacle::nmea {
 
 namespace {
 
-constexpr double knot = 1852.0 / 3600.0;  // [m/s]
+using sentences::qualities;
+using sentences::Quality;
+using sentences::Type;
+using sentences::type_names;
+
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-struct Quality {
-  const char* name;
-  char gga;
-  char mode;
-};
-constexpr std::array<Quality, 7> qualities{{{"autonomous", '1', 'A'},
-                                            {"differential", '2', 'D'},
-                                            {"rtk", '4', 'R'},
-                                            {"float", '5', 'F'},
-                                            {"estimated", '6', 'E'},
-                                            {"manual", '7', 'M'},
-                                            {"simulator", '8', 'S'}}};
-
-constexpr std::array<const char*, 4> type_names{"GGA", "RMC", "VTG", "HDT"};
 
 std::vector<std::string> quality_names() {
   std::vector<std::string> names;
@@ -56,7 +42,7 @@ std::vector<ParameterSpec> parameters() {
       number("geoid_separation", "m")
           .about("height of the geoid above the ellipsoid: GGA gives heights above the sea. Without it GGA has "
                  "no height"));
-  for (ParameterSpec& spec : UtcClock::parameters()) specs.push_back(std::move(spec));
+  for (ParameterSpec& spec : civil_time::UtcClock::parameters()) specs.push_back(std::move(spec));
   return specs;
 }
 
@@ -86,7 +72,6 @@ ComponentSpec NmeaWriter::spec() {
 NmeaWriter::NmeaWriter(const Binding& binding)
     : output_(binding.parameters()),
       clock_(binding.parameters()),
-      talker_(binding.parameters().text("talker")),
       position_(binding.fields(binding.input("input"), "lat", "lon", "height")),
       velocity_(binding.fields(binding.input("input"), "vn", "ve")),
       yaw_(binding.field(binding.input("input"), "yaw")) {
@@ -96,20 +81,23 @@ NmeaWriter::NmeaWriter(const Binding& binding)
         "sentences carry UTC: give 'week', the GPS week at whose begin time is zero (0: seconds since 1980-01-06), or "
         "'epoch', "
         "the instant of UTC at which it is");
-  if (talker_.size() != 2 || !std::all_of(talker_.begin(), talker_.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-    throw ComponentError("'" + talker_ + "' is no talker: two capital letters are, like GP, GN or IN", "/talker");
-  const auto quality =
-      std::find_if(qualities.begin(), qualities.end(), [&](const auto& q) { return q.name == p.text("quality"); });
-  quality_ = quality->gga;
-  mode_ = quality->mode;
-  geoid_separation_ = p.has("geoid_separation") ? p.number("geoid_separation") : nan;
+  read_report(p);
   max_sigma_ = p.has("max_sigma") ? p.number("max_sigma") : std::numeric_limits<double>::infinity();
   choose_sentences(binding);
   if (p.has("max_sigma")) find_sigma(binding);
   const bool has_gga = std::find(types_.begin(), types_.end(), Type::gga) != types_.end();
-  if (has_gga && position_[2].is_bound() && std::isnan(geoid_separation_))
+  if (has_gga && position_[2].is_bound() && !p.has("geoid_separation"))
     binding.note("GGA has no height: it is one above the sea, and there is no 'geoid_separation'");
   text_.reserve(types_.size() * 128);
+}
+
+void NmeaWriter::read_report(const Parameters& p) {
+  const std::string& talker = p.text("talker");
+  if (talker.size() != 2 || !std::all_of(talker.begin(), talker.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
+    throw ComponentError("'" + talker + "' is no talker: two capital letters are, like GP, GN or IN", "/talker");
+  const auto quality =
+      std::find_if(qualities.begin(), qualities.end(), [&](const auto& q) { return q.name == p.text("quality"); });
+  report_.emplace(talker, *quality, p.has("geoid_separation") ? p.number("geoid_separation") : nan);
 }
 
 void NmeaWriter::choose_sentences(const Binding& binding) {
@@ -164,74 +152,20 @@ double NmeaWriter::horizontal_sigma(const SampleView& sample) const {
 }
 
 void NmeaWriter::on(Input /*from*/, const SampleView& sample) {
-  constexpr Time half_a_millisecond = 500'000;
-  Fix fix{};
-  fix.utc = clock_.utc(sample.t + half_a_millisecond);
-  fix.lat = sample[position_[0]];
-  fix.lon = std::remainder(sample[position_[1]], 2 * std::numbers::pi);
-  fix.height = sample[position_[2]];
-  fix.is_valid = std::isfinite(fix.lat) && std::isfinite(fix.lon) && horizontal_sigma(sample) <= max_sigma_;
-  const double vn = sample[velocity_[0]], ve = sample[velocity_[1]];
-  fix.speed = std::hypot(vn, ve);
-  fix.course = fix.speed > 0 ? std::atan2(ve, vn) : nan;
-  fix.yaw = sample[yaw_];
+  sentences::Motion motion;
+  motion.utc = clock_.utc(sentences::MotionReport::rounded(sample.t));
+  motion.lat = sample[position_[0]];
+  motion.lon = sample[position_[1]];
+  motion.height = sample[position_[2]];
+  motion.vn = sample[velocity_[0]];
+  motion.ve = sample[velocity_[1]];
+  motion.yaw = sample[yaw_];
+  motion.is_accurate = horizontal_sigma(sample) <= max_sigma_;
   for (const Type type : types_) {
     text_.clear();
-    append(type, fix);
+    report_->append(text_, type, motion);
     output_.write(text_);
   }
-}
-
-void NmeaWriter::append(Type type, const Fix& fix) {
-  SentenceWriter out(text_, talker_, type_names[static_cast<std::size_t>(type)]);
-  const auto position = [&] {
-    out.latitude(fix.is_valid ? fix.lat : nan);
-    out.longitude(fix.is_valid ? fix.lon : nan);
-  };
-  const auto separation = [&](double value) {
-    out.number(fix.is_valid && std::isfinite(fix.height) ? value : nan, 3);
-    out.letter('M');
-  };
-  switch (type) {
-    case Type::gga:
-      out.time_of_day(fix.utc.of_day);
-      position();
-      out.letter(fix.is_valid ? quality_ : '0');
-      out.empty();  // satellites in use
-      out.empty();  // HDOP
-      separation(fix.height - geoid_separation_);
-      separation(geoid_separation_);
-      out.empty();  // age of corrections
-      out.empty();  // their station
-      break;
-    case Type::rmc:
-      out.time_of_day(fix.utc.of_day);
-      out.letter(fix.is_valid ? 'A' : 'V');
-      position();
-      out.number(fix.speed / knot, 3);
-      out.bearing(fix.course, 3);
-      out.date(fix.utc.day);
-      out.empty();  // magnetic variation
-      out.empty();
-      out.letter(fix.is_valid ? mode_ : 'N');
-      break;
-    case Type::vtg:
-      out.bearing(fix.course, 3);
-      out.letter('T');
-      out.empty();  // magnetic course
-      out.letter('M');
-      out.number(fix.speed / knot, 3);
-      out.letter('N');
-      out.number(fix.speed * 3.6, 3);
-      out.letter('K');
-      out.letter(std::isfinite(fix.speed) ? mode_ : 'N');
-      break;
-    case Type::hdt:
-      out.bearing(fix.yaw, 3);
-      out.letter('T');
-      break;
-  }
-  out.end();
 }
 
 }  // namespace binnacle::nmea

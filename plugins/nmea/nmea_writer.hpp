@@ -3,12 +3,13 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "binnacle/source.hpp"
 #include "output/text_output.hpp"
-#include "sentence.hpp"
+#include "sentences/motion_report.hpp"
 
 namespace binnacle::nmea {
 
@@ -27,27 +28,15 @@ class NmeaWriter final : public Sink {
   }
 
  private:
-  enum class Type { gga, rmc, vtg, hdt };
-  /// What a sample comes to.
-  struct Fix {
-    Utc utc;
-    double lat, lon, height;
-    double speed, course;  // over ground [m/s, rad]
-    double yaw;
-    bool is_valid;
-  };
-
+  void read_report(const Parameters& parameters);
   void choose_sentences(const Binding& binding);
   void find_sigma(const Binding& binding);
-  void append(Type type, const Fix& fix);
   double horizontal_sigma(const SampleView& sample) const;
 
   text_output::TextOutput output_;
-  UtcClock clock_;
-  std::string talker_;
-  std::vector<Type> types_;
-  char quality_, mode_;                 // of GGA; of RMC and VTG
-  double geoid_separation_;             // NaN: not known
+  civil_time::UtcClock clock_;
+  std::optional<sentences::MotionReport> report_;
+  std::vector<sentences::Type> types_;
   double max_sigma_;                    // infinite: none
   std::array<std::size_t, 2> sigma_{};  // where in the covariance the variances of north and east are
   std::size_t covariance_dof_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sentences of NMEA 0183: written with their checksum, and taken apart.
+// Sentences of NMEA 0183, taken apart.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "civil_time/utc_clock.hpp"
+#include "sentences/sentence_writer.hpp"
 
 namespace binnacle::nmea {
 
@@ -18,40 +19,7 @@ using civil_time::parse_day;
 using civil_time::parse_instant;
 using civil_time::Utc;
 using civil_time::UtcClock;
-
-/// Of what stands between '$' and '*'.
-std::uint8_t checksum(std::string_view body);
-
-/// Appends sentences to a text, field by field.
-class SentenceWriter {
- public:
-  /// `text` outlives this.
-  SentenceWriter(std::string& text, std::string_view talker, std::string_view type);
-  /// '*', the checksum and CR LF.
-  void end();
-
-  void empty() { text_ += ','; }
-  void word(std::string_view field);
-  void letter(char field) { word({&field, 1}); }
-  /// "12.340"; empty where it is not finite.
-  void number(double value, int decimals);
-  /// [rad] as degrees from 0 up to 360; empty where it is not finite.
-  void bearing(double angle, int decimals);
-  /// [rad] as "4807.0380000,N", degrees and minutes; empty fields where it is not finite.
-  void latitude(double angle) { coordinate(angle, 2, "NS"); }
-  void longitude(double angle) { coordinate(angle, 3, "EW"); }
-  /// "123519.000"
-  void time_of_day(Time of_day);
-  /// "230394"
-  void date(Day day);
-
- private:
-  void coordinate(double angle, int digits, std::string_view signs);
-  void digits(std::int64_t value, int count);
-
-  std::string& text_;
-  std::size_t begin_;
-};
+using sentences::checksum;
 
 enum class SentenceFault { none, no_sentence, cut, checksum };
 

@@ -60,6 +60,8 @@ void print_error(const std::string& message) {
   to_stderr((has_colour() ? coloured("error", Severity::error) : "error") + ": " + message);
 }
 
+void print_note(const std::string& message) { to_stderr("note: " + message); }
+
 void print_diagnostics(const Diagnostics& diagnostics) {
   if (diagnostics.empty()) return;
   for (const auto& item : diagnostics.sorted()) to_stderr(line_of(item));

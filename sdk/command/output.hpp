@@ -39,6 +39,8 @@ void flush_stdout();
 
 /// "error: message", coloured on a terminal.
 void print_error(const std::string& message);
+/// "note: message" to stderr.
+void print_note(const std::string& message);
 /// Errors and warnings, one per line as to_string writes them, then their number: "2 errors, 1 warning".
 void print_diagnostics(const Diagnostics& diagnostics);
 /// One of them at once.

@@ -4,28 +4,18 @@
 #include <string>
 
 #include "atomic_file.hpp"
-#include "output.hpp"
 #include "report/page.hpp"
-#include "results/results.hpp"
+#include "results_folder.hpp"
 
 namespace binnacle::command {
-
-namespace {
-
-results::Results read(const std::filesystem::path& folder) {
-  try {
-    return results::read(folder);
-  } catch (const std::runtime_error& error) {
-    throw OutputError(error.what());
-  }
-}
-
-}  // namespace
 
 std::filesystem::path report_in(const std::filesystem::path& folder) { return folder / "report.html"; }
 
 std::size_t write_report(const std::filesystem::path& folder, const std::filesystem::path& page) {
-  const std::string text = report::page(read(folder));
+  return write_page(report::page(read_results(folder)), page);
+}
+
+std::size_t write_page(const std::string& text, const std::filesystem::path& page) {
   AtomicFile file(page);
   file.write(text);
   file.commit();

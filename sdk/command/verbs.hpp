@@ -29,6 +29,7 @@ Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);
 Verb graph_verb(CLI::App& command);
 Verb report_verb(CLI::App& command);
+Verb export_verb(CLI::App& command);
 Verb list_verb(CLI::App& command);
 Verb describe_verb(CLI::App& command);
 Verb create_verb(CLI::App& command);

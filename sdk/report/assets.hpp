@@ -8,7 +8,9 @@ namespace binnacle::report::assets {
 
 extern const std::string_view page_html;
 extern const std::string_view page_css;
-extern const std::string_view page_js;
+extern const std::string_view page_js;        // what a page does, and
+extern const std::string_view comparison_js;  // what else one of several runs does, before
+extern const std::string_view start_js;       // it begins
 extern const std::string_view dygraph_js;
 extern const std::string_view dygraph_css;
 extern const std::string_view dygraph_license;

@@ -25,7 +25,8 @@ std::string filled(std::string_view text, Value value) {
   }
 }
 
-std::string page_of(const Json& data, const std::string& otherwise, const std::string& policy) {
+std::string page_of(const Json& data, const std::string& otherwise, const std::string& policy,
+                    std::string_view more_script = {}) {
   std::string title = data["title"].get<std::string>();
   if (title.empty()) title = otherwise;
   return filled(assets::page_html, [&](std::string_view name) -> std::string {
@@ -35,7 +36,7 @@ std::string page_of(const Json& data, const std::string& otherwise, const std::s
     if (name == "page.css") return std::string(assets::page_css);
     if (name == "dygraph.license") return std::string(assets::dygraph_license);
     if (name == "dygraph.js") return std::string(assets::dygraph_js);
-    if (name == "page.js") return std::string(assets::page_js);
+    if (name == "page.js") return std::string(assets::page_js).append(more_script).append(assets::start_js);
     if (name == "payload") return script_json(data);
     throw std::logic_error("the page's template asks for an unknown '" + std::string(name) + "'");
   });
@@ -45,6 +46,10 @@ std::string page_of(const Json& data, const std::string& otherwise, const std::s
 
 std::string page(const results::Results& results, const Limits& limits) {
   return page_of(payload(results, limits), results.study && !results.run ? "Study" : "Run", "");
+}
+
+std::string Comparison::page(const Limits& limits) const {
+  return page_of(comparison_payload(runs_, json_, limits), "Runs compared", "", assets::comparison_js);
 }
 
 std::string live_page(const results::RunResults& run) {

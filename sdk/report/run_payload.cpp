@@ -13,7 +13,6 @@
 #include "display.hpp"
 #include "payload.hpp"
 #include "score/metric.hpp"
-#include "track.hpp"
 
 namespace binnacle::report {
 
@@ -87,13 +86,14 @@ std::size_t points_per_series(const std::vector<FilterResults>& filters, const L
 class FilterPayload {
  public:
   FilterPayload(const FilterResults& filter, const results::RunResults& run, std::size_t points, Extent extent,
-                Columns& columns)
+                Columns& columns, const std::optional<TrackOrigin>& origin)
       : filter_(filter),
         summary_(at_or_null(at_or_null(run.summary, "filters"), filter.name)),
         config_(run.config),
         points_(points),
         extent_(extent),
-        columns_(columns) {}
+        columns_(columns),
+        origin_(origin) {}
 
   Json json() {
     Json json{{"name", filter_.name}, {"samples", filter_.t.size()}};
@@ -103,7 +103,7 @@ class FilterPayload {
     json["nees"] = nees();
     json["measurements"] = measurements();
     json["noise"] = adapted_noise();
-    if (const auto track = track_of(filter_)) json["track"] = track_json(*track);
+    if (const auto track = track_of(filter_, origin_)) json["track"] = track_json(*track);
     return json;
   }
 
@@ -540,6 +540,7 @@ class FilterPayload {
   std::size_t points_;
   Extent extent_;
   Columns& columns_;
+  const std::optional<TrackOrigin>& origin_;
 };
 
 /// Counters beyond 2^53 do not survive a script's numbers.
@@ -552,7 +553,8 @@ Json as_text(const Json& provenance) {
 
 }  // namespace
 
-Json run_payload(const results::RunResults& run, const Limits& limits, Extent extent, Columns& columns) {
+Json run_payload(const results::RunResults& run, const Limits& limits, Extent extent, Columns& columns,
+                 const std::optional<TrackOrigin>& origin) {
   const std::size_t points = points_per_series(run.filters, limits);
   Json json{{"summary", run.summary},
             {"config", run.config},
@@ -560,7 +562,7 @@ Json run_payload(const results::RunResults& run, const Limits& limits, Extent ex
             {"points", points}};
   json["filters"] = Json::array();
   for (const auto& filter : run.filters)
-    json["filters"].push_back(FilterPayload(filter, run, points, extent, columns).json());
+    json["filters"].push_back(FilterPayload(filter, run, points, extent, columns, origin).json());
   return json;
 }
 

@@ -78,8 +78,10 @@ void add_reference(const FilterResults& filter, Track& track) {
   }
 }
 
-Track geographic(const FilterResults& filter, const Estimate& lat, const Estimate& lon) {
+Track geographic(const FilterResults& filter, const Estimate& lat, const Estimate& lon,
+                 const std::optional<TrackOrigin>& origin) {
   Track track{lat.block, first_finite(lat.values), first_finite(lon.values), {filter.t, {}, {}}, {}, {}, {}};
+  if (origin) track.lat = origin->lat, track.lon = origin->lon;
   const Radii earth = radii(track.lat);
   const double metres_east = earth.transverse * std::cos(track.lat);
   for (std::size_t i = 0; i < filter.t.size(); ++i) {
@@ -102,11 +104,11 @@ Track plane(const FilterResults& filter, const Estimate& north, const Estimate& 
 
 }  // namespace
 
-std::optional<Track> track_of(const FilterResults& filter) {
+std::optional<Track> track_of(const FilterResults& filter, const std::optional<TrackOrigin>& origin) {
   std::optional<Track> track;
   for (const auto& estimate : filter.estimates) {
     if (estimate.output == "lat" && estimate.unit == "rad") {
-      if (const auto* lon = output(filter, estimate.block, "lon")) track = geographic(filter, estimate, *lon);
+      if (const auto* lon = output(filter, estimate.block, "lon")) track = geographic(filter, estimate, *lon, origin);
     } else if (estimate.output == "north" && estimate.unit == "m") {
       if (const auto* east = output(filter, estimate.block, "east")) track = plane(filter, estimate, *east);
     }

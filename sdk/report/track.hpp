@@ -23,7 +23,13 @@ struct Track {
   std::vector<double> error;  // horizontal, as long as the reference [m]
 };
 
-/// Of the first block with outputs lat and lon, or north and east in metres.
-std::optional<Track> track_of(const results::FilterResults& filter);
+/// Latitude and longitude [rad].
+struct TrackOrigin {
+  double lat, lon;
+};
+
+/// Of the first block with outputs lat and lon, or north and east in metres. A geographic one is about `origin`, or about
+/// where it begins.
+std::optional<Track> track_of(const results::FilterResults& filter, const std::optional<TrackOrigin>& origin = {});
 
 }  // namespace binnacle::report

@@ -45,7 +45,8 @@ void read_estimates(nc::Group group, int variable, FilterResults& filter) {
     const int column = is_single ? -1 : static_cast<int>(i);
     filter.estimates.push_back({group.text(variable, "block"), names[i], group.text(variable, "units"),
                                 display_unit_of(group, variable), i < angles.size() && angles[i] != 0,
-                                values_of(group, variable, column), values_of(group, sigma, column)});
+                                values_of(group, variable, column), values_of(group, sigma, column),
+                                group.text(variable, "kind")});
   }
 }
 

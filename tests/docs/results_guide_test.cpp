@@ -95,5 +95,8 @@ TEST_CASE("what the guide to results shows is what is printed") {
     CHECK(status == 0);
     CHECK(output == printed[i]);
   }
+  const char* const ci = std::getenv("CI");
+  if (!missing.empty() && ci && std::string(ci) == "true")
+    FAIL("Python has no " << missing << ": see sdk/packages.txt");
   if (!missing.empty()) binnacle::test::skip("not tried, since Python has no " + missing);
 }

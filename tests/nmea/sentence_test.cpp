@@ -11,6 +11,7 @@
 
 using namespace binnacle;
 using namespace binnacle::nmea;
+using binnacle::sentences::SentenceWriter;
 using namespace std::chrono;
 
 namespace {

@@ -39,7 +39,8 @@ function may_include(from, to) {
   if (under(from, "kernel/")) return under(to, "kernel/")
   if (under(from, "plugins/"))
     return under(to, "kernel/include/") || under(to, "plugins/common/") || under(to, plugin_of(from))
-  return under(to, "kernel/include/") || under(to, "sdk/")
+  # Formats that plugins and the command both write are in shared libraries; a plugin itself is none of sdk's business.
+  return under(to, "kernel/include/") || under(to, "sdk/") || under(to, "plugins/common/")
 }
 
 # Beyond the project the kernel has Eigen, Boost and nlohmann_json, nothing else.

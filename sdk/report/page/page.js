@@ -385,4 +385,3 @@ function start() {
   if (payload.live) follow();
 }
 
-start();

@@ -88,6 +88,20 @@ UtcClock::UtcClock(const Parameters& parameters) {
   is_gps_ = false;
 }
 
+UtcClock UtcClock::from_week(std::int64_t week, std::optional<std::int64_t> leap_seconds) {
+  UtcClock clock;
+  clock.origin_ = begin_of(gps_epoch) + week * week_length;
+  if (leap_seconds) clock.leap_seconds_ = *leap_seconds * second;
+  return clock;
+}
+
+UtcClock UtcClock::from_epoch(Time since_1970) {
+  UtcClock clock;
+  clock.origin_ = since_1970;
+  clock.is_gps_ = false;
+  return clock;
+}
+
 Time UtcClock::leap_seconds(Day day) const {
   if (leap_seconds_) return *leap_seconds_;
   int found = 0;

@@ -38,6 +38,7 @@ struct Estimate {
   bool is_angle = false;       // may jump by a turn
   std::vector<double> values;  // as long as FilterResults::t
   std::vector<double> sigma;
+  std::string kind = {};  // of the block: "position"; empty where it is not known
 };
 
 /// An error against a reference or a withheld sample, truth − estimate (a norm: its length); also a NEES, an adapted √R.

@@ -42,18 +42,25 @@ class UtcClock {
   static std::vector<ParameterSpec> parameters();
   /// Throws ComponentError where both are given, or one is wrong. Neither: GPS time from 1980-01-06.
   explicit UtcClock(const Parameters& parameters);
+  /// Without a config: GPS time from the begin of a week, with GPS − UTC [s] if it is given; UTC from an instant of it [ns
+  /// since 1970].
+  static UtcClock from_week(std::int64_t week, std::optional<std::int64_t> leap_seconds = {});
+  static UtcClock from_epoch(Time since_1970);
 
   Utc utc(Time t) const;
   Time time(const Utc& utc) const;
   /// Of an instant of GPS time, ns since 1980-01-06. `data_leap`: GPS − UTC [ns] as the data give it; `leap_seconds` of
   /// the config counts before it, the table after it.
   Time time_of_gps(Time gps, std::optional<Time> data_leap = {}) const;
-  /// GPS time since 1980-01-06 of an instant of UTC.
+  /// GPS time since 1980-01-06 [ns].
+  Time gps(Time t) const { return is_gps_ ? t + origin_ - begin_of(gps_epoch) : gps_of(utc(t)); }
+  /// The same of an instant of UTC.
   Time gps_of(const Utc& utc) const {
     return begin_of(utc.day) + utc.of_day + leap_seconds(utc.day) - begin_of(gps_epoch);
   }
 
  private:
+  UtcClock() = default;
   Time leap_seconds(Day day) const;
 
   Time origin_ = 0;  // of UTC since 1970, or of GPS time since 1970 as if it had no leap seconds [ns]

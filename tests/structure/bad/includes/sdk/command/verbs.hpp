@@ -5,3 +5,4 @@
 #include "alpha/alpha.hpp"                     // bad
 #include "binnacle/api.hpp"
 #include "filter/engine.hpp"  // bad
+#include "math/vector.hpp"
