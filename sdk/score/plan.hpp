@@ -12,6 +12,7 @@
 #include "binnacle/section.hpp"
 #include "motion_fields.hpp"
 #include "score/metric.hpp"
+#include "segments.hpp"
 #include "smooth/fixed_lag.hpp"
 
 namespace binnacle::score {
@@ -64,6 +65,7 @@ struct ScorePlan : SectionData {
   Place place;                       // of the span, where the config gives one
   std::vector<MotionFields> motion;  // of the filters that have any
   std::vector<NamedWindow> windows;
+  SegmentSettings segments;
   std::vector<Metric> metrics;
   std::vector<UnknownMetric> unknown_metrics;
   Time record_every = 0;                     // 0: at every step
