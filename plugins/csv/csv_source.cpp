@@ -8,34 +8,13 @@
 #include <string_view>
 
 #include "cells.hpp"
+#include "column_reader.hpp"
 
 namespace binnacle::csv {
 
 namespace {
 
 using Value = ParameterValue;
-
-ParameterSpec missing_spec() {
-  return parameter::list("missing", parameter::text("value"))
-      .about(
-          "cells that mean \"no data\"; the field is then NaN. Numbers match in any spelling: \"-9999\", \"nan\", "
-          "\"\"");
-}
-
-ParameterSpec column_spec() {
-  return parameter::object(
-      "field",
-      {parameter::text("column").about("its name in the header, or its number from 1 without one; default: the field's "
-                                       "name"),
-       parameter::number("unit", "*")
-           .required()
-           .about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\", \"1\""),
-       parameter::choice("kind", {"level", "rate", "increment"})
-           .defaults("\"level\"")
-           .about("level: at the sample's time; rate: mean over the interval that ends there; increment: integral over "
-                  "it"),
-       missing_spec()});
-}
 
 ParameterSpec time_spec() {
   return parameter::object("time", {parameter::text("column").about(
@@ -64,88 +43,6 @@ ParameterSpec rows_spec() {
                                         .defaults("64")
                                         .about("rows that a sample may have; one with more is an error")})
       .about("consecutive lines with the same label are one sample with a row for each; every field is then per row");
-}
-
-/// As the member stands, or null.
-const Value* member(const Value& object, std::string_view name) {
-  for (const auto& [key, value] : object.members)
-    if (key == name && value.type != Value::Type::absent) return &value;
-  return nullptr;
-}
-
-std::string escaped(std::string key) {
-  for (std::size_t at = 0; (at = key.find_first_of("~/", at)) != std::string::npos; at += 2)
-    key.replace(at, 1, key[at] == '~' ? "~0" : "~1");
-  return key;
-}
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-/// A header of one cell that has another separator in it: the delimiter is not what the config says.
-std::string other_delimiter(const FirstRow& header) {
-  if (header.cells.size() != 1) return {};
-  for (const char* delimiter : {";", "\t", "|", ",", " "})
-    if (header.cells.front().find(*delimiter) != std::string::npos)
-      return std::string("; the header is a single cell: is the delimiter \"") +
-             (*delimiter == '\t' ? "\\t" : delimiter) + "\"?";
-  return {};
-}
-
-std::size_t index_in_header(const std::string& name, const FirstRow& header, const std::string& pointer) {
-  const auto& cells = header.cells;
-  const auto found = std::find(cells.begin(), cells.end(), name);
-  if (found == cells.end()) {
-    std::string message = "no column '" + name + "'";
-    if (const std::string other = other_delimiter(header); !other.empty()) {
-      message += other;
-    } else if (header.is_numeric) {
-      message += ": the first line holds numbers only; for a file without header line set \"header\": false";
-    } else {
-      const std::string near = closest(name, cells);
-      message +=
-          (near.empty() ? "; " : "; did you mean '" + near + "'? ") + std::string("the header has: ") + list_of(cells);
-    }
-    throw ComponentError(message, pointer);
-  }
-  if (std::find(found + 1, cells.end(), name) != cells.end())
-    throw ComponentError("column '" + name + "' stands in the header twice", pointer);
-  return static_cast<std::size_t>(found - cells.begin());
-}
-
-std::size_t index_by_number(const std::string& number, const FirstRow& first, const std::string& pointer) {
-  std::size_t index = 0;
-  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
-  if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > first.cells.size())
-    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1 to " +
-                             std::to_string(first.cells.size()),
-                         pointer);
-  return index - 1;
-}
-
-std::size_t find_column(const std::string& name, const Format& format, const FirstRow& first,
-                        const std::string& pointer) {
-  return format.has_header ? index_in_header(name, first, pointer) : index_by_number(name, first, pointer);
-}
-
-Missing read_missing(const Value& column) {
-  Missing missing;
-  const Value* list = member(column, "missing");
-  if (!list) return missing;
-  for (const auto& element : list->elements) {
-    double number = 0;
-    missing.texts.push_back(element.text);
-    if (parse_number(element.text, number) != CellFault::none) continue;
-    if (std::isnan(number)) {
-      missing.has_nan = true;
-    } else {
-      missing.numbers.push_back(number);
-    }
-  }
-  return missing;
 }
 
 Format read_format(const Parameters& parameters) {
@@ -225,29 +122,6 @@ void read_time(const Parameters& parameters, const FirstRow& first, Layout& layo
   }
 }
 
-FieldKind kind_of(const std::string& text) {
-  return text == "rate" ? FieldKind::rate : text == "increment" ? FieldKind::increment : FieldKind::level;
-}
-
-FieldSpec read_column(const std::string& field, const Value& value, const FirstRow& first, Layout& layout) {
-  const Value* unit = member(value, "unit");
-  const Value* name = member(value, "column");
-  const Value* kind = member(value, "kind");
-  Column column;
-  column.name = name ? name->text : field;
-  column.index = find_column(column.name, layout.format, first, "/columns/" + escaped(field) + "/column");
-  column.scale = unit->number;
-  column.missing = read_missing(value);
-  FieldSpec spec;
-  spec.name = field;
-  spec.unit = unit->text;
-  spec.kind = kind ? kind_of(kind->text) : FieldKind::level;
-  spec.text = "column " + column.name;
-  layout.has_intervals |= spec.kind != FieldKind::level;
-  layout.columns.push_back(std::move(column));
-  return spec;
-}
-
 void read_window(const Parameters& parameters, Layout& layout) {
   if (!parameters.has("window")) return;
   const auto& window = parameters.list("window");
@@ -265,8 +139,11 @@ ComponentSpec CsvSource::spec() {
   spec.summary = "recorded samples from delimited text, plain or gzipped";
   spec.source = "RFC 4180 (text/csv), RFC 1952 (gzip)";
   spec.parameters.push_back(parameter::path("path").required().about("the file; gzip is recognized by its content"));
-  spec.parameters.push_back(
-      parameter::map("columns", column_spec()).required().about("fields of the channel and the columns they stand in"));
+  spec.parameters.push_back(parameter::map("columns", column_spec())
+                                .defaults("{}")
+                                .about("fields of the channel and the columns they stand in"));
+  spec.parameters.push_back(local_spec());
+  spec.parameters.push_back(parameter::origin());
   spec.parameters.push_back(time_spec());
   spec.parameters.push_back(
       parameter::time("interval")
@@ -315,6 +192,7 @@ CsvSource::CsvSource(const Binding& binding) {
   ChannelDeclaration channel;
   for (const auto& [field, value] : parameters.members("columns"))
     channel.fields.push_back(read_column(field, value, first, layout_));
+  read_local(parameters, first, layout_, channel.fields);
   if (channel.fields.empty()) throw ComponentError("no field is named", "/columns");
   if (parameters.has("rows")) {
     read_rows(parameters, channel, layout_);

@@ -85,6 +85,12 @@ bool is_missing(const Missing& missing, std::string_view cell, CellFault fault, 
   return std::find(missing.numbers.begin(), missing.numbers.end(), value) != missing.numbers.end();
 }
 
+/// Without an offset a zero keeps its sign.
+double in_si(double value, const Column& column) {
+  const double scaled = value * column.scale;
+  return column.offset == 0 ? scaled : scaled + column.offset;
+}
+
 class TableReader {
  public:
   TableReader(const Layout& layout, Reporter& reporter)
@@ -195,7 +201,7 @@ class TableReader {
       double value = 0;
       const CellFault fault = parse_number(cell, value);
       if (fault == CellFault::none && std::isfinite(value) && column.missing.numbers.empty()) {
-        row_[i] = value * column.scale;
+        row_[i] = in_si(value, column);
         continue;
       }
       if (is_missing(column.missing, cell, fault, value)) {
@@ -205,8 +211,10 @@ class TableReader {
       if (fault != CellFault::none)
         return {"B062", "column '" + column.name + "'" + describe(fault, cell, "the range of a double")};
       if (!std::isfinite(value)) return {"B064", "column '" + column.name + "' is " + std::string(cell)};
-      row_[i] = value * column.scale;
+      row_[i] = in_si(value, column);
     }
+    if (layout_.local && !layout_.local->turn(row_))
+      return {"B062", "the local position is more than 10 000 km from the origin"};
     return {};
   }
 

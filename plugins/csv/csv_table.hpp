@@ -9,6 +9,7 @@
 
 #include "binnacle/source.hpp"
 #include "binnacle/time.hpp"
+#include "local_columns.hpp"
 
 namespace binnacle::csv {
 
@@ -47,7 +48,8 @@ struct Missing {
 struct Column {
   std::string name;  // as the header or the config calls it
   std::size_t index = 0;
-  double scale = 1;  // to SI
+  double scale = 1;   // to SI
+  double offset = 0;  // SI, added afterwards
   Missing missing;
 };
 
@@ -65,6 +67,7 @@ struct Layout {
   std::int64_t time_unit = nanoseconds_per_second;  // ns
   Time time_offset = 0;
   std::vector<Column> columns;
+  std::optional<LocalColumns> local;  // what the last of the columns become
   std::optional<RowLayout> rows;
   bool has_intervals = false;    // some column is a rate or increment
   std::optional<Time> interval;  // fixed; else from label to label

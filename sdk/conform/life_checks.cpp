@@ -102,7 +102,7 @@ void defaults(Trial& trial) {
   const Json example = example_of(type.spec);
   Json spelled = example;
   for (const auto& parameter : type.spec.parameters)
-    if (!parameter.default_json.empty() && !spelled.contains(parameter.name))
+    if (!parameter.default_json.empty() && parameter.default_json[0] != '/' && !spelled.contains(parameter.name))
       spelled[parameter.name] = Json::parse(parameter.default_json, nullptr, true, true);
   if (spelled == example) Trial::not_applicable("no parameter with a default is left to the default in the example");
   const auto implied = fixture(trial, compose(trial, miniature(trial, type, catalog, example)));

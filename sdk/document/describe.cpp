@@ -127,7 +127,10 @@ Json parameter_json(const ParameterSpec& spec) {
   Json json{{"name", spec.name}, {"type", type_name(spec.type)}};
   if (!spec.unit.empty()) json["unit"] = spec.unit;
   json["required"] = spec.is_required;
-  if (!spec.default_json.empty()) json["default"] = Json::parse(spec.default_json, nullptr, false);
+  if (spec.default_json.starts_with('/'))
+    json["default_at"] = spec.default_json;
+  else if (!spec.default_json.empty())
+    json["default"] = Json::parse(spec.default_json, nullptr, false);
   if (std::isfinite(spec.minimum)) json[spec.minimum_excluded ? "above" : "at_least"] = spec.minimum;
   if (std::isfinite(spec.maximum)) json[spec.maximum_excluded ? "below" : "at_most"] = spec.maximum;
   if (spec.size != ParameterSpec::any_size) json["size"] = spec.size;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/catalog.hpp"
+#include "binnacle/local_axes.hpp"
 
 namespace binnacle::document {
 
@@ -107,7 +108,8 @@ Json shape_of(const ParameterSpec& spec) {
 Json parameter_schema(const ParameterSpec& spec) {
   Json schema = shape_of(spec);
   schema["description"] = (spec.text.empty() ? "" : spec.text + " ") + "(" + requirement_text(spec) + ")";
-  if (!spec.default_json.empty()) schema["default"] = Json::parse(spec.default_json, nullptr, false);
+  if (!spec.default_json.empty() && spec.default_json[0] != '/')
+    schema["default"] = Json::parse(spec.default_json, nullptr, false);
   return schema;
 }
 
@@ -533,7 +535,8 @@ Json schema(const Catalog& catalog) {
   add_block_definitions(definitions);
   add_measurement_definitions(definitions);
   add_filter_definitions(definitions);
-  const Json whole = sections();
+  Json whole = sections();
+  whole["origin"] = parameter_schema(parameter::origin());
   Json any = Json::object();
   for (const auto& [key, section] : whole.items()) any[key] = Json::object();
   return {{"$schema", "http://json-schema.org/draft-07/schema#"},

@@ -68,7 +68,7 @@ class Printer {
 
 /// A value that the parameter would take.
 Json example(const ParameterSpec& spec) {
-  if (!spec.default_json.empty()) return Json::parse(spec.default_json, nullptr, false);
+  if (!spec.default_json.empty() && spec.default_json[0] != '/') return Json::parse(spec.default_json, nullptr, false);
   switch (spec.type) {
     case ParameterType::boolean: return true;
     case ParameterType::text: return "";
@@ -192,7 +192,7 @@ class Skeleton {
     for (const ParameterSpec& spec : specs) {
       const std::string short_text = requirement_text(spec);
       comments_[join_pointer(place, spec.name)] = short_text + (spec.text.empty() ? "" : ": " + spec.text);
-      if (!spec.is_required && spec.default_json.empty()) continue;
+      if (!spec.is_required && (spec.default_json.empty() || spec.default_json[0] == '/')) continue;
       json[spec.name] = example(spec);
     }
   }

@@ -29,6 +29,9 @@ bool are_alike(const std::vector<Output>& outputs) {
 /// What a recorded column beyond the blocks' own is: of an implied state, or of a noise estimator.
 std::string describe_column(const std::string& name) {
   if (name.ends_with(".noise")) return describe_noise(name);
+  const std::size_t local = name.rfind(".local_");
+  if (local != name.npos)
+    return name.substr(0, local) + ": " + name.substr(local + 7) + " of the config's origin, local Cartesian axes";
   return name + (name.ends_with(".sigma") ? ": what the filter thinks of the implied state, 1-sigma"
                                           : ": implied state, a block as one measurement gives it");
 }

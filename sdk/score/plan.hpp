@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "binnacle/composition.hpp"
+#include "binnacle/local_axes.hpp"
 #include "binnacle/section.hpp"
 #include "motion_fields.hpp"
 #include "score/metric.hpp"
@@ -68,6 +69,7 @@ struct ScorePlan : SectionData {
   SegmentSettings segments;
   std::vector<Metric> metrics;
   std::vector<UnknownMetric> unknown_metrics;
+  std::optional<geodesy::LocalAxes> local;   // of the config's origin, where it has one
   Time record_every = 0;                     // 0: at every step
   Estimates estimates = Estimates::settled;  // of filters with history: what is scored and recorded
 

@@ -21,7 +21,7 @@ std::vector<RecordColumn> estimate_columns(const FilterInfo& filter) {
   return columns;
 }
 
-Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every)
+Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& observer, const ScorePlan& plan)
     : session_(session), scores_(scores), observer_(observer) {
   const auto& filters = session.composition().filters();
   for (std::size_t f = 0; f < filters.size(); ++f) {
@@ -32,7 +32,10 @@ Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& ob
     columns.insert(columns.end(), noise.begin(), noise.end());
     Filter& filter = filters_.emplace_back();
     filter.implied_state_columns = implied_states.size();
-    filter.epochs = RecordEpochs(every);
+    filter.noise_columns = noise.size();
+    filter.local = LocalColumns(filters[f], plan.local);
+    columns.insert(columns.end(), filter.local.columns().begin(), filter.local.columns().end());
+    filter.epochs = RecordEpochs(plan.record_every);
     filter.kept.resize(columns.size());
     filter.open.resize(columns.size());
     observer.begin(static_cast<int>(f), filters[f].name, columns);
@@ -122,7 +125,10 @@ void Recorder::read(std::size_t filter, Time t, std::span<double> values) {
   FilterScore& score = *scores_[filter];
   filters_[filter].changes = score.changes();
   score.latest_implied_states(t, values.data() + at);
-  score.latest_noise(values.data() + at + filters_[filter].implied_state_columns);
+  const Filter& its = filters_[filter];
+  at += its.implied_state_columns;
+  score.latest_noise(values.data() + at);
+  its.local.read(values.data(), values.data() + at + its.noise_columns);
 }
 
 }  // namespace binnacle::score

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records of a run: each filter's outputs, their 1-σ, implied states, and what noise estimators made of R.
+// Records of a run: each filter's outputs, their 1-σ, implied states, what noise estimators made of R, local coordinates.
 #pragma once
 
 #include <memory>
@@ -7,6 +7,7 @@
 
 #include "binnacle/session.hpp"
 #include "filter_score.hpp"
+#include "local_columns.hpp"
 #include "record_epochs.hpp"
 #include "score/run.hpp"
 
@@ -19,8 +20,8 @@ std::vector<RecordColumn> estimate_columns(const FilterInfo& filter);
 
 class Recorder {
  public:
-  /// Shows the columns to the observer. `every`: RecordEpochs; 0: after every step.
-  Recorder(const Session& session, const Scores& scores, RunObserver& observer, Time every);
+  /// Shows the columns to the observer.
+  Recorder(const Session& session, const Scores& scores, RunObserver& observer, const ScorePlan& plan);
   void after_instant();
   void finish();
   void exchange(StateBytes& bytes);
@@ -30,7 +31,8 @@ class Recorder {
 
  private:
   struct Filter {
-    std::size_t implied_state_columns = 0;
+    std::size_t implied_state_columns = 0, noise_columns = 0;
+    LocalColumns local;
     RecordEpochs epochs;
     Time last = no_time, kept_at = no_time;
     std::vector<double> kept;  // a row that is written unless one nearer to its epoch comes

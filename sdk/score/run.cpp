@@ -56,7 +56,7 @@ class Scorer final : public binnacle::RunObserver {
     observer_.begin_run(session);
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
-    if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, plan_->record_every);
+    if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, *plan_);
     const auto runs_again = [](const auto& smoothing) { return !smoothing.lag; };
     if (std::ranges::any_of(plan_->smoothings, runs_again) && !can_rerun(session)) refuse_smoothing();
     if (!plan_->smoothings.empty()) smoothing_ = std::make_unique<Smoothing>(*plan_, session, observer_, records_);

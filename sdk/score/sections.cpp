@@ -248,6 +248,9 @@ class Sections final : public Section {
   std::shared_ptr<const SectionData> read(CompositionDraft& draft) const override {
     auto plan = std::make_shared<ScorePlan>();
     plan->filters = draft.filters();
+    const ParameterValue origin = draft.at("/origin").value(parameter::origin());
+    if (origin.type == ParameterValue::Type::object && !draft.has_errors())
+      plan->local.emplace(lla_of(Parameters(origin)));
     read_implied_states(draft, *plan);
     read_references(draft, *plan);
     read_smoothers(draft, *plan);

@@ -57,6 +57,7 @@ smooth::Epoch EpochFile::read(std::int64_t index) {
 Smoothing::Filter::Filter(const ScorePlan& all, const SmoothingPlan& smoothing, Session& session)
     : plan(smoothing),
       info(all.filters[as_size(smoothing.as)]),
+      local(info, all.local),
       score(std::make_unique<FilterScore>(all, smoothing)),
       epochs(info) {
   if (!smoothing.lag) {
@@ -89,7 +90,8 @@ Smoothing::Smoothing(const ScorePlan& plan, Session& session, RunObserver& obser
     Filter& filter = *filters_.emplace_back(std::make_unique<Filter>(plan, smoothing, session));
     if (!records) continue;
     filter.score->keep_sigmas();
-    const auto columns = estimate_columns(filter.info);
+    auto columns = estimate_columns(filter.info);
+    columns.insert(columns.end(), filter.local.columns().begin(), filter.local.columns().end());
     row_.resize(std::max(row_.size(), columns.size()));
     for (const BlockInfo& block : filter.info.blocks)
       sigma_scratch_.resize(std::max(sigma_scratch_.size(), output_sigma_scratch(block)));
@@ -239,7 +241,8 @@ void Smoothing::record(const Filter& filter, const smooth::Epoch& epoch) {
     value += count;
     sigma += count;
   }
-  observer_.record(filter.plan.as, epoch.t, {row_.data(), 2 * outputs});
+  filter.local.read(row_.data(), row_.data() + 2 * outputs);
+  observer_.record(filter.plan.as, epoch.t, {row_.data(), 2 * outputs + filter.local.columns().size()});
 }
 
 nlohmann::ordered_json Smoothing::summary(std::size_t index) const {

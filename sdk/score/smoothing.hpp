@@ -12,6 +12,7 @@
 
 #include "binnacle/session.hpp"
 #include "filter_score.hpp"
+#include "local_columns.hpp"
 #include "plan.hpp"
 #include "score/run.hpp"
 #include "smooth/fixed_lag.hpp"
@@ -71,6 +72,7 @@ class Smoothing {
     Filter(const ScorePlan& plan, const SmoothingPlan& smoothing, Session& session);
     const SmoothingPlan& plan;
     const FilterInfo& info;
+    const LocalColumns local;
     std::unique_ptr<smooth::SmoothedFilter> backward;  // of a fixed interval
     std::unique_ptr<smooth::FixedLag> lag;
     std::unique_ptr<FilterScore> score;

@@ -105,7 +105,7 @@ inline ParameterValue object_value(const std::vector<ParameterSpec>& specs, cons
   for (const ParameterSpec& spec : specs) {
     if (json.contains(spec.name)) {
       v.members.emplace_back(spec.name, value(spec, json.at(spec.name), setup));
-    } else if (!spec.default_json.empty()) {
+    } else if (!spec.default_json.empty() && spec.default_json[0] != '/') {
       v.members.emplace_back(spec.name, value(spec, Json::parse(spec.default_json), setup));
     } else if (spec.is_required) {
       throw std::logic_error("the test gives no '" + spec.name + "'");

@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "binnacle/local_axes.hpp"
 #include "catch.hpp"
 
 using namespace binnacle;
 using namespace binnacle::internal::spec;
+using Catch::Matchers::Contains;
 using Lines = std::vector<std::string>;
 
 namespace {
@@ -309,6 +311,39 @@ TEST_CASE("keys that the kernel owns", "[spec]") {
                           "/sigma/0: '1 deg' is an angle; '0' is a length (m), for example \"0.5 m\"",
                           "/names: 'names' must be a name or a list of names; found a list of 2",
                           "/n: 'n' must be an object; found the text \"three\""});
+}
+
+TEST_CASE("a default may stand elsewhere in the config", "[spec]") {
+  const auto read = [](const std::string& text) {
+    Diagnostics diagnostics;
+    const Document config = document(text);
+    Checked result;
+    result.value = Reader(config, diagnostics, "/c").parameters({parameter::origin()}, "csv", {"type"});
+    result.text = diagnostics.text();
+    return result;
+  };
+  const std::string at_the_top = R"({"origin": {"lat": "49 deg", "lon": 0.1, "height": "115 m"}, "c": )";
+  const auto shared = read(at_the_top + R"({"type": "csv"}})");
+  CHECK(shared.text == "");
+  REQUIRE(Parameters(shared.value).has("origin"));
+  CHECK(lla_of(Parameters(shared.value).object("origin"))[2] == 115);
+  const auto own = read(at_the_top + R"({"type": "csv", "origin": {"lat": 0.2, "lon": 0.1, "height": "3 m"}}})");
+  CHECK(own.text == "");
+  CHECK(lla_of(Parameters(own.value).object("origin")) == Eigen::Vector3d(0.2, 0.1, 3));
+
+  const auto none = read(R"({"c": {"type": "csv"}})");
+  CHECK(none.text == "");
+  CHECK_FALSE(Parameters(none.value).has("origin"));
+  CHECK_THROWS_WITH(local_axes_of(Parameters(none.value), "local columns"),
+                    Contains("local columns need an origin") && Contains("here or at the top of the config (/origin)"));
+
+  CHECK(read(R"({"origin": {"lat": "49 deg", "height": 3, "long": 1}, "c": {"type": "csv"}})").text ==
+        "c.json:1:43: error[B012] /origin/long: unknown key of 'origin'; did you mean 'lon' (rad, >= -6.28319, <= "
+        "6.28319)?");
+  CHECK_THAT(read(R"({"origin": {"lat": 49, "lon": 8.4, "height": 115}, "c": {"type": "csv"}})").text,
+             Contains("/origin/lat: 'lat' is 49 rad, out of range (rad, >= -1.5708, <= 1.5708)"));
+  CHECK_THAT(read(R"({"c": {"type": "csv", "origin": "KIT"}})").text,
+             Contains("/c/origin: 'origin' must be an object; found the text \"KIT\""));
 }
 
 TEST_CASE("a spec that contradicts itself is found out", "[spec]") {

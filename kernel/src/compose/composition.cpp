@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/hash.hpp"
+#include "binnacle/local_axes.hpp"
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
 
@@ -75,8 +76,8 @@ void Composer::check_section_keys(const Reader& at, std::vector<std::string> own
 }
 
 // The config's keys that the kernel reads; the composition is known by what stands under them.
-const std::vector<std::string> own_keys = {"binnacle", "title",      "description", "plugins", "vars",
-                                           "sources",  "transforms", "filters",     "sinks"};
+const std::vector<std::string> own_keys = {"binnacle", "title",   "description", "plugins", "vars",
+                                           "origin",   "sources", "transforms",  "filters", "sinks"};
 
 void Composer::read_head() {
   check_section_keys(place(""), own_keys, "the config");
@@ -85,6 +86,7 @@ void Composer::read_head() {
     place("").key_error("B028", "the config does not begin with \"binnacle\": 1 (the version of its format)");
   else if (!config::JsonOf::at(version).is_number_integer() || config::JsonOf::at(version).get<std::int64_t>() != 1)
     version.error("B028", "this program reads configs of version 1; found " + version.shown());
+  place("/origin").value(parameter::origin());  // right, even where nothing uses it
   plan_->title = place("/title").text().value_or("");
 }
 

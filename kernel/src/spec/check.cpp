@@ -37,6 +37,9 @@ std::string elements_text(const Json& list) {
   return std::to_string(list.size()) + (list.size() == 1 ? " element" : " elements");
 }
 
+/// A default "/origin" is what stands there in the config.
+bool is_elsewhere(const ParameterSpec& spec) { return spec.default_json.starts_with('/'); }
+
 using Type = ParameterValue::Type;
 
 template <class T>
@@ -330,7 +333,7 @@ struct Check {
   ParameterValue member_value(const ParameterSpec& member, bool is_misspelt) const {
     const std::string label = in_quotes(member.name);
     if (const Reader place = at[member.name]) return Check{member, place, ports, label}.value();
-    if (!member.default_json.empty()) {
+    if (!member.default_json.empty() && !is_elsewhere(member)) {
       const Json json = Json::parse(member.default_json, nullptr, false);
       const Reader place = JsonOf::as_default(at, json);
       const Check check{member, place, ports, label};
@@ -508,7 +511,13 @@ ParameterValue Reader::parameters(const std::vector<ParameterSpec>& specs, const
                                   const std::vector<std::string>& reserved, const PortUnits& ports) const {
   const std::string name = base::in_quotes(type_name);
   if (json_ && !is_object(name)) return {};
-  return spec::Check{parameter::object(type_name, specs), *this, ports, name}.members(reserved);
+  ParameterValue all = spec::Check{parameter::object(type_name, specs), *this, ports, name}.members(reserved);
+  for (const ParameterSpec& each : specs) {
+    if (!spec::is_elsewhere(each) || (*this)[each.name]) continue;
+    ParameterValue value = Reader(*document_, *diagnostics_, each.default_json).value(each, ports);
+    if (value.type != ParameterValue::Type::absent) all.members.emplace_back(each.name, std::move(value));
+  }
+  return all;
 }
 
 }  // namespace binnacle
