@@ -12,6 +12,7 @@
 #include "command.hpp"
 
 using namespace binnacle::test;
+using Catch::Matchers::Contains;
 using nlohmann::json;
 
 namespace {
