@@ -2,12 +2,18 @@
 // Non-holonomic constraint: wheels roll forward, and neither sideways nor off the road.
 #include "nhc.hpp"
 
+#include <cmath>
+
 namespace binnacle::land {
 
 namespace {
 
 FieldSpec rate(std::string name) {
-  return field::rate(std::move(name), "rad/s").optional().about("angular rate; for 'slip' and 'max_turn_rate'");
+  return field::rate(std::move(name), "rad/s").optional().about("angular rate; for 'slip', 'turn' and 'max_turn_rate'");
+}
+
+FieldSpec lateral_force() {
+  return field::rate("fy", "m/s^2").optional().about("specific force to the right of the vehicle; for 'lateral'");
 }
 
 double squared(double value) { return value * value; }
@@ -35,11 +41,21 @@ ComponentSpec Nhc::spec() {
           .at_least(0)
           .defaults("0")
           .about("side-slip per lateral acceleration; adds (slip * |w| * speed^2)^2 to the variance of y"),
+      parameter::number("turn", "m")
+          .at_least(0)
+          .plausible(0, 10)
+          .defaults("0")
+          .about("what is not known of where the point lies; adds (turn * |w|)^2 to both variances"),
+      parameter::number("lateral", "s")
+          .at_least(0)
+          .plausible(0, 1)
+          .defaults("0")
+          .about("velocity across per lateral specific force; adds (lateral * fy)^2 to the variance of y"),
       parameter::number("min_speed", "m/s").at_least(0).defaults("2").about("slower than this it is unsupported"),
       parameter::number("max_turn_rate", "rad/s").above(0).about("turning faster than this it is unsupported"),
       Spacing::parameter()};
   spec.ports = vehicle_ports();
-  spec.driving_rates = {rate("wx"), rate("wy"), rate("wz")};
+  spec.driving_rates = {rate("wx"), rate("wy"), rate("wz"), lateral_force()};
   spec.example = R"json({"channel": "motion.moving", "blocks": {"velocity": "velocity", "attitude": "attitude",
     "misalignment": "misalignment"}, "sigma": "0.2 m/s"})json";
   spec.surroundings = R"json({"blocks": {
@@ -53,9 +69,12 @@ Nhc::Nhc(const Binding& binding)
     : velocity_(binding, declaration_),
       spacing_(binding, declaration_),
       omega_(binding.driving_rates("wx", "wy", "wz")),
+      force_(binding.driving_rate("fy")),
       sigma_(binding.parameters().vector("sigma")),
       angle_(binding.parameters().number("angle")),
       slip_(binding.parameters().number("slip")),
+      turn_(binding.parameters().number("turn")),
+      lateral_(binding.parameters().number("lateral")),
       min_speed_(binding.parameters().number("min_speed")) {
   const std::string& axes = binding.parameters().text("axes");
   first_ = axes == "z" ? 1 : 0;
@@ -64,21 +83,33 @@ Nhc::Nhc(const Binding& binding)
   declaration_.rows(rows_).group(rows::these("across", rows_, "m/s"));
 }
 
-Result Nhc::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
-  if (const Result result = spacing_.pass(in); !result) return result;
-  const auto value = velocity_.at(in.x);
-  const double speed = value.v_v.norm();
-  if (!(speed >= min_speed_)) return Result::unsupported("slower than 'min_speed'");
-  double turn_rate = 0;
-  if (slip_ > 0 || max_turn_rate_) {
+/// Of y and z, by how the vehicle moves just now: no residual is asked, whose large ones come in curves and would teach R
+/// only when they are over.
+Result Nhc::vary(const MeasurementInput& in, double speed, Eigen::Vector2d& variance) const {
+  double turn_rate = 0, force = 0;
+  if (slip_ > 0 || turn_ > 0 || max_turn_rate_) {
     if (!in.u.rates || !in.u.rates[omega_].allFinite()) return Result::unsupported("the angular rate is not known");
     turn_rate = in.u.rates[omega_].norm();
     if (max_turn_rate_ && turn_rate > *max_turn_rate_)
       return Result::unsupported("turning faster than 'max_turn_rate'");
   }
+  if (lateral_ > 0) {
+    if (!in.u.rates || !std::isfinite(in.u.rates[force_]))
+      return Result::unsupported("the specific force is not known");
+    force = in.u.rates[force_];
+  }
+  variance = sigma_.cwiseAbs2().array() + squared(angle_ * speed) + squared(turn_ * turn_rate);
+  variance[0] += squared(slip_ * turn_rate * squared(speed)) + squared(lateral_ * force);
+  return Result::ok();
+}
 
-  Eigen::Vector2d variance = sigma_.cwiseAbs2().array() + squared(angle_ * speed);
-  variance[0] += squared(slip_ * turn_rate * squared(speed));
+Result Nhc::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
+  if (const Result result = spacing_.pass(in); !result) return result;
+  const auto value = velocity_.at(in.x);
+  const double speed = value.v_v.norm();
+  if (!(speed >= min_speed_)) return Result::unsupported("slower than 'min_speed'");
+  Eigen::Vector2d variance;
+  if (const Result result = vary(in, speed, variance); !result) return result;
   out.rows = rows_;
   Eigen::Matrix<double, 2, 3> yz;
   yz << 0, 1, 0, 0, 0, 1;

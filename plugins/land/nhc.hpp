@@ -23,12 +23,17 @@ class Nhc final : public MeasurementModel {
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
+  Result vary(const MeasurementInput& in, double speed, Eigen::Vector2d& variance) const;
+
   vehicle::VehicleVelocity velocity_;
   Spacing spacing_;
   DrivingRateVector<3> omega_;
+  DrivingRate force_;
   Eigen::Vector2d sigma_;                // m/s: y, z
   double angle_;                         // rad
   double slip_;                          // rad per m/s²
+  double turn_;                          // m
+  double lateral_;                       // s
   double min_speed_;                     // m/s
   std::optional<double> max_turn_rate_;  // rad/s
   int first_, rows_;                     // of the rows y, z

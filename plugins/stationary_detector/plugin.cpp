@@ -3,10 +3,12 @@
 #include "binnacle/plugin.hpp"
 
 #include "detection_score.hpp"
+#include "stance_detector.hpp"
 #include "stationary_detector.hpp"
 
 BINNACLE_PLUGIN("stationary_detector", "1.0.0", registry) {
   using namespace binnacle::stationary_detector;
   registry.add<StationaryDetector>();
   registry.add<DetectionScore>();
+  registry.add<StanceDetector>();
 }

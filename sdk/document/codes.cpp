@@ -243,6 +243,11 @@ constexpr CodeEntry entries[] = {
     {"B124", "a latency that is no time",
      "The field that `latency` names was NaN, infinite or negative, so the sample arrived at its own time.",
      "Look at the field: is its unit a time, and is it set in each sample?"},
+    {"B125", "no segment",
+     "A metric of segments has no value: no reference gives position and attitude at one and the same time, or the "
+     "path "
+     "is shorter than the shortest segment.",
+     "Let one channel be the reference of both blocks; take shorter `lengths` in `segments` of `evaluate`."},
     {"B130", "adaptive noise in tuning",
      "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
      "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},

@@ -474,12 +474,21 @@ void add_filter_definitions(Json& definitions) {
 
 Json evaluate_schema() {
   const Json name = {{"type", "string"}};
+  const Json segments =
+      closed_object({{"lengths", described("of the true path; default 100 m, 200 m … 800 m", list_of(ref("quantity")))},
+                     {"every", described("from pose to pose of the path; default 0.1 s", ref("quantity"))},
+                     {"start_every",
+                      described("poses from one start to the next; default 10", {{"type", "integer"}, {"minimum", 1}})},
+                     {"attitude", described("which, where several of the filter are scored", name)}});
   const Json metric = {{"anyOf", {name, closed_object({{"metric", name}, {"unit", name}}, {"metric"})}}};
   const Json window_of_filter = closed_object({{"filter", name}, {"span", ref("window")}}, {"span"});
   return closed_object({{"after", described("nothing earlier is scored", ref("time"))},
                         {"until", described("nothing later is scored", ref("time"))},
                         {"estimates", described("of filters with history: what is scored and recorded",
                                                 {{"enum", {"settled", "live"}}})},
+                        {"segments", described("what metrics FILTER/POSITION.segments/translation and /rotation are "
+                                               "taken over: KITTI's measure",
+                                               segments)},
                         {"windows", described("spans of time that are scored on their own too: [from, to]",
                                               named({{"anyOf", {ref("window"), window_of_filter}}}))},
                         {"metrics", described("FILTER/BLOCK.OUTPUT/STATISTIC, printed by name",

@@ -222,6 +222,11 @@ MetricValue FilterScore::value(const Metric& metric) const {
     if (counts.nis_count == 0) return {not_a_number, 0, 0};
     return {counts.nis_mean, counts.dof_mean, static_cast<double>(counts.nis_count)};
   }
+  if (metric.quantity == MetricQuantity::segments) {
+    const SegmentErrors errors = track_of(metric).errors(plan_.segments, plan_.span, start());
+    if (errors.count == 0) return {not_a_number, 0, 0};
+    return {metric.statistic == MetricStatistic::translation ? errors.translation : errors.rotation, 0, 0};
+  }
   const auto figure = [&](const Series& series, const std::vector<double>& values) {
     return over_time(series.t, values, metric, plan_.span, start());
   };

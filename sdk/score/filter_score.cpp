@@ -193,6 +193,7 @@ void FilterScore::attach(Session& session, StepObserver* next) {
 }
 
 void FilterScore::watch(const Metric& metric) {
+  if (metric.quantity == MetricQuantity::segments) return watch_track(metric.subject);
   if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis ||
       metric.nees_of != NeesOf::component)
     return;
@@ -307,6 +308,7 @@ void FilterScore::exchange(StateBytes& bytes) {
     for (auto& sigmas : reference.sigmas) bytes.list(sigmas);
   }
   state_nees_.exchange(bytes);
+  for (auto& watched : tracks_) watched.track.exchange(bytes);
   for (auto& group : withheld_)
     for (auto& series : group.series) series.exchange(bytes);
   for (auto& group : noise_) group.series.exchange(bytes);
@@ -375,6 +377,7 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Co
     push_errors(reference.series, declaration, pending.t, delta_.data());
     if (keeps_sigmas) push_error_sigmas(reference, P);
     score_consistency(reference, pending.t, P);
+    if (!tracks_.empty()) take_poses(pending, truth_.data());
     if (reference.state_part >= 0) state_nees_.take(reference.state_part, pending.t, changes_, delta_.data(), P);
   }
   const VectorView outputs(outputs_.data(), static_cast<int>(declaration.outputs.size()));

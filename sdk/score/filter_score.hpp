@@ -17,6 +17,7 @@
 #include "implied_state.hpp"
 #include "plan.hpp"
 #include "score/run.hpp"
+#include "segments.hpp"
 #include "series.hpp"
 #include "state_nees.hpp"
 
@@ -93,6 +94,14 @@ class FilterScore : public StepObserver {
 
   // ---- figures (filter_figures.cpp)
   std::vector<Scored> scored() const;
+  /// Positions whose segments can be scored, and the attitudes that can go with them; Metric::subject is an index.
+  struct Track {
+    std::string name;  // "position.segments"
+    int position = 0;  // reference
+    std::vector<std::string> attitudes;
+    int attitude = 0;  // reference of the first, or of the one that "evaluate" names
+  };
+  std::vector<Track> tracks() const;
   nlohmann::ordered_json summary() const;
   MetricValue value(const Metric& metric) const;
   /// RunObserver::scored() for everything there is.
@@ -102,6 +111,8 @@ class FilterScore : public StepObserver {
 
   /// A warning for each span of "evaluate" that no sample of this filter's references falls into (B121).
   void warn_of_empty_spans(Diagnostics& warnings) const;
+  /// For each metric of segments that has none, with the reason (B125).
+  void warn_of_no_segments(const Metric& metric, Diagnostics& warnings) const;
   Time start() const { return session_ ? session_->start_time(FilterId{filter_}) : start_; }
   void set_start(Time t) { start_ = t; }
 
@@ -117,6 +128,20 @@ class FilterScore : public StepObserver {
     std::vector<std::vector<double>> sigmas;  // per series, beside its values; empty when nobody asked for them
     int state_part = -1;                      // of state_nees_; −1: not in it
   };
+  struct Pending {
+    int reference = 0;
+    Time t = no_time;
+    std::vector<double> values;
+  };
+  /// What a metric of segments was watched for.
+  struct WatchedTrack {
+    int subject = 0;
+    int position = 0, attitude = 0;  // references
+    SegmentTrack track;
+  };
+  const SegmentTrack& track_of(const Metric& metric) const;
+  void watch_track(int subject);
+  void take_poses(const Pending& pending, const double* truth);
   /// A series once per name, and where its sigma is to be found.
   struct Subject {
     const Series* series = nullptr;
@@ -140,11 +165,6 @@ class FilterScore : public StepObserver {
     newest_ = std::max(newest_, t);
     return t <= seen_until_;
   }
-  struct Pending {
-    int reference = 0;
-    Time t = no_time;
-    std::vector<double> values;
-  };
 
   void size_scratch();
   void add_references();
@@ -187,6 +207,7 @@ class FilterScore : public StepObserver {
   StepObserver* next_ = nullptr;
   GateWatch gates_;
   std::vector<Reference> references_;
+  std::vector<WatchedTrack> tracks_;
   StateNees state_nees_;
   std::vector<WithheldGroup> withheld_;
   std::vector<NoiseGroup> noise_;

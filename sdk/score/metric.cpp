@@ -54,6 +54,10 @@ std::string read_statistic(std::string_view text, Metric& metric) {
     metric.quantity = MetricQuantity::nees;
     metric.statistic = MetricStatistic::mean;
     if (rest.empty()) return {};
+  } else if (rest == "translation" || rest == "rotation") {
+    metric.quantity = MetricQuantity::segments;
+    metric.statistic = rest == "translation" ? MetricStatistic::translation : MetricStatistic::rotation;
+    return {};
   } else if (rest == "nis") {
     metric.quantity = MetricQuantity::nis;
     metric.statistic = MetricStatistic::mean;
@@ -75,7 +79,9 @@ std::string read_statistic(std::string_view text, Metric& metric) {
         return {};
       }
   return "there is no statistic " + in_quotes(text) +
-         help(text, {"mean", "rms", "max", "final", "drift", "p50", "p95", "sigma", "nees", "nis", "at 100 s"},
+         help(text,
+              {"mean", "rms", "max", "final", "drift", "p50", "p95", "sigma", "nees", "nis", "at 100 s", "translation",
+               "rotation"},
               "statistics");
 }
 
@@ -91,6 +97,27 @@ std::string find_measurement(const ScorePlan& plan, std::string_view subject, Me
     return "filter " + in_quotes(filter.name) + " has no measurement " + in_quotes(subject) +
            help(subject, names, "measurements");
   metric.unit = metric.si_unit = "1";
+  return {};
+}
+
+/// BLOCK.segments, of a position in metres, where an attitude of the filter is scored too.
+std::string find_track(const ScorePlan& plan, std::string_view subject, Metric& metric) {
+  const FilterScore score(plan, metric.filter);
+  const std::vector<FilterScore::Track> tracks = score.tracks();
+  Names names;
+  for (const auto& track : tracks) names.push_back(track.name);
+  const int index = index_of(names, subject);
+  if (index < 0)
+    return "filter " + in_quotes(plan.filters[as_size(metric.filter)].name) + " has no segments " + in_quotes(subject) +
+           ": they are of a position in metres and an attitude whose references give all outputs of both" +
+           help(subject, names, "there are");
+  if (tracks[as_size(index)].attitudes.size() > 1 && plan.segments.attitude.empty())
+    return "several attitudes of filter " + in_quotes(plan.filters[as_size(metric.filter)].name) + " are scored (" +
+           listed(tracks[as_size(index)].attitudes) + "); name one as 'attitude' of 'segments' in 'evaluate'";
+  metric.subject = index;
+  const bool is_translation = metric.statistic == MetricStatistic::translation;
+  metric.si_unit = is_translation ? "1" : "rad/m";
+  metric.unit = is_translation ? "%" : "deg/m";
   return {};
 }
 
@@ -136,8 +163,9 @@ Parsed<Metric> read_metric(const ScorePlan& plan, std::string_view text) {
   if (metric.filter < 0) return failure("there is no filter " + in_quotes(wanted) + help(wanted, filters, "filters"));
   if (auto wrong = read_statistic(text.substr(last + 1), metric); !wrong.empty()) return failure(wrong);
   const auto subject = text.substr(first + 1, last - first - 1);
-  const auto wrong = metric.quantity == MetricQuantity::nis ? find_measurement(plan, subject, metric)
-                                                            : find_scored(plan, subject, metric);
+  const auto wrong = metric.quantity == MetricQuantity::nis        ? find_measurement(plan, subject, metric)
+                     : metric.quantity == MetricQuantity::segments ? find_track(plan, subject, metric)
+                                                                   : find_scored(plan, subject, metric);
   if (!wrong.empty()) return failure(wrong);
   return metric;
 }

@@ -13,6 +13,7 @@
 #include "binnacle/section.hpp"
 #include "motion_fields.hpp"
 #include "score/metric.hpp"
+#include "segments.hpp"
 #include "smooth/fixed_lag.hpp"
 
 namespace binnacle::score {
@@ -65,6 +66,7 @@ struct ScorePlan : SectionData {
   Place place;                       // of the span, where the config gives one
   std::vector<MotionFields> motion;  // of the filters that have any
   std::vector<NamedWindow> windows;
+  SegmentSettings segments;
   std::vector<Metric> metrics;
   std::vector<UnknownMetric> unknown_metrics;
   std::optional<geodesy::LocalAxes> local;   // of the config's origin, where it has one

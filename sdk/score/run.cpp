@@ -122,6 +122,9 @@ class Scorer final : public binnacle::RunObserver {
       const auto unit = parse_unit(metric.unit);
       metrics_[metric.name] = {{"value", value(metric).value / (unit ? unit->scale : 1.0)}, {"unit", metric.unit}};
     }
+    for (const auto* list : {&plan_->metrics, &options_.metrics})
+      for (const auto& metric : *list)
+        if (metric.quantity == MetricQuantity::segments) score_of(metric.filter).warn_of_no_segments(metric, doubts_);
     windows_ = across_windows(*plan_, scores_);
   }
 

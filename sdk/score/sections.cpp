@@ -59,11 +59,41 @@ void read_estimates(const Reader& at, ScorePlan& plan) {
     at.error("B010", "'estimates' is \"settled\" or \"live\"; found " + at.shown());
 }
 
+void read_segments(const CompositionDraft& draft, const Reader& at, ScorePlan& plan) {
+  if (!at || !at.is_object("'segments'")) return;
+  SegmentSettings& segments = plan.segments;
+  at.check_keys({"lengths", "every", "start_every", "attitude"}, "'segments'");
+  if (const Reader lengths = at["lengths"]) {
+    segments.lengths.clear();
+    for (const Reader& length : lengths.elements("'lengths'"))
+      if (const auto metres = length.number(parameter::number("lengths", "m").above(0)))
+        segments.lengths.push_back(*metres);
+    if (lengths.is_list() && lengths.children().empty())
+      lengths.error("B006", "'lengths' needs one length at least, such as \"100 m\"");
+  }
+  if (const Reader every = at["every"])
+    if (const auto time = every.number(parameter::number("every", "s").above(0))) segments.every = nanoseconds(*time);
+  if (const Reader start_every = at["start_every"])
+    if (const auto count = start_every.integer(parameter::integer("start_every").at_least(1).at_most(1'000'000)))
+      segments.start_every = static_cast<int>(*count);
+  const Reader attitude = at["attitude"];
+  segments.attitude = attitude.text().value_or("");
+  if (segments.attitude.empty()) return;
+  std::vector<std::string> names;
+  for (const FilterInfo& filter : draft.filters())
+    for (const BlockInfo& block : filter.blocks)
+      if (block.declaration->kind == "attitude" && index_of(names, block.name) < 0) names.push_back(block.name);
+  if (index_of(names, segments.attitude) < 0)
+    attitude.error("B027", "no filter has an attitude '" + segments.attitude + "'" +
+                               suggestion(segments.attitude, names) + " (attitudes: " + listed(names) + ")");
+}
+
 void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
   const Reader evaluate = draft.at("/evaluate"), record = draft.at("/record");
   if (evaluate.is_object("'evaluate'")) {
-    evaluate.check_keys({"after", "until", "windows", "metrics", "estimates"}, "'evaluate'");
+    evaluate.check_keys({"after", "until", "windows", "metrics", "estimates", "segments"}, "'evaluate'");
     read_estimates(evaluate["estimates"], plan);
+    read_segments(draft, evaluate["segments"], plan);
     plan.place = place_of(evaluate);
     read_end(evaluate["after"], plan.span.from, plan.span.from_is_relative);
     read_end(evaluate["until"], plan.span.to, plan.span.to_is_relative);

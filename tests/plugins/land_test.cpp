@@ -7,6 +7,7 @@
 #include "../../plugins/land/zero_rate.hpp"
 #include "../../plugins/land/zupt.hpp"
 
+#include <cmath>
 #include <string>
 
 #include "bind.hpp"
@@ -140,6 +141,29 @@ TEST_CASE("nhc: R grows with the speed and with what is felt of a turn") {
   const Vector3d wild{0, 0.4, 0.4};
   REQUIRE(measured(*model, at(1), ports, {0, wild.data()}).result.refusal == Refusal::unsupported);
   REQUIRE(measured(*model, at(1), ports).result.refusal == Refusal::unsupported);
+}
+
+TEST_CASE("nhc: R grows with the turn rate in both rows, and with the lateral specific force in y alone") {
+  const Bench bench;
+  const auto model = bind<Nhc>({{{"sigma", {0.2, 0.3}}, {"turn", 0.5}, {"lateral", 0.02}}, bench.with(nullptr), {}});
+  const PortStates ports = bench.askew(nullptr);
+  // Driving rates wx, wy, wz, fy: |w| = 0.1 rad/s.
+  const auto R = [&](double wz, double fy) {
+    const Eigen::Vector4d rates{0, 0.06, wz, fy};
+    return measured(*model, at(1), ports, {0, rates.data()}).R;
+  };
+  const auto curve = R(-0.08, -3), straight = R(-0.08, 0), other_way = R(0.08, 3);
+  REQUIRE(std::abs(curve(0, 0) - (0.04 + 0.05 * 0.05 + 0.06 * 0.06)) < 1e-12);
+  REQUIRE(std::abs(curve(1, 1) - (0.09 + 0.05 * 0.05)) < 1e-12);
+  REQUIRE(std::abs(straight(0, 0) - (0.04 + 0.05 * 0.05)) < 1e-12);
+  REQUIRE(other_way == curve);
+  // Not known, and so refused: never taken for none.
+  REQUIRE(measured(*model, at(1), ports).result.refusal == Refusal::unsupported);
+  const Eigen::Vector4d no_force{0, 0, 0.1, std::nan("")}, no_rate{0, 0, std::nan(""), 1};
+  REQUIRE(measured(*model, at(1), ports, {0, no_force.data()}).result.refusal == Refusal::unsupported);
+  REQUIRE(measured(*model, at(1), ports, {0, no_rate.data()}).result.refusal == Refusal::unsupported);
+  const auto by_turn = bind<Nhc>({{{"sigma", 0.2}, {"turn", 0.5}}, bench.with(nullptr), {}});
+  REQUIRE(measured(*by_turn, at(1), ports, {0, no_force.data()}).result.refusal == Refusal::none);
 }
 
 TEST_CASE("nhc and zupt: refusals, and samples too near to the last") {

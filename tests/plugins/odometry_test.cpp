@@ -163,7 +163,8 @@ TEST_CASE("odometry: two wheels") {
   const Vehicle driving;
   const Drive drive({{3, 2.8}}, 0.2, Drive::wheels);
   const auto model = driving.model(parameters, no_body);
-  REQUIRE_NO_COMPLAINTS(ProcessCheck(*model, PlanarOdometry::spec()).transition(driving.ports(), drive.step, {}, {1e-6, 1e-9}));
+  REQUIRE_NO_COMPLAINTS(
+      ProcessCheck(*model, PlanarOdometry::spec()).transition(driving.ports(), drive.step, {}, {1e-6, 1e-9}));
 }
 
 TEST_CASE("odometry: one pair of speeds, and the track of two wheels") {
@@ -314,11 +315,12 @@ TEST_CASE("odometry: the heading wraps, and what it can not be is refused") {
   heading_kind().minus({&y, 1}, {&x, 1}, {&back, 1});
   CHECK(std::abs(back - 0.2) < 1e-14);
   for (const double wrong : {std::nan(""), 7.0, -400.0}) CHECK_FALSE(heading_kind().write({&wrong, 1}, {&x, 1}));
-  CHECK_THROWS_AS(bind<PlanarOdometry>({quiet, {{"heading", &heading_kind()}}, {}}), ComponentError);
-  CHECK_THROWS_AS(
-      bind<PlanarOdometry>(
-          {quiet, {{"heading", &heading_kind()}, {"position", &geodetic}, {"ecef_position", &ecef_position}}, {}}),
-      ComponentError);
+  CHECK_THROWS_AS(bind<PlanarOdometry>({quiet, {{"heading", &heading_kind()}}, no_wheels}), ComponentError);
+  CHECK_THROWS_AS(bind<PlanarOdometry>(
+                      {quiet,
+                       {{"heading", &heading_kind()}, {"position", &geodetic}, {"ecef_position", &ecef_position}},
+                       no_wheels}),
+                  ComponentError);
 }
 
 // 400 runs of 30 s with turns, from a heading, a scale and a bias that are drawn. NEES of all five has 5 dof: 99 % of pairs of

@@ -16,8 +16,9 @@ class Composition;
 namespace binnacle::score {
 
 /// What is looked at: an error (truth minus estimate by the block's ⊟) or norm of errors, the filter's own 1-σ of it, how
-/// well the two agree (NEES: of the whole state, of a block, or of one error component), or a measurement's mean NIS.
-enum class MetricQuantity { error, sigma, nees, nis };
+/// well the two agree (NEES: of the whole state, of a block, or of one error component), a measurement's mean NIS, or the
+/// errors over segments of a track.
+enum class MetricQuantity { error, sigma, nees, nis, segments };
 enum class NeesOf { component, block, state };
 
 /// The whole state, where a block's name would stand. A block of that name keeps it, and there is no figure of the whole
@@ -27,8 +28,8 @@ inline constexpr const char* state_name = "state";
 /// Over time, of what is scored (`evaluate`'s after and until). `mean`, `final` and `at` are signed, the others of the
 /// magnitude. `at`: at one time, interpolated between the two scored samples around it, wherever `evaluate` begins.
 /// `drift`: the last less the first, signed; of a block of kind `attitude`, whose ⊟ ends at half a turn, with whole turns
-/// counted from sample to sample.
-enum class MetricStatistic { mean, rms, max, final, p50, p95, drift, at };
+/// counted from sample to sample. `translation`, `rotation`: of segments alone.
+enum class MetricStatistic { mean, rms, max, final, p50, p95, drift, at, translation, rotation };
 
 struct Metric {
   std::string name;  // "ins/position.horizontal/rms"
@@ -65,7 +66,8 @@ std::vector<UnknownMetric> unknown_metrics(const Composition& composition);
 /// Reads `FILTER/BLOCK.OUTPUT/STATISTIC` against what the composition's references score. Statistics: `mean`, `rms`,
 /// `max`, `final`, `drift`, `p50`, `p95`, `at 100 s`, `at start+100 s`; `sigma`: 1-σ where `final` is taken; `sigma at 100 s`;
 /// FILTER/BLOCK/nees: its mean over time; `nees at 100 s`; FILTER/state/nees: of all blocks that references give in full
-/// together; FILTER/MEASUREMENT/nis: the mean of the accepted samples. The failure is one line with what was likely meant.
+/// together; FILTER/MEASUREMENT/nis: the mean of the accepted samples; FILTER/POSITION.segments/translation and
+/// …/rotation: KITTI's measure. The failure is one line with what was likely meant.
 Parsed<Metric> read_metric(const Composition& composition, std::string_view text);
 
 /// Shows the metric in this unit. Empty, or one line that says why it cannot be.
