@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <string>
 
 #include "constellation.hpp"
 #include "gnss/channels.hpp"
+#include "gnss/observation_rows.hpp"
 #include "gnss/signal_path.hpp"
 #include "random/normal.hpp"
 #include "strapdown/earth.hpp"
@@ -19,7 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int most_satellites = 32;
+constexpr int most_satellites = 32, most_systems = 8;
 
 FieldSpec level(const char* name, const char* unit, const char* text, bool optional = false) {
   return {name, unit, FieldKind::level, optional, false, text};
@@ -62,25 +65,41 @@ std::vector<ParameterSpec> receiver_parameters() {
                        number("bias", "m").at_least(0).defaults("100").about("1-sigma of the bias at the start"),
                        number("drift", "m/s").at_least(0).defaults("1").about("1-sigma of the drift at the start")})
           .defaults("{}")
-          .about("the receiver's clock"),
-      list("cuts",
-           object("cut", {time("from").required().about("first instant"), time("to").required().about("last instant"),
-                          integer("satellites")
-                              .at_least(0)
-                              .at_most(most_satellites)
-                              .required()
-                              .about("of those in view; 0: an outage"),
-                          choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
-          .about("stretches in which fewer satellites are seen"),
-      list("faults",
-           object("fault",
-                  {text("satellite").required().about("\"G05\""), time("from").required().about("first instant"),
-                   time("to").required().about("last instant"), number("pseudorange", "m").defaults("0").about("added"),
-                   number("range_rate", "m/s").defaults("0").about("added")}))
-          .about("what a satellite reports wrongly"),
-      list("clock_jumps", object("jump", {time("at").required().about("instant"),
-                                          number("jump", "s").required().about("added to the receiver's clock")}))
-          .about("resets of the receiver's clock")};
+          .about("the receiver's clock")};
+}
+
+/// What happens to it, and what else it emits.
+std::vector<ParameterSpec> event_parameters() {
+  using namespace parameter;
+  return {list("cuts",
+               object("cut",
+                      {time("from").required().about("first instant"), time("to").required().about("last instant"),
+                       integer("satellites")
+                           .at_least(0)
+                           .at_most(most_satellites)
+                           .required()
+                           .about("of those in view; 0: an outage"),
+                       choice("keep", {"highest", "lowest"}).defaults("\"highest\"").about("which are left")}))
+              .about("stretches in which fewer satellites are seen"),
+          list("faults", object("fault", {text("satellite").required().about("\"G05\""),
+                                          time("from").required().about("first instant"),
+                                          time("to").required().about("last instant"),
+                                          number("pseudorange", "m").defaults("0").about("added"),
+                                          number("range_rate", "m/s").defaults("0").about("added")}))
+              .about("what a satellite reports wrongly"),
+          object("given", {integer("systems")
+                               .at_least(1)
+                               .at_most(most_systems)
+                               .defaults("1")
+                               .about("satellite systems: satellite i is of system 1 + (i - 1) mod systems"),
+                           number("offset", "m")
+                               .at_least(0)
+                               .defaults("100")
+                               .about("1-sigma of what pseudoranges of each system but the first have more; constant")})
+              .about("the channel NAME.given, with the same measurements and the satellites' ECEF positions"),
+          list("clock_jumps", object("jump", {time("at").required().about("instant"),
+                                              number("jump", "s").required().about("added to the receiver's clock")}))
+              .about("resets of the receiver's clock")};
 }
 
 }  // namespace
@@ -91,6 +110,7 @@ struct ConstellationSimulator::Memory {
   Time last;                                       // epoch; no_time: none yet
   double clock_bias, clock_drift;                  // m, m/s
   std::array<double, most_satellites> range_bias;  // m
+  std::array<double, most_systems> offset;         // m, of the channel `given`
   random::Philox clock_stream, bias_stream, noise_stream, rate_stream;
 };
 
@@ -104,6 +124,7 @@ struct ConstellationSimulator::Antenna {
 struct ConstellationSimulator::Row {
   gnss::SatelliteKey satellite;
   double pseudorange, rate, sine;  // of its elevation
+  gnss::SatelliteState state;      // when it sent
 };
 
 /// The rows of an epoch, at first none.
@@ -121,6 +142,8 @@ ComponentSpec ConstellationSimulator::spec() {
   spec.parameters = constellation_parameters();
   const std::vector<ParameterSpec> own = receiver_parameters();
   spec.parameters.insert(spec.parameters.end(), own.begin(), own.end());
+  const std::vector<ParameterSpec> events = event_parameters();
+  spec.parameters.insert(spec.parameters.end(), events.begin(), events.end());
   spec.inputs = {{"truth",
                   {level("lat", "rad", "of the antenna"), level("lon", "rad", "of the antenna"),
                    level("height", "m", "of the antenna"), level("vn", "m/s", "of the antenna"),
@@ -152,6 +175,10 @@ ConstellationSimulator::ConstellationSimulator(const Binding& binding) : constel
   tau_ = parameters.object("pseudorange").number("tau");
   noise_ = parameters.object("pseudorange").number("noise");
   rate_noise_ = parameters.object("range_rate").number("noise");
+  if (parameters.has("given")) {
+    systems_ = static_cast<int>(parameters.object("given").integer("systems"));
+    offset_ = parameters.object("given").number("offset");
+  }
   const Parameters clock = parameters.object("clock");
   S_f_ = clock.number("S_f"), S_g_ = clock.number("S_g");
   clock_bias_ = clock.number("bias"), clock_drift_ = clock.number("drift");
@@ -172,9 +199,24 @@ void ConstellationSimulator::declare_channels() {
   clock_bias_field_ = clocks.carries(level("bias", "m", "of the receiver's clock, times c"));
   clock_drift_field_ = clocks.carries(level("drift", "m/s", "of the receiver's clock, times c"));
   seen_field_ = clocks.carries(level("satellites", "1", "in view"));
+  for (int i = 1; i < systems_; ++i) {
+    const std::string name = "offset" + std::to_string(i - 1);
+    offset_fields_.push_back(clocks.carries(level(name.c_str(), "m", "of system 2 and on, over system 1")));
+  }
   observations_ = declaration_.emits(std::move(seen));
   ephemerides_ = declaration_.emits(std::move(sent));
   truth_ = declaration_.emits(std::move(clocks));
+  if (systems_ > 0) declare_given(rows);
+}
+
+void ConstellationSimulator::declare_given(int rows) {
+  ChannelDeclaration given("given", gnss::observation_fields(false));
+  for (FieldSpec& field : gnss::given_fields()) given.fields.push_back(std::move(field));
+  std::erase_if(given.fields, [](const FieldSpec& field) {
+    return field.name == "cn0" || field.name.ends_with("_sigma") || field.name.ends_with("_variance");
+  });
+  given.max_rows = rows;
+  given_ = declaration_.emits(std::move(given));
 }
 
 void ConstellationSimulator::read_events(const Parameters& parameters) {
@@ -221,6 +263,9 @@ void ConstellationSimulator::initialise(std::uint64_t seed, const MemoryView& by
   memory.clock_bias = clock_bias_ * random::normal(memory.clock_stream);
   memory.clock_drift = clock_drift_ * random::normal(memory.clock_stream);
   for (double& bias : memory.range_bias) bias = bias_ * random::normal(memory.bias_stream);
+  auto offsets = random::stream(seed, "given.offset");
+  for (double& offset : memory.offset) offset = offset_ * random::normal(offsets);
+  memory.offset[0] = 0;
 }
 
 /// Clock and slow errors from the last epoch to t.
@@ -283,7 +328,7 @@ void ConstellationSimulator::measure(const Antenna& antenna, Time t, Memory& mem
     Row& row = rows.all[static_cast<std::size_t>(rows.count++)];
     row = {satellite.satellite, range + memory.range_bias[i] + noise,
            rate + memory.clock_drift - gnss::speed_of_light * state.clock_drift + rate_noise,
-           -antenna.C_en.col(2).dot(path.direction)};
+           -antenna.C_en.col(2).dot(path.direction), state};
     for (const Fault& fault : faults_)
       if (fault.satellite == satellite.satellite && fault.span.contains(t)) {
         row.pseudorange += fault.range;
@@ -328,6 +373,7 @@ void ConstellationSimulator::on(const TransformInput& in, Emitter& emitter) cons
   clock[clock_bias_field_] = memory.clock_bias;
   clock[clock_drift_field_] = memory.clock_drift;
   clock[seen_field_] = rows.count;
+  for (std::size_t i = 0; i < offset_fields_.size(); ++i) clock[offset_fields_[i]] = memory.offset[i + 1];
   emitter.emit(truth_);
   if (rows.count == 0) return;
   SampleWriter& out = emitter.on(observations_);
@@ -340,6 +386,34 @@ void ConstellationSimulator::on(const TransformInput& in, Emitter& emitter) cons
     out(i, range_rate_) = seen.rate;
   }
   emitter.emit(observations_);
+  if (systems_ > 0) emit_given(sample.t, memory, rows, emitter);
+}
+
+/// The rows of obs, each with its satellite: in the order of declare_given().
+void ConstellationSimulator::emit_given(Time t, const Memory& memory, const Rows& rows, Emitter& emitter) const {
+  SampleWriter& out = emitter.on(given_);
+  out.t = t;
+  out.rows = rows.count;
+  for (int i = 0; i < rows.count; ++i) {
+    const Row& seen = rows.all[static_cast<std::size_t>(i)];
+    const auto number = static_cast<int>(seen.satellite % 100);
+    const int system = (number - 1) % systems_;
+    const Vector3d &r = seen.state.position, &v = seen.state.velocity;
+    const double row[] = {static_cast<double>(number),
+                          seen.pseudorange + memory.offset[static_cast<std::size_t>(system)],
+                          seen.rate,
+                          1.0 + system,
+                          r[0],
+                          r[1],
+                          r[2],
+                          v[0],
+                          v[1],
+                          v[2],
+                          seen.state.clock,
+                          seen.state.clock_drift};
+    std::copy(std::begin(row), std::end(row), out.row_view(i).data());
+  }
+  emitter.emit(given_);
 }
 
 }  // namespace binnacle::constellation_simulator

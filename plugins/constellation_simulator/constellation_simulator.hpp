@@ -49,6 +49,7 @@ class ConstellationSimulator final : public Transform {
 
   void initialise(std::uint64_t seed, const MemoryView& bytes) const override;
   void declare_channels();
+  void declare_given(int rows);
   void read_events(const Parameters& parameters);
   void advance(Memory& memory, Time t) const;
   void emit_ephemerides(Time t, Emitter& emitter) const;
@@ -57,6 +58,7 @@ class ConstellationSimulator final : public Transform {
   /// Adds a row for each satellite that is seen.
   void measure(const Antenna& antenna, Time t, Memory& memory, Rows& rows) const;
   static void apply(const Cut& cut, Rows& rows);
+  void emit_given(Time t, const Memory& memory, const Rows& rows, Emitter& emitter) const;
 
   std::vector<gnss::Ephemeris> constellation_;
   Time every_;
@@ -64,13 +66,16 @@ class ConstellationSimulator final : public Transform {
   bool has_antenna_mask_, has_rotation_;
   double bias_, tau_, noise_, rate_noise_;  // m, s, m, m/s
   double S_f_, S_g_, clock_bias_, clock_drift_;
+  int systems_ = 0;    // of the channel `given`; 0: there is none
+  double offset_ = 0;  // m
   std::vector<Cut> cuts_;
   std::vector<Fault> faults_;
   std::vector<Jump> jumps_;
   Fields<3> position_, velocity_, attitude_;
-  OutputChannel observations_, ephemerides_, truth_;
+  OutputChannel observations_, ephemerides_, truth_, given_;
   OutputRowField satellite_, pseudorange_, range_rate_;
   OutputField clock_bias_field_, clock_drift_field_, seen_field_;
+  std::vector<OutputField> offset_fields_;
   binnacle::Memory<Memory> memory_;
 };
 

@@ -48,6 +48,24 @@ ParameterSpec time_spec() {
       .about("the column of time labels; a label is the end of its sample's interval");
 }
 
+ParameterSpec where_spec() {
+  return parameter::object("where", {parameter::text("column").required().about(
+                                         "its name in the header, or its number from 1 without one"),
+                                     parameter::text("is").required().about("what stands there, to the letter")})
+      .about("of a file with lines of several kinds, those to be read; others are passed over, of whatever width");
+}
+
+ParameterSpec rows_spec() {
+  return parameter::object("rows", {parameter::text("key").required().about(
+                                        "the field that tells the rows of a sample apart: a satellite, an anchor"),
+                                    parameter::integer("max_rows")
+                                        .at_least(1)
+                                        .at_most(4096)
+                                        .defaults("64")
+                                        .about("rows that a sample may have; one with more is an error")})
+      .about("consecutive lines with the same label are one sample with a row for each; every field is then per row");
+}
+
 /// As the member stands, or null.
 const Value* member(const Value& object, std::string_view name) {
   for (const auto& [key, value] : object.members)
@@ -143,6 +161,44 @@ Format read_format(const Parameters& parameters) {
   return format;
 }
 
+/// Without header before the first row is read, which it chooses; with one afterwards.
+void read_where(const Parameters& parameters, const FirstRow* header, Format& format) {
+  if (!parameters.has("where")) return;
+  const Parameters where = parameters.object("where");
+  format.where = Where{0, where.text("column"), where.text("is")};
+  if (header) {
+    format.where->index = index_in_header(format.where->name, *header, "/where/column");
+    return;
+  }
+  constexpr std::size_t most = 10000;
+  const std::string& number = format.where->name;
+  std::size_t index = 0;
+  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), index);
+  if (error != std::errc() || rest != number.data() + number.size() || index < 1 || index > most)
+    throw ComponentError("'" + number + "' is no column: without header, columns are numbers from 1", "/where/column");
+  format.where->index = index - 1;
+}
+
+void read_rows(const Parameters& parameters, const ChannelDeclaration& channel, Layout& layout) {
+  const Parameters rows = parameters.object("rows");
+  const std::string& key = rows.text("key");
+  std::vector<std::string> names;
+  for (const FieldSpec& field : channel.fields) {
+    names.push_back(field.name);
+    if (field.kind != FieldKind::level)
+      throw ComponentError("with rows every field is a level: the rows of a sample are of one instant",
+                           "/columns/" + escaped(field.name) + "/kind");
+  }
+  const auto found = std::find(names.begin(), names.end(), key);
+  if (found == names.end()) {
+    const std::string near = closest(key, names);
+    throw ComponentError("no field '" + key + "' among columns" +
+                             (near.empty() ? "; they are: " + list_of(names) : "; did you mean '" + near + "'?"),
+                         "/rows/key");
+  }
+  layout.rows = RowLayout{static_cast<std::size_t>(found - names.begin()), static_cast<int>(rows.integer("max_rows"))};
+}
+
 std::int64_t nanoseconds_of(const Value& unit) {
   const double length = std::min(unit.number * 1e9, 1e15);
   const std::int64_t whole = std::llround(length);
@@ -228,6 +284,8 @@ ComponentSpec CsvSource::spec() {
       parameter::text("comment").defaults("\"#\"").about("lines that begin with it are skipped; \"\": none"));
   spec.parameters.push_back(parameter::boolean("header").defaults("true").about(
       "the first line names the columns; else they are numbered from 1"));
+  spec.parameters.push_back(where_spec());
+  spec.parameters.push_back(rows_spec());
   spec.parameters.push_back(
       parameter::choice("invalid_rows", {"error", "skip"})
           .defaults("\"error\"")
@@ -250,12 +308,19 @@ ComponentSpec CsvSource::spec() {
 CsvSource::CsvSource(const Binding& binding) {
   const Parameters& parameters = binding.parameters();
   layout_.format = read_format(parameters);
+  if (!layout_.format.has_header) read_where(parameters, nullptr, layout_.format);
   const FirstRow first = read_first_row(layout_.format);
+  if (layout_.format.has_header) read_where(parameters, &first, layout_.format);
   read_time(parameters, first, layout_);
   ChannelDeclaration channel;
   for (const auto& [field, value] : parameters.members("columns"))
     channel.fields.push_back(read_column(field, value, first, layout_));
   if (channel.fields.empty()) throw ComponentError("no field is named", "/columns");
+  if (parameters.has("rows")) {
+    read_rows(parameters, channel, layout_);
+    for (FieldSpec& field : channel.fields) field.is_per_row = true;
+    channel.max_rows = layout_.rows->most;
+  }
   if (parameters.has("interval")) {
     if (!layout_.has_intervals)
       throw ComponentError("an interval needs a column of kind \"rate\" or \"increment\"", "/interval");
@@ -280,7 +345,15 @@ SourceStatus CsvSource::next(const MemoryView& bytes, SourceOutput& output) cons
   out.t = table_.times[row];
   out.t0 = table_.starts.empty() ? no_time : table_.starts[row];
   const std::size_t width = layout_.columns.size();
-  std::copy_n(table_.values.begin() + static_cast<std::ptrdiff_t>(row * width), width, out.all().data());
+  if (!layout_.rows) {
+    std::copy_n(table_.values.begin() + static_cast<std::ptrdiff_t>(row * width), width, out.all().data());
+    return SourceStatus::sample;
+  }
+  const std::size_t begin = table_.begins[row];
+  const std::size_t end = row + 1 < table_.begins.size() ? table_.begins[row + 1] : table_.values.size() / width;
+  out.rows = static_cast<int>(end - begin);
+  std::copy_n(table_.values.begin() + static_cast<std::ptrdiff_t>(begin * width), (end - begin) * width,
+              out.row_view(0).data());
   return SourceStatus::sample;
 }
 

@@ -25,12 +25,18 @@ std::string count_of(std::size_t count, const char* thing) {
 
 std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
 
-/// LineReader without blank lines and comments.
+/// LineReader without blank lines, comments, and lines of another kind.
 class Rows {
  public:
   explicit Rows(const Format& format) : format_(format), reader_(format.path) {}
 
   bool next(std::vector<std::string_view>& cells) {
+    while (any(cells))
+      if (!format_.where || is_chosen(*format_.where, cells)) return true;
+    return false;
+  }
+  /// Of whatever kind: the header.
+  bool any(std::vector<std::string_view>& cells) {
     std::string_view line;
     while (reader_.next(line)) {
       const std::size_t start = line.find_first_not_of(" \t");
@@ -44,9 +50,17 @@ class Rows {
   int line() const { return reader_.line(); }
 
  private:
+  static bool is_chosen(const Where& where, const std::vector<std::string_view>& cells) {
+    return where.index < cells.size() && cells[where.index] == where.text;
+  }
+
   const Format& format_;
   LineReader reader_;
 };
+
+std::string no_such_row(const Where& where) {
+  return "no line has " + quoted(where.text) + " in column '" + where.name + "'";
+}
 
 /// What is wrong with one row.
 struct RowFault {
@@ -80,7 +94,7 @@ class TableReader {
     std::size_t read_well = 0;
     try {
       Rows rows(layout_.format);
-      if (layout_.format.has_header && rows.next(cells_)) width_ = cells_.size();
+      if (layout_.format.has_header && rows.any(cells_)) width_ = cells_.size();
       while (rows.next(cells_)) {
         line_ = rows.line();
         if (const RowFault fault = take_row()) {
@@ -125,10 +139,36 @@ class TableReader {
       return {};
     }
     if (RowFault fault = take_values()) return fault;
+    const bool continues = layout_.rows && !table_.times.empty() && table_.times.back() == t;
+    if (layout_.rows)
+      if (RowFault fault = take_row_of(t, continues)) return fault;
     last_label_ = label;
-    table_.times.push_back(t);
-    lines_.push_back(line_);
+    if (!continues) {
+      table_.times.push_back(t);
+      lines_.push_back(line_);
+    }
     table_.values.insert(table_.values.end(), row_.begin(), row_.end());
+    return {};
+  }
+
+  /// The line as one more row of the sample at t, or as the first of a new one.
+  RowFault take_row_of(Time t, bool continues) {
+    const std::size_t width = row_.size(), taken = table_.values.size() / width;
+    const Column& column = layout_.columns[layout_.rows->key];
+    const double key = row_[layout_.rows->key];
+    if (std::isnan(key)) return {"B062", "column '" + column.name + "', the key of the rows, is missing"};
+    if (!continues) {
+      table_.begins.push_back(taken);
+      keys_.clear();
+    }
+    for (const auto& [other, line] : keys_)
+      if (other == key)
+        return {"B062", "column '" + column.name + "': " + std::string(cells_[column.index]) + " occurs twice at " +
+                            time_text(t) + ", first in line " + std::to_string(line)};
+    if (static_cast<int>(keys_.size()) >= layout_.rows->most)
+      return {"B062", "more than " + count_of(static_cast<std::size_t>(layout_.rows->most), "row") + " at " +
+                          time_text(t) + ": raise rows/max_rows if that many are right"};
+    keys_.emplace_back(key, line_);
     return {};
   }
 
@@ -142,8 +182,9 @@ class TableReader {
       return {"B062", "time column '" + layout_.time.name + "'" + describe(fault, cell, "+-292 years")};
     if (label_min_ == no_time) label_min_ = label;
     label_max_ = std::max(label_max_, label);
-    if (last_label_ != no_time && label <= last_label_)
-      return {"B063", "time does not increase: " + time_text(label) + " after " + time_text(last_label_)};
+    if (last_label_ != no_time && (layout_.rows ? label < last_label_ : label <= last_label_))
+      return {"B063", std::string(layout_.rows ? "time goes back: " : "time does not increase: ") + time_text(label) +
+                          " after " + time_text(last_label_)};
     return {};
   }
 
@@ -189,6 +230,7 @@ class TableReader {
   void require_samples() {
     if (!table_.times.empty()) return;
     std::string message = "no rows after the header";
+    if (layout_.format.where && label_min_ == no_time && skipped_.empty()) message = no_such_row(*layout_.format.where);
     if (!skipped_.empty()) {
       message = "no rows left: every one in the window was skipped";
     } else if (label_min_ != no_time) {
@@ -244,7 +286,8 @@ class TableReader {
   Reporter& reporter_;
   std::vector<std::string_view> cells_;
   std::vector<double> row_;
-  std::vector<int> lines_;
+  std::vector<int> lines_;                    // the first of each sample
+  std::vector<std::pair<double, int>> keys_;  // of the sample under way, and their lines
   std::map<std::string, Skipped> skipped_;
   Table table_;
   std::size_t width_ = 0;
@@ -261,7 +304,10 @@ FirstRow read_first_row(const Format& format) {
   try {
     Rows rows(format);
     std::vector<std::string_view> cells;
-    if (!rows.next(cells)) throw ComponentError::in_data("the file is empty", format.path, 0, "B066");
+    const bool is_there = format.has_header ? rows.any(cells) : rows.next(cells);
+    if (!is_there)
+      throw ComponentError::in_data(format.where && rows.line() > 0 ? no_such_row(*format.where) : "the file is empty",
+                                    format.path, 0, "B066");
     FirstRow row{{cells.begin(), cells.end()}, true};
     double ignored = 0;
     for (const auto cell : cells) row.is_numeric &= parse_number(cell, ignored) == CellFault::none;

@@ -12,15 +12,23 @@
 
 namespace binnacle::csv {
 
+/// Of a file with lines of several kinds, those that are read: the ones that have this text in this cell.
+struct Where {
+  std::size_t index = 0;
+  std::string name;  // of the column, as the header or the config calls it
+  std::string text;
+};
+
 /// How the lines of a file are cut into cells.
 struct Format {
   std::string path;
   char delimiter = ',';
   std::string comment;  // a line that begins with it is skipped; "": none is
   bool has_header = true;
+  std::optional<Where> where;  // the header is always read
 };
 
-/// The first line of a file that is neither blank nor comment.
+/// The first line of a file that is neither blank nor comment; of a file without header, the first that `where` chooses.
 struct FirstRow {
   std::vector<std::string> cells;
   bool is_numeric = false;  // every cell is a number: hardly a header
@@ -45,12 +53,19 @@ struct Column {
 
 enum class OnInvalid { error, skip };
 
+/// Consecutive lines with one label are the rows of one sample.
+struct RowLayout {
+  std::size_t key = 0;  // which of Layout::columns tells the rows of a sample apart
+  int most = 0;         // lines that a sample may have
+};
+
 struct Layout {
   Format format;
   Column time;                                      // scale unused
   std::int64_t time_unit = nanoseconds_per_second;  // ns
   Time time_offset = 0;
   std::vector<Column> columns;
+  std::optional<RowLayout> rows;
   bool has_intervals = false;    // some column is a rate or increment
   std::optional<Time> interval;  // fixed; else from label to label
   std::optional<Time> max_gap;
@@ -61,8 +76,9 @@ struct Layout {
 
 struct Table {
   std::vector<Time> times;
-  std::vector<Time> starts;    // of the intervals, no_time where there is none; empty: a table of instants
-  std::vector<double> values;  // row by row, SI
+  std::vector<std::size_t> begins;  // the first line of each sample, with rows; empty: a line is a sample
+  std::vector<Time> starts;         // of the intervals, no_time where there is none; empty: a table of instants
+  std::vector<double> values;       // line by line, SI
 };
 
 /// Ten times the median step of at least two times: what counts as a gap where nothing else is said.

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "binnacle/view.hpp"
-#include "strapdown/earth.hpp"
+#include "strapdown/local_axes.hpp"
 
 namespace binnacle::gnss_range {
 
@@ -23,16 +23,6 @@ Port one_of(const Binding& binding, const char* ned, const char* ecef) {
 constexpr double lowest = 5e6;  // m from the earth's centre; nearer to it directions mean nothing
 
 }  // namespace
-
-Eigen::Matrix3d axes_per_metre(const Eigen::Vector3d& lla) {
-  const strapdown::Radii R = strapdown::radii(lla[0]);
-  const double east = 1 / (R.transverse + lla[2]);
-  Eigen::Matrix3d dtheta = Eigen::Matrix3d::Zero();
-  dtheta(0, 1) = east;
-  dtheta(1, 0) = -1 / (R.meridian + lla[2]);
-  dtheta(2, 1) = -std::tan(lla[0]) * east;
-  return dtheta;
-}
 
 std::vector<PortSpec> position_ports() {
   return {reads("position", "position")
@@ -91,7 +81,7 @@ Eigen::RowVector3d AntennaVelocity::by_position(const PortValues& x, const gnss:
   if (is_ecef_) return Eigen::RowVector3d::Zero();
   const Eigen::Vector3d v = x[port_].as<3>();
   // d(C_en v) = C_en (dθ × v); as a row on δ in north, east, down, and from there to ECEF.
-  const Eigen::Matrix3d dtheta = axes_per_metre(place.lla);
+  const Eigen::Matrix3d dtheta = strapdown::axes_per_metre(place.lla);
   Eigen::Matrix3d turned;
   for (int i = 0; i < 3; ++i) turned.col(i) = dtheta.col(i).cross(v);
   return by_ecef * place.C_en * turned * place.C_en.transpose();

@@ -12,10 +12,6 @@
 
 namespace binnacle::gnss_range {
 
-/// −[v×] turned by a step of the position: ∂(C_en v_n)/∂(north, east, down) = C_en [dθ/dδ × v]. dθ/dδ [rad/m]:
-/// (1/(R_t+h) east, −1/(R_m+h) north, −tan L/(R_t+h) east), the transport rate per metre.
-Eigen::Matrix3d axes_per_metre(const Eigen::Vector3d& lla);
-
 std::vector<PortSpec> position_ports();
 std::vector<PortSpec> velocity_ports();
 

@@ -6,6 +6,7 @@
 
 #include "antenna.hpp"
 #include "binnacle/view.hpp"
+#include "strapdown/local_axes.hpp"
 
 namespace binnacle::gnss_range {
 
@@ -74,7 +75,7 @@ Result NedVelocity::evaluate(const DerivedInput& in, DerivedOutput& out) const {
   const Eigen::Vector3d v = C_ne * in.x[ecef_velocity_].as<3>();
   out.value.as<3>() = v;
   if (out.J) {
-    const Eigen::Matrix3d dtheta = axes_per_metre(place.lla);
+    const Eigen::Matrix3d dtheta = strapdown::axes_per_metre(place.lla);
     Eigen::Matrix3d turned;  // d(C_ne v_e) = −dθ × v_n
     for (int i = 0; i < 3; ++i) turned.col(i) = v.cross(dtheta.col(i));
     out.J[ecef_position_].as<3, 3>() = turned * C_ne;

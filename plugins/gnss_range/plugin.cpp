@@ -6,7 +6,9 @@
 #include "clock_process.hpp"
 #include "earth_blocks.hpp"
 #include "ecef_pv.hpp"
+#include "geodetic_track.hpp"
 #include "ned_antenna.hpp"
+#include "ned_pv.hpp"
 #include "pseudorange.hpp"
 #include "range_rate.hpp"
 #include "single_point.hpp"
@@ -19,10 +21,12 @@ BINNACLE_PLUGIN("gnss_range", "1.0.0", registry) {
   registry.add<EcefVelocity>();
   registry.add<ClockProcess>();
   registry.add<EcefPv>();
+  registry.add<NedPv>();
   registry.add<GeodeticPosition>();
   registry.add<NedVelocity>();
   registry.add<Pseudorange>();
   registry.add<RangeRateModel>();
   registry.add<SinglePoint>();
   registry.add<SurveyedPoint>();
+  registry.add<GeodeticTrack>();
 }

@@ -2,6 +2,8 @@
 // Pseudoranges: a row for each satellite of an epoch.
 #include "pseudorange.hpp"
 
+#include <string>
+
 #include "example_sky.hpp"
 
 namespace binnacle::gnss_range {
@@ -9,15 +11,17 @@ namespace binnacle::gnss_range {
 ComponentSpec Pseudorange::spec() {
   ComponentSpec spec;
   spec.type = "pseudorange";
-  spec.summary = "Pseudoranges to satellites with a broadcast ephemeris, a row for each.";
+  spec.summary = "Pseudoranges to satellites with a broadcast ephemeris or a position of their own, a row for each.";
   spec.source = "paper 003, equations (5), (6), (10); IS-GPS-200 20.3.3";
-  spec.parameters = gnss::ElevationNoise::parameters("m", true, "\"5 m\"");
-  describe_range_model(spec);
+  spec.parameters = gnss::RangeNoise::parameters(gnss::RangeNoise::Of::pseudorange, "\"5 m\"");
+  describe_range_model(spec, true);
   spec.ports = position_ports();
   spec.ports.push_back(reads("clock", "receiver_clock").about("of the receiver"));
-  spec.ports.push_back(
-      reads("galileo_bias", "vector:1:m").optional().about("what Galileo's pseudoranges have more than those of GPS"));
-  spec.fields = gnss::observation_fields(true);
+  spec.ports.push_back(reads("system_offset", "vector:*:m")
+                           .optional()
+                           .formerly("galileo_bias")
+                           .about("what pseudoranges of each of 'systems' but the first have more than those of the "
+                                  "first; without 'systems': what Galileo's have more than those of GPS"));
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris", "iono": "gnss.iono"},
     "blocks": {"position": "antenna", "clock": "clock"}, "sigma": "0.5 m", "sigma_elevation": "0.5 m",
     "ionosphere": "klobuchar", "troposphere": "saastamoinen"})json";
@@ -26,8 +30,18 @@ ComponentSpec Pseudorange::spec() {
 }
 
 Pseudorange::Pseudorange(const Binding& binding)
-    : RangeModel(binding), noise_(binding.parameters(), true), galileo_bias_(binding.port("galileo_bias")) {
-  declaration_.reads(clock_).reads(galileo_bias_).group(rows::like("pseudorange", "m"));
+    : RangeModel(binding, gnss::RangeNoise::Of::pseudorange), system_offset_(binding.port("system_offset")) {
+  if (system_offset_.is_bound() && !has_systems() && !rows_.are_given()) systems_ = {1, 2};
+  const int others = static_cast<int>(systems_.size()) - 1;
+  if (system_offset_.is_bound() && system_offset_.dof() != others)
+    throw ComponentError(others < 0
+                             ? std::string("list the 'systems' that the offsets are of")
+                             : "its block has " + std::to_string(system_offset_.dof()) +
+                                   " components where 'systems' lists " + std::to_string(others) + " besides the first",
+                         "/blocks/system_offset");
+  if (!system_offset_.is_bound() && others > 0)
+    binding.note("several satellite systems share one clock: no block is plugged into 'system_offset'");
+  declaration_.reads(clock_).reads(system_offset_).group(rows::like("pseudorange", "m"));
 }
 
 Result Pseudorange::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
@@ -37,12 +51,11 @@ Result Pseudorange::linearize(const MeasurementInput& in, MeasurementOutput& out
   if (const Result result = sight(in, place, sightings, count); !result) return result;
   out.rows = count;
   const double clock_bias = in.x[clock_][0];
-  const MatrixView by_position = out.H[antenna_.port()], by_clock = out.H[clock_], by_galileo = out.H[galileo_bias_];
+  const MatrixView by_position = out.H[antenna_.port()], by_clock = out.H[clock_], by_offset = out.H[system_offset_];
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
-    const bool has_galileo_bias =
-        galileo_bias_.is_bound() && gnss::constellation_of(s.satellite) == gnss::Constellation::galileo;
-    const double system = has_galileo_bias ? in.x[galileo_bias_][0] : 0.0;
+    const int offset = system_offset_.is_bound() ? system_of(s) - 1 : -1;  // −1: on the receiver's own clock
+    const double system = offset >= 0 ? in.x[system_offset_][offset] : 0.0;
     out.residual[i] = s.pseudorange - (s.path.range + clock_bias + system + s.delay);
     out.R(i, i) = noise_.variance(s);
     out.row_keys[static_cast<std::size_t>(i)] = s.satellite;
@@ -51,7 +64,7 @@ Result Pseudorange::linearize(const MeasurementInput& in, MeasurementOutput& out
         -s.path.scale * s.path.direction.transpose() + s.d_delay_down * place.C_en.col(2).transpose();
     by_position.as().row(i) = antenna_.by_error(place, by_ecef);
     by_clock(i, 0) = 1;
-    if (has_galileo_bias) by_galileo(i, 0) = 1;
+    if (offset >= 0) by_offset(i, offset) = 1;
   }
   return Result::ok();
 }

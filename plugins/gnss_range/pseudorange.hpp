@@ -7,8 +7,9 @@
 
 namespace binnacle::gnss_range {
 
-/// ρ = |R(ωτ) r_i − r_u| + b − c (δt_i − T_GD) + I + T + v: paper 003 (5), with what it leaves to the receiver.
-/// H: −uᵀ scale in the position's error (6), 1 for the clock's bias; u points from the antenna to the satellite, so
+/// ρ = |R(ωτ) r_i − r_u| + b + o_s − c (δt_i − T_GD) + I + T + v: paper 003 (5), with what it leaves to the receiver.
+/// H: −uᵀ scale in the position's error (6), 1 for the clock's bias and
+/// for the offset o_s of the satellite's system; u points from the antenna to the satellite, so
 /// paper 003's l = −u.
 class Pseudorange final : public RangeModel {
  public:
@@ -18,8 +19,7 @@ class Pseudorange final : public RangeModel {
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  gnss::ElevationNoise noise_;
-  Port galileo_bias_;
+  Port system_offset_;
 };
 
 }  // namespace binnacle::gnss_range

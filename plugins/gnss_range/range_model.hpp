@@ -3,10 +3,13 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include "antenna.hpp"
 #include "binnacle/measurement_model.hpp"
 #include "gnss/corrections.hpp"
+#include "gnss/range_noise.hpp"
 #include "satellite_limit.hpp"
 
 namespace binnacle::gnss_range {
@@ -15,45 +18,29 @@ class RangeModel : public MeasurementModel {
  protected:
   using Sightings = std::array<gnss::Sighting, gnss::most_rows>;
 
-  explicit RangeModel(const Binding& binding)
-      : corrections_(binding),
-        limit_(binding.parameters()),
-        antenna_(binding),
-        clock_(binding.port("clock")),
-        ephemeris_(binding.input(gnss::ephemeris_port().name)),
-        klobuchar_(binding.input(gnss::klobuchar_port().name)) {
-    declaration_.rows(limit_.most()).reads(antenna_.port());
-  }
+  RangeModel(const Binding& binding, gnss::RangeNoise::Of of);
 
-  /// Satellites to be used; both models choose the same ones of an epoch.
-  Result sight(const MeasurementInput& in, gnss::AntennaPlace& place, Sightings& sightings, int& count) const {
-    const SampleView &ephemeris = in.auxiliary[ephemeris_], &klobuchar = in.auxiliary[klobuchar_];
-    if (!ephemeris.available) return Result::unsupported("no broadcast ephemeris has come yet");
-    if (corrections_.wants_klobuchar() && !klobuchar.available)
-      return Result::unsupported("no ionosphere coefficients have come yet, or no channel is on input 'iono'");
-    if (const Result result = antenna_.read(in.x, place); !result) return result;
-    const gnss::Corrections::Tally tally =
-        corrections_.sight({in.sample.t, &in.sample, &ephemeris, &klobuchar}, place, true, sightings);
-    count = gnss::Corrections::keep_highest(sightings, tally.used, limit_.at(in.sample.t));
-    if (count >= limit_.fewest()) return Result::ok();
-    if (count > 0) return Result::unsupported("fewer satellites than 'min_satellites'");
-    if (tally.used > 0) return Result::unsupported("a cut leaves no satellite");
-    if (tally.without_ephemeris > 0) return Result::unsupported("no satellite in view has an ephemeris");
-    return Result::unsupported("no satellite is above the masks");
-  }
+  /// Satellites to be used. Both models choose the same ones of an epoch, but for rows without a variance.
+  Result sight(const MeasurementInput& in, gnss::AntennaPlace& place, Sightings& sightings, int& count) const;
+  /// Which of `systems` a satellite is of; −1: none.
+  int system_of(const gnss::Sighting& sighting) const;
+  bool has_systems() const noexcept { return !systems_.empty(); }
 
+  gnss::ObservationRows rows_;
   gnss::Corrections corrections_;
   SatelliteLimit limit_;
   AntennaPosition antenna_;
   Port clock_;
+  gnss::RangeNoise noise_;
+  std::vector<std::int64_t> systems_;  // empty: whatever comes, all on one clock
+
+ private:
+  int keep_usable(const Notes& notes, Sightings& sightings, int count) const;
+
   Input ephemeris_, klobuchar_;
 };
 
-/// The parameters, inputs and ports that both have.
-inline void describe_range_model(ComponentSpec& spec) {
-  for (auto& parameter : gnss::Corrections::parameters()) spec.parameters.push_back(std::move(parameter));
-  for (auto& parameter : SatelliteLimit::parameters()) spec.parameters.push_back(std::move(parameter));
-  spec.inputs = {gnss::ephemeris_port(), gnss::klobuchar_port()};
-}
+/// The parameters, inputs, fields and ports that both have.
+void describe_range_model(ComponentSpec& spec, bool rate_is_optional);
 
 }  // namespace binnacle::gnss_range

@@ -11,14 +11,15 @@ namespace binnacle::gnss_range {
 ComponentSpec RangeRateModel::spec() {
   ComponentSpec spec;
   spec.type = "range_rate";
-  spec.summary = "Range rates (Doppler shifts) of satellites with a broadcast ephemeris, a row for each.";
+  spec.summary =
+      "Range rates (Doppler shifts) of satellites with a broadcast ephemeris or a velocity of their own, a row for "
+      "each.";
   spec.source = "paper 003, equations (7) to (10); IS-GPS-200 20.3.3";
-  spec.parameters = gnss::ElevationNoise::parameters("m/s", false, "\"0.1 m/s\"");
-  describe_range_model(spec);
+  spec.parameters = gnss::RangeNoise::parameters(gnss::RangeNoise::Of::range_rate, "\"0.1 m/s\"");
+  describe_range_model(spec, false);
   spec.ports = position_ports();
   for (auto& port : velocity_ports()) spec.ports.push_back(std::move(port));
   spec.ports.push_back(reads("clock", "receiver_clock").about("of the receiver"));
-  spec.fields = gnss::observation_fields(false);
   spec.example = R"json({"channel": "gnss.obs", "inputs": {"ephemeris": "gnss.ephemeris"},
     "blocks": {"position": "antenna", "velocity": "antenna_velocity", "clock": "clock"}, "sigma": "0.05 m/s"})json";
   spec.surroundings = example_sky;
@@ -26,7 +27,12 @@ ComponentSpec RangeRateModel::spec() {
 }
 
 RangeRateModel::RangeRateModel(const Binding& binding)
-    : RangeModel(binding), noise_(binding.parameters(), false), velocity_(binding) {
+    : RangeModel(binding, gnss::RangeNoise::Of::range_rate), velocity_(binding) {
+  if (rows_.are_given() && !rows_.has_velocity())
+    throw ComponentError(
+        "the channel gives the satellites' positions, but not their velocities: satellite_vx, "
+        "satellite_vy, satellite_vz",
+        "/channel");
   declaration_.reads(velocity_.port()).reads(clock_).group(rows::like("range_rate", "m/s"));
 }
 
@@ -42,6 +48,10 @@ Result RangeRateModel::linearize(const MeasurementInput& in, MeasurementOutput& 
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
     if (!(std::abs(s.range_rate) < 1e6)) continue;  // NaN: none was measured
+    if (!s.velocity.allFinite()) {
+      in.notes.leave("a row is left out: its satellite has no velocity");
+      continue;
+    }
     const gnss::RangeRate predicted = gnss::range_rate(s.path, s.velocity, v_e, corrections_.has_rotation());
     out.residual[rows] = s.range_rate - (predicted.rate + clock_drift + s.rate_delay);
     if (out.H) {

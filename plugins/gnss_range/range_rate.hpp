@@ -17,7 +17,6 @@ class RangeRateModel final : public RangeModel {
   Result linearize(const MeasurementInput& in, MeasurementOutput& out) const override;
 
  private:
-  gnss::ElevationNoise noise_;
   AntennaVelocity velocity_;
 };
 

@@ -67,10 +67,10 @@ ComponentSpec SinglePoint::spec() {
   spec.inputs = {gnss::ephemeris_port(),
                  gnss::klobuchar_port(),
                  {"obs", gnss::observation_fields(true), false, "pseudoranges, and range rates where there are any"}};
-  spec.parameters = {object("pseudorange", gnss::ElevationNoise::parameters("m", true, "\"5 m\""))
+  spec.parameters = {object("pseudorange", gnss::RangeNoise::parameters(gnss::RangeNoise::Of::pseudorange, "\"5 m\""))
                          .defaults("{}")
                          .about("noise of pseudoranges"),
-                     object("range_rate", gnss::ElevationNoise::parameters("m/s", false, "\"0.1 m/s\""))
+                     object("range_rate", gnss::RangeNoise::parameters(gnss::RangeNoise::Of::range_rate, "\"0.1 m/s\""))
                          .defaults("{}")
                          .about("noise of range rates")};
   for (auto& parameter : gnss::Corrections::parameters()) spec.parameters.push_back(std::move(parameter));
@@ -99,8 +99,8 @@ ComponentSpec SinglePoint::spec() {
 SinglePoint::SinglePoint(const Binding& binding)
     : corrections_(binding),
       limit_(binding.parameters()),
-      range_noise_(binding.parameters().object("pseudorange"), true),
-      rate_noise_(binding.parameters().object("range_rate"), false),
+      range_noise_(binding.parameters().object("pseudorange"), gnss::RangeNoise::Of::pseudorange),
+      rate_noise_(binding.parameters().object("range_rate"), gnss::RangeNoise::Of::range_rate),
       exclude_beyond_(binding.parameters().number("exclude_beyond")),
       max_gdop_(binding.parameters().number("max_gdop")),
       unknown_speed_(binding.parameters().number("unknown_speed")),
@@ -206,6 +206,7 @@ int SinglePoint::sight(const gnss::Corrections::Epoch& epoch, bool knows_place, 
   int count = corrections_.sight(epoch, fix.place, knows_place, sightings).used;
   const auto end = fix.excluded.begin() + fix.excluded_count;
   const auto kept = std::remove_if(sightings.begin(), sightings.begin() + count, [&](const gnss::Sighting& s) {
+    if (knows_place && !(range_noise_.variance(s) > 0)) return true;  // no C/N0 where the noise needs one
     return std::find(fix.excluded.begin(), end, s.satellite) != end;
   });
   count = static_cast<int>(kept - sightings.begin());
@@ -293,7 +294,7 @@ void SinglePoint::solve_velocity(const Sightings& sightings, int count, SinglePo
   int rates = 0;
   for (int i = 0; i < count; ++i) {
     const gnss::Sighting& s = sightings[static_cast<std::size_t>(i)];
-    if (!(std::abs(s.range_rate) < 1e6)) continue;
+    if (!(std::abs(s.range_rate) < 1e6) || !(rate_noise_.variance(s) > 0)) continue;
     const gnss::RangeRate at_rest = gnss::range_rate(s.path, s.velocity, Vector3d::Zero(), corrections_.has_rotation());
     Eigen::Vector4d a;
     a << at_rest.by_velocity.transpose(), 1;

@@ -6,6 +6,7 @@
 
 #include "binnacle/source.hpp"
 #include "gnss/corrections.hpp"
+#include "gnss/range_noise.hpp"
 #include "satellite_limit.hpp"
 #include "solution_fields.hpp"
 
@@ -35,7 +36,7 @@ class SinglePoint final : public Transform {
 
   gnss::Corrections corrections_;
   SatelliteLimit limit_;
-  gnss::ElevationNoise range_noise_, rate_noise_;
+  gnss::RangeNoise range_noise_, rate_noise_;
   double exclude_beyond_, max_gdop_, unknown_speed_, unknown_drift_;
 
   /// Of each of the two channels.

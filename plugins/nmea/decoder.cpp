@@ -14,7 +14,8 @@ constexpr double knot = 1852.0 / 3600.0;  // [m/s]
 constexpr double degree = std::numbers::pi / 180;
 constexpr Time half_a_day = 43200 * nanoseconds_per_second;
 
-constexpr std::array<std::string_view, 7> type_names{"GGA", "RMC", "GST", "ZDA", "VTG", "HDT", "THS"};
+/// PASHR is proprietary: its talker is "PA".
+constexpr std::array<std::string_view, 9> type_names{"GGA", "RMC", "GST", "ZDA", "SHR", "VTG", "HDT", "THS", "GSA"};
 
 std::size_t as_index(auto type) { return static_cast<std::size_t>(type); }
 
@@ -41,21 +42,38 @@ std::optional<Decoder::Type> Decoder::type_of(std::string_view name) {
 Decoder::Outcome Decoder::take(std::string_view line, std::vector<Epoch>& complete) {
   Sentence sentence;
   switch (parse(line, sentence)) {
-    case SentenceFault::no_sentence: return Outcome::ignored;
+    case SentenceFault::no_sentence: pass_over(line, {}); return Outcome::ignored;
     case SentenceFault::cut: return Outcome::cut;
     case SentenceFault::checksum: return Outcome::checksum;
     case SentenceFault::none: break;
   }
   const auto type = type_of(sentence.type);
   const auto& talkers = options_.talkers;
-  if (!type || (!talkers.empty() && std::find(talkers.begin(), talkers.end(), sentence.talker) == talkers.end()))
+  const bool is_proprietary = sentence.talker == "PA";
+  if (!talkers.empty() && !is_proprietary &&
+      std::find(talkers.begin(), talkers.end(), sentence.talker) == talkers.end())
+    return Outcome::ignored;  // the config does not want it
+  if (!type || is_proprietary != (*type == Type::pashr)) {
+    pass_over(line, sentence);
     return Outcome::ignored;
+  }
   Reading reading;
   reading.type = *type;
   reading.tag = sentence.fields[0];
   if (!read(sentence, reading)) return Outcome::unreadable;
   add(std::move(reading), complete);
   return Outcome::used;
+}
+
+void Decoder::pass_over(std::string_view line, const Sentence& sentence) {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
+  if (std::all_of(line.begin(), line.end(), is_blank)) return;
+  std::string kind = "lines without a sentence";
+  if (line.find('$') != line.npos) kind = "proprietary sentences and queries";
+  if (!sentence.type.empty()) kind = sentence.type;
+  constexpr std::size_t most_kinds = 64;
+  if (passed_over_.size() >= most_kinds && passed_over_.count(kind) == 0) kind = "others";
+  ++passed_over_[kind];
 }
 
 bool Decoder::read(const Sentence& sentence, Reading& reading) {
@@ -67,6 +85,8 @@ bool Decoder::read(const Sentence& sentence, Reading& reading) {
     case Type::vtg: return read_course(sentence, reading);
     case Type::hdt:
     case Type::ths: return read_heading(sentence, reading);
+    case Type::gsa: return read_gsa(sentence, reading);
+    case Type::pashr: return read_pashr(sentence, reading);
   }
   return false;
 }
@@ -148,8 +168,39 @@ bool Decoder::read_heading(const Sentence& s, Reading& reading) const {
   return true;
 }
 
+bool Decoder::read_gsa(const Sentence& s, Reading& reading) const {
+  std::optional<double> dimension, pdop, hdop, vdop;
+  if (s.count < 18 || !parse_number(s[2], dimension) || !parse_number(s[15], pdop) || !parse_number(s[16], hdop) ||
+      !parse_number(s[17], vdop))
+    return false;
+  reading.values.dimension = value_or_nan(dimension);
+  reading.values.pdop = value_or_nan(pdop);
+  reading.values.hdop = value_or_nan(hdop);
+  reading.values.vdop = value_or_nan(vdop);
+  return true;
+}
+
+/// hhmmss.sss, heading, T, roll, pitch, heave, standard deviations of roll, pitch and heading, quality of the position, and
+/// of the inertial data. Roll: right side down; pitch: bow up.
+bool Decoder::read_pashr(const Sentence& s, Reading& reading) const {
+  std::array<std::optional<double>, 9> v;
+  constexpr std::array<std::size_t, 9> places{2, 4, 5, 6, 7, 8, 9, 10, 11};
+  if (s.count < 10 || !parse_time_of_day(s[1], reading.of_day) || s[3] != "T") return false;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (!parse_signed(s[places[i]], v[i])) return false;
+  const auto angle = [&](std::size_t i) { return value_or_nan(v[i]) * degree; };
+  Epoch::Attitude& a = reading.values.attitude;
+  a.yaw = angle(0), a.roll = angle(1), a.pitch = angle(2);
+  a.heave = value_or_nan(v[3]);
+  a.roll_sd = angle(4), a.pitch_sd = angle(5), a.yaw_sd = angle(6);
+  a.quality = value_or_nan(v[7]);
+  a.inertial = value_or_nan(v[8]);
+  a.is_given = std::isfinite(a.yaw) || std::isfinite(a.roll);
+  return true;
+}
+
 void Decoder::add(Reading&& reading, std::vector<Epoch>& complete) {
-  const bool carries_time = reading.type <= Type::zda;
+  const bool carries_time = reading.type <= Type::pashr;
   if (carries_time && !reading.of_day) return;  // the receiver does not know it yet
   if (reading.of_day && (!current_ || current_->of_day != *reading.of_day)) begin(reading, complete);
   const bool is_early = !carries_time && current_ && current_->is_complete && !options_.ends_with.empty();
@@ -183,8 +234,9 @@ void Decoder::begin(const Reading& reading, std::vector<Epoch>& complete) {
 /// False: it is left out.
 bool Decoder::add_to_current(const Reading& reading) {
   std::string& tag = current_->tags[as_index(reading.type)];
-  const bool is_again = !tag.empty();
+  const bool is_again = !tag.empty() && reading.type != Type::gsa;  // of which there is one for each constellation
   if (current_->is_complete) {
+    if (reading.type == Type::gsa && !tag.empty()) return false;
     if (reading.day) last_day_ = reading.day;
     if (is_again && !reading.of_day) {
       ++counts_.untimed;
@@ -223,10 +275,17 @@ void Decoder::merge(const Reading& reading) {
   }
   if (reading.type == Type::gst) all.position_sd = v.position_sd;
   if (reading.type == Type::hdt || reading.type == Type::ths) all.yaw = v.yaw;
+  if (reading.type == Type::pashr) all.attitude = v.attitude;
+  if (reading.type == Type::gsa) {
+    all.dimension = v.dimension;
+    all.pdop = v.pdop;
+    all.vdop = v.vdop;
+    if (std::isnan(all.hdop)) all.hdop = v.hdop;
+  }
   if (reading.type != Type::gga) return;
   all.quality = v.quality;
   all.satellites = v.satellites;
-  all.hdop = v.hdop;
+  if (std::isfinite(v.hdop)) all.hdop = v.hdop;
 }
 
 void Decoder::complete_current(std::vector<Epoch>& complete) {

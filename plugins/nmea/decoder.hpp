@@ -5,13 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sentence.hpp"
-#include "utc_clock.hpp"
 
 namespace binnacle::nmea {
 
@@ -23,11 +23,19 @@ struct Epoch {
   double lat = nan, lon = nan, height = nan;
   double speed = nan, course = nan;
   double yaw = nan;
+  /// Of PASHR: roll, pitch [rad], heave [m], their standard deviations, quality of position and inertial data.
+  struct Attitude {
+    bool is_given = false;
+    double roll = nan, pitch = nan, yaw = nan, heave = nan;
+    double roll_sd = nan, pitch_sd = nan, yaw_sd = nan;
+    double quality = nan, inertial = nan;
+  } attitude;
   std::array<double, 3> position_sd{nan, nan, nan};  // north, east, down
   double quality = nan, satellites = nan, hdop = nan;
+  double dimension = nan, pdop = nan, vdop = nan;  // of GSA
 };
 
-/// Sentences that carry a time of day (GGA, RMC, GST, ZDA) belong together where it is equal; those that do not (VTG, HDT, THS)
+/// Sentences that carry a time of day (GGA, RMC, GST, ZDA, PASHR) belong together where it is equal; those that do not (VTG, HDT, THS, GSA)
 /// belong to the one before them. An epoch is complete at the sentence which ends it: `ends_with`, or that which ended two in
 /// a row, or at the first one of another time. RMC and ZDA give the date; without them the day changes at midnight.
 class Decoder {
@@ -45,7 +53,7 @@ class Decoder {
     std::int64_t undated = 0;        // epochs before the first date
     std::int64_t backwards = 0;      // epochs not younger than the one before
     std::int64_t after_end = 0;      // sentences of an epoch that had been taken for complete
-    std::int64_t untimed = 0;        // VTG, HDT, THS before any epoch, or a second one in it
+    std::int64_t untimed = 0;        // VTG, HDT, THS, GSA before any epoch, or a second one in it
     std::int64_t two_talkers = 0;    // sentences of a type that another talker gave for the same epoch
     std::int64_t no_separation = 0;  // GGA with a height above the sea alone
   };
@@ -57,9 +65,12 @@ class Decoder {
   /// The data are over.
   void finish(std::vector<Epoch>& complete);
   const Counts& counts() const { return counts_; }
+  /// Lines that are not read, and how often: "GSV", "proprietary sentences", "lines without a sentence".
+  const std::map<std::string, std::int64_t>& passed_over() const { return passed_over_; }
 
  private:
-  enum class Type { gga, rmc, gst, zda, vtg, hdt, ths };
+  enum class Type { gga, rmc, gst, zda, pashr, vtg, hdt, ths, gsa };
+  static constexpr std::size_t type_count = 9;
   struct Reading {
     Type type = Type::gga;
     std::string tag;  // "GPGGA"
@@ -71,7 +82,7 @@ class Decoder {
     Time of_day = 0;
     std::optional<Day> day;
     Epoch values;
-    std::array<std::string, 7> tags;  // by type; "": not seen
+    std::array<std::string, type_count> tags;  // by type; "": not seen
     std::string last_tag;
     bool is_complete = false;
   };
@@ -84,6 +95,9 @@ class Decoder {
   bool read_zda(const Sentence& sentence, Reading& reading) const;
   bool read_course(const Sentence& sentence, Reading& reading) const;
   bool read_heading(const Sentence& sentence, Reading& reading) const;
+  bool read_gsa(const Sentence& sentence, Reading& reading) const;
+  bool read_pashr(const Sentence& sentence, Reading& reading) const;
+  void pass_over(std::string_view line, const Sentence& sentence);
   void add(Reading&& reading, std::vector<Epoch>& complete);
   void begin(const Reading& reading, std::vector<Epoch>& complete);
   bool add_to_current(const Reading& reading);
@@ -94,6 +108,7 @@ class Decoder {
   UtcClock clock_;
   Options options_;
   Counts counts_;
+  std::map<std::string, std::int64_t> passed_over_;
   std::optional<Current> current_;
   std::vector<Reading> early_;  // without a time, after the sentence that ends an epoch
   std::string candidate_, ender_;

@@ -34,7 +34,9 @@ SourceStatus LiveEpochs::next(std::vector<Epoch>& epochs) {
 
 void LiveEpochs::take(std::string_view line, std::vector<Epoch>& epochs) {
   const Decoder::Counts before = decoder_.counts();
+  const std::size_t kinds = decoder_.passed_over().size();
   const auto outcome = decoder_.take(line, epochs);
+  if (decoder_.passed_over().size() > kinds) lines_.note(text_of(decoder_.passed_over()) + " so far", "B065");
   if (outcome != Decoder::Outcome::used && outcome != Decoder::Outcome::ignored)
     lines_.complain("it is a sentence " + std::string(words_of(outcome)), code_of(outcome));
   for_each_note([&](const char* code, std::int64_t Decoder::Counts::*count, const std::string& what) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 #include "reports.hpp"
@@ -63,7 +62,9 @@ ComponentSpec NmeaSource::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "nmea";
-  spec.summary = "position, velocity and heading from sentences of NMEA 0183: GGA, RMC, VTG, HDT, THS, GST, ZDA";
+  spec.summary =
+      "position, velocity and heading from sentences of NMEA 0183: GGA, RMC, VTG, GSA, GST, HDT, THS, ZDA, "
+      "PASHR";
   spec.source = "NMEA 0183 version 4.11; IEC 61162-1";
   spec.parameters = {
       path("path").about("a file of sentences that is whole, plain or gzipped; or 'from'"),
@@ -102,17 +103,11 @@ NmeaSource::NmeaSource(const Binding& binding)
     if (!options_.date) throw ComponentError("'" + p.text("date") + "' is no day; expected \"2026-11-23\"", "/date");
   }
   declare_channels(has_sigmas_);
-  if (p.has("path") == p.has("from"))
-    throw ComponentError("\"path\" of a file that is whole, or \"from\" of live input, is needed, and not both");
-  if (p.has("from")) {
+  declaration_.live = line_input::is_live(p);
+  if (declaration_.live)
     live_ = std::make_unique<LiveEpochs>(p, clock_, options_);
-    declaration_.live = true;
-    return;
-  }
-  path_ = p.text("path");
-  if (p.text("stamp") == "arrival") throw ComponentError("a recorded file has no times of arrival", "/stamp");
-  if (!std::filesystem::exists(path_))
-    throw ComponentError::in_data("cannot be opened: No such file or directory", path_, 0, "B060");
+  else
+    path_ = line_input::existing_path(p);
 }
 
 void NmeaSource::declare_channels(bool has_sigmas) {
@@ -124,13 +119,22 @@ void NmeaSource::declare_channels(bool has_sigmas) {
                           level("speed", "m/s").about("over ground"), level("course", "rad").about("over ground"));
   quality_ =
       fix.carries(level("quality", "1").about("of GGA: 1 autonomous, 2 differential, 4 RTK, 5 float, 6 estimated"),
-                  level("satellites", "1").about("used"), level("hdop", "1"));
+                  level("satellites", "1").about("used"), level("hdop", "1"),
+                  level("dimension", "1").about("of GSA: 2 without height, 3"), level("pdop", "1"), level("vdop", "1"));
   if (has_sigmas)
     position_sd_ = fix.carries(level("position_sd_n", "m").about("of GST"), level("position_sd_e", "m"),
                                level("position_sd_d", "m"));
   yaw_ = heading.carries(level("yaw", "rad").about("of HDT or THS, from true north"));
   fix_ = declaration_.emits(std::move(fix));
   heading_ = declaration_.emits(std::move(heading));
+  ChannelDeclaration attitude("attitude");
+  attitude_fields_ =
+      attitude.carries(level("roll", "rad").about("of PASHR: right side down"), level("pitch", "rad").about("bow up"),
+                       level("yaw", "rad").about("from true north"), level("heave", "m").about("up"),
+                       level("roll_sd", "rad"), level("pitch_sd", "rad"), level("yaw_sd", "rad"),
+                       level("quality", "1").about("of the position: 0 none, 1, 2 RTK"),
+                       level("inertial", "1").about("state of the inertial data, as the unit gives it"));
+  attitude_ = declaration_.emits(std::move(attitude));
   next_ = declaration_.keeps<std::uint64_t>();
 }
 
@@ -150,8 +154,9 @@ std::vector<NmeaSource::Event> NmeaSource::events_of(const std::vector<Epoch>& e
   std::vector<Event> events;
   for (std::uint64_t i = 0; i < epochs.size(); ++i) {
     const Epoch& epoch = epochs[static_cast<std::size_t>(i)];
-    if (epoch.has_position) events.push_back({i, false});
-    if (std::isfinite(epoch.yaw)) events.push_back({i, true});
+    if (epoch.has_position) events.push_back({i, Part::fix});
+    if (std::isfinite(epoch.yaw)) events.push_back({i, Part::heading});
+    if (epoch.attitude.is_given) events.push_back({i, Part::attitude});
   }
   return events;
 }
@@ -171,6 +176,7 @@ void NmeaSource::read_file(Reporter& reporter) {
   decoder.finish(epochs_);
   faults.report(reporter);
   report(decoder.counts(), path_, reporter);
+  if (const std::string text = text_of(decoder.passed_over()); !text.empty()) reporter.warn("B065", path_, 0, text);
 }
 
 SourceStatus NmeaSource::next(const MemoryView& bytes, SourceOutput& output) const {
@@ -178,7 +184,7 @@ SourceStatus NmeaSource::next(const MemoryView& bytes, SourceOutput& output) con
   std::uint64_t& next = bytes[next_];
   if (next >= events_.size()) return SourceStatus::end;
   const Event event = events_[static_cast<std::size_t>(next++)];
-  write(epochs_[static_cast<std::size_t>(event.epoch)], event.is_heading, output);
+  write(epochs_[static_cast<std::size_t>(event.epoch)], event.part, output);
   return SourceStatus::sample;
 }
 
@@ -191,17 +197,20 @@ SourceStatus NmeaSource::next_of_live(SourceOutput& output) const {
     waiting.events = events_of(waiting.epochs);
   }
   const Event event = waiting.events[waiting.next++];
-  write(waiting.epochs[static_cast<std::size_t>(event.epoch)], event.is_heading, output);
+  write(waiting.epochs[static_cast<std::size_t>(event.epoch)], event.part, output);
   return SourceStatus::sample;
 }
 
-void NmeaSource::write(const Epoch& epoch, bool is_heading, SourceOutput& output) const {
-  SampleWriter& out = output.on(is_heading ? heading_ : fix_);
+void NmeaSource::write(const Epoch& epoch, Part part, SourceOutput& output) const {
+  SampleWriter& out = output.on(part == Part::fix ? fix_ : part == Part::heading ? heading_ : attitude_);
   out.t = epoch.t;
-  if (is_heading)
+  if (part == Part::fix) return write_fix(epoch, out);
+  if (part == Part::heading) {
     out[yaw_] = epoch.yaw;
-  else
-    write_fix(epoch, out);
+    return;
+  }
+  const Epoch::Attitude& a = epoch.attitude;
+  out[attitude_fields_] << a.roll, a.pitch, a.yaw, a.heave, a.roll_sd, a.pitch_sd, a.yaw_sd, a.quality, a.inertial;
 }
 
 void NmeaSource::write_fix(const Epoch& epoch, SampleWriter& out) const {
@@ -209,7 +218,7 @@ void NmeaSource::write_fix(const Epoch& epoch, SampleWriter& out) const {
   // Receivers leave the course out where they stand.
   const double course = epoch.speed == 0 && std::isnan(epoch.course) ? 0 : epoch.course;
   out[velocity_] << epoch.speed * std::cos(course), epoch.speed * std::sin(course), epoch.speed, epoch.course;
-  out[quality_] << epoch.quality, epoch.satellites, epoch.hdop;
+  out[quality_] << epoch.quality, epoch.satellites, epoch.hdop, epoch.dimension, epoch.pdop, epoch.vdop;
   if (has_sigmas_) out[position_sd_] << epoch.position_sd[0], epoch.position_sd[1], epoch.position_sd[2];
 }
 

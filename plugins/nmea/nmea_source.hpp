@@ -10,7 +10,6 @@
 #include "binnacle/source.hpp"
 #include "decoder.hpp"
 #include "live_epochs.hpp"
-#include "utc_clock.hpp"
 
 namespace binnacle::nmea {
 
@@ -25,9 +24,10 @@ class NmeaSource final : public Source {
   SourceFigures figures() const override { return live_ ? live_->figures() : SourceFigures{}; }
 
  private:
+  enum class Part { fix, heading, attitude };
   struct Event {
     std::uint64_t epoch;
-    bool is_heading;
+    Part part;
   };
 
   /// Live: what came and was not emitted yet.
@@ -40,7 +40,7 @@ class NmeaSource final : public Source {
   static std::vector<Event> events_of(const std::vector<Epoch>& epochs);
   void declare_channels(bool has_sigmas);
   SourceStatus next_of_live(SourceOutput& output) const;
-  void write(const Epoch& epoch, bool is_heading, SourceOutput& output) const;
+  void write(const Epoch& epoch, Part part, SourceOutput& output) const;
   void read_file(Reporter& reporter);
   void write_fix(const Epoch& epoch, SampleWriter& out) const;
 
@@ -48,8 +48,10 @@ class NmeaSource final : public Source {
   UtcClock clock_;
   Decoder::Options options_;
   bool stops_on_error_;
-  OutputChannel fix_, heading_;
-  OutputFields<3> position_, quality_;
+  OutputChannel fix_, heading_, attitude_;
+  OutputFields<3> position_;
+  OutputFields<6> quality_;
+  OutputFields<9> attitude_fields_;
   OutputFields<4> velocity_;
   OutputFields<3> position_sd_;
   bool has_sigmas_;

@@ -8,7 +8,7 @@
 
 #include "binnacle/source.hpp"
 #include "output/text_output.hpp"
-#include "utc_clock.hpp"
+#include "sentence.hpp"
 
 namespace binnacle::nmea {
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 
 #include "decoder.hpp"
 
@@ -29,12 +31,20 @@ void for_each_note(Note&& note) {
   note("B065", &Counts::after_end,
        "sentences came after the one that ends their epoch, and were left out; 'ends_with' names the last one");
   note("B065", &Counts::untimed,
-       "sentences VTG, HDT or THS have no time of their own and were left out: there is one in an epoch");
+       "sentences VTG, HDT, THS or GSA have no time of their own and were left out: there is one in an epoch");
   note("B065", &Counts::two_talkers,
        "sentences are of two talkers for one instant, and the later counts; 'talkers' chooses");
   note("B064", &Counts::no_separation,
        "GGA have a height above the sea alone, so there is none above the ellipsoid; 'geoid_separation' gives the "
        "difference");
+}
+
+/// "not read: GSV (12), …"; empty: there are none.
+inline std::string text_of(const std::map<std::string, std::int64_t>& passed_over) {
+  std::string text;
+  for (const auto& [kind, count] : passed_over)
+    text += (text.empty() ? "not read: " : ", ") + kind + " (" + std::to_string(count) + ")";
+  return text;
 }
 
 }  // namespace binnacle::nmea

@@ -127,7 +127,9 @@ SentenceFault parse(std::string_view line, Sentence& sentence) {
     line.remove_prefix(comma + 1);
   }
   const auto address = sentence.fields[0];
-  if (address.size() != 5 || address[0] == 'P') return SentenceFault::no_sentence;
+  // Of proprietary sentences only the attitude that many manufacturers send: its first field is a time.
+  const bool is_attitude = address == "PASHR" && !sentence[1].empty() && is_decimal(sentence[1]);
+  if (address.size() != 5 || (address[0] == 'P' && !is_attitude)) return SentenceFault::no_sentence;
   sentence.talker = address.substr(0, 2);
   sentence.type = address.substr(2);
   return SentenceFault::none;
@@ -142,6 +144,11 @@ bool parse_number(std::string_view field, std::optional<double>& value) {
   if (error != std::errc() || rest != field.data() + field.size() || !std::isfinite(number)) return false;
   value = number;
   return true;
+}
+
+bool parse_signed(std::string_view field, std::optional<double>& value) {
+  if (field.starts_with('+')) field.remove_prefix(1);
+  return parse_number(field, value);
 }
 
 bool parse_time_of_day(std::string_view field, std::optional<Time>& value) {

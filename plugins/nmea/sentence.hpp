@@ -9,9 +9,15 @@
 #include <string>
 #include <string_view>
 
-#include "utc_clock.hpp"
+#include "civil_time/utc_clock.hpp"
 
 namespace binnacle::nmea {
+
+using civil_time::Day;
+using civil_time::parse_day;
+using civil_time::parse_instant;
+using civil_time::Utc;
+using civil_time::UtcClock;
 
 /// Of what stands between '$' and '*'.
 std::uint8_t checksum(std::string_view body);
@@ -61,11 +67,14 @@ struct Sentence {
   std::string_view operator[](std::size_t i) const { return i < count ? fields[i] : std::string_view(); }
 };
 
-/// What stands before its '$' is passed over. `no_sentence`: a line without one, a proprietary one or a query.
+/// What stands before its '$' is passed over. `no_sentence`: a line without one, a query or a proprietary one but for PASHR
+/// (talker "PA", type "SHR").
 SentenceFault parse(std::string_view line, Sentence& sentence);
 
 /// A decimal number; empty where the field is, false where it is none.
 bool parse_number(std::string_view field, std::optional<double>& value);
+/// The same, with a sign.
+bool parse_signed(std::string_view field, std::optional<double>& value);
 /// hhmmss.sss [ns]; a leap second may be 60.
 bool parse_time_of_day(std::string_view field, std::optional<Time>& value);
 /// "4807.038", "N" [rad].

@@ -5,19 +5,16 @@
 #include <optional>
 #include <vector>
 
-#include "faults.hpp"
 #include "gnss/atmosphere.hpp"
-#include "gnss/orbit.hpp"
+#include "gnss/message_choice.hpp"
+#include "text/faults.hpp"
 
 namespace binnacle::rinex {
 
-struct Message {
-  gnss::Ephemeris ephemeris;
-  Time toe = no_time;
-  Time uploaded = no_time;  // transmission of the message; where the file gives none, two hours before toe
-  bool is_healthy = false;
-  int line = 0;
-};
+using text_file::Faults;
+using text_file::OnInvalid;
+
+using Message = gnss::BroadcastMessage;
 
 struct Navigation {
   std::vector<Message> messages;  // in the order of the file

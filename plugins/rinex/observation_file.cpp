@@ -11,6 +11,7 @@
 #include "columns.hpp"
 #include "gnss/orbit.hpp"
 #include "header.hpp"
+#include "text/in_order.hpp"
 
 namespace binnacle::rinex {
 
@@ -19,7 +20,6 @@ namespace {
 constexpr std::size_t cell_width = 16;  // F14.3, I1, I1
 constexpr std::size_t number_width = 14;
 constexpr double wavelength = gnss::speed_of_light / gnss::l1_frequency;
-constexpr double least_jump = 1e-4 * gnss::speed_of_light;  // m; receivers' clocks jump by milliseconds
 
 /// Which observation of a line is which; −1: none.
 struct Places {
@@ -289,27 +289,13 @@ class ObservationReader {
     epoch.satellites.push_back(observation);
   }
 
-  /// Leaves out what does not increase: where an epoch is later than those after it, itself, else the one after it.
   std::vector<Epoch> in_order(std::vector<Epoch> all) {
-    std::vector<Epoch> kept;
-    const auto refuse = [&](const Epoch& epoch, const Epoch& other) {
-      faults_.add("B063", epoch.line, "epoch", "out of order: " + time_text(epoch.t) + " beside " + time_text(other.t));
-    };
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (kept.empty() || all[i].t > kept.back().t) {
-        kept.push_back(std::move(all[i]));
-        continue;
-      }
-      const bool next_fits = i + 1 >= all.size() || all[i + 1].t > kept.back().t;
-      const bool fits_before = kept.size() < 2 || all[i].t > kept[kept.size() - 2].t;
-      if (next_fits || !fits_before) {
-        refuse(all[i], kept.back());
-      } else {
-        refuse(kept.back(), all[i]);
-        kept.back() = std::move(all[i]);
-      }
-    }
-    return kept;
+    return text_file::in_order(
+        std::move(all), [](const Epoch& epoch) { return epoch.t; },
+        [&](const Epoch& epoch, const Epoch& other) {
+          faults_.add("B063", epoch.line, "epoch",
+                      "out of order: " + time_text(epoch.t) + " beside " + time_text(other.t));
+        });
   }
 
   const std::string& path_;
@@ -329,43 +315,12 @@ class ObservationReader {
   std::vector<Epoch> epochs_;
 };
 
-/// Where the receiver sets its clock, every pseudorange jumps and no phase does.
-void find_clock_jumps(std::vector<Epoch>& epochs, Faults& faults) {
-  std::vector<double> steps;
-  std::size_t count = 0;
-  const Epoch* first = nullptr;
-  for (std::size_t i = 1; i < epochs.size(); ++i) {
-    steps.clear();
-    for (const auto& now : epochs[i].satellites)
-      for (const auto& before : epochs[i - 1].satellites) {
-        if (now.satellite != before.satellite) continue;
-        const double step = (now.pseudorange - now.phase) - (before.pseudorange - before.phase);
-        if (std::isfinite(step)) steps.push_back(step);
-      }
-    if (steps.size() < 3) continue;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    if (std::abs(*middle) < least_jump) continue;
-    // A clock moves all satellites' codes alike; phases that begin anew after a loss of lock do not.
-    const double median = *middle;
-    const auto agreeing =
-        std::count_if(steps.begin(), steps.end(), [&](double step) { return std::abs(step - median) < 100.0; });
-    if (2 * agreeing <= static_cast<std::ptrdiff_t>(steps.size())) continue;
-    epochs[i].clock_jump = median;
-    if (count++ == 0) first = &epochs[i];
-  }
-  if (!first) return;
-  char text[120];
-  std::snprintf(text, sizeof text, "the receiver's clock jumps %zu time%s, the first at %.3f s by %.6f ms", count,
-                count == 1 ? "" : "s", seconds(first->t), first->clock_jump / gnss::speed_of_light * 1e3);
-  faults.note("B065", first->line, text);
-}
-
 }  // namespace
 
 std::vector<Epoch> read_observations(const std::string& path, int origin_week, const Signals& signals, Faults& faults) {
   auto epochs = ObservationReader(path, origin_week, signals, faults).read();
-  find_clock_jumps(epochs, faults);
+  const auto jumps = gnss::find_clock_jumps(epochs);
+  if (!jumps.text.empty()) faults.note("B065", jumps.first_line, jumps.text);
   return epochs;
 }
 

@@ -3,12 +3,9 @@
 #include "rinex_source.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
+#include <iterator>
 
 #include "binnacle/parameters.hpp"
-#include "binnacle/view.hpp"
-#include "gnss/channels.hpp"
 #include "header.hpp"
 
 namespace binnacle::rinex {
@@ -22,17 +19,7 @@ ComponentSpec RinexSource::spec() {
   spec.parameters = {
       path("observations").about("file of observations; without it only messages are emitted"),
       path("navigation").about("file of broadcast messages"),
-      object("signals", {text("gps").defaults("\"1C\"").about("GPS: L1 C/A is 1C; \"\": none"),
-                         text("galileo").defaults("\"\"").about("Galileo: E1 is 1C or 1X; \"\": none")})
-          .defaults("{}")
-          .about("the signal that is taken of each constellation, by the code of its observations"),
-      choice("choose", {"upload", "nearest_toe"})
-          .defaults("\"upload\"")
-          .about("which message is used: the latest transmitted, as a receiver has it; the one of nearest reference "
-                 "time, which may not have been transmitted yet"),
-      time("max_age").above(0).at_most(604800).defaults("\"2 h\"").about(
-          "longest time between now and a message's reference time"),
-      boolean("unhealthy").defaults("false").about("use satellites whose message says that they are not healthy"),
+      gnss::Signals::parameter(),
       integer("week").at_least(0).at_most(9999).defaults("0").about(
           "GPS week at whose begin time is zero; 0: seconds since 1980-01-06"),
       list("window", time("time")).about("[from, to]: only epochs inside are emitted"),
@@ -40,6 +27,8 @@ ComponentSpec RinexSource::spec() {
           .defaults("\"skip\"")
           .about("skip: leave out what cannot be read and report it; error: stop at the first"),
   };
+  const auto rules = gnss::ChoiceRules::parameters();
+  spec.parameters.insert(std::next(spec.parameters.begin(), 3), rules.begin(), rules.end());
   spec.example =
       R"json({"observations": "site.obs", "navigation": "site.nav", "week": 1316, "choose": "nearest_toe"})json";
   spec.surroundings = R"json({"files": {
@@ -55,19 +44,8 @@ RinexSource::RinexSource(const Binding& binding)
   if (parameters.has("navigation")) navigation_path_ = parameters.text("navigation");
   if (observation_path_.empty() && navigation_path_.empty())
     throw ComponentError("there is no file: give 'observations', 'navigation', or both");
-  const Parameters signals = parameters.object("signals");
-  signals_.gps = signals.text("gps");
-  signals_.galileo = signals.text("galileo");
-  for (const char* constellation : {"gps", "galileo"}) {
-    const std::string& code = signals.text(constellation);
-    if (!code.empty() && (code.size() != 2 || code.front() != '1'))
-      throw ComponentError("a code has two characters and begins with 1, the frequency: \"1C\"; found '" + code + "'",
-                           std::string("/signals/") + constellation);
-  }
-  if (signals_.gps.empty() && signals_.galileo.empty()) throw ComponentError("no signal is taken", "/signals");
-  rules_.choice = parameters.text("choose") == "upload" ? Choice::upload : Choice::nearest_toe;
-  rules_.max_age = parameters.time("max_age");
-  rules_.takes_unhealthy = parameters.boolean("unhealthy");
+  signals_ = gnss::Signals::of(parameters);
+  rules_ = gnss::ChoiceRules::of(parameters);
   origin_week_ = static_cast<int>(parameters.integer("week"));
   on_invalid_ = parameters.text("invalid_records") == "error" ? OnInvalid::error : OnInvalid::skip;
   if (parameters.has("window")) {
@@ -80,42 +58,16 @@ RinexSource::RinexSource(const Binding& binding)
   if (!observation_path_.empty()) check_file(observation_path_, FileType::observation);
   if (!navigation_path_.empty()) check_file(navigation_path_, FileType::navigation);
 
-  declare_channels();
-}
-
-void RinexSource::declare_channels() {
-  const auto rows = gnss::most_satellites_per_constellation *
-                    (static_cast<int>(!signals_.gps.empty()) + static_cast<int>(!signals_.galileo.empty()));
-  ChannelDeclaration obs("obs"), ephemeris("ephemeris", gnss::ephemeris_fields()), iono("iono");
-  const auto fields = gnss::observation_fields(false);
-  satellite_ = obs.carries_per_row(fields[gnss::observation::satellite]);
-  pseudorange_ = obs.carries_per_row(fields[gnss::observation::pseudorange]);
-  range_rate_ = obs.carries_per_row(fields[gnss::observation::range_rate]);
-  cn0_ = obs.carries_per_row(fields[gnss::observation::cn0]);
-  event_ = obs.carries(field::level("event", "1").about("1: power failure since the epoch before"));
-  clock_offset_ =
-      obs.carries(field::level("clock_offset", "s").about("of the receiver, as the file gives it; NaN: it does not"));
-  clock_jump_ = obs.carries(field::level("clock_jump", "m")
-                                .about("the receiver's clock was set by it since the epoch before; found from code and "
-                                       "phase"));
-  obs.max_rows = ephemeris.max_rows = rows;
-  const auto k = gnss::klobuchar_fields();
-  alpha_ = iono.carries(k[0], k[1], k[2], k[3]);
-  beta_ = iono.carries(k[4], k[5], k[6], k[7]);
-  obs_ = declaration_.emits(std::move(obs));
-  ephemeris_ = declaration_.emits(std::move(ephemeris));
-  iono_ = declaration_.emits(std::move(iono));
+  channels_.declare(signals_, declaration_);
   next_ = declaration_.keeps<std::uint64_t>();
 }
-
-bool RinexSource::takes(gnss::SatelliteKey key) const { return !signals_.of(gnss::constellation_of(key)).empty(); }
 
 void RinexSource::open(Reporter& reporter) {
   Faults of_observations(observation_path_, on_invalid_, reporter);
   Faults of_navigation(navigation_path_, on_invalid_, reporter);
   if (!navigation_path_.empty()) {
     navigation_ = read_navigation(navigation_path_, origin_week_, of_navigation);
-    std::erase_if(navigation_.messages, [this](const Message& m) { return !takes(m.ephemeris.satellite); });
+    std::erase_if(navigation_.messages, [this](const Message& m) { return !signals_.takes(m.ephemeris.satellite); });
     if (navigation_.messages.empty())
       of_navigation.note("B066", 0, "holds no broadcast message of the signals asked for");
   }
@@ -136,7 +88,8 @@ void RinexSource::open(Reporter& reporter) {
   } else {
     Time earliest = std::numeric_limits<Time>::max();
     for (const Message& message : navigation_.messages)
-      earliest = std::min(earliest, rules_.choice == Choice::upload ? message.uploaded : message.toe - rules_.max_age);
+      earliest =
+          std::min(earliest, rules_.choice == gnss::Choice::upload ? message.uploaded : message.toe - rules_.max_age);
     first = std::max(first, earliest);
   }
   arrange(first, last);
@@ -149,68 +102,33 @@ void RinexSource::open(Reporter& reporter) {
 void RinexSource::arrange(Time first, Time last) {
   if (!navigation_.messages.empty() && first <= last) {
     if (navigation_.klobuchar) events_.push_back({first, Kind::klobuchar, 0});
-    sets_ = choose_messages(navigation_.messages, rules_, first, last);
+    sets_ = gnss::choose_messages(navigation_.messages, rules_, first, last);
     for (std::size_t i = 0; i < sets_.size(); ++i) events_.push_back({sets_[i].t, Kind::ephemerides, i});
   }
   for (std::size_t i = 0; i < epochs_.size(); ++i) events_.push_back({epochs_[i].t, Kind::observations, i});
   std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t < b.t; });
 }
 
-/// Satellites that are observed while no message of theirs may be used.
 void RinexSource::report_orphans(Faults& faults) const {
-  std::map<gnss::SatelliteKey, std::size_t> missing;
-  int first_line = 0;
-  const MessageSet* set = nullptr;
+  gnss::Orphans orphans;
+  const gnss::MessageSet* set = nullptr;
   for (const Event& event : events_) {
     if (event.kind == Kind::ephemerides) set = &sets_[event.index];
-    if (event.kind != Kind::observations) continue;
-    for (const Observation& observation : epochs_[event.index].satellites) {
-      const bool has_message = set && std::any_of(set->messages.begin(), set->messages.end(), [&](std::size_t i) {
-                                 return navigation_.messages[i].ephemeris.satellite == observation.satellite;
-                               });
-      if (has_message) continue;
-      if (missing.empty()) first_line = epochs_[event.index].line;
-      ++missing[observation.satellite];
-    }
+    if (event.kind == Kind::observations) orphans.add(epochs_[event.index], set, navigation_.messages);
   }
-  if (missing.empty()) return;
-  std::string message = "no usable broadcast message for";
-  for (const auto& [satellite, count] : missing)
-    message += " " + gnss::satellite_name(satellite) + " (" + std::to_string(count) + " epochs)";
-  faults.note("B065", first_line, message);
+  if (const std::string text = orphans.text(); !text.empty()) faults.note("B065", orphans.first_line(), text);
 }
 
 SourceStatus RinexSource::next(const MemoryView& bytes, SourceOutput& output) const {
   std::uint64_t& at = bytes[next_];
   if (at >= events_.size()) return SourceStatus::end;
   const Event& event = events_[static_cast<std::size_t>(at++)];
-  SampleWriter& out = output.on(event.kind == Kind::klobuchar     ? iono_
-                                : event.kind == Kind::ephemerides ? ephemeris_
-                                                                  : obs_);
-  out.t = event.t;
-  if (event.kind == Kind::klobuchar) {
-    out[alpha_] = vector_at<4>(navigation_.klobuchar->alpha);
-    out[beta_] = vector_at<4>(navigation_.klobuchar->beta);
-  } else if (event.kind == Kind::ephemerides) {
-    for (const std::size_t message : sets_[event.index].messages)
-      gnss::write_ephemeris(navigation_.messages[message].ephemeris, out.row_view(out.rows++).data());
-  } else {
-    write_observations(epochs_[event.index], out);
+  switch (event.kind) {
+    case Kind::klobuchar: channels_.write(*navigation_.klobuchar, event.t, output); break;
+    case Kind::ephemerides: channels_.write(sets_[event.index], navigation_.messages, output); break;
+    case Kind::observations: channels_.write(epochs_[event.index], output); break;
   }
   return SourceStatus::sample;
-}
-
-void RinexSource::write_observations(const Epoch& epoch, SampleWriter& out) const {
-  out[event_] = epoch.event;
-  out[clock_offset_] = epoch.clock_offset;
-  out[clock_jump_] = epoch.clock_jump;
-  for (const Observation& observation : epoch.satellites) {
-    const int row = out.rows++;
-    out(row, satellite_) = static_cast<double>(observation.satellite);
-    out(row, pseudorange_) = observation.pseudorange;
-    out(row, range_rate_) = observation.range_rate;
-    out(row, cn0_) = observation.cn0;
-  }
 }
 
 }  // namespace binnacle::rinex

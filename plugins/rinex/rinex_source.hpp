@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "binnacle/source.hpp"
-#include "message_choice.hpp"
+#include "navigation_file.hpp"
 #include "observation_file.hpp"
 
 namespace binnacle::rinex {
@@ -27,9 +27,6 @@ class RinexSource final : public Source {
     std::size_t index;
   };
 
-  void declare_channels();
-  bool takes(gnss::SatelliteKey key) const;
-  void write_observations(const Epoch& epoch, SampleWriter& out) const;
   void arrange(Time first, Time last);
   void report_orphans(Faults& faults) const;
 
@@ -37,17 +34,14 @@ class RinexSource final : public Source {
   Signals signals_;
   int origin_week_ = 0;
   OnInvalid on_invalid_ = OnInvalid::skip;
-  ChoiceRules rules_;
+  gnss::ChoiceRules rules_;
   Time from_, to_;
-  OutputChannel obs_, ephemeris_, iono_;
-  OutputField event_, clock_offset_, clock_jump_;
-  OutputRowField satellite_, pseudorange_, range_rate_, cn0_;
-  OutputFields<4> alpha_, beta_;
+  gnss::ObservationChannels channels_;
   Memory<std::uint64_t> next_;  // event
 
   std::vector<Epoch> epochs_;
   Navigation navigation_;
-  std::vector<MessageSet> sets_;
+  std::vector<gnss::MessageSet> sets_;
   std::vector<Event> events_;  // in the order in which they are emitted
 };
 

@@ -118,7 +118,11 @@ std::string processes_text(const Json& filter) {
     table.row({process.at("name"), type_text(process), "advances " + listed_or_dash(process.at("advances")),
                "reads " + listed_or_dash(process.at("reads")),
                process.contains("input") ? "driven by " + value_text(process.at("input")) : ""});
-  return section("Process models", table);
+  std::string points;
+  if (filter.contains("propagation"))
+    points = fmt::format("  propagated by sigma points, up to {} a step: x, Phi and Qd are made of them\n",
+                         filter.at("propagation").at("most_sigma_points").dump());
+  return section("Process models", table) + points;
 }
 
 /// Rows move with columns: x where Φ couples them, \ for a block with itself.
@@ -160,12 +164,22 @@ std::string gate_text(const Json& measurement) {
                      figure(gate.at("nis_limit").get<double>()), recovery);
 }
 
+std::string update_text(const Json& measurement) {
+  if (!measurement.contains("update")) return "";
+  const auto& update = measurement.at("update");
+  const auto type = update.at("type").get<std::string>();
+  if (!update.contains("max")) return type;
+  return fmt::format("{}, at most {} linearizations, to {} sigma", type, update.at("max").dump(),
+                     figure(update.at("tolerance").get<double>()));
+}
+
 std::string measurements_text(const Json& filter) {
-  Table table("llllll");
+  Table table("lllllll");
   for (const auto& measurement : filter.at("measurements"))
     table.row({measurement.at("name"), "on " + value_text(measurement.at("channel")), parts_text(measurement),
                "up to " + counted(measurement.at("max_rows"), "row"), gate_text(measurement),
-               measurement.contains("noise") ? "noise " + value_text(measurement.at("noise")) : ""});
+               measurement.contains("noise") ? "noise " + value_text(measurement.at("noise")) : "",
+               update_text(measurement)});
   return section("Measurements", table);
 }
 
@@ -203,7 +217,9 @@ std::string history_text(const Json& filter) {
 
 std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
-  return fmt::format("\nFILTER {}: {} in the covariance\n", name, counted(filter.at("dof"), "row")) +
+  const std::string form = filter.at("covariance");
+  return fmt::format("\nFILTER {}: {} in the covariance{}\n", name, counted(filter.at("dof"), "row"),
+                     form == "joseph" ? "" : ", kept as " + form) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
          measurements_text(filter) + implied_states_text(filter) + start_text(filter) + history_text(filter);
 }

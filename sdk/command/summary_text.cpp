@@ -27,6 +27,11 @@ std::string count_at(const Json& object, const char* key) {
   return found != object.end() && found->is_number() ? found->dump() : "-";
 }
 
+Names names_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_array() ? found->get<Names>() : Names();
+}
+
 /// "position.horizontal" for every norm of every block.
 std::set<std::string> norms_of(const FilterInfo& filter) {
   std::set<std::string> names;
@@ -212,6 +217,16 @@ std::string measurement_table(const Json& measurements) {
       reasons += fmt::format("  {}: left out {} of {} rows, which (times): {}\n", name,
                              entry["left_out"]["rows"].dump(), entry["left_out"]["of"].dump(), fmt::join(keys, ", "));
     }
+    if (entry.contains("iterated") && entry["iterated"]["samples"] != 0) {
+      const auto& iterated = entry["iterated"];
+      const double samples = iterated["samples"].get<double>();
+      reasons += fmt::format("  {}: iterated, {:.3g} linearizations a sample; {} of {} did not converge\n", name,
+                             number_at(iterated, "linearizations") / samples, iterated["not_converged"].dump(),
+                             counted(iterated["samples"], "sample"));
+    }
+    if (entry.contains("linearized_instead") && entry["linearized_instead"] != 0)
+      reasons += fmt::format("  {}: {} linearized, a sigma point was refused\n", name,
+                             counted(entry["linearized_instead"], "sample"));
     if (entry.contains("replayed"))
       reasons += fmt::format("  {}: {} came late, by up to {:.3g} s, and were applied at their time\n", name,
                              counted(entry["replayed"], "sample"), number_at(entry, "longest_delay_s"));
@@ -224,9 +239,21 @@ std::string measurement_table(const Json& measurements) {
 std::string consistency_table(const Json& consistency) {
   Table table("lrrr");
   table.row({"block", "NEES", "dof", "n"});
+  const auto add = [&](const std::string& name, const Json& entry) {
+    table.row({name, figure(number_at(entry, "nees_mean")), fmt::format("{:.4g}", number_at(entry, "dof")),
+               count_at(entry, "n")});
+  };
+  for (const auto& [name, entry] : consistency.items()) {
+    add(name, entry);
+    if (entry.contains("windows"))
+      for (const auto& [window, inside] : entry["windows"].items()) add(name + " in " + window, inside);
+  }
+  std::string text = "\n" + table.text();
   for (const auto& [name, entry] : consistency.items())
-    table.row({name, figure(number_at(entry, "nees_mean")), count_at(entry, "dof"), count_at(entry, "n")});
-  return "\n" + table.text();
+    if (const auto without = names_at(entry, "without"); !without.empty())
+      text += fmt::format("  {}: of {} together; no reference gives all of {}\n", name,
+                          fmt::join(names_at(entry, "blocks"), ", "), fmt::join(without, ", "));
+  return text;
 }
 
 /// Blocks without any reference: what the filter itself makes of their errors.

@@ -101,8 +101,9 @@ class AuxiliaryNumbers {
 /// One step of a process model, with one sample where it takes input.
 class DrivenStep {
  public:
-  DrivenStep(double dt, std::vector<double> fields, bool takes_input);
-  DrivenStep(const DrivenStep& other) : DrivenStep(other.step_.dt, other.fields_, !other.step_.samples.empty()) {}
+  DrivenStep(double dt, std::vector<double> fields, bool takes_input, Time t0 = 1'000'000'000);
+  DrivenStep(const DrivenStep& other)
+      : DrivenStep(other.step_.dt, other.fields_, !other.step_.samples.empty(), other.step_.t0) {}
   DrivenStep& operator=(const DrivenStep&) = delete;
   const Step& step() const { return step_; }
   const std::vector<double>& fields() const { return fields_; }
@@ -119,8 +120,9 @@ class ProcessFixture {
   PortStates ports(std::mt19937_64& random, double spread) const { return port_states(part.ports, random, spread); }
   /// Mean rates (or increments over dt) that a vehicle might feel.
   DrivenStep step(std::mt19937_64& random, double dt) const;
-  /// The halves that make up the step, each.
-  DrivenStep half(const DrivenStep& whole) const;
+  /// The halves that make up the step; the second begins where the first ends.
+  DrivenStep first_half(const DrivenStep& whole) const;
+  DrivenStep second_half(const DrivenStep& whole) const;
   /// By its closed form, or where it has none its continuous form.
   testing::Propagated call(const PortStates& ports, const DrivenStep& step, const std::vector<std::byte>& memory,
                            double fill = unwritten()) const;
@@ -129,6 +131,8 @@ class ProcessFixture {
   parts::Part<ProcessModel> part;
 
  private:
+  DrivenStep half(const DrivenStep& whole, Time t0) const;
+
   AuxiliaryNumbers auxiliary_;
 
  public:

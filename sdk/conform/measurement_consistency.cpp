@@ -175,7 +175,10 @@ class Run {
     std::vector<double> carried;
     for (std::size_t i = 0; i < sample.epoch.size(); ++i)
       if (subject_.measurement.has_field[i]) carried.push_back(sample.epoch[i]);
-    filter_.push(channel_, no_time, t, carried);
+    const auto& fields = subject_.measurement.part.type->spec.fields;
+    const bool has_interval =
+        std::ranges::any_of(fields, [](const FieldSpec& field) { return field.kind != FieldKind::level; });
+    filter_.push(channel_, has_interval ? t - 10'000'000 : no_time, t, carried);  // as SampleNumbers::view() has it
   }
   void draw_truth() {
     const Eigen::VectorXd error = draw(filter_.covariance(FilterId{0}).as(), random_);

@@ -2,6 +2,7 @@
 #include "miniature.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -97,10 +98,22 @@ class Builder {
   Json& filter() { return config_["filters"][filter_name]; }
   Json& blocks() { return filter()["blocks"]; }
 
+  /// {"hex": "b562…"}: what is no text.
+  static std::string bytes_of(const Json& content) {
+    const std::string digits = content.at("hex").get<std::string>();
+    std::string bytes;
+    for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
+      bytes += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+    return bytes;
+  }
+
   void write_files() {
     if (!around_.contains("files")) return;
-    for (const auto& [name, text] : around_.at("files").items())
-      std::ofstream(trial_.scratch / name, std::ios::binary) << text.get<std::string>();
+    for (const auto& [name, content] : around_.at("files").items()) {
+      const std::filesystem::path file = trial_.scratch / name;
+      std::filesystem::create_directories(file.parent_path());
+      std::ofstream(file, std::ios::binary) << (content.is_string() ? content.get<std::string>() : bytes_of(content));
+    }
   }
 
   /// A block of the kind that a port wants.

@@ -84,8 +84,7 @@ void AuxiliaryNumbers::number_rows(const ComponentSpec& spec) {
 
 // ---- process models
 
-DrivenStep::DrivenStep(double dt, std::vector<double> fields, bool takes_input) : fields_(std::move(fields)) {
-  const Time t0 = 1'000'000'000;
+DrivenStep::DrivenStep(double dt, std::vector<double> fields, bool takes_input, Time t0) : fields_(std::move(fields)) {
   const Time t1 = t0 + static_cast<Time>(std::llround(std::clamp(dt, -1e9, 1e9) * 1e9));
   sample_ = {t0, t1, dt, t0, t1, fields_.data()};
   step_ = {t0, t1, dt, takes_input ? std::span(&sample_, 1) : std::span<const InputSample>()};
@@ -106,12 +105,18 @@ DrivenStep ProcessFixture::step(std::mt19937_64& random, double dt) const {
   return {dt, fields, !part.type->spec.fields.empty()};
 }
 
-DrivenStep ProcessFixture::half(const DrivenStep& whole) const {
+DrivenStep ProcessFixture::half(const DrivenStep& whole, Time t0) const {
   std::vector<double> fields = whole.fields();
   const auto& specs = part.type->spec.fields;
   for (std::size_t i = 0; i < specs.size(); ++i)
     if (specs[i].kind == FieldKind::increment) fields[i] /= 2;
-  return {whole.step().dt / 2, fields, !specs.empty()};
+  return {whole.step().dt / 2, fields, !specs.empty(), t0};
+}
+
+DrivenStep ProcessFixture::first_half(const DrivenStep& whole) const { return half(whole, whole.step().t0); }
+
+DrivenStep ProcessFixture::second_half(const DrivenStep& whole) const {
+  return half(whole, first_half(whole).step().t1);
 }
 
 testing::Propagated ProcessFixture::call(const PortStates& ports, const DrivenStep& step,

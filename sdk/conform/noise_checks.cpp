@@ -33,6 +33,16 @@ class World {
     return check_noise(caller_, next(random, size), memory_.data());
   }
   const Eigen::Vector2d& true_R() const { return true_R_; }
+  bool is_judged_by_nominal() const { return part_.estimator->declaration().is_judged_by_nominal; }
+  /// R of an innovation of its own, from memory as at the start of a run.
+  Eigen::Matrix2d fresh(const Eigen::Vector2d& residual) const {
+    auto memory = caller_.fresh_memory();
+    testing::InnovationNumbers innovation;
+    innovation.residual = residual;
+    innovation.HPHt = Eigen::Vector2d(0.5, 0.8).asDiagonal();
+    innovation.R_nominal = nominal_.asDiagonal();
+    return caller_.estimate(innovation, memory.data()).R;
+  }
 
  private:
   testing::InnovationNumbers next(std::mt19937_64& random, double size) {
@@ -67,6 +77,7 @@ void covariance(Trial& trial) {
 void recovery(Trial& trial) {
   auto random = trial.random(700);
   World world(trial, 1.0);
+  if (world.is_judged_by_nominal()) Trial::not_applicable("it weighs each sample by itself, and recovers no R");
   const int settle = 2000, count = trial.repeats(4000);
   for (int k = 0; k < settle; ++k) world.step(random);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -78,6 +89,26 @@ void recovery(Trial& trial) {
   for (int i = 0; i < 2; ++i)
     trial.expect(std::abs(ratio[i] - 1) < allowed, "row ", i, ": where the true R is the nominal one it settles at ",
                  ratio[i], " of it, allowed 1 +- ", allowed);
+}
+
+/// A loss: in whatever direction, the farther an innovation is off, the larger is R.
+void outlier(Trial& trial) {
+  auto random = trial.random(900);
+  World world(trial, 1.0);
+  if (!world.is_judged_by_nominal()) Trial::not_applicable("R is what it makes of the past, not of one sample");
+  for (int k = 0; k < trial.repeats(20); ++k) {
+    const Eigen::Vector2d direction = normals(random, 2).normalized();
+    double last = 0, first = 0;
+    for (double size = 0.1; size < 1e5; size *= 1.5) {
+      const double trace = world.fresh(size * direction).trace();
+      if (!trial.expect(trace >= last * (1 - 1e-5), "of an innovation ", size,
+                        " sigma off R is smaller than of one less far off: ", trace, " after ", last, " (traces)"))
+        return;
+      last = trace;
+      if (first == 0) first = trace;
+    }
+    if (!trial.expect(last > 2 * first, "an innovation 1e5 sigma off is trusted as if it were right")) return;
+  }
 }
 
 /// By convention `floor` and `ceiling` are factors on the nominal standard deviation.
@@ -129,6 +160,12 @@ std::vector<Check> noise_checks() {
        {"numbers.noise.covariance"},
        "it recovers a known R from innovations that have it",
        recovery},
+      {"numbers.noise.outlier",
+       3,
+       roles,
+       {"numbers.noise.covariance"},
+       "where it is judged by the nominal R, an innovation that is farther off is trusted no more",
+       outlier},
   };
 }
 

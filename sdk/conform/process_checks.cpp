@@ -153,9 +153,10 @@ void composition(Trial& trial) {
   for (int repeat = 0; repeat < trial.repeats(3); ++repeat) {
     auto random = trial.random(900 + static_cast<std::uint64_t>(repeat));
     const PortStates ports = subject.process.ports(random, 0.3);
-    const DrivenStep whole = subject.process.step(random, ordinary_dt), half = subject.process.half(whole);
+    const DrivenStep whole = subject.process.step(random, ordinary_dt);
+    const DrivenStep first = subject.process.first_half(whole), second = subject.process.second_half(whole);
     const Split split{ports, subject.process.call(ports, whole, subject.memory),
-                      testing::accumulate(subject.caller(), ports, {half.step(), half.step()}, subject.memory)};
+                      testing::accumulate(subject.caller(), ports, {first.step(), second.step()}, subject.memory)};
     if (!split.whole.result) Trial::skip(std::string("it refuses ordinary input: ") + split.whole.result.reason);
     if (!split.halves.result) Trial::skip(std::string("it refuses half a step: ") + split.halves.result.reason);
     same_motion(trial, subject, split);

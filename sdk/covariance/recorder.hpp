@@ -50,7 +50,7 @@ class Recorder final : public StepObserver {
     event.outcome = record.outcome;
     event.reason = record.reason;
     if (record.H) {
-      event.S = record.S.as();
+      event.S = record.update_S.as();
       event.R = record.R.as();
       event.H = record.H.as();
     }

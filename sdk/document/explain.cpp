@@ -31,8 +31,14 @@ class FilterText {
       : composition_(composition), filter_(composition.filters()[index]), index_(static_cast<int>(index)) {}
 
   Json explanation() const {
-    Json text{{"name", filter_.name}, {"dof", filter_.dof}, {"blocks", blocks()}, {"derived", derived()}};
+    Json text{{"name", filter_.name},
+              {"dof", filter_.dof},
+              {"covariance", filter_.covariance},
+              {"blocks", blocks()},
+              {"derived", derived()}};
     text["process"] = processes();
+    // A direction without variance has no points.
+    if (filter_.is_unscented) text["propagation"] = {{"type", "unscented"}, {"most_sigma_points", 1 + 2 * filter_.dof}};
     text["couplings"] = couplings();
     text["transition"] = transition();
     text["noise"] = pattern(filter_.noise, "row", "column");
@@ -197,6 +203,10 @@ class FilterText {
                          {"by", gate.by},
                          {"nis_limit", gate.nis_limit},
                          {"recovers", measurement.recovers}};
+      if (const auto& update = measurement.update; update.type != "ekf") {
+        entry["update"] = {{"type", update.type}};
+        if (update.max > 0) entry["update"].update({{"max", update.max}, {"tolerance", update.tolerance}});
+      }
       if (measurement.noise.type) entry["noise"] = measurement.noise.type->full_name();
       measurements.push_back(std::move(entry));
     }

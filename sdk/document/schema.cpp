@@ -284,7 +284,8 @@ void add_components(const Catalog& catalog, Json& definitions) {
     if (type->role == Role::measurement_model) {
       // Alone it stands beside the keys of a measurement, in a stack it does not.
       Json alone = definitions[definition_name(*type)];
-      for (const char* key : {"channel", "noise", "gate", "recover", "withhold"}) alone["properties"][key] = ref(key);
+      for (const char* key : {"channel", "noise", "gate", "recover", "withhold", "update"})
+        alone["properties"][key] = ref(key);
       alone["required"].push_back("channel");
       definitions[definition_name(*type) + ".alone"] = std::move(alone);
     }
@@ -350,7 +351,8 @@ void add_measurement_definitions(Json& definitions) {
                           {probability,
                            closed_object({{"probability", probability}, {"by", {{"enum", {"sample", "row", "key"}}}}},
                                          {"probability"})}}};
-  definitions["noise"] = described("a noise estimator: R from what the residuals were", ref("noise_estimator"));
+  definitions["noise"] =
+      described("a noise estimator: R from what the residuals were, or a robust loss", ref("noise_estimator"));
   definitions["recover"] = described(
       "how a filter that locks the measurement out is opened again: after so many refusals in a row, or after a time "
       "where "
@@ -364,6 +366,16 @@ void add_measurement_definitions(Json& definitions) {
   definitions["withhold"] = {
       {"description", "samples kept from the filter and scored instead: spans of time, or every so many"},
       {"anyOf", {windows, closed_object({{"every", {{"type", "integer"}, {"minimum", 1}}}, {"windows", windows}})}}};
+  definitions["update"] =
+      described("how a sample corrects the state: one linearization (ekf), Gauss-Newton's method, or sigma points",
+                {{"anyOf",
+                  {{{"enum", {"ekf", "iterated", "unscented"}}},
+                   closed_object({{"type", {{"enum", {"ekf", "unscented"}}}}}, {"type"}),
+                   closed_object({{"type", {{"const", "iterated"}}},
+                                  {"max", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}}},
+                                  {"tolerance",
+                                   {{"type", {"number", "string"}}, {"exclusiveMinimum", 0}, {"exclusiveMaximum", 1}}}},
+                                 {"type"})}}});
   definitions["stacked_measurement"] =
       or_patch(closed_object({{"stack", described("measurement models whose rows make one update",
                                                   some_named(ref("measurement_model")))},
@@ -371,7 +383,8 @@ void add_measurement_definitions(Json& definitions) {
                               {"noise", ref("noise")},
                               {"gate", ref("gate")},
                               {"recover", ref("recover")},
-                              {"withhold", ref("withhold")}},
+                              {"withhold", ref("withhold")},
+                              {"update", ref("update")}},
                              {"stack", "channel"}));
   definitions["measurement"] = {{"if", {{"required", {"stack"}}}},
                                 {"then", ref("stacked_measurement")},
@@ -414,6 +427,11 @@ void add_filter_definitions(Json& definitions) {
        {"measurements", described("what is seen of them; at one instant in this order", named(ref("measurement")))},
        {"trust", ref("trust")},
        {"longest_bridge", ref("quantity")},
+       {"covariance", described("the form in which P is kept", {{"enum", {"joseph", "ud", "square_root"}}})},
+       {"propagation",
+        described("how x and P are propagated: by the models' Jacobians (ekf), or by sigma points through "
+                  "the models",
+                  {{"enum", {"ekf", "unscented"}}})},
        {"emit",
         described("when its channel has estimates: after accepted measurements, or after each step of its input too",
                   {{"enum", {"measurements", "input"}}})},

@@ -40,6 +40,7 @@ LoadOptions without_corrections(const std::filesystem::path& config, LoadOptions
   for (const auto& [name, measurement] : measurements.items())
     options.sets.push_back(join_pointer(join_pointer(at, name), "withhold") + "=" +
                            withheld_as_well(measurement, stay).dump());
+  for (auto& set : score::by_jacobians(all, filter.name)) options.sets.push_back(std::move(set));  // P grows along it
   return options;
 }
 

@@ -12,6 +12,7 @@
 #include "decimation.hpp"
 #include "display.hpp"
 #include "payload.hpp"
+#include "score/metric.hpp"
 #include "track.hpp"
 
 namespace binnacle::report {
@@ -218,7 +219,7 @@ class FilterPayload {
     Json list = Json::array();
     for (const auto& error : filter_.errors) {
       const auto [block, what] = split_name(error.name);
-      if (what != "nees" || !has_block(filter_, block)) continue;
+      if (what != "nees" || (block != score::state_name && !has_block(filter_, block))) continue;
       const Json& group = at_or_null(at_or_null(summary_, "consistency"), block);
       const double dof = at_or_null(group, "dof").is_number() ? group["dof"].get<double>() : 0;
       const auto kept = extremes({error.values}, points_);

@@ -83,7 +83,44 @@ Json FilterScore::consistency_figures() const {
                                      {"dof", reference.block->active.size()},
                                      {"n", n}};
   }
+  if (auto state = state_figures(); !state.is_null()) consistency[state_name] = std::move(state);
   return consistency;
+}
+
+/// Null where no epoch of the span gives the whole state.
+Json FilterScore::state_consistency(const TimeSpan& span) const {
+  const Series &nees = state_nees_.nees(), &dof = state_nees_.dof();
+  double sum = 0, dof_sum = 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < nees.t.size(); ++i) {
+    if (!span.contains(nees.t[i], start())) continue;
+    sum += nees.values[i];
+    dof_sum += dof.values[i];
+    ++n;
+  }
+  if (n == 0) return nullptr;
+  // Where P has the same rank all the time, as nearly always, it is an integer, like that of a block.
+  const double mean_dof = dof_sum / static_cast<double>(n);
+  Json figures{{"nees_mean", sum / static_cast<double>(n)}};
+  figures["dof"] = mean_dof == std::round(mean_dof) ? Json(static_cast<int>(mean_dof)) : Json(mean_dof);
+  figures["n"] = n;
+  return figures;
+}
+
+/// Of a single block there is nothing to say that its own NEES does not.
+Json FilterScore::state_figures() const {
+  const std::vector<std::string> blocks = state_nees_.blocks();
+  Json figures = blocks.size() < 2 ? Json() : state_consistency(plan_.span);
+  if (figures.is_null()) return figures;
+  figures["blocks"] = blocks;
+  figures["without"] = Json::array();
+  for (const auto& block : info_.blocks)
+    if (!block.active.empty() && index_of(blocks, block.name) < 0) figures["without"].push_back(block.name);
+  for (const auto& window : plan_.windows)
+    if (window.filter < 0 || window.filter == filter_)
+      if (auto inside = state_consistency(window.span); !inside.is_null())
+        figures["windows"][window.name] = std::move(inside);
+  return figures;
 }
 
 Json FilterScore::noise_figures() const {
@@ -157,7 +194,9 @@ std::vector<Scored> FilterScore::scored() const {
     all.push_back(std::move(entry));
   }
   for (std::size_t r = 0; r < references_.size(); ++r)
-    if (references_[r].is_whole) all.push_back({references_[r].name, "1", "1", static_cast<int>(r), true, false, true});
+    if (references_[r].is_whole)
+      all.push_back({references_[r].name, "1", "1", static_cast<int>(r), NeesOf::block, false, true});
+  if (state_nees_.is_there()) all.push_back({state_name, "1", "1", 0, NeesOf::state, false, true});
   return all;
 }
 
@@ -172,6 +211,8 @@ void FilterScore::show_errors(RunObserver& observer) const {
   for (const auto& reference : references_)
     if (reference.is_whole)
       observer.scored(filter_, {reference.name + ".nees", "1", "1", reference.nees.t, reference.nees.values, {}});
+  if (const Series& nees = state_nees_.nees(); state_nees_.blocks().size() > 1 && !nees.t.empty())
+    observer.scored(filter_, {nees.name, nees.unit, nees.display_unit, nees.t, nees.values, {}});
 }
 
 MetricValue FilterScore::value(const Metric& metric) const {
@@ -184,7 +225,11 @@ MetricValue FilterScore::value(const Metric& metric) const {
   const auto figure = [&](const Series& series, const std::vector<double>& values) {
     return over_time(series.t, values, metric, plan_.span, start());
   };
-  if (metric.of_block) {
+  if (metric.nees_of == NeesOf::state) {
+    const Series &nees = state_nees_.nees(), &dof = state_nees_.dof();
+    return {figure(nees, nees.values), figure(dof, dof.values), 1};
+  }
+  if (metric.nees_of == NeesOf::block) {
     const auto& reference = references_[as_size(metric.subject)];
     return {figure(reference.nees, reference.nees.values), static_cast<double>(reference.block->active.size()), 1};
   }

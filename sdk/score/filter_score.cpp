@@ -54,6 +54,7 @@ FilterScore::FilterScore(const ScorePlan& plan, int filter)
   for (const auto& implied_state : plan.implied_states[as_size(filter)])
     implied_states_.emplace_back(implied_state, info_.blocks[as_size(implied_state.block)]);
   add_references();
+  add_state();
   for (std::size_t m = 0; m < info_.measurements.size(); ++m) {
     add_withheld(static_cast<int>(m));
     if (info_.measurements[m].noise.object) add_noise(static_cast<int>(m));
@@ -65,6 +66,7 @@ FilterScore::FilterScore(const ScorePlan& plan, const SmoothingPlan& smoothing)
     : plan_(plan), filter_(smoothing.as), info_(plan.filters[as_size(smoothing.as)]), gates_(info_) {
   size_scratch();
   add_references();
+  add_state();
   for (std::size_t m = 0; m < info_.measurements.size(); ++m) add_withheld(static_cast<int>(m));
   add_subjects();
 }
@@ -85,7 +87,7 @@ void FilterScore::size_scratch() {
   between_.resize(stored);
   truth_.resize(stored);
   outputs_.resize(outputs);
-  covariance_.resize(dof * (dof + 1));
+  covariance_.resize(dof * (dof + 2));
 }
 
 void FilterScore::add_references() {
@@ -122,6 +124,15 @@ void FilterScore::add_channel_reference(const ReferencePlan& plan) {
         {name, output.unit, output.display_unit.empty() ? output.unit : output.display_unit, {}, {}});
   }
   references_.push_back(std::move(reference));
+}
+
+/// A block with several references is given by the first.
+void FilterScore::add_state() {
+  if (index_of(names_of(info_.blocks), state_name) >= 0) return;
+  std::set<const BlockInfo*> given;
+  for (auto& reference : references_)
+    if (reference.is_whole && reference.plan->implied_state < 0 && given.insert(reference.block).second)
+      reference.state_part = state_nees_.add(*reference.block);
 }
 
 void FilterScore::add_withheld(int measurement) {
@@ -182,7 +193,9 @@ void FilterScore::attach(Session& session, StepObserver* next) {
 }
 
 void FilterScore::watch(const Metric& metric) {
-  if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis || metric.of_block) return;
+  if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis ||
+      metric.nees_of != NeesOf::component)
+    return;
   keep_sigmas(references_[as_size(subjects_[as_size(metric.subject)].reference)]);
 }
 
@@ -293,6 +306,7 @@ void FilterScore::exchange(StateBytes& bytes) {
     reference.nees.exchange(bytes);
     for (auto& sigmas : reference.sigmas) bytes.list(sigmas);
   }
+  state_nees_.exchange(bytes);
   for (auto& group : withheld_)
     for (auto& series : group.series) series.exchange(bytes);
   for (auto& group : noise_) group.series.exchange(bytes);
@@ -361,6 +375,7 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Co
     push_errors(reference.series, declaration, pending.t, delta_.data());
     if (keeps_sigmas) push_error_sigmas(reference, P);
     score_consistency(reference, pending.t, P);
+    if (reference.state_part >= 0) state_nees_.take(reference.state_part, pending.t, changes_, delta_.data(), P);
   }
   const VectorView outputs(outputs_.data(), static_cast<int>(declaration.outputs.size()));
   call_block(block, "read", pending.t, [&] { block.block->read(at, outputs); });
@@ -394,33 +409,18 @@ void FilterScore::push_error_sigmas(Reference& reference, ConstMatrixView P) {
   }
 }
 
-/// NEES of the active components: δᵀ P⁻¹ δ by Cholesky; left out where P is singular.
+/// NEES of the active components; left out where P is singular.
 void FilterScore::score_consistency(Reference& reference, Time t, ConstMatrixView P) {
   const BlockInfo& block = *reference.block;
   const int n = static_cast<int>(block.active.size());
   if (n == 0) return;
   double* const L = covariance_.data();
-  double* const y = L + n * n;
-  double nees = 0;
+  double* const delta = L + n * n;
   for (int j = 0; j < n; ++j) {
-    for (int i = j; i < n; ++i) {
-      double sum = P(block.first_row + i, block.first_row + j);
-      for (int k = 0; k < j; ++k) sum -= L[i + k * n] * L[j + k * n];
-      if (i == j) {
-        if (!(sum > 0)) return;
-        L[i + j * n] = std::sqrt(sum);
-      } else {
-        L[i + j * n] = sum / L[j + j * n];
-      }
-    }
+    for (int i = j; i < n; ++i) L[i + j * n] = P(block.first_row + i, block.first_row + j);
+    delta[j] = delta_[as_size(block.active[as_size(j)])];
   }
-  for (int i = 0; i < n; ++i) {
-    double sum = delta_[as_size(block.active[as_size(i)])];
-    for (int k = 0; k < i; ++k) sum -= L[i + k * n] * y[k];
-    y[i] = sum / L[i + i * n];
-    nees += y[i] * y[i];
-  }
-  reference.nees.push(t, nees);
+  if (const auto nees = regular_nees(L, delta, delta + n, n, 0)) reference.nees.push(t, *nees);
 }
 
 // ---- what a record shows beside the estimates

@@ -18,16 +18,17 @@
 #include "plan.hpp"
 #include "score/run.hpp"
 #include "series.hpp"
+#include "state_nees.hpp"
 
 namespace binnacle::score {
 
-/// What a metric can be of: an error or a norm, or a whole block (for its NEES).
+/// What a metric can be of: an error or a norm, or for its NEES a block or the whole state.
 struct Scored {
   std::string name;  // "position.horizontal", "position"
   std::string unit;  // SI
   std::string display_unit;
   int index = 0;  // Metric::subject
-  bool is_block = false;
+  NeesOf nees_of = NeesOf::component;
   bool has_sigma = false;
   bool has_nees = false;
 };
@@ -114,6 +115,7 @@ class FilterScore : public StepObserver {
     std::vector<int> output_series;  // per output: index in series, −1
     Series nees;
     std::vector<std::vector<double>> sigmas;  // per series, beside its values; empty when nobody asked for them
+    int state_part = -1;                      // of state_nees_; −1: not in it
   };
   /// A series once per name, and where its sigma is to be found.
   struct Subject {
@@ -146,6 +148,7 @@ class FilterScore : public StepObserver {
 
   void size_scratch();
   void add_references();
+  void add_state();
   void add_subjects();
   void add_channel_reference(const ReferencePlan& plan);
   void add_withheld(int measurement);
@@ -165,6 +168,8 @@ class FilterScore : public StepObserver {
   nlohmann::ordered_json figures(const TimeSpan& span) const;
   nlohmann::ordered_json withheld_figures() const;
   nlohmann::ordered_json consistency_figures() const;
+  nlohmann::ordered_json state_consistency(const TimeSpan& span) const;
+  nlohmann::ordered_json state_figures() const;
   nlohmann::ordered_json noise_figures() const;
   nlohmann::ordered_json unscored_figures() const;
   std::vector<std::string> notes() const;
@@ -182,6 +187,7 @@ class FilterScore : public StepObserver {
   StepObserver* next_ = nullptr;
   GateWatch gates_;
   std::vector<Reference> references_;
+  StateNees state_nees_;
   std::vector<WithheldGroup> withheld_;
   std::vector<NoiseGroup> noise_;
   std::set<int> scored_measurements_;

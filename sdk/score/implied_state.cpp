@@ -50,7 +50,7 @@ bool ImpliedState::take(const UpdateRecord& record, ConstMatrixView P) {
   const MatrixXd H = record.H.as();
   const MatrixXd B = inverse_of(H.middleCols(block_.first_row, rows_), record.R.as());
   if (B.size() == 0) return false;
-  const VectorXd d = B * vector_at(record.residual, record.rows);
+  const VectorXd d = B * vector_at(record.update_residual, record.rows);
   std::fill(delta_.begin(), delta_.end(), 0.0);
   for (std::size_t a = 0; a < block_.active.size(); ++a)
     delta_[as_size(block_.active[a])] = d[static_cast<Eigen::Index>(a)];

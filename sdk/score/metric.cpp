@@ -99,12 +99,13 @@ std::string find_scored(const ScorePlan& plan, std::string_view subject, Metric&
   Names names;
   for (const auto& scored : score.scored()) {
     const bool has_sigma = metric.quantity == MetricQuantity::error || scored.has_sigma;
-    const bool can_be = metric.quantity == MetricQuantity::nees ? scored.has_nees : has_sigma && !scored.is_block;
+    const bool can_be =
+        metric.quantity == MetricQuantity::nees ? scored.has_nees : has_sigma && scored.nees_of == NeesOf::component;
     if (!can_be) continue;
     names.push_back(scored.name);
     if (scored.name != subject) continue;
     metric.subject = scored.index;
-    metric.of_block = scored.is_block;
+    metric.nees_of = scored.nees_of;
     const bool is_plain = metric.quantity == MetricQuantity::nees;
     metric.si_unit = is_plain ? "1" : scored.unit;
     metric.unit = is_plain ? "1" : scored.display_unit;

@@ -84,6 +84,11 @@ Json measurement_figures(const MeasurementInfo& info, const MeasurementCounts& c
   if (counts.replayed > 0) figures["replayed"] = counts.replayed;
   if (counts.replayed > 0) figures["longest_delay_s"] = seconds(counts.longest_delay);
   if (info.recovers) figures["recoveries"] = counts.recoveries;
+  if (info.update.type == "iterated")
+    figures["iterated"] = {{"samples", counts.iterated},
+                           {"linearizations", counts.iterations},
+                           {"not_converged", counts.not_converged}};
+  if (info.update.type == "unscented") figures["linearized_instead"] = counts.linearized;
   if (info.gate.by == "row" || info.gate.by == "key") figures["left_out"] = left_out(info, counts);
   if (counts.nis_count > 0) {
     figures["nis_mean"] = counts.nis_mean;

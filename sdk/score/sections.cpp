@@ -279,4 +279,15 @@ Config load_config(const std::filesystem::path& config, const LoadOptions& optio
   return Config::load(config, with_sections(options));
 }
 
+std::vector<std::string> by_jacobians(const nlohmann::ordered_json& config, const std::string& filter) {
+  const auto& its = config.at("filters").at(filter);
+  const std::string at = join_pointer("/filters", filter);
+  std::vector<std::string> sets;
+  if (its.contains("propagation")) sets.push_back(at + "/propagation=\"ekf\"");
+  if (its.contains("measurements"))
+    for (const auto& [name, measurement] : its.at("measurements").items())
+      if (measurement.contains("update")) sets.push_back(join_pointer(at + "/measurements", name) + "/update=\"ekf\"");
+  return sets;
+}
+
 }  // namespace binnacle::score

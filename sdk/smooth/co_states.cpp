@@ -2,6 +2,7 @@
 #include "smooth/co_states.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -37,6 +38,9 @@ TransitionPattern::TransitionPattern(const FilterInfo& filter) : n_(filter.dof) 
   std::vector<std::set<int>> columns(as_size(n_));
   for (int j = 0; j < n_; ++j) columns[as_size(j)].insert(j);
   for (const Coupling& coupling : filter.transition) add_coupling(filter, coupling, columns);
+  if (filter.is_unscented)
+    for (auto& column : columns)
+      for (int i = 0; i < n_; ++i) column.insert(i);
   first_.push_back(0);
   for (const auto& column : columns) {
     rows_.insert(rows_.end(), column.begin(), column.end());
@@ -126,6 +130,21 @@ void CoStates::undo_reset(ConstMatrixView T) {
   }
 }
 
+namespace {
+
+/// Whether a factor of S in doubles says anything of S⁻¹. A filter that keeps a factor of P may have used a sample of which it does
+/// not: rows that see the same, with a prior that is beyond 1e15 of their noise.
+template <class Factor>
+bool is_regular(const Factor& factor, ConstMatrixView S) {
+  if (factor.info() != Eigen::Success) return false;
+  const auto& L = factor.matrixLLT();
+  for (int j = 0; j < S.rows; ++j)
+    if (!(L(j, j) * L(j, j) > 8 * S.rows * std::numeric_limits<double>::epsilon() * S(j, j))) return false;
+  return true;
+}
+
+}  // namespace
+
 // With s = S⁻¹ r − Kᵀ λ, V = Λ K and W = Λ (I − K H) = Λ − V H,
 //     λ ← Hᵀ S⁻¹ r + (I − K H)ᵀ λ = λ + Hᵀ s ,
 //     Λ ← Hᵀ S⁻¹ H + (I − K H)ᵀ W = W + Hᵀ (S⁻¹ H − Kᵀ W) .
@@ -141,6 +160,11 @@ void CoStates::update(const UpdateTerms& terms) {
   factor_.topLeftCorner(m, m) = terms.S.as();
   Eigen::Ref<MatrixXd> in_place(factor_.topLeftCorner(m, m));
   const Eigen::LLT<Eigen::Ref<MatrixXd>> S(in_place);
+  if (!is_regular(S, terms.S)) {  // nothing before it can be smoothed, and no number says that it was
+    lambda_.setConstant(std::numeric_limits<double>::quiet_NaN());
+    Lambda_.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   s = ConstVectorView(terms.residual, m).as();
   S.solveInPlace(s);
   s.noalias() -= K.transpose() * lambda_;

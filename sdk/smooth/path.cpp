@@ -210,9 +210,9 @@ void PathFilter::update(const UpdateRecord& record) {
   used.rows = m;
   used.H = {H_.data(), m, n, m};
   used.K = {K_.data(), n, m, n};
-  used.S = {S_.data(), m, m, m};
+  used.update_S = {S_.data(), m, m, m};
   used.R = {R_.data(), m, m, m};
-  used.residual = r_.data();
+  used.update_residual = r_.data();
   stretch_->add_update(used);
 }
 

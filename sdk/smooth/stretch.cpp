@@ -89,8 +89,8 @@ void Stretch::add_update(const UpdateRecord& record) {
   double* to = add(Kind::update, 2 * n * m + 2 * m * m + m + (record.reset ? n * n : 0));
   entries_.back().rows = record.rows;
   entries_.back().has_reset = static_cast<bool>(record.reset);
-  for (const ConstMatrixView& A : {record.H, record.K, record.S, record.R}) to = keep(to, A);
-  to = std::copy_n(record.residual, m, to);
+  for (const ConstMatrixView& A : {record.H, record.K, record.update_S, record.R}) to = keep(to, A);
+  to = std::copy_n(record.update_residual, m, to);
   if (record.reset) keep(to, record.reset);
 }
 

@@ -27,6 +27,7 @@ std::vector<std::byte> NoiseCaller::fresh_memory() const {
 Estimated NoiseCaller::estimate(const InnovationNumbers& given, MemoryView memory) const {
   const int rows = static_cast<int>(given.residual.size());
   Inputs inputs;
+  Estimated out;
   std::vector<std::int64_t> keys = given.keys;
   std::vector<int> groups = given.groups;
   if (keys.empty()) {
@@ -42,11 +43,13 @@ Estimated NoiseCaller::estimate(const InnovationNumbers& given, MemoryView memor
                               inputs.keep("the residual", ConstVectorView(given.residual)),
                               kept(inputs, "HPHt", given.HPHt),
                               kept(inputs, "R_nominal", given.R_nominal),
-                              memory};
+                              memory,
+                              {&out.notes, [](void* notes, const char* text) {
+                                 static_cast<std::vector<std::string>*>(notes)->emplace_back(text);
+                               }}};
   Guarded R(as_size(rows * rows), 0.0);
   matrix_at(R.data(), rows, rows) = given.R_nominal;
   called("estimate", [&] { return estimator_->estimate(innovation, {R.data(), rows, rows, rows}), 0; });
-  Estimated out;
   out.R = matrix_at(R.data(), rows, rows);
   if (estimator_->declaration().looks_back) {
     // Of an accepted sample: r - H K r = R S^-1 r, and H P+ H' = M - M S^-1 M, with the R that it gave.

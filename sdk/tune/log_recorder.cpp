@@ -99,7 +99,7 @@ void LogRecorder::offered(const UpdateRecord& record) {
                            {record.row_keys, record.row_keys + m},
                            {record.row_groups, record.row_groups + m},
                            run_.log.events()});
-  run_.log.add_update(record.H, record.R, record.residual, record.delta, record.reset);
+  run_.log.add_update(record.H, record.R, record.update_residual, record.delta, record.reset);
 }
 
 void LogRecorder::inflated(const InflationRecord& record) {

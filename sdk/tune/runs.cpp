@@ -79,6 +79,16 @@ std::string pointer_of(const std::pair<std::string, std::string>& measurement) {
   return join_pointer(join_pointer("/filters", measurement.first) + "/measurements", measurement.second);
 }
 
+/// Withholds all, and takes Jacobians: sigma points would make Φ, H and R depend on Q.
+std::vector<std::string> all_withheld(const Json& config) {
+  std::vector<std::string> sets;
+  for (const auto& [name, filter] : config.at("filters").items())
+    for (auto& set : score::by_jacobians(config, name)) sets.push_back(std::move(set));
+  for (const auto& measurement : measurements_of(config))
+    sets.push_back(pointer_of(measurement) + "/withhold={\"every\": 1}");
+  return sets;
+}
+
 }  // namespace
 
 double law_value(Law law, double value) { return law == Law::linear ? value : value * value; }
@@ -91,7 +101,14 @@ double law_slope(Law law, const Parameter& parameter, double value) {
 Runs::Runs(const Plan& plan, RunSettings settings) : plan_(plan), settings_(std::move(settings)) {
   for (const Member& member : plan.over) {
     configs_.push_back(Json::parse(score::load_config(member.config, member.load).text()));
-    if (plan.objective == Objective::likelihood) refuse_adaptive(*score::load(member.config, member.load), member);
+    if (plan.objective != Objective::likelihood) continue;
+    const auto composition = score::load(member.config, member.load);
+    refuse_adaptive(*composition, member);
+    for (const FilterInfo& filter : composition->filters()) {
+      if (filter.is_unscented) unscented_.insert(in_quotes(filter.name));
+      for (const MeasurementInfo& measurement : filter.measurements)
+        if (measurement.update.type != "ekf") not_ekf_.insert(in_quotes(measurement.name));
+    }
   }
   frozen_.resize(plan.over.size());
 }
@@ -139,9 +156,7 @@ std::vector<Law> Runs::laws() {
       }
   }
   in_parallel(settings_.jobs, tasks.size(), [&](std::size_t t) {
-    std::vector<std::string> withhold;
-    for (const auto& measurement : measurements_of(configs_[tasks[t].member]))
-      withhold.push_back(pointer_of(measurement) + "/withhold={\"every\": 1}");
+    const std::vector<std::string> withhold = all_withheld(configs_[tasks[t].member]);
     std::vector<std::unique_ptr<Response>> responses;
     try {
       const auto composition = compose(tasks[t].member, tasks[t].u, Gates::off, withhold);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,10 @@ class Runs {
   const Json& config(std::size_t member) const { return configs_[member]; }
   int made() const { return made_; }
   int missed() const { return missed_; }
+  /// Measurements whose update is not the plain one, quoted.
+  std::vector<std::string> not_ekf() const { return {not_ekf_.begin(), not_ekf_.end()}; }
+  /// Filters that are propagated by sigma points, quoted.
+  std::vector<std::string> unscented() const { return {unscented_.begin(), unscented_.end()}; }
   const RunSettings& settings() const { return settings_; }
 
  private:
@@ -76,6 +81,7 @@ class Runs {
   std::vector<std::vector<std::string>> frozen_;  // by member: what --set withholds
   std::vector<bool> acts_on_R_;
   int made_ = 0, missed_ = 0;
+  std::set<std::string> not_ekf_, unscented_;
 };
 
 /// g of the law: what noise is affine in; and dg/du.

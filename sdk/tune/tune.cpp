@@ -334,6 +334,13 @@ class Tuner {
           "refused least");
     if (plan_.unseen.empty() && !plan_.until)
       notes.push_back("nothing was left unused to judge by: 'until' or 'unseen' of 'tune'");
+    if (!runs_->not_ekf().empty())
+      notes.push_back("the update of " + listed(runs_->not_ekf()) +
+                      " depends on P and R: in a round H is held, so its gradient is approximate");
+    if (!runs_->unscented().empty())
+      notes.push_back(
+          "the propagation of " + listed(runs_->unscented()) +
+          " by sigma points depends on P: in a round the transition is held, so its gradient is approximate");
     if (runs_->missed() > 0)
       notes.push_back(std::to_string(runs_->missed()) +
                       " samples have no slope: with a parameter nudged they were judged otherwise");

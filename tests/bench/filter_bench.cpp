@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a step, an update and an assembly cost, as ratios to dense fixed-size Eigen in the same run.
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -18,8 +19,8 @@ using bench::ins_config;
 namespace {
 
 struct Ins {
-  explicit Ins(int states, const std::string& order = "")
-      : filter(Composition::parse(ins_config(states, order), "bench.json")),
+  explicit Ins(int states, const std::string& order = "", const std::string& update = "ekf")
+      : filter(Composition::parse(ins_config(states, order), "bench.json", by(update))),
         imu(filter.channel("imu")),
         gnss(filter.channel("gnss")) {
     for (int i = 0; i < 200; ++i) step();
@@ -27,6 +28,11 @@ struct Ins {
   void step() {
     filter.push(imu, t, t + interval, increments);
     t += interval;
+  }
+  static LoadOptions by(const std::string& update) {
+    LoadOptions options;
+    if (update != "ekf") options.sets = {"/filters/ins/measurements/fix/update=\"" + update + "\""};
+    return options;
   }
   void fix() { filter.push(gnss, no_time, t, position); }
 
@@ -138,6 +144,41 @@ void fix_update(benchmark::State& state) {
     state.SkipWithError("not accepted");
 }
 
+/// A target of 4 states whose bearing is measured from a vessel that goes to and fro, once a second: predicted and updated.
+void bearing_update(benchmark::State& state, const char* update) {
+  Session filter(Composition::parse(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {
+      "azimuth": {"unit": "rad"}, "observer_north": {"unit": "m"}, "observer_east": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"position": {"type": "vector", "size": 2, "unit": "m", "init": [5000, 0], "sigma": [500, 300]},
+                 "velocity": {"type": "vector", "size": 2, "unit": "m/s", "init": 0, "sigma": 1}},
+      "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+                  "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.1}},
+      "measurements": {"see": {"type": "bearing", "channel": "z", "blocks": {"target": "position"}, "sigma": "0.5 deg",
+                               "update": ")" +
+                                        std::string(update) + R"("}}}}})",
+                                    "bench.json"));
+  const auto z = filter.channel("z");
+  Time t = 0;
+  for (auto _ : state) {
+    const auto k = static_cast<int>(t / nanoseconds_per_second);
+    const double east = 10.0 * std::abs(k % 200 - 100), noise = 0.0087 * ((k * 7919) % 13 - 6) / 3.7;
+    const double fields[] = {std::atan2(-east, 5000.0) + noise, 0, east};
+    filter.push(z, no_time, t += nanoseconds_per_second, fields);
+  }
+  const auto counts = filter.counts({{0}, 0});
+  if (counts.offered != counts.by_outcome[0]) state.SkipWithError("not accepted");
+  if (counts.iterated > 0) state.counters["linearizations"] = double(counts.iterations) / double(counts.iterated);
+}
+
+/// The fix of Ins, of 21 states, by another update.
+void fix_update_by(benchmark::State& state, const char* update) {
+  Ins ins(n, "", update);
+  for (auto _ : state) ins.fix();
+  if (ins.filter.counts({{0}, 0}).offered != ins.filter.counts({{0}, 0}).by_outcome[0])
+    state.SkipWithError("not accepted");
+}
+
 void assembly(benchmark::State& state) {
   const std::string text = ins_config(n);
   for (auto _ : state) benchmark::DoNotOptimize(Composition::parse(text, "bench.json"));
@@ -150,6 +191,11 @@ BENCHMARK(dense_joseph);
 BENCHMARK(imu_step)->Arg(9)->Arg(15)->Arg(21)->Arg(30)->Arg(45)->Arg(60)->Arg(90)->Arg(120);
 BENCHMARK(imu_step_first_order);
 BENCHMARK(fix_update)->Arg(9)->Arg(15)->Arg(21)->Arg(30)->Arg(45)->Arg(60)->Arg(90)->Arg(120);
+BENCHMARK_CAPTURE(fix_update_by, iterated, "iterated");
+BENCHMARK_CAPTURE(fix_update_by, unscented, "unscented");
+BENCHMARK_CAPTURE(bearing_update, ekf, "ekf");
+BENCHMARK_CAPTURE(bearing_update, iterated, "iterated");
+BENCHMARK_CAPTURE(bearing_update, unscented, "unscented");
 BENCHMARK(dense_ship_cycle);
 BENCHMARK(ship_cycle);
 BENCHMARK(assembly)->Unit(benchmark::kMillisecond);
@@ -170,6 +216,10 @@ int main(int argc, char** argv) {
   ratio("IMU step, 21 states (mechanization, Phi, covariance)", "imu_step/21", "dense_predict");
   ratio("the same with the first-order transition", "imu_step_first_order", "dense_predict");
   ratio("3-row position fix, 21 states (model, gate, update)", "fix_update/21", "dense_joseph");
+  for (const std::string update : {"iterated", "unscented"}) {
+    ratio(("the same fix, " + update).c_str(), "fix_update_by/" + update, "fix_update/21");
+    ratio(("bearing of a target, 4 states, " + update).c_str(), "bearing_update/" + update, "bearing_update/ekf");
+  }
   ratio("ship filter, 4 states: 20 ms predicted, 1 row updated", "ship_cycle", "dense_ship_cycle");
   if (reporter.time_ns.contains("ship_cycle"))
     std::printf("the same in microseconds (paper 004, on a Z-8000 in 1984: 170 ms per gain cycle) %27.3f\n",

@@ -146,6 +146,11 @@ TEST_CASE("resumed: a simulated drive with implied causes, records and a file") 
   const auto file = scratch("binnacle_checkpoint_plain.csv");
   goes_on({"quickstart", {sink("ins", file)}, file}, 13 * s, 14);
 }
+TEST_CASE("resumed: P as a factor, with history") {
+  for (const char* form : {"ud", "square_root"})
+    goes_on({"quickstart", {std::string("/filters/ins/covariance=") + form, R"(/filters/ins/history="2 s")", late}},
+            31 * s, 5);
+}
 TEST_CASE("resumed: samples under way, history, settled estimates and live ones") {
   const auto file = scratch("binnacle_checkpoint_live.csv");
   goes_on({"quickstart", {late, R"(/filters/ins/history="2 s")", sink("ins", file)}, file}, 31 * s, 5);

@@ -79,8 +79,8 @@ TEST_CASE("what the tutorial says to type works and prints what it shows") {
 TEST_CASE(
     "what the guides to consistency, smoothing, time and the report say to type works and prints what they show") {
   std::vector<std::string> without_data;
-  for (const char* name :
-       {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live", "live-output", "report"}) {
+  for (const char* name : {"consistent-filter", "smoothing", "observability", "tuning", "late-samples", "live",
+                           "live-output", "report", "covariance-forms"}) {
     const MarkdownFile page("sdk/docs/" + std::string(name) + ".md");
     INFO(name);
     const auto [faults, untried] = session_of(page);

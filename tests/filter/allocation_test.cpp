@@ -63,10 +63,14 @@ TEST_CASE("a temporary of Eigen's in a plugin's call shows up in the run loop") 
   }
 }
 
-TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
+TEST_CASE("pushing samples allocates nothing, whatever becomes of them, in each form of P") {
   if (!are_counted()) return;
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
-  Session filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json"));
+  const std::string form = GENERATE("joseph", "ud", "square_root");
+  CAPTURE(form);
+  LoadOptions options;
+  options.sets = {"/filters/ins/covariance=" + form};
+  Session filter(Composition::load(BINNACLE_TEST_PROJECT "/tests/filter/ins.json", options));
   const auto imu = filter.channel("imu"), gnss = filter.channel("gnss");
   const auto position = filter.block("ins/position");
   const double still[] = {0, 0, 0, 0, 0, -0.0981};
@@ -101,9 +105,10 @@ TEST_CASE("pushing samples allocates nothing, whatever becomes of them") {
   REQUIRE(counts.by_outcome[static_cast<int>(Outcome::accepted)] == 99);
 }
 
-TEST_CASE("a gate by key allocates nothing, with outliers to find and without") {
+TEST_CASE("a gate by key allocates nothing, with outliers to find and without, in each form of P") {
   if (!are_counted()) return;
-  Session filter = filter_tests::session_of(R"({"binnacle": 1,
+  const std::string form = GENERATE("joseph", "ud", "square_root");
+  Session filter = filter_tests::session_of(filter_tests::with_form(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "max_rows": 8, "fields": {
       "key": {"unit": "1", "per_row": true}, "z": {"unit": "1", "per_row": true},
       "slope": {"unit": "1", "per_row": true}, "variance": {"unit": "1", "per_row": true}}}},
@@ -111,7 +116,8 @@ TEST_CASE("a gate by key allocates nothing, with outliers to find and without") 
       "blocks": {"x": {"type": "vector", "size": 2, "unit": "1", "sigma": 10}},
       "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
       "measurements": {"see": {"channel": "z", "gate": {"probability": 0.999, "by": "key"},
-        "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})");
+        "stack": {"first": {"type": "rows", "blocks": {"x": "x"}}, "second": {"type": "rows", "blocks": {"x": "x"}}}}}}}})",
+                                                                    form));
   const auto channel = filter.channel("z");
   double rows[6][4] = {{1, 5, 0.1, 1}, {2, 5, -0.2, 1}, {3, 5, 0.3, 1},
                        {4, 5, 0.4, 1}, {5, 5, -0.5, 1}, {6, 5, 0.6, 1}};

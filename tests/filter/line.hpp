@@ -21,6 +21,14 @@ inline std::shared_ptr<const Composition> composition_of(const std::string& text
   return Composition::parse(text, "test.json", options);
 }
 
+/// The config with P of each of its filters in a form: "ud".
+inline std::string with_form(std::string text, const std::string& form) {
+  const std::string before = "\"process\": {", key = "\"covariance\": \"" + form + "\", ";
+  for (std::size_t at = text.find(before); at != std::string::npos; at = text.find(before, at + key.size() + 1))
+    text.insert(at, key);
+  return text;
+}
+
 inline Session session_of(const std::string& text) { return Session(composition_of(text)); }
 
 inline void push(Session& filter, const char* channel, double t, std::vector<double> fields) {

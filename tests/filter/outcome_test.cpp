@@ -25,7 +25,7 @@ struct Faults {
 
 /// A value that moves by a measured speed and is seen through a derived block; started by a sample where there is a
 /// channel for it, else by the input.
-std::string config(bool starts_by_sample, const Faults& faults = {}) {
+std::string config(bool starts_by_sample, const Faults& faults = {}, const std::string& update = "ekf") {
   const std::string init = starts_by_sample ? R"("init": {"channel": "first"})" : R"("init": {"a": 1, "b": 2})";
   return R"({"binnacle": 1,
     "sources": {
@@ -42,7 +42,8 @@ std::string config(bool starts_by_sample, const Faults& faults = {}) {
          faults.process + R"("},
                   "decay": {"type": "fickle_decay", "blocks": {"x": "held"}}},
       "measurements": {
-        "see": {"type": "fickle_see", "channel": "z", "blocks": {"x": "sum"}, "gate": 0.999,
+        "see": {"type": "fickle_see", "channel": "z", "blocks": {"x": "sum"}, "gate": 0.999, "update": ")" +
+         update + R"(",
                 "recover": {"after": 2, "inflate": {"x.a": 3}}, "gives": ")" +
          faults.measurement + R"(", "noise": {"type": "fickle_trust", "gives": ")" + faults.noise + R"("}},
         "also": {"type": "fickle_see", "channel": "w", "blocks": {"x": "sum"}, "withhold": {"every": 3}}}},
@@ -139,8 +140,10 @@ std::string call_of(const std::string& diagnosis) {
 
 TEST_CASE("every offered sample has exactly one outcome, whatever throws, wherever") {
   std::set<std::string> calls;
-  for (const bool starts_by_sample : {false, true}) {
-    const auto composition = composition_of(config(starts_by_sample));
+  for (const auto& [starts_by_sample, update] :
+       {std::pair(false, "ekf"), std::pair(true, "ekf"), std::pair(false, "iterated"), std::pair(true, "unscented")}) {
+    CAPTURE(update);
+    const auto composition = composition_of(config(starts_by_sample, {}, update));
     constexpr long never = 1'000'000;
     long used = 0;
     {

@@ -9,10 +9,10 @@
 #include "gnss/atmosphere.hpp"
 #include "gnss/corrections.hpp"
 #include "gnss/gps_time.hpp"
+#include "gnss/message_choice.hpp"
 #include "gnss/orbit.hpp"
 #include "gnss/signal_path.hpp"
 #include "gnss_data.hpp"
-#include "rinex/message_choice.hpp"
 #include "rinex/navigation_file.hpp"
 #include "strapdown/earth.hpp"
 
@@ -57,8 +57,8 @@ class Broadcasts {
   }
   const Ephemeris& message(const Row& row, Time t) {
     const auto& messages = file(row.at("nav")).messages;
-    const rinex::ChoiceRules rules{rinex::Choice::nearest_toe, 7200 * nanoseconds_per_second, false};
-    const auto sets = rinex::choose_messages(messages, rules, t, t);
+    const gnss::ChoiceRules rules{gnss::Choice::nearest_toe, 7200 * nanoseconds_per_second, false};
+    const auto sets = gnss::choose_messages(messages, rules, t, t);
     for (const std::size_t i : sets.front().messages)
       if (messages[i].ephemeris.satellite == satellite_key(Constellation::gps, std::stoi(row.at("prn"))))
         return messages[i].ephemeris;

@@ -234,7 +234,7 @@ TEST_CASE("Galileo alone and with GPS on recorded observations") {
                     {"/sources/gnss/signals/galileo=1C",
                      R"(/filters/gps/blocks/galileo={"type": "vector", "size": 1, "unit": "m", "sigma": "30 m"})",
                      R"(/filters/gps/process/galileo={"type": "random_constant", "blocks": {"x": "galileo"}})",
-                     "/filters/gps/measurements/ranges/blocks/galileo_bias=galileo"});
+                     "/filters/gps/measurements/ranges/blocks/system_offset=galileo"});
   std::printf("SEPT, Galileo alone: 3D RMS %.3f m; with GPS: %.3f m\n", alone.rms, both.rms);
   CHECK(alone.scored == 900);
   CHECK(alone.rms < 2);

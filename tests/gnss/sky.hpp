@@ -9,7 +9,9 @@
 
 #include <Eigen/Dense>
 
+#include "../plugins/bind.hpp"
 #include "gnss/channels.hpp"
+#include "gnss/observation_rows.hpp"
 #include "gnss/orbit.hpp"
 
 namespace binnacle::test {
@@ -97,6 +99,26 @@ inline SampleView rows_view(const std::vector<double>& rows, int fields, Time t)
   view.row_fields = rows.data();
   view.available = true;
   return view;
+}
+
+/// Of a row as models read it: observation_fields() and given_fields().
+inline int wide_fields() { return gnss::observation::field_count + static_cast<int>(gnss::given_fields().size()); }
+/// Rows of observation_fields() with NaN for all that a channel may give besides.
+inline std::vector<double> widened(const std::vector<double>& rows) {
+  std::vector<double> wide;
+  for (std::size_t i = 0; i < rows.size(); i += gnss::observation::field_count) {
+    wide.insert(wide.end(), rows.begin() + static_cast<std::ptrdiff_t>(i),
+                rows.begin() + static_cast<std::ptrdiff_t>(i + gnss::observation::field_count));
+    wide.resize(wide.size() + gnss::given_fields().size(), std::nan(""));
+  }
+  return wide;
+}
+
+/// On a channel that carries observation_fields() alone.
+template <class Model>
+auto bind_by_ephemeris(Setup setup) {
+  for (const FieldSpec& field : gnss::given_fields()) setup.without.push_back(field.name);
+  return bind<Model>(setup);
 }
 
 }  // namespace binnacle::test

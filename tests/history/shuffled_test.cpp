@@ -160,6 +160,13 @@ const std::vector<std::string> spoilt = {
 }  // namespace
 
 TEST_CASE("shuffled: a simulated drive") { is_settled_like_ordered("quickstart", "ins"); }
+TEST_CASE("shuffled: displacements from copies of the state") {
+  is_settled_like_ordered("clone/outage", "ins",
+                          {"/sources/drive/imu_rate=20 Hz",
+                           "/sources/drive/segments=[{\"do\": \"still\", \"duration\": \"5 s\"}, {\"do\": "
+                           "\"accelerate\", \"to\": 10, \"acceleration\": 2}, {\"do\": \"turn\", \"angle\": "
+                           "1.5, \"rate\": 0.2}, {\"do\": \"straight\", \"duration\": \"20 s\"}]"});
+}
 TEST_CASE("shuffled: a transfer alignment with adapted noise") {
   is_settled_like_ordered("transfer_alignment/one_beta", "align");
 }

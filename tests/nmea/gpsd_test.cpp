@@ -7,8 +7,8 @@
 #include <sys/wait.h>
 
 #include "catch.hpp"
+#include "civil_time/utc_clock.hpp"
 #include "drive.hpp"
-#include "nmea/utc_clock.hpp"
 #include "skip.hpp"
 
 using namespace binnacle;

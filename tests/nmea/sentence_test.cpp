@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "catch.hpp"
-#include "nmea/utc_clock.hpp"
+#include "civil_time/utc_clock.hpp"
 
 using namespace binnacle;
 using namespace binnacle::nmea;

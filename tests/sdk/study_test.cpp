@@ -91,7 +91,7 @@ TEST_CASE("metrics of a run are those of a hand calculation") {
   const std::string key = "\"evaluate\": { ";
   text.insert(text.find(key) + key.size(),
               R"~("metrics": ["walk/place.x/final", "walk/place.x/mean", "walk/place.x/at 2 s",
-    "walk/place.x/at start+3 s", "walk/place.x/sigma", "walk/place.x/sigma at 2 s", "walk/place/nees", "walk/place.x/nees",
+    "walk/place.x/at start+3 s", "walk/place.x/sigma", "walk/place.x/sigma at 2 s", "walk/place/nees", "walk/place.x/nees", "walk/state/nees", "walk/state/nees at 2 s",
     "walk/seen/nis", {"metric": "walk/place.x/rms", "unit": "mm"}, "walk/place.x/at 5 s"], )~");
   bench.write("metrics.json", text);
   const auto outcome = command(bench, {"run", "metrics.json", "--json"});
@@ -120,6 +120,8 @@ TEST_CASE("metrics of a run are those of a hand calculation") {
   const double nees = (std::pow(e1 / sigma[1], 2) + std::pow(e2 / sigma[2], 2) + std::pow(e4 / sigma[4], 2)) / 3;
   CHECK(near(value("walk/place/nees"), nees, 1e-12));
   CHECK(near(value("walk/place.x/nees"), nees, 1e-12));
+  CHECK(near(value("walk/state/nees"), nees, 1e-12));
+  CHECK(near(value("walk/state/nees at 2 s"), std::pow(e2 / sigma[2], 2), 1e-12));
   CHECK(near(value("walk/seen/nis"), nis, 1e-12));
   CHECK(near(value("walk/place.x/rms"), 1000 * std::sqrt((e1 * e1 + e2 * e2 + e4 * e4) / 3), 1e-9));
   CHECK(metrics.at("walk/place.x/rms").at("unit") == "mm");

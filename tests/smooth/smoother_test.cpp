@@ -18,6 +18,7 @@
 using namespace binnacle;
 using filter_tests::composition_of;
 using filter_tests::push;
+using filter_tests::with_form;
 
 namespace {
 
@@ -133,7 +134,7 @@ struct Case {
 
 /// A chain of blocks of random sizes: a position that a velocity moves, a drift, a constant of which a part is frozen; by
 /// `extra`, keys of the drift.
-std::string chain(std::mt19937& random, const std::string& extra = "") {
+std::string chain(std::mt19937& random, const std::string& extra = "", const std::string& update = "ekf") {
   const auto between = [&](double low, double high) {
     return std::to_string(std::uniform_real_distribution<double>(low, high)(random));
   };
@@ -158,8 +159,9 @@ std::string chain(std::mt19937& random, const std::string& extra = "") {
          between(5, 30) + R"( s", "sigma": )" + between(0.3, 1) + R"(},
         "stay": {"type": "random_constant", "blocks": {"x": "c"}}},
       "measurements": {
-        "both": {"channel": "z", "gate": {"probability": 0.99, "by": ")" +
-         std::string(by_row ? "row" : "sample") + R"("}, "recover": false, "stack": {
+        "both": {"channel": "z", "update": ")" +
+         update + R"(", "gate": {"probability": 0.99, "by": ")" + std::string(by_row ? "row" : "sample") +
+         R"("}, "recover": false, "stack": {
           "p": {"type": "linear_measurement", "blocks": {"x": "x"}, "sigma": [0.4, 0.5]},
           "q": {"type": "linear_measurement", "blocks": {"x": "d"}, "sigma": [0.3, 0.6]}}},
         "speed": {"type": "linear_measurement", "channel": "y", "blocks": {"x": "v"}, "H": [[1, 0.5]], "sigma": [0.2]}}}}})";
@@ -211,11 +213,13 @@ double difference(const std::vector<Smoothed>& a, const std::vector<Smoothed>& b
 
 }  // namespace
 
-TEST_CASE("smoothed estimates are those of Rauch, Tung and Striebel") {
+TEST_CASE("smoothed estimates are those of Rauch, Tung and Striebel, in each form of P") {
+  const std::string form = GENERATE("joseph", "ud", "square_root");
+  CAPTURE(form);
   int outliers = 0;
   for (int seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
-    Case test(chain(random), seed);
+    Case test(with_form(chain(random), form), seed);
     drive(test, 120);
     outliers += test.log->left_out + test.log->outcomes[static_cast<int>(Outcome::gated)];
     const auto oracle = rts(*test.log, test.places);
@@ -223,6 +227,52 @@ TEST_CASE("smoothed estimates are those of Rauch, Tung and Striebel") {
     CHECK(difference(test.smoothed(), oracle) < 1e-10);
   }
   CHECK(outliers > 100);  // rows and samples were left out
+}
+
+// Two rows see the same position, of which the prior knows nothing: S is singular in doubles, and its factor is not.
+TEST_CASE("what a filter with a factor of P has used, but the smoother can not, makes no number") {
+  for (const char* sigma : {"1", "1e10"}) {
+    Case test(with_form(R"({"binnacle": 1,
+      "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m"}}},
+                  "y": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
+      "filters": {"f": {
+        "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "sigma": )" +
+                            std::string(sigma) + R"(}},
+        "process": {"wander": {"type": "random_walk", "blocks": {"x": "x"}, "q": 0.2}},
+        "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
+                                 "H": [[1], [1]], "sigma": [1, 1]},
+                         "vague": {"type": "linear_measurement", "channel": "y", "blocks": {"x": "x"},
+                                   "sigma": [1e12]}}}}})",
+                        "ud"),
+              3);
+    push(test.session, "y", 0, {0});
+    test.mark();
+    for (const double t : {1.0, 2.0}) {
+      push(test.session, "z", t, {0.5, -0.5});
+      test.mark();
+    }
+    CHECK(test.log->outcomes[static_cast<int>(Outcome::accepted)] == 3);
+    CHECK(test.log->events.back().P1(0, 0) < 1);
+    const auto smoothed = test.smoothed();
+    CHECK(std::isfinite(static_cast<double>(smoothed.back().P(0, 0))));
+    CHECK(std::isfinite(static_cast<double>(smoothed.front().P(0, 0))) == (std::string(sigma) == "1"));
+    CHECK(std::isfinite(static_cast<double>(smoothed.front().x[0])) == (std::string(sigma) == "1"));
+  }
+}
+
+TEST_CASE("where all is linear, what is smoothed after other updates is what is smoothed after the Kalman filter's") {
+  for (int seed = 1; seed <= 5; ++seed) {
+    std::vector<std::vector<Smoothed>> all;
+    for (const char* update : {"ekf", "iterated", "unscented"}) {
+      std::mt19937 random(static_cast<unsigned>(seed));
+      Case test(chain(random, "", update), seed);
+      drive(test, 120);
+      all.push_back(test.smoothed());
+    }
+    INFO(seed);
+    CHECK(difference(all[1], all[0]) < 1e-9);
+    CHECK(difference(all[2], all[0]) < 1e-9);
+  }
 }
 
 TEST_CASE("smoothed estimates are those of one least squares over all states") {

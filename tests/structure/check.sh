@@ -73,6 +73,11 @@ format() {
     sed -n 's/^\(\.\/\)\?\([^:]*:[0-9]*\):[0-9]*: warning: .*/\2: not as clang-format lays it out/p' | sort -u
 }
 
+# CMake takes a semicolon in a test's name for the end of it: ctest then runs two tests that do not exist.
+test_names() {
+  grep -rnE "${sources[@]}" 'TEST_CASE(_[A-Z_]+)?\([^"]*"[^"]*;' tests | sed 's/^\([^:]*:[0-9]*\):.*/\1: a semicolon in the name of a test/'
+}
+
 vocabulary() { python3 "$here/vocabulary.py" . | grep -E '^[^:]+:[0-9]+: '; }
 
 # Writable objects that are no state of the plugin's: what crt files bring, pointers to exception types, guards of
@@ -102,7 +107,7 @@ libraries() {
 
 case $rule in
   libraries) found=$(libraries "$@" || true) ;;
-  includes | links | state | kernel_words | words | paths | license | format | vocabulary)
+  includes | links | state | kernel_words | words | paths | license | test_names | format | vocabulary)
     if [ "$rule" = format ] && ! $formatter --version 2>/dev/null | grep -q 'version 14[.]'; then
       echo "SKIPPED: no clang-format 14 (Debian package clang-format)"
       if [ "${CI:-}" = true ]; then exit 1; else exit 77; fi

@@ -59,6 +59,9 @@ json chain(std::mt19937& random, bool has_gates, const char* considered = "[]") 
   filter["process"]["drift"]["sigma"] = between(0.3, 1);
   filter["measurements"]["both"]["stack"]["p"]["sigma"] = {between(0.2, 0.8), between(0.2, 0.8)};
   filter["measurements"]["speed"]["sigma"] = {between(0.1, 0.4)};
+  // Each form of P in a third of the configs.
+  const double q = filter["process"]["wander"]["q"];
+  filter["covariance"] = std::vector{"joseph", "ud", "square_root"}[static_cast<std::size_t>(1e6 * q) % 3];
   if (!has_gates) return config;
   filter["measurements"]["both"]["gate"] = {{"probability", 0.99}, {"by", random() % 2 ? "row" : "sample"}};
   filter["measurements"]["both"]["recover"] = {{"after", 3}, {"inflate", {{"x", 0.5}, {"d", 0.2}}}};

@@ -82,7 +82,7 @@ TEST_CASE("a step in its parts: models, then P, then x") {
   CHECK(f.estimator->state()[0] == 1);
   CHECK((f.P() - P0).norm() < 1e-15);
   CHECK(std::abs(f.estimator->x_plus()[0] - 2) < 1e-15);
-  f.estimator->predict();
+  f.estimator->predict(nanoseconds(2));
   MatrixXd Phi = MatrixXd::Identity(2, 2), Qd(2, 2);
   Phi(0, 1) = 2;
   Qd << 8.0 / 3, 2, 2, 2;

@@ -60,6 +60,13 @@ struct GateInfo {
   double nis_limit = 0;    // of a row, or of a whole sample with all of its rows
 };
 
+/// How its samples correct the state.
+struct UpdateInfo {
+  std::string type = "ekf";  // or "iterated", "unscented"
+  int max = 0;               // of an iterated one: linearizations
+  double tolerance = 0;      // and the last step, in sigma
+};
+
 struct MeasurementInfo {
   std::string name;
   int channel = -1;
@@ -71,6 +78,7 @@ struct MeasurementInfo {
   bool recovers = false;
   bool is_watched = true;  // not excepted from "trust"
   GateInfo gate;
+  UpdateInfo update;
 };
 
 struct ProcessInfo : BoundInfo<ProcessModel> {
@@ -95,10 +103,12 @@ struct FilterInfo {
   std::vector<ProcessInfo> processes;
   std::vector<MeasurementInfo> measurements;
   int input_channel = -1;
+  std::string covariance;          // the form of P: "joseph", "ud" or "square_root"
   Time history = 0;                // how late a sample may be and is still applied; 0: not at all
   std::int64_t history_steps = 0;  // instants that are worked on, at most, for each that arrives; 0: any number
   std::size_t history_bytes = 0;   // the most that snapshots of a session's live estimates take, for all filters
   std::vector<InitialInfo> starts_when;
+  bool is_unscented = false;  // propagation by sigma points: Φ of its step log is a regression, and full
   // Blocks that are declared other than zero; `to` and `from` count the filter's blocks, not ports.
   std::vector<Coupling> transition;  // Φ over what has a row in P; a block without an entry stays as it is
   std::vector<Coupling> noise;       // Qd, both halves

@@ -8,6 +8,7 @@
 
 #include "binnacle/binding.hpp"
 #include "binnacle/declaration.hpp"
+#include "binnacle/model_input.hpp"
 #include "binnacle/result.hpp"
 #include "binnacle/view.hpp"
 
@@ -19,15 +20,23 @@ struct NoiseBinding {
   std::vector<NamedUnit> groups;  // name and unit of its rows
 };
 
-/// What a bound noise estimator remembers, and whether it looks back:
+/// What a bound noise estimator remembers, whether it looks back, and by which R a sample is judged:
 ///
 ///     rows_ = declaration_.wants_after().keeps_array<Row>(noise.max_rows);
 struct NoiseDeclaration : MemoryDeclaration {
   bool looks_back = false;
+  bool is_judged_by_nominal = false;
 
   /// after() is called.
   NoiseDeclaration& wants_after() {
     looks_back = true;
+    return *this;
+  }
+  /// The estimate is of one sample and for its correction only (the weight of a robust loss): gate, recovery, NIS and the
+  /// verdict's monitors keep to the nominal R. estimate() is called once for a sample that passed the gate, with the rows
+  /// that passed. Otherwise the estimate is what R is, for all of them, and estimate() comes before the gate.
+  NoiseDeclaration& judged_by_nominal() {
+    is_judged_by_nominal = true;
     return *this;
   }
 };
@@ -43,6 +52,7 @@ struct Innovation {
   ConstMatrixView HPHt;             // H P⁻ Hᵀ: rows × rows
   ConstMatrixView R_nominal;        // rows × rows
   MemoryView memory;
+  Notes notes;
 };
 
 enum class Outcome { accepted, gated, late, unsupported, invalid, withheld, rejected };

@@ -21,6 +21,10 @@ struct SampleCounts {
   std::int64_t nis_count = 0;      // accepted samples
   std::int64_t replayed = 0;       // came late, and were applied where they belong: with `history`
   Time longest_delay = 0;          // of these
+  std::int64_t iterated = 0;       // accepted samples of an iterated update
+  std::int64_t iterations = 0;     // linearizations that these took together
+  std::int64_t not_converged = 0;  // of these samples
+  std::int64_t linearized = 0;     // samples of an unscented update, one of whose sigma points the model refused
 };
 
 /// What a step observer wants besides times, stored states, outcomes and innovations. What it does not want is not
@@ -63,6 +67,12 @@ struct StepRecord {
 
 /// What became of one offered sample. residual, S, R and H are there when the model was linearized; delta, K, x1 and P1
 /// when the sample was accepted.
+///
+/// The innovation is residual and S: of the first linearization, at x0. What the correction is made of is update_residual
+/// and update_S, with H, R and K: δ = K update_residual, update_S = H P⁻ Hᵀ + R. Both are the same but after an iterated
+/// update: then H is that of its last linearization, at x0 ⊞ δ_j, by the error at x0, and update_residual = r_j + H δ_j; and
+/// where it did not converge, δ may be less than K update_residual. After an unscented update H is the regression on the
+/// sigma points, residual their mean, and R has what the regression leaves.
 struct UpdateRecord {
   int measurement = 0;  // index in FilterInfo::measurements
   Time t = no_time;     // of the sample
@@ -74,11 +84,13 @@ struct UpdateRecord {
   const double* residual = nullptr;
   int left_out = 0;  // rows that a gate by row or key took out before `rows` were left, and their keys
   const std::int64_t* left_out_keys = nullptr;
-  double nis = 0;                 // NaN where S is not positive definite
-  ConstMatrixView S;              // H P⁻ Hᵀ + R
-  ConstMatrixView R;              // as the noise estimator returned it
-  ConstMatrixView K;              // n×rows; rows of considered components are zero
-  const double* delta = nullptr;  // injected error K r, n
+  double nis = 0;     // rᵀ S⁻¹ r; NaN where S is not positive definite
+  ConstMatrixView S;  // what the residual was judged by; of nominal R where the noise estimator is judged_by_nominal()
+  ConstMatrixView R;  // as the noise estimator returned it
+  ConstMatrixView K;  // n×rows; rows of considered components are zero
+  const double* update_residual = nullptr;
+  ConstMatrixView update_S;
+  const double* delta = nullptr;  // injected error, n
   const double* x0 = nullptr;
   const double* x1 = nullptr;
   ConstMatrixView P0;

@@ -224,7 +224,7 @@ FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     : composer(its_composer), at(its_place), plan(planned<FilterPlan>(its_place)) {
   composer.check_section_keys(at,
                               {"blocks", "derived", "process", "measurements", "trust", "longest_bridge", "history",
-                               "emit"},
+                               "emit", "covariance", "propagation"},
                               "filter '" + plan.name + "'");
   const auto blocks = at["blocks"].members("'blocks'");
   if (blocks.empty()) {
@@ -232,7 +232,19 @@ FilterComposer::FilterComposer(Composer& its_composer, const Reader& its_place)
     is_complete = false;
   }
   for (const Reader& block : blocks) add_block(block);
+  read_forms();
   publish_estimates();
+}
+
+/// In which form P is kept, and how it is propagated.
+void FilterComposer::read_forms() {
+  const auto kind =
+      read_name<CovarianceKind>(at["covariance"], covariance_names, "P is kept as joseph, ud or square_root");
+  plan.covariance_kind = kind.value_or(plan.covariance_kind);
+  enum class Way { ekf, unscented };
+  static constexpr const char* ways[] = {"ekf", "unscented"};
+  plan.is_unscented =
+      read_name<Way>(at["propagation"], ways, "'propagation' is \"ekf\" or \"unscented\"") == Way::unscented;
 }
 
 void FilterComposer::add_block(const Reader& block_at) {

@@ -2,7 +2,9 @@
 // From a document to a CompositionPlan, reporting all that is wrong at once.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -41,6 +43,17 @@ struct Component {
 
   const ComponentSpec& spec() const { return type->spec; }
 };
+
+/// Which of an enumeration's names stands at a place, or nothing; another is an error: `an update is …; found 'x'`.
+template <class Enum, std::size_t count>
+std::optional<Enum> read_name(const Reader& at, const char* const (&names)[count], const std::string& expected) {
+  const auto name = at.text();
+  if (!name) return std::nullopt;
+  const std::vector<std::string> known(names, names + count);
+  if (const int index = index_of(known, *name); index >= 0) return static_cast<Enum>(index);
+  at.error("B009", expected + "; found '" + *name + "'" + suggestion(*name, known));
+  return std::nullopt;
+}
 
 template <class Plan>
 Plan planned(const Reader& at) {
@@ -101,6 +114,7 @@ class FilterComposer {
   void read_process_input(ProcessPlan& process, Component& component);
   void add_measurements();
   void read_trust();  // trust.cpp
+  void read_forms();
   void read_history(const ChannelDeclaration& estimates);
   void warn_of_dead_reckoning() const;
   void warn_of_gates() const;

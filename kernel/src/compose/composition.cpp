@@ -185,7 +185,7 @@ void Composer::lay_out() {
     filter.head = layout.add<TimeHead>(1);
     filter.health = layout.add<Health>(1);
     filter.state = layout.add<double>(as_size(filter.stored_size));
-    filter.covariance = layout.add<double>(as_size(padded(filter.n)) * n);
+    filter.covariance = layout.add<double>(covariance_doubles(filter.covariance_kind, filter.n));
     filter.initial_variances = layout.add<double>(n);
     filter.stationary_variances = layout.add<double>(n);
     for (auto& process : filter.processes)

@@ -58,10 +58,14 @@ MeasurementInfo measurement_info(const Catalog& catalog, const FilterPlan& filte
     info.noise = {measurement.name, catalog.find(Role::noise_estimator, measurement.noise_type), measurement.noise};
   info.recovers = measurement.recover_after > 0;
   info.is_watched = measurement.is_watched;
-  static constexpr const char* units[] = {"sample", "row", "key"};
   if (measurement.gate > 0)
-    info.gate = {measurement.gate, units[static_cast<int>(measurement.gate_unit)],
+    info.gate = {measurement.gate, gate_unit_names[static_cast<int>(measurement.gate_unit)],
                  measurement.gate_limit[measurement.gate_unit == GateUnit::row ? 1 : as_size(info.max_rows)]};
+  info.update.type = UpdatePlan::names[static_cast<int>(measurement.update.type)];
+  if (measurement.update.type == UpdatePlan::Type::iterated) {
+    info.update.max = measurement.update.most;
+    info.update.tolerance = measurement.update.tolerance;
+  }
   return info;
 }
 
@@ -72,6 +76,8 @@ void FilterComposer::describe() {
   info.dof = plan.n;
   info.stored_size = plan.stored_size;
   info.input_channel = plan.input_channel;
+  info.covariance = covariance_names[static_cast<int>(plan.covariance_kind)];
+  info.is_unscented = plan.is_unscented;
   info.history = plan.history;
   info.history_steps = plan.history_steps;
   for (const auto& block : plan.blocks) info.blocks.push_back(block_info(block));

@@ -31,6 +31,7 @@ class MeasurementComposer {
     add_noise();
     add_recovery();
     add_withholding();
+    add_update();
     if (composer_.failures() != failures) return false;
     FilterPlan& filter = filter_.plan;
     filter.max_rows = std::max(filter.max_rows, plan_.max_rows);
@@ -41,7 +42,7 @@ class MeasurementComposer {
 
  private:
   void add_parts() {
-    std::vector<std::string> allowed{"channel", "noise", "gate", "recover", "withhold"};
+    std::vector<std::string> allowed{"channel", "noise", "gate", "recover", "withhold", "update"};
     const Reader stack = at_["stack"];
     if (!stack) {
       for (const char* key : {"type", "blocks", "fields", "inputs"}) allowed.emplace_back(key);
@@ -107,6 +108,7 @@ class MeasurementComposer {
       column = count_of(plan_.columns);
       for (int a = 0; a < count_of(blocks[as_size(block)].active); ++a)
         plan_.columns.push_back(blocks[as_size(block)].first + a);
+      plan_.update.seen.push_back({block, column});
     }
     for (auto& part : plan_.parts)
       for (auto& read : part.reads)
@@ -124,13 +126,8 @@ class MeasurementComposer {
     if (is_object) {
       gate.check_keys({"probability", "by"}, "'gate'");
       if (!gate.require("probability", "gate", "0 < p < 1")) return;
-      const std::vector<std::string> units{"sample", "row", "key"};
-      const auto by = gate["by"].text();
-      const int unit = by ? index_of(units, *by) : 0;
-      if (unit < 0)
-        gate["by"].error("B009", "a gate is by sample, row or key; found '" + *by + "'" + suggestion(*by, units));
-      else
-        plan_.gate_unit = static_cast<GateUnit>(unit);
+      plan_.gate_unit =
+          read_name<GateUnit>(gate["by"], gate_unit_names, "a gate is by sample, row or key").value_or(plan_.gate_unit);
     }
     const auto spec = parameter::number("gate", "1").about("probability").above(0).below(1);
     plan_.gate = (is_object ? gate["probability"] : gate).number(spec).value_or(0.0);
@@ -208,6 +205,28 @@ class MeasurementComposer {
     }
     for (const Reader& window : windows.elements("'withhold'"))
       if (const auto span = window.span()) plan_.withheld.push_back(*span);
+  }
+
+  /// `"update": "iterated"`, or an object with its type and what else it takes.
+  void add_update() {
+    const Reader update = at_["update"];
+    if (!update) return;
+    const bool is_object = update.is_object();
+    if (is_object && !update.require("type", "update", "\"ekf\", \"iterated\" or \"unscented\"")) return;
+    const auto type = read_name<UpdatePlan::Type>(is_object ? update["type"] : update, UpdatePlan::names,
+                                                  "an update is ekf, iterated or unscented");
+    if (!type) return;
+    plan_.update.type = *type;
+    if (!is_object) return;
+    const bool is_iterated = *type == UpdatePlan::Type::iterated;
+    update.check_keys(is_iterated ? std::vector<std::string>{"type", "max", "tolerance"}
+                                  : std::vector<std::string>{"type"},
+                      "the update '" + std::string(UpdatePlan::names[static_cast<int>(*type)]) + "'");
+    if (!is_iterated) return;
+    const auto most = update["max"].integer(parameter::integer("max").at_least(1).at_most(1000));
+    plan_.update.most = static_cast<int>(most.value_or(plan_.update.most));
+    const auto tolerance = update["tolerance"].number(parameter::number("tolerance", "1").above(0).below(1));
+    plan_.update.tolerance = tolerance.value_or(plan_.update.tolerance);
   }
 
   FilterComposer& filter_;

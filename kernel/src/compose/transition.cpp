@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "compose/composer.hpp"
 
@@ -24,6 +25,7 @@ class TransitionBuilder {
     for (const Made& made : all_made(&ProcessDeclaration::noise, &ProcessPlan::first_noise, &VanLoanGroup::qd))
       add_noise(made);
     finish(plan_.transition);
+    if (plan_.is_unscented) plan_regression();
     mark_corrected();
     for (const auto& [pattern, list] :
          {std::pair(&transition_pattern_, &filter_.info.transition), std::pair(&noise_pattern_, &filter_.info.noise)})
@@ -274,6 +276,41 @@ class TransitionBuilder {
     plan_.transition.noise.push_back({block(to).first, block(from).first, rows(to), rows(from), stride, its.table});
     note(noise_pattern_, to, from, its.structure);
     note(noise_pattern_, from, to, its.structure);
+  }
+
+  /// Φ and Qd of a regression on sigma points, in one n×n matrix each. What no model moves stays an identity.
+  void plan_regression() {
+    const int n = plan_.n;
+    plan_.jacobians = std::exchange(plan_.transition, {});
+    plan_.transition.n = n;
+    plan_.regression = filter_.reserve(as_size(n) * as_size(n));
+    plan_.regression_noise = filter_.reserve(as_size(n) * as_size(n));
+    const auto add_part = [&](std::vector<std::size_t>& table, std::size_t matrix, int row, int column) {
+      table.push_back(matrix + as_size(row) + as_size(column) * as_size(n));
+      return count_of(table) - 1;
+    };
+    const int whole = add_part(plan_.transition_blocks, plan_.regression, 0, 0);
+    std::vector<bool> is_moved;
+    for (int b = 0; b < block_count(); ++b) {
+      is_moved.push_back(std::ranges::any_of(contributions_, [&](const auto& entry) {
+        return entry.first.first == b && rows(entry.first.second) > 0;
+      }));
+      for (int r = 0; is_moved.back() && r < rows(b); r += 3) {
+        RowGroup& group = plan_.transition.groups.emplace_back();
+        group.first_row = block(b).first + r;
+        group.rows = std::min(3, rows(b) - r);
+        for (int column = 0; column < n; ++column)
+          group.columns.push_back({column, whole, group.first_row + column * n});
+      }
+    }
+    for (int b = 0; b < block_count(); ++b)
+      for (int a = b; a < block_count(); ++a) {
+        const bool is_noisy = noise_pattern_.contains({a, b}) || (is_moved[as_size(a)] && is_moved[as_size(b)]);
+        if (!is_noisy || rows(a) == 0 || rows(b) == 0) continue;
+        const int part = add_part(plan_.noise_blocks, plan_.regression_noise, block(a).first, block(b).first);
+        plan_.transition.noise.push_back({block(a).first, block(b).first, rows(a), rows(b), n, part});
+      }
+    finish(plan_.transition);
   }
 
   void mark_corrected() {

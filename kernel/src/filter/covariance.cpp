@@ -11,64 +11,6 @@ namespace binnacle::internal::filter {
 
 using base::as_size;
 
-namespace {
-
-/// The group's coefficients in one run of memory; returns its end.
-template <int R>
-inline double* collect_rows(const RowGroup& group, const double* const* phi, double* to) {
-  for (const auto& column : group.columns) {
-    const double* from = phi[column.block] + column.offset;
-    for (int r = 0; r < R; ++r) to[r] = from[r];
-    to += R;
-  }
-  return to;
-}
-
-inline double* collect(const RowGroup& group, const double* const* phi, double* to) {
-  switch (group.rows) {
-    case 1: return collect_rows<1>(group, phi, to);
-    case 2: return collect_rows<2>(group, phi, to);
-    default: return collect_rows<3>(group, phi, to);
-  }
-}
-
-/// Of a model's own dense block, which is symmetric only to rounding, the lower triangle is what counts.
-void list_elements(const TransitionPlan::Noise& noise, int ld, std::vector<TransitionPlan::NoiseElement>& elements) {
-  const bool is_diagonal = noise.stride == 0;
-  for (int j = 0; j < (is_diagonal ? noise.rows : noise.columns); ++j)
-    for (int i = is_diagonal ? j : 0; i < (is_diagonal ? j + 1 : noise.rows); ++i) {
-      if (noise.row == noise.column && i < j) continue;
-      const int row = noise.row + i, column = noise.column + j;
-      elements.push_back({std::max(row, column) + std::min(row, column) * ld, noise.block, i + j * noise.stride});
-    }
-}
-
-}  // namespace
-
-void finish(TransitionPlan& plan) {
-  std::vector<bool> is_coupled(as_size(plan.n), false);
-  for (const auto& group : plan.groups)
-    for (int r = 0; r < group.rows; ++r) is_coupled[as_size(group.first_row + r)] = true;
-  const auto append = [](std::vector<RowRun>& runs, int row) {
-    if (runs.empty() || runs.back().end() != row) {
-      const int position = runs.empty() ? 0 : runs.back().position + runs.back().count;
-      runs.push_back({row, 0, position});
-    }
-    ++runs.back().count;
-  };
-  for (int row = 0; row < plan.n; ++row) {
-    const bool coupled = is_coupled[as_size(row)];
-    append(coupled ? plan.coupled : plan.uncoupled, row);
-    plan.coupled_rows += coupled;
-  }
-  std::sort(plan.groups.begin(), plan.groups.end(),
-            [](const RowGroup& a, const RowGroup& b) { return a.first_row < b.first_row; });
-  for (auto& group : plan.groups)
-    for (const auto& column : group.columns) group.indices.push_back(column.column);
-  for (const auto& diagonal : plan.diagonals) plan.scaled_rows = std::max(plan.scaled_rows, diagonal.row + 1);
-  for (const auto& noise : plan.noise) list_elements(noise, padded(plan.n), plan.noise_elements);
-}
-
 Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
     : plan_(plan), P_(P), ld_(padded(plan.n)), ld_coupled_(padded(plan.coupled_rows)), d_(as_size(ld_)) {
   std::size_t coefficients = 0;
@@ -146,7 +88,7 @@ void Joseph::scale_uncoupled() {
 //   P'_AA = Φ_A M                   by the same strip kernel, on the transpose of M
 //   P'_BB = d_B d_B' P_BB
 // Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
-void Joseph::predict(const double* const* phi, const double* const* noise) {
+int Joseph::predict(const double* const* phi, const double* const* noise) {
   std::fill(d_.begin(), d_.end(), 1.0);
   for (const auto& diagonal : plan_.diagonals) d_[as_size(diagonal.row)] = phi[diagonal.block][diagonal.offset];
   if (plan_.coupled_rows > 0) predict_coupled(phi);
@@ -154,6 +96,7 @@ void Joseph::predict(const double* const* phi, const double* const* noise) {
   store_coupled();
   for (const auto& element : plan_.noise_elements) P_[element.at] += noise[element.block][element.place];
   strip_loops().mirror(P_, plan_.n);
+  return -1;
 }
 
 void Joseph::project(const std::vector<int>& columns, const UpdateWork& work) const {
@@ -172,7 +115,18 @@ void Joseph::project(const std::vector<int>& columns, const UpdateWork& work) co
   }
 }
 
-void Joseph::correct(const UpdateWork& work) {
+const char* Joseph::factor(const std::vector<int>&, const UpdateWork& work) {
+  add_noise(work);
+  return factor_symmetric(work.S, work.m, work.m_max, 0, work.L) ? nullptr : not_positive;
+}
+
+void Joseph::gain(const std::vector<unsigned char>& corrected, const UpdateWork& work) const {
+  strip_loops().gain(plan_.n, work);
+  leave_considered(corrected, plan_.n, work);
+}
+
+// Holds for any K: rows of considered components are zero in it.
+void Joseph::correct(const std::vector<unsigned char>&, const UpdateWork& work) {
   strip_loops().correct(P_, plan_.n, work);
   strip_loops().mirror(P_, plan_.n);
 }
@@ -196,71 +150,9 @@ void Joseph::transform(const double* T, int first, int d) {
     }
 }
 
-void expand_transition(const TransitionPlan& plan, const double* const* phi, MatrixView Phi) {
-  Phi.as().setIdentity();
-  for (const auto& diagonal : plan.diagonals) Phi(diagonal.row, diagonal.row) = phi[diagonal.block][diagonal.offset];
-  for (const auto& group : plan.groups)
-    for (int row = group.first_row; row < group.first_row + group.rows; ++row) {
-      Phi(row, row) = 0;
-      for (const auto& [column, block, offset] : group.columns)
-        Phi(row, column) = phi[block][offset + row - group.first_row];
-    }
-}
-
-void expand_noise(const TransitionPlan& plan, const double* const* noise, MatrixView Qd) {
-  const int ld = padded(plan.n);
-  Qd.as().setZero();
-  for (const auto& [at, block, place] : plan.noise_elements)
-    Qd(at % ld, at / ld) = Qd(at / ld, at % ld) += noise[block][place];
-}
-
 void Joseph::scale(const double* d) {
   for (int j = 0; j < plan_.n; ++j)
     for (int i = 0; i < plan_.n; ++i) column_at(P_, ld_, j)[i] *= d[i] * d[j];
-}
-
-bool factor_innovation(const UpdateWork& work) {
-  const MatrixView HPHt{work.HPHt, work.m, work.m, work.m_max}, R{work.R, work.m, work.m, work.m_max};
-  const MatrixView S{work.S, work.m, work.m, work.m_max}, L{work.L, work.m, work.m, work.m_max};
-  S.as() = HPHt.as() + R.as();
-  for (int j = 0; j < work.m; ++j) {
-    double pivot = S(j, j);
-    for (int k = 0; k < j; ++k) pivot -= L(j, k) * L(j, k);
-    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-    L(j, j) = std::sqrt(pivot);
-    for (int i = j + 1; i < work.m; ++i) {
-      double sum = S(i, j);
-      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
-      L(i, j) = sum / L(j, j);
-    }
-  }
-  return true;
-}
-
-double normalized_innovation_squared(const UpdateWork& work) {
-  const MatrixView L{work.L, work.m, work.m, work.m_max};
-  double nis = 0;
-  for (int i = 0; i < work.m; ++i) {
-    double sum = work.r[i];
-    for (int k = 0; k < i; ++k) sum -= L(i, k) * work.y[k];
-    work.y[i] = sum / L(i, i);
-    nis += work.y[i] * work.y[i];
-  }
-  return nis;
-}
-
-void gain(const std::vector<unsigned char>& corrected, int n, const UpdateWork& work) {
-  strip_loops().gain(n, work);
-  if (corrected.empty()) return;
-  for (int j = 0; j < work.m; ++j)
-    for (int i = 0; i < n; ++i)
-      if (!corrected[as_size(i)]) column_at(work.K, padded(n), j)[i] = 0;
-}
-
-void gain_times_residual(int n, const UpdateWork& work, double* __restrict delta) {
-  std::fill_n(delta, padded(n), 0.0);
-  for (int j = 0; j < work.m; ++j)
-    for (int i = 0; i < padded(n); ++i) delta[i] += work.r[j] * column_at(work.K, padded(n), j)[i];
 }
 
 }  // namespace binnacle::internal::filter

@@ -200,10 +200,10 @@ bool Engine::follow() {
 void Engine::step(Time t1, std::span<const InputSample> samples) {
   calls_.set_time(t1);
   const bool follows = follow();
-  estimator_.propagate(moment(), t1, samples);
+  estimator_.propagate(moment(), t1, samples, follows);
   wants_ = ledger_.wants();
   keep_before(Wants::step_covariance);
-  if (!follows) estimator_.predict();
+  if (!follows) estimator_.predict(t1);
   if (ledger_.observer()) ledger_.observer()->stepped(step_record(t1));
   estimator_.advance();
 }
@@ -237,7 +237,8 @@ void Engine::measure(int measurement, const SampleView& sample) {
     return;
   }
   const bool follows = follow();
-  const Result seen = estimator_.linearize(plan, sample, moment());
+  const Result seen = estimator_.linearize(plan, sample, moment(), follows);
+  if (estimator_.was_linearized_instead()) ledger_.count_linearized(measurement);
   if (!seen) {
     estimator_.roll_back(plan);
     refuse(outcome_of(seen.refusal), seen.reason);
@@ -263,6 +264,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
     judged = estimator_.judge(plan, sample.t, dt, withheld);
   }
   if (judged.outcome == Outcome::accepted) {
+    if (plan.update.type == UpdatePlan::Type::iterated) iterate(measurement, sample);
     correct(measurement, sample.t);
     if (is_opened) keep_open(measurement, sample.t);
     return;
@@ -282,6 +284,12 @@ void Engine::measure(int measurement, const SampleView& sample) {
     inflate(measurement, sample.t);
 }
 
+void Engine::iterate(int measurement, const SampleView& sample) {
+  const auto [iterations, has_converged] =
+      estimator_.iterate(plan_.measurements[as_size(measurement)], sample, moment());
+  ledger_.count_iterations(measurement, iterations, has_converged);
+}
+
 void Engine::correct(int measurement, Time t) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   keep_before(Wants::update_covariance);
@@ -289,9 +297,12 @@ void Engine::correct(int measurement, Time t) {
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
   const SampleRows& rows = estimator_.rows();
-  const bool is_biased = ledger_.use(
-      {{rows.keys.data(), as_size(rows.m)}, rows.groups.data(), rows.r, rows.square(rows.R), rows.square(rows.S)},
-      rows.nis);
+  const bool is_biased = ledger_.use({{rows.keys.data(), as_size(rows.m)},
+                                      rows.groups.data(),
+                                      rows.innovation,
+                                      rows.square(rows.judged_R),
+                                      rows.square(rows.innovation_S)},
+                                     rows.nis);
   if (rows.left_out > 0)
     ledger_.leave_out({rows.left_out_keys.data(), as_size(rows.left_out)}, rows.left_out_groups.data());
   ledger_.close(Outcome::accepted, "", update_record(plan));
@@ -410,8 +421,10 @@ UpdateRecord Engine::innovation_record(const MeasurementPlan& measurement) {
   record.row_groups = rows.groups.data();
   record.left_out = rows.left_out;
   record.left_out_keys = rows.left_out_keys.data();
-  record.residual = rows.r;
-  record.S = rows.square(rows.S);
+  record.residual = rows.innovation;
+  record.S = rows.square(rows.innovation_S);
+  record.update_residual = rows.r;
+  record.update_S = rows.square(rows.S);
   record.R = rows.square(rows.R);
   if (!is_wanted(Wants::jacobian)) return record;
   record.H = {H_.data(), rows.m, plan_.n, rows.m};

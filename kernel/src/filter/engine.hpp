@@ -83,6 +83,7 @@ class Engine final : private TimeLine::Work {
   Driving moment() const { return {time_.head().t, time_.driving_rates(), time_.head().bridged != 0}; }
   bool can_start(Time t, bool anew) const;
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
+  void iterate(int measurement, const SampleView& sample);
   void correct(int measurement, Time t);
   void open_biased(int measurement, Time t);
   void keep_open(int measurement, Time t);

@@ -16,7 +16,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
       channels_(channels),
       arena_(arena),
       calls_(calls),
-      P_(std::make_unique<Joseph>(plan.transition, plan.most_dof(), plan.covariance.in(arena))),
+      P_(make_covariance(plan.covariance_kind, plan.transition, plan.most_dof(), plan.max_rows,
+                         plan.covariance.in(arena))),
       rows_(plan),
       outlier_test_(plan.max_rows),
       opening_(plan.n, plan.max_rows),
@@ -30,6 +31,11 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto& block : plan.blocks) values_.push_back(state() + block.stored_offset);
   for (const auto& derived : plan.derived) values_.push_back(at(derived.value));
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
+  if (!plan.is_unscented) return;
+  std::vector<Place<std::byte>> memories;
+  for (const auto& process : plan.processes)
+    if (process.memory.count > 0) memories.push_back(process.memory);
+  sigma_ = std::make_unique<SigmaStep>(plan, memories);
 }
 
 void Estimator::allocate() {
@@ -74,6 +80,13 @@ void Estimator::allocate() {
   block_jacobian_.resize(most_dof * most_dof);
   resets_.reserve(plan_.blocks.size());
   post_fit_.resize(as_size(plan_.max_rows));
+  using enum UpdatePlan::Type;
+  const auto any = [&](UpdatePlan::Type type) {
+    return std::ranges::any_of(plan_.measurements, [&](const auto& its) { return its.update.type == type; });
+  };
+  if (any(iterated)) iteration_ = std::make_unique<Iteration>(plan_);
+  if (any(unscented)) sigma_points_ = std::make_unique<SeenSigmaPoints>(plan_);
+  if (iteration_ || sigma_points_) other_ = std::make_unique<OtherStates>(plan_);
   for (auto* square : {&initial_P_, &reset_jacobians_}) square->resize(as_size(plan_.n) * as_size(plan_.n));
 }
 
@@ -115,7 +128,8 @@ void Estimator::start(bool anew) {
   std::fill(initial_P_.begin(), initial_P_.end(), 0.0);
   const MatrixView P{initial_P_.data(), plan_.n, plan_.n, plan_.n};
   for (const auto& block : plan_.blocks) start_covariance(block, anew, P);
-  P_->set(P);
+  if (const int row = P_->set(P); row >= 0)
+    throw Stop("the initial covariance is not positive semidefinite at '" + component_name(row) + "'");
   for (int i = 0; i < plan_.n; ++i) plan_.initial_variances.in(arena_)[i] = P(i, i);
   std::fill_n(plan_.stationary_variances.in(arena_), plan_.n, std::numeric_limits<double>::quiet_NaN());
 }
@@ -195,11 +209,22 @@ void Estimator::inflate(const MeasurementPlan& measurement) {
 
 // ---- health
 
+/// "velocity.x"
+std::string Estimator::component_name(int row) const {
+  for (const auto& block : plan_.blocks)
+    if (row >= block.first && row < block.first + base::count_of(block.active))
+      return block.name + "." + block.declaration().error[as_size(block.active[as_size(row - block.first)])].name;
+  return "";
+}
+
+void Estimator::predict(Time t1) {
+  if (const int row = P_->predict(phi(), noise()); row >= 0)
+    throw Stop("the process noise is not positive semidefinite at '" + component_name(row) + "' at " + time_text(t1));
+  if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
+}
+
 bool Estimator::is_sound() const {
-  const ConstMatrixView P = covariance();
-  for (int i = 0; i < P.rows; ++i)
-    if (!(P(i, i) >= 0 && P(i, i) < largest_variance)) return false;
-  return is_finite(ConstVectorView(state(), plan_.stored_size));
+  return P_->is_below(largest_variance) && is_finite(ConstVectorView(state(), plan_.stored_size));
 }
 
 void Estimator::stop_unsound(Time t, const std::string& culprit) const {
@@ -212,8 +237,7 @@ void Estimator::stop_unsound(Time t, const std::string& culprit) const {
       if (variance >= 0 && variance < largest_variance) continue;
       char text[64];
       std::snprintf(text, sizeof text, " has the variance %.3g at ", variance);
-      throw Stop("'" + block.name + "." + block.declaration().error[as_size(block.active[a])].name + "'" + text +
-                 time_text(t) + why);
+      throw Stop("'" + component_name(row) + "'" + text + time_text(t) + why);
     }
   }
   throw Stop("the state is not finite at " + time_text(t) + why);

@@ -16,11 +16,13 @@
 #include "base/aligned.hpp"
 #include "filter/model_calls.hpp"
 #include "filter/plan.hpp"
+#include "filter/sigma_points.hpp"
 
 namespace binnacle::internal::filter {
 
 /// The rows of the sample at work: linearize() fills them, judge() may thin them out, correct() applies them. R is what
-/// the noise estimator makes of R_nominal.
+/// the noise estimator makes of R_nominal, S is HPHᵀ + R. NIS, gate and monitors are of judged_R and innovation_S:
+/// these two, or nominal where the estimator only weighs what has passed.
 struct SampleRows : UpdateWork {
   explicit SampleRows(const FilterPlan& plan);
   SampleRows(const SampleRows&) = delete;
@@ -32,11 +34,17 @@ struct SampleRows : UpdateWork {
   void list_left_out(const unsigned char* marked);
   void remove(const unsigned char* marked, int columns, int n);
   MatrixView square(double* matrix) const { return {matrix, m, m, m_max}; }
+  /// S as it is now stays what the sample was judged by.
+  void keep_judged();
 
   double nis = 0;
   int left_out = 0;  // rows that a gate by row or key took out, and their keys and groups
   int removed = 0;   // of these, what are no rows here any more: all but the last, where it made the sample gated
-  base::AlignedVector<double> R_nominal, delta;
+  base::AlignedVector<double> R_nominal, S_nominal, delta;
+  // The innovation at the a-priori state, and what it was judged by: r, R and S, but where R was replaced after the judgement or the
+  // update was iterated. Then r, R, S and what belongs to them are of the correction.
+  double *innovation = nullptr, *judged_R = nullptr, *innovation_S = nullptr;
+  bool has_delta = false;  // `delta` is to be injected as it is; else it is K r
   // Where an accepted sample's rows are biased: which, the mean of r / √S and of how many it is. Else unused.
   std::vector<unsigned char> biased;
   std::vector<double> mean_z, mean_count;
@@ -95,6 +103,45 @@ class Opening {
   std::vector<int> members_;  // U
 };
 
+/// Scratch of updates that evaluate a measurement at other states than the estimate. other_states.cpp
+struct OtherStates {
+  explicit OtherStates(const FilterPlan& plan);
+
+  std::vector<double> x;                 // stored, of the other state
+  std::vector<double> by_column;         // its distance δ from the estimate, by column of the compact H
+  SampleRows rows;                       // there
+  std::vector<std::byte> memory;         // of the models, as the call that counts left it
+  std::vector<double> block_delta, row;  // of one block
+};
+
+/// Scratch of Gauss and Newton's method. iterate.cpp has the symbols.
+struct Iteration {
+  explicit Iteration(const FilterPlan& plan);
+
+  std::vector<double> r, S;  // of the first linearization
+  // δ by row of P and v by column of the compact H, δ = P v: of the newest state, as solved for next, and tried.
+  std::vector<double> delta, v, next_delta, next_v, tried_delta, tried_v;
+  std::vector<double> seen;  // H̃ Δ, and scratch of m
+  std::vector<double> L_R;   // factor of R
+  bool has_L_R = false;      // R is not singular
+};
+
+/// What became of the iterations of one sample.
+struct Convergence {
+  int iterations = 0;
+  bool has_converged = true;
+};
+
+/// Sigma points of what a measurement sees, and what its residual is there.
+struct SeenSigmaPoints {
+  explicit SeenSigmaPoints(const FilterPlan& plan);
+
+  SigmaPoints points;
+  Eigen::MatrixXd P;          // of the columns
+  Eigen::MatrixXd residuals;  // rows × points
+  Eigen::MatrixXd fallback, M, Omega;
+};
+
 /// `accepted`, `withheld`, `gated`, or `rejected` where S is not positive definite.
 struct Judgement {
   Outcome outcome = Outcome::accepted;
@@ -135,12 +182,10 @@ class Estimator {
 
   // ---- a step in three: what the models make of it; P; x. propagate.cpp
 
-  /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise().
-  void propagate(const Driving& now, Time t1, std::span<const InputSample> samples);
-  void predict() {
-    P_->predict(phi(), noise());
-    if (plan_.n > 0 && std::isnan(*plan_.stationary_variances.in(arena_))) note_stationary_variances();
-  }
+  /// From the a-posteriori x at `now` to t1: x_plus(), phi() and noise(). `is_nominal`: along a path that is known, where P
+  /// stands still, Φ is the Jacobian.
+  void propagate(const Driving& now, Time t1, std::span<const InputSample> samples, bool is_nominal = false);
+  void predict(Time t1);
   void put(const double* stored) { std::copy_n(stored, plan_.stored_size, x()); }
   void advance() { std::copy_n(x_plus(), plan_.stored_size, x()); }
   const double* x_plus() const { return x_plus_.data(); }
@@ -150,12 +195,17 @@ class Estimator {
 
   // ---- a sample in three. linearize() keeps the models' memories; roll_back() restores them
 
-  /// Fills the rows of `measurement`, or refuses. linearize.cpp
-  Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  /// Fills the rows of `measurement`, or refuses. `is_plain`: by Jacobians, whatever its update. linearize.cpp
+  Result linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                   bool is_plain = false);
+  /// Whether the last linearize() took Jacobians where sigma points are asked for.
+  bool was_linearized_instead() const { return was_linearized_instead_; }
   /// Takes linearized rows to R, S, its factor and the NIS. dt: since the last accepted sample [s]. A withheld sample
   /// meets no noise estimator. update.cpp
   Judgement judge(const MeasurementPlan& measurement, Time t, double dt, bool is_withheld,
                   LockOutTest is_locked_out = {});
+  /// Takes judged rows to the linearization about the a-posteriori state, the innovation kept apart. iterate.cpp
+  Convergence iterate(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
   /// δ = K r, x ← x ⊞ δ, P by the form and then by the blocks' reset Jacobians, whole or not at all: every plugin call
   /// comes before x and P change.
   void correct(const MeasurementPlan& measurement);
@@ -208,6 +258,8 @@ class Estimator {
     const double* q = nullptr;
     int step = 0;  // doubles from one element to the next
   };
+  enum class Jacobians : unsigned char { none, wanted };
+  class Elsewhere;
   struct Reset {
     int first = 0;
     int dof = 0;
@@ -226,7 +278,7 @@ class Estimator {
   const SampleView* auxiliary(const AuxiliaryPlan& model);
   template <class Component>
   const MatrixView* zeroed_jacobians(const Component& component, int rows);
-  Result evaluate_derived(const std::vector<int>& values, const Driving& now);
+  Result evaluate_derived(const std::vector<int>& values, const Driving& now, Jacobians wanted);
   void chain(const DerivedPlan& derived);
 
   void note_stationary_variances();
@@ -234,22 +286,67 @@ class Estimator {
   double stationary_variance(int row) const;
   void start_value(const BlockPlan& block, const InitialPlan& initial, double* stored);
   void start_covariance(const BlockPlan& block, bool anew, MatrixView P);
+  std::string component_name(int row) const;
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 
   Step read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples);
-  void run_model(std::size_t index, Step step, std::span<const InputSample> samples);
+  Result run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted);
   void run_continuous(std::size_t index);
   void check_noise(Time t) const;
   void discretize_group(const VanLoanGroup& group, double dt);
+  void advance_group(const VanLoanGroup& group);
   void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
   double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
-  void hold_frozen();
+  void hold_frozen(const double* x);
   std::string culprit(Time t1) const;
 
-  Result run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel, const Driving& now,
-                  int& part_rows);
-  void assemble(const PartPlan& part, int part_rows);
+  // Sigma points through the models. sigma_propagation.cpp
+
+  /// All of one step. Sized once.
+  struct SigmaStep {
+    SigmaStep(const FilterPlan& plan, const std::vector<Place<std::byte>>& memories);
+    MatrixView errors() { return {e.data(), n, points.count(), n}; }
+    ConstMatrixView jacobian() const { return {Phi.data(), n, n, n}; }
+    void copy_memories(std::byte* arena, std::vector<std::byte>& to) const;
+    void put_memories(const std::vector<std::byte>& from, std::byte* arena) const;
+
+    int n;
+    SigmaPoints points;
+    std::vector<Place<std::byte>> memories;      // of the process models
+    std::vector<std::byte> before, after;        // what they held before the step, and after the centre's call
+    std::vector<double> x, xi, back;             // of a point; ξ; of one block
+    std::vector<double> next, e, deltas, moved;  // x⁺ of each point, by columns; e; of one block by columns, their mean
+    std::vector<double> Phi, Omega;              // Φ of the models; Ω
+  };
+  class AtPoint;
+  void regress_step(const Driving& now, const Step& step, std::span<const InputSample> samples, bool is_nominal);
+  bool run_points(const Driving& now, const Step& step, std::span<const InputSample> samples);
+  bool advance_point(int point, const Driving& now, const Step& step, std::span<const InputSample> samples);
+  bool perturb(int point);
+  bool run_values(const Driving& now, const Step& step, std::span<const InputSample> samples);
+  void average(const BlockPlan& block);
+
+  Result run_parts(SampleRows& rows, const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                   Jacobians wanted);
+  Result run_part(SampleRows& rows, const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
+                  const Driving& now, Jacobians wanted, int& part_rows);
+  void assemble(SampleRows& rows, const PartPlan& part, int part_rows);
+
+  VectorView delta_elsewhere(const UpdatePlan::Seen& seen);
+  Result see_elsewhere(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                       Jacobians wanted);
+  void reset_elsewhere(const MeasurementPlan& measurement);
+  Result regress(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  bool see_sigma_points(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  Convergence find_minimum(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now);
+  void begin_iteration();
+  void solve_step(const MeasurementPlan& measurement);
+  double square_of_step(const MeasurementPlan& measurement);
+  bool try_step(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now, double share,
+                double promised, bool is_last, double& cost);
+  bool keep_rows(const MeasurementPlan& measurement);
+  bool linearize_tried(const MeasurementPlan& measurement);
   PortCovariance covariance_of(const PartPlan& part);
   void add_covariance(const PartPlan::Read& a, const PartPlan::Target& by_a, const PartPlan::Read& b,
                       const PartPlan::Target& by_b, ConstMatrixView P, MatrixView into);
@@ -267,6 +364,11 @@ class Estimator {
   SampleRows rows_;
   OutlierTest outlier_test_;
   Opening opening_;
+  // Null where no measurement of the filter needs them.
+  std::unique_ptr<OtherStates> other_;
+  std::unique_ptr<Iteration> iteration_;
+  std::unique_ptr<SeenSigmaPoints> sigma_points_;
+  bool was_linearized_instead_ = false;
 
   // Scratch
   std::vector<double> workspace_;  // as the plan lays it out: blocks of Φ and Qd, derived values, Jacobians
@@ -286,6 +388,7 @@ class Estimator {
   std::vector<double> initial_P_, reset_jacobians_, post_fit_;
   std::vector<Reset> resets_;
   std::vector<std::byte> memory_backup_, noise_backup_;  // of a measurement's models and noise estimator
+  std::unique_ptr<SigmaStep> sigma_;                     // null: propagation by Jacobians
 };
 
 }  // namespace binnacle::internal::filter

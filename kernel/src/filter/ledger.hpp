@@ -40,6 +40,13 @@ class Ledger {
     ++tally.replayed;
     tally.longest_delay = std::max(tally.longest_delay, late);
   }
+  void count_iterations(int measurement, int iterations, bool has_converged) {
+    Tally& tally = tally_of(measurement);
+    ++tally.iterated;
+    tally.iterations += iterations;
+    tally.not_converged += !has_converged;
+  }
+  void count_linearized(int measurement) { ++tally_of(measurement).linearized; }
   void open(int measurement, Time t);
   /// The open sample waits until it is reopened.
   void wait() { open_ = -1; }

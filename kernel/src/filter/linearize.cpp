@@ -72,17 +72,18 @@ const MatrixView* Estimator::zeroed_jacobians(const Component& component, int ro
   return jacobians_.data();
 }
 
-/// Derived blocks: evaluates the values, given in order of dependence, with their Jacobians chained to the state blocks;
-/// ends with the first refusal.
-Result Estimator::evaluate_derived(const std::vector<int>& values, const Driving& now) {
+/// Derived blocks: evaluates the values, given in order of dependence, where they are wanted with their Jacobians chained
+/// to the state blocks; ends with the first refusal.
+Result Estimator::evaluate_derived(const std::vector<int>& values, const Driving& now, Jacobians wanted) {
   for (const int index : values) {
     const auto& derived = plan_.derived_at(index);
     const auto& declared = derived.derived->declaration();
-    DerivedOutput out{{at(derived.value), declared.stored_size}, zeroed_jacobians(derived, declared.dof())};
+    DerivedOutput out{{at(derived.value), declared.stored_size},
+                      wanted == Jacobians::wanted ? zeroed_jacobians(derived, declared.dof()) : nullptr};
     const DerivedInput in{values_of(derived.ports), driving(now, derived.driving_rates), calls_.notes()};
     const Result result = calls_.during(derived, "evaluate", [&] { return derived.derived->evaluate(in, out); });
     if (!result) return result;
-    chain(derived);
+    if (wanted == Jacobians::wanted) chain(derived);
   }
   return Result::ok();
 }
@@ -104,24 +105,33 @@ void Estimator::chain(const DerivedPlan& derived) {
   }
 }
 
-Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now) {
+Result Estimator::linearize(const MeasurementPlan& measurement, const SampleView& sample, const Driving& now,
+                            bool is_plain) {
   std::copy_n(measurement.memory.in(arena_), measurement.memory.count, memory_backup_.data());
-  rows_.begin(measurement);
-  const Result derived = evaluate_derived(measurement.derived, now);
+  was_linearized_instead_ = false;
+  const Result result = run_parts(rows_, measurement, sample, now, Jacobians::wanted);
+  if (!result || is_plain || measurement.update.type != UpdatePlan::Type::unscented) return result;
+  return regress(measurement, sample, now);
+}
+
+/// The parts of a measurement, one after the other, where values_ lie.
+Result Estimator::run_parts(SampleRows& rows, const MeasurementPlan& measurement, const SampleView& sample,
+                            const Driving& now, Jacobians wanted) {
+  rows.begin(measurement);
+  const Result derived = evaluate_derived(measurement.derived, now, wanted);
   if (!derived) return derived;
   int first_group = 0;
   for (const auto& part : measurement.parts) {
     int part_rows = 0;
-    const Result result = run_part(part, sample, channels_[as_size(measurement.channel)], now, part_rows);
+    const Result result = run_part(rows, part, sample, channels_[as_size(measurement.channel)], now, wanted, part_rows);
     if (!result) return result;
-    assemble(part, part_rows);
-    first_group = name_groups(part.model->declaration().groups, first_group, part_rows, rows_.groups.data() + rows_.m);
-    rows_.m += part_rows;
+    if (wanted == Jacobians::wanted) assemble(rows, part, part_rows);
+    first_group = name_groups(part.model->declaration().groups, first_group, part_rows, rows.groups.data() + rows.m);
+    rows.m += part_rows;
   }
-  if (rows_.m == 0) return Result::unsupported("no rows");
+  if (rows.m == 0) return Result::unsupported("no rows");
   const int columns = static_cast<int>(measurement.columns.size());
-  if (!is_finite(ConstVectorView(rows_.r, rows_.m)) ||
-      !is_finite(ConstMatrixView{rows_.H, rows_.m, columns, rows_.m_max}))
+  if (!is_finite(ConstVectorView(rows.r, rows.m)) || !is_finite(ConstMatrixView{rows.H, rows.m, columns, rows.m_max}))
     return Result::invalid("the residual or its Jacobian is not finite");
   return Result::ok();
 }
@@ -130,13 +140,13 @@ void Estimator::roll_back(const MeasurementPlan& measurement) {
   std::copy_n(memory_backup_.data(), measurement.memory.count, measurement.memory.in(arena_));
 }
 
-Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
-                           const Driving& now, int& part_rows) {
+Result Estimator::run_part(SampleRows& rows, const PartPlan& part, const SampleView& sample, const ChannelPlan& channel,
+                           const Driving& now, Jacobians wanted, int& part_rows) {
   const auto noted = [&](const Result& result) {
     if (result.refusal != Refusal::invalid) return result;
     char text[sizeof KeptNote::text];
     std::snprintf(text, sizeof text, "invalid sample of '%s': %s", channel.name.c_str(), result.reason);
-    calls_.note_book.keep(part.type, part.pointer, "linearize", calls_.time(), text);
+    if (!calls_.is_muted) calls_.note_book.keep(part.type, part.pointer, "linearize", calls_.time(), text);
     return result;
   };
   for (const auto& item : part.fields.epoch)
@@ -145,13 +155,13 @@ Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const
   SampleView seen = convert(part.fields, channel, sample, fields_.data());
   seen.available = true;
 
-  const int most = part.model->declaration().max_rows, m = rows_.m;
-  std::iota(rows_.keys.begin() + m, rows_.keys.begin() + m + most, 0);
+  const int most = part.model->declaration().max_rows, m = rows.m;
+  std::iota(rows.keys.begin() + m, rows.keys.begin() + m + most, 0);
   MeasurementOutput out;
-  out.residual = {rows_.r + m, most};
-  out.H = zeroed_jacobians(part, most);
-  out.R = MatrixView{rows_.R_nominal.data() + m + m * rows_.m_max, most, most, rows_.m_max};
-  out.row_keys = {rows_.keys.data() + m, as_size(most)};
+  out.residual = {rows.r + m, most};
+  out.H = wanted == Jacobians::wanted ? zeroed_jacobians(part, most) : nullptr;
+  out.R = MatrixView{rows.R_nominal.data() + m + m * rows.m_max, most, most, rows.m_max};
+  out.row_keys = {rows.keys.data() + m, as_size(most)};
   const MeasurementInput in{seen,
                             auxiliary(part.auxiliary),
                             values_of(part.ports),
@@ -175,15 +185,15 @@ Result Estimator::run_part(const PartPlan& part, const SampleView& sample, const
   return result;
 }
 
-void Estimator::assemble(const PartPlan& part, int part_rows) {
+void Estimator::assemble(SampleRows& rows, const PartPlan& part, int part_rows) {
   const int stride = part.model->declaration().max_rows;
   for (const auto& read : part.reads) {
     const MatrixView J{at(read.jacobian), part_rows, read.dof, stride};
     for (const auto& target : read.targets) {
       const auto& active = plan_.blocks[as_size(target.block)].active;
       for (std::size_t a = 0; a < active.size(); ++a) {
-        double* const column = rows_.H + rows_.m + (as_size(target.first_column) + a) * as_size(rows_.m_max);
-        const MatrixView H{column, part_rows, 1, rows_.m_max};
+        double* const column = rows.H + rows.m + (as_size(target.first_column) + a) * as_size(rows.m_max);
+        const MatrixView H{column, part_rows, 1, rows.m_max};
         if (target.is_direct)
           H.as() += J.as().col(active[a]);
         else

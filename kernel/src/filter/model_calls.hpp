@@ -74,18 +74,23 @@ class NoteBook {
 /// The call under way, which other threads and a handler at exit may look at, at the time of the sample or step at work.
 class ModelCalls : public CallSite {
  public:
-  NoteBook note_book;  // what models noted
+  NoteBook note_book;     // what models noted
+  bool is_muted = false;  // they are called for states that nobody believes in: their notes are not kept
 
   /// call_text() of the call under way.
   std::string place_text() const { return call_text(*component(), *pointer_, call(), time()); }
 
   /// Lets a model leave notes of the call under way.
   Notes notes() {
+    if (is_muted) return {};
     return {this, [](void* self, const char* text) {
               auto& calls = *static_cast<ModelCalls*>(self);
               calls.note_book.keep(*calls.component(), *calls.pointer_, calls.call(), calls.time(), text);
             }};
   }
+
+  /// Leaves one on the component that was called last.
+  void note(const char* call, const char* text) { note_book.keep(*component(), *pointer_, call, time(), text); }
 
   /// Calls the component of a plan. A call that returns is over; one that throws stays until leave(), to be named.
   template <class Plan, class Act>

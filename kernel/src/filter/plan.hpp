@@ -19,7 +19,7 @@
 #include "binnacle/process_model.hpp"
 #include "binnacle/state_block.hpp"
 #include "binnacle/step_log.hpp"
-#include "filter/covariance.hpp"
+#include "filter/covariance_form.hpp"
 #include "filter/monitor.hpp"
 
 namespace binnacle::internal::filter {
@@ -285,6 +285,22 @@ struct Tally : SampleCounts {
 
 /// What a gate tests: a whole sample, its rows one by one, or the rows of one key (a satellite's) together.
 enum class GateUnit : unsigned char { sample, row, key };
+inline constexpr const char* gate_unit_names[] = {"sample", "row", "key"};
+
+/// How the samples of a measurement correct the state.
+struct UpdatePlan {
+  enum class Type : unsigned char { ekf, iterated, unscented };
+  static constexpr const char* names[] = {"ekf", "iterated", "unscented"};
+  /// A block that the measurement sees.
+  struct Seen {
+    int block = 0;
+    int first_column = 0;  // of the compact H
+  };
+  Type type = Type::ekf;
+  int most = 10;            // linearizations of an iterated one
+  double tolerance = 1e-3;  // of its last step, in sigma
+  std::vector<Seen> seen;
+};
 
 struct MeasurementPlan : Planned {
   struct Inflation {
@@ -308,6 +324,7 @@ struct MeasurementPlan : Planned {
   std::vector<Inflation> inflations;                   // instead of the opening along what the rows see
   int withhold_every = 0;
   std::vector<TimeSpan> withheld;
+  UpdatePlan update;
   Place<Tally> tally;
   Place<NisMonitor> nis;
   Place<double> variances;  // of its columns, when a sample was last of use
@@ -429,6 +446,12 @@ struct FilterPlan : Planned {
   std::vector<GatherPlan> gathers;        // for Φ, after the models and Van Loan
   std::vector<GatherPlan> noise_gathers;  // for Qd
   std::vector<VanLoanGroup> van_loan;
+  // "propagation": "unscented". Then `transition` is of the regression, whose Φ and Qd are n×n, and `jacobians` of what
+  // the models write.
+  bool is_unscented = false;
+  TransitionPlan jacobians;
+  std::size_t regression = 0;            // offset of that Φ in the workspace
+  std::size_t regression_noise = 0;      // and of that Qd
   std::vector<unsigned char> corrected;  // per row of P; empty: all
   std::size_t workspace = 0;             // doubles
   int max_rows = 0;
@@ -437,7 +460,8 @@ struct FilterPlan : Planned {
   Place<TimeHead> head;
   Place<Health> health;
   Place<double> state;
-  Place<double> covariance;
+  CovarianceKind covariance_kind = CovarianceKind::joseph;
+  Place<double> covariance;         // as the form keeps it
   Place<double> initial_variances;  // of the newest start
   // Of components that have one by themselves, by the first step after it; infinite else, not a number before.
   Place<double> stationary_variances;
@@ -448,6 +472,8 @@ struct FilterPlan : Planned {
   Place<QueueEntry> queue;
   Place<double> queue_data;
 
+  /// Φ and Qd as the models write them.
+  const TransitionPlan& of_models() const { return is_unscented ? jacobians : transition; }
   /// Of a value that models bind to, by its index.
   bool is_block(int value) const { return value < static_cast<int>(blocks.size()); }
   const DerivedPlan& derived_at(int value) const { return derived[as_size(value) - blocks.size()]; }

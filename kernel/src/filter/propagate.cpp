@@ -20,21 +20,23 @@ ConstVectorView block_of(const Coupling& coupling, const double* block, const st
 
 }  // namespace
 
-void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSample> samples) {
-  if (const Result result = evaluate_derived(plan_.process_derived, now); !result)
+void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSample> samples, bool is_nominal) {
+  if (sigma_) sigma_->copy_memories(arena_, sigma_->before);
+  if (const Result result = evaluate_derived(plan_.process_derived, now, Jacobians::wanted); !result)
     throw Stop("a derived block cannot be evaluated at " + time_text(now.t) + ": " + result.reason);
   const bool bridges = !samples.empty() && samples.front().bridges;  // such a sample is stepped alone
   const Step step{now.t, t1, seconds(t1 - now.t), {}, bridges};
   for (std::size_t p = 0; p < plan_.processes.size(); ++p)
     if (plan_.processes[p].van_loan_group >= 0)
       run_continuous(p);
-    else
-      run_model(p, step, samples);
+    else if (const Result result = run_model(p, step, samples, Jacobians::wanted); !result)
+      throw Stop("process '" + plan_.processes[p].name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
   check_noise(t1);
   for (const auto& group : plan_.van_loan) discretize_group(group, step.dt);
-  hold_frozen();
+  hold_frozen(state());
   gather(plan_.gathers, phi_);
   gather(plan_.noise_gathers, noise_);
+  if (sigma_) regress_step(now, step, samples, is_nominal);
 }
 
 /// The step as a process with input sees it.
@@ -51,16 +53,15 @@ Step Estimator::read_input(const ProcessPlan& process, Step step, std::span<cons
   return step;
 }
 
-void Estimator::run_model(std::size_t index, Step step, std::span<const InputSample> samples) {
+Result Estimator::run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted) {
   const auto& process = plan_.processes[index];
   if (process.uses_input) step = read_input(process, step, samples);
-  ProcessOutput out{ports_[index].outputs.data(), phi_.data() + process.first_transition,
-                    noise_.data() + process.first_noise};
+  ProcessOutput out{ports_[index].outputs.data(), {}, {}};
+  if (wanted == Jacobians::wanted)
+    out.phi = phi_.data() + process.first_transition, out.Qd = noise_.data() + process.first_noise;
   const ProcessInput in{step, ports_[index].inputs.data(), auxiliary(process.auxiliary), memory_of(process.memory),
                         calls_.notes()};
-  const Result result = calls_.during(process, "propagate", [&] { return process.model->propagate(in, out); });
-  if (!result)
-    throw Stop("process '" + process.name + "' cannot go on at " + time_text(step.t1) + ": " + result.reason);
+  return calls_.during(process, "propagate", [&] { return process.model->propagate(in, out); });
 }
 
 /// The discretization of what is not finite would not end.
@@ -86,7 +87,7 @@ void Estimator::check_noise(Time t) const {
       const double variance = q[block->active[a] * step];
       if (variance >= 0 && variance <= largest) continue;
       const int row = block->first + static_cast<int>(a);
-      if (variance >= -rounding * covariance()(row, row) && variance <= largest) continue;
+      if (variance >= -rounding * P_->variance(row) && variance <= largest) continue;
       char value[32];
       std::snprintf(value, sizeof value, "%.3g", variance);
       throw Stop(call_text(*process, process->van_loan_group >= 0 ? "linearized" : "propagate", t) + " gave '" +
@@ -221,7 +222,12 @@ void Estimator::discretize_group(const VanLoanGroup& group, double dt) {
   discretize(F.data, Q.data, n, dt, Phi.data, Qd.data, matrix(4).data);
   collect(group.phi, Phi, phi_);
   collect(group.qd, Qd, noise_);
-  // x⁺ = Φ x.
+  advance_group(group);
+}
+
+/// x⁺ = Φ x, with Φ of the last discretization.
+void Estimator::advance_group(const VanLoanGroup& group) {
+  const MatrixView Phi{at(group.work) + 2 * group.columns * group.columns, group.columns, group.columns, group.columns};
   for (const auto& part : group.advanced) {
     auto out = vector_at(x_plus_.data() + plan_.blocks[as_size(part.value)].stored_offset, part.dof);
     out.setZero();
@@ -261,11 +267,12 @@ void Estimator::gather(const std::vector<GatherPlan>& plans, const std::vector<d
   }
 }
 
-void Estimator::hold_frozen() {
+/// What is frozen stays as it is in x, where its block holds it.
+void Estimator::hold_frozen(const double* x) {
   for (const BlockPlan& block : plan_.blocks) {
     if (!block.holds_frozen) continue;
     const VectorView next = block.in(x_plus_.data());
-    const ConstVectorView now = block.in(state());
+    const ConstVectorView now = block.in(x);
     if (block.active.empty()) {
       next.as() = now.as();
       continue;

@@ -142,7 +142,9 @@ void Estimator::project(const MeasurementPlan& measurement) { P_->project(measur
 
 // The mean residual of n samples has the noise R / n, and what of P is common to all of them.
 bool Estimator::open_by_mean(const MeasurementPlan& measurement) {
-  const MatrixView R = rows_.square(rows_.R), S = rows_.square(rows_.S);
+  const MatrixView R = rows_.square(rows_.R);
+  const ConstMatrixView S = rows_.square(rows_.innovation_S);
+  if (rows_.judged_R != rows_.R) R.as() = rows_.square(rows_.judged_R).as();
   for (int i = 0; i < rows_.m; ++i) {
     rows_.r[i] = rows_.mean_z[as_size(i)] * std::sqrt(S(i, i));
     for (int j = 0; j < rows_.m; ++j) R(i, j) /= std::sqrt(rows_.mean_count[as_size(i)] * rows_.mean_count[as_size(j)]);
@@ -154,7 +156,7 @@ bool Estimator::open_by_mean(const MeasurementPlan& measurement) {
 void Estimator::note_stationary_variances() {
   double* const kept = plan_.stationary_variances.in(arena_);
   std::fill_n(kept, plan_.n, infinity);
-  const auto& transition = plan_.transition;
+  const auto& transition = plan_.of_models();
   for (const auto& diagonal : transition.diagonals) {
     const double phi = phi_[as_size(diagonal.block)][diagonal.offset];
     const auto noise = std::ranges::find(transition.noise_elements, diagonal.row * padded(plan_.n) + diagonal.row,

@@ -14,7 +14,7 @@ namespace binnacle::internal::filter {
 SampleRows::SampleRows(const FilterPlan& plan) {
   const auto ld = as_size(padded(plan.n)), rows = as_size(plan.max_rows);
   H_.resize(rows * as_size(plan.max_columns));
-  for (auto* square : {&R_, &HPHt_, &S_, &L_, &R_nominal}) square->resize(rows * rows);
+  for (auto* square : {&R_, &HPHt_, &S_, &L_, &R_nominal, &S_nominal}) square->resize(rows * rows);
   for (auto* column : {&r_, &y_}) column->resize(rows);
   for (auto* tall : {&G_, &K_, &U_}) tall->resize(ld * std::max<std::size_t>(rows, 3));
   delta.resize(ld);
@@ -31,8 +31,18 @@ void SampleRows::begin(const MeasurementPlan& measurement) {
   m = 0;
   left_out = removed = 0;
   nis = 0;
+  innovation = r;
+  judged_R = R;
+  innovation_S = S;
+  has_delta = false;
   std::fill_n(H, as_size(m_max) * measurement.columns.size(), 0.0);
   std::fill_n(R_nominal.data(), m_max * m_max, 0.0);
+}
+
+void SampleRows::keep_judged() {
+  std::copy_n(S, m_max * m, S_nominal.data());
+  innovation_S = S_nominal.data();
+  judged_R = R_nominal.data();
 }
 
 void SampleRows::list_left_out(const unsigned char* marked) {
@@ -142,14 +152,17 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
     rows_.nis = nis_offered;
     return {Outcome::gated, reason};
   };
+  const auto without_factor = [&](const char* why_not) -> Judgement {
+    roll_back_noise();
+    rows_.nis = std::numeric_limits<double>::quiet_NaN();
+    return {Outcome::rejected, why_not};
+  };
+  const bool is_weighed = measurement.noise && !is_withheld;
+  const bool weighs_last = is_weighed && measurement.noise->declaration().is_judged_by_nominal;
   for (const int offered = rows_.m;;) {
     std::copy_n(rows_.R_nominal.data(), rows_.m_max * rows_.m, rows_.R);
-    if (measurement.noise && !is_withheld) weigh(measurement, t, dt);
-    if (!factor_innovation(rows_)) {
-      roll_back_noise();
-      rows_.nis = std::numeric_limits<double>::quiet_NaN();
-      return {Outcome::rejected, "H P H' + R is not positive definite"};
-    }
+    if (is_weighed && !weighs_last) weigh(measurement, t, dt);
+    if (const char* const why_not = P_->factor(measurement.columns, rows_)) return without_factor(why_not);
     rows_.nis = normalized_innovation_squared(rows_);
     if (rows_.left_out == 0) nis_offered = rows_.nis;
     if (is_withheld || measurement.gate_unit == GateUnit::sample) break;
@@ -167,6 +180,11 @@ Judgement Estimator::judge(const MeasurementPlan& measurement, Time t, double dt
     if (is_locked_out(rows_, nullptr)) return locked_out(nullptr);
     return gated("NIS beyond the gate");
   }
+  if (weighs_last) {
+    rows_.keep_judged();
+    weigh(measurement, t, dt);
+    if (const char* const why_not = P_->factor(measurement.columns, rows_)) return without_factor(why_not);
+  }
   return {};
 }
 
@@ -181,7 +199,8 @@ void Estimator::weigh(const MeasurementPlan& measurement, Time t, double dt) {
                               {rows_.r, rows_.m},
                               rows_.square(rows_.HPHt),
                               rows_.square(rows_.R_nominal.data()),
-                              memory_of(measurement.noise_memory)};
+                              memory_of(measurement.noise_memory),
+                              calls_.notes()};
   calls_.during(measurement.noise_type, measurement.pointer, "estimate",
                 [&] { measurement.noise->estimate(innovation, R); });
   if (const std::string flaw = flaw_of_noise(R); !flaw.empty())
@@ -191,10 +210,10 @@ void Estimator::weigh(const MeasurementPlan& measurement, Time t, double dt) {
 // ---- the correction, and what the noise estimator sees of it
 
 void Estimator::correct(const MeasurementPlan& measurement) {
-  gain(plan_.corrected, plan_.n, rows_);
-  gain_times_residual(plan_.n, rows_, rows_.delta.data());
+  P_->gain(plan_.corrected, rows_);
+  if (!rows_.has_delta) gain_times_residual(plan_.n, rows_, rows_.delta.data());
   inject();
-  P_->correct(rows_);
+  P_->correct(plan_.corrected, rows_);
   if (measurement.noise && measurement.noise->declaration().looks_back) {
     // To first order, before the reset. G and HPHt are made anew with P⁺ and no longer those of the update.
     for (int i = 0; i < rows_.m; ++i) {

@@ -3,7 +3,11 @@
 #include "gnss/corrections.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "gnss/gps_time.hpp"
 #include "strapdown/earth.hpp"
@@ -14,10 +18,17 @@ namespace {
 
 constexpr double shortest_pseudorange = 1e6;  // m; clocks may be off by much, but light needs its time
 constexpr double longest_pseudorange = 1e9;
-constexpr double least_range = 1e6;   // m, to a satellite
-constexpr double least_sine = 0.017;  // of elevation, where a mapping 1/sin is cut off: 1 deg
+constexpr double least_range = 1e6;                          // m, to a satellite
+constexpr double lowest_orbit = 6.5e6, highest_orbit = 1e9;  // m from the earth's centre: kilometres are below
 
-double squared(double x) { return x * x; }
+/// "G05", or the key of a row, "4301".
+std::optional<SatelliteKey> excluded_key(std::string_view text) {
+  const bool is_number = text.size() >= 3 && text.find_first_not_of("0123456789") == std::string_view::npos;
+  if (!is_number) return parse_satellite(text);
+  SatelliteKey key = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), key);
+  return error == std::errc() ? std::optional(key) : std::nullopt;
+}
 
 }  // namespace
 
@@ -50,7 +61,8 @@ std::vector<ParameterSpec> Corrections::parameters() {
           .defaults("\"10 deg\"")
           .about("satellites below it are not used"),
       number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is given"),
-      list("exclude", text("satellite")).about("satellites that are not used: \"G05\", \"E11\""),
+      list("exclude", text("satellite"))
+          .about("satellites that are not used: \"G05\", \"E11\", or the key of a row: \"4301\""),
   };
 }
 
@@ -66,10 +78,13 @@ Corrections::Corrections(const Binding& binding) {
   if (!parameters.has("exclude")) return;
   const auto& names = parameters.list("exclude");
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto key = parse_satellite(names[i].text);
+    const auto key = excluded_key(names[i].text);
     if (!key)
-      throw ComponentError("'" + names[i].text + "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\"",
-                           "/exclude/" + std::to_string(i));
+      throw ComponentError(
+          "'" + names[i].text +
+              "' is no satellite: \"G01\" … \"G32\", \"E01\" … \"E36\", or the key of a row with three "
+              "digits or more, \"4301\"",
+          "/exclude/" + std::to_string(i));
     excluded_.push_back(*key);
   }
 }
@@ -81,53 +96,90 @@ bool Corrections::is_excluded(SatelliteKey key) const {
 Corrections::Tally Corrections::sight(const Epoch& epoch, const AntennaPlace& place, bool knows_place,
                                       std::array<Sighting, most_rows>& out) const {
   Tally tally;
-  for (int i = 0; i < epoch.observations->rows && tally.used < most_rows; ++i) {
-    const double* row = epoch.observations->row_fields + i * observation::field_count;
-    Sighting& sighting = out[static_cast<std::size_t>(tally.used)];
-    sighting = Sighting{};
-    sighting.satellite = satellite_key(row[observation::satellite]);
-    sighting.pseudorange = row[observation::pseudorange];
-    sighting.range_rate = row[observation::range_rate];
-    if (sighting.satellite == 0 || !(sighting.pseudorange > shortest_pseudorange) ||
-        !(sighting.pseudorange < longest_pseudorange)) {
-      ++tally.unusable;
-      continue;
+  for (int i = 0; i < epoch.observations->rows && tally.used < most_rows; ++i)
+    take(epoch, tally, place, knows_place, i, out);
+  return tally;
+}
+
+/// One row, as the next of `out` or as one more of those that are not used.
+void Corrections::take(const Epoch& epoch, Tally& tally, const AntennaPlace& place, bool knows_place, int row,
+                       std::array<Sighting, most_rows>& out) const {
+  const SampleView& observations = *epoch.observations;
+  Sighting& s = out[static_cast<std::size_t>(tally.used)];
+  s = Sighting{};
+  s.satellite = rows_.satellite(observations, row);
+  s.pseudorange = rows_.pseudorange(observations, row);
+  s.range_rate = rows_.range_rate(observations, row);
+  if (s.satellite == 0 || !(s.pseudorange > shortest_pseudorange) || !(s.pseudorange < longest_pseudorange)) {
+    ++tally.unusable;
+    return;
+  }
+  s.cn0 = rows_.cn0(observations, row);
+  if (is_excluded(s.satellite) || (min_cn0_ > 0 && s.cn0 < min_cn0_)) {  // false for NaN
+    ++tally.masked;
+    return;
+  }
+  s.system = rows_.system(observations, row, s.satellite);
+  s.range_variance = rows_.range_variance(observations, row);
+  s.rate_variance = rows_.rate_variance(observations, row);
+  Sender sender;
+  if (rows_.are_given()) {
+    const auto end = out.begin() + tally.used;
+    if (std::any_of(out.begin(), end, [&](const Sighting& other) { return other.satellite == s.satellite; })) {
+      ++tally.repeated;
+      return;
     }
-    if (is_excluded(sighting.satellite) || row[observation::cn0] < min_cn0_) {  // false for NaN
-      ++tally.masked;
-      continue;
+    if (!by_row(observations, row, sender)) {
+      ++tally.misplaced;
+      return;
     }
-    const double* message = find_ephemeris(*epoch.ephemerides, sighting.satellite);
+  } else {
+    const double* message = find_ephemeris(*epoch.ephemerides, s.satellite);
     const Ephemeris ephemeris = message ? read_ephemeris(message) : Ephemeris{};
     if (!message || !is_usable(ephemeris)) {
       ++tally.without_ephemeris;
-      continue;
+      return;
     }
-    if (correct(epoch, place, knows_place, sighting, ephemeris)) {
-      ++tally.used;
-    } else {
-      ++tally.masked;
-    }
+    sender = by_ephemeris(epoch, s.pseudorange, ephemeris);
   }
-  return tally;
+  ++(correct(epoch, place, knows_place, sender, s) ? tally.used : tally.masked);
 }
 
 /// The label of an epoch and its pseudoranges belong to one clock, the receiver's: label − ρ / c is the satellite's own
 /// time of transmission, whatever the receiver's clock error (IS-GPS-200 20.3.3.3.3.1).
-bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool knows_place, Sighting& s,
-                          const Ephemeris& ephemeris) const {
-  double back = s.pseudorange / speed_of_light;
+Corrections::Sender Corrections::by_ephemeris(const Epoch& epoch, double pseudorange,
+                                              const Ephemeris& ephemeris) const {
+  double back = pseudorange / speed_of_light;
   if (satellite_clock_) back += satellite_clock(ephemeris, epoch.t, back);
-  const SatelliteState state = satellite_state(ephemeris, epoch.t, back);
+  return {satellite_state(ephemeris, epoch.t, back), ephemeris.group_delay, ephemeris.accuracy};
+}
+
+/// As the channel carries it. False: its position is none of a satellite, or a clock is missing that others have.
+bool Corrections::by_row(const SampleView& observations, int row, Sender& sender) const {
+  SatelliteState& state = sender.state;
+  state.position = rows_.position(observations, row);
+  const double distance = state.position.norm();
+  if (!(distance > lowest_orbit && distance < highest_orbit)) return false;
+  state.velocity = Eigen::Vector3d::Zero();
+  if (rows_.has_velocity()) state.velocity = rows_.velocity(observations, row);
+  if (rows_.has_clock()) state.clock = rows_.clock(observations, row);
+  if (rows_.has_clock_drift()) state.clock_drift = rows_.clock_drift(observations, row);
+  constexpr double most_clock = 1, most_drift = 1e-3;  // s, s/s: what is beyond is no satellite's
+  return std::abs(state.clock) <= most_clock && std::abs(state.clock_drift) <= most_drift;  // false for NaN
+}
+
+bool Corrections::correct(const Epoch& epoch, const AntennaPlace& place, bool knows_place, const Sender& sender,
+                          Sighting& s) const {
+  const SatelliteState& state = sender.state;
   s.velocity = state.velocity;
   s.path = signal_path(state.position, place.ecef, earth_rotation_);
   if (!(s.path.range > least_range)) return false;
-  s.accuracy = ephemeris.accuracy;
+  s.accuracy = sender.accuracy;
   if (satellite_clock_) {
     s.delay -= speed_of_light * state.clock;
     s.rate_delay = -speed_of_light * state.clock_drift;
   }
-  if (group_delay_) s.delay += speed_of_light * ephemeris.group_delay;
+  if (group_delay_) s.delay += speed_of_light * sender.group_delay;
   if (!knows_place) return true;
   s.direction = direction_in(place.C_en, s.path.direction);
   const double sine = std::sin(s.direction.elevation);
@@ -155,50 +207,6 @@ int Corrections::keep_highest(std::array<Sighting, most_rows>& sightings, int co
     std::move(lowest + 1, end, lowest);
   }
   return count;
-}
-
-std::vector<ParameterSpec> ElevationNoise::parameters(const char* unit, bool with_path_errors,
-                                                      const char* default_sigma) {
-  using namespace parameter;
-  constexpr double least = 1e-4, most = 1e3;
-  std::vector<ParameterSpec> specs{
-      number("sigma", unit)
-          .at_least(0)
-          .plausible(least, most)
-          .defaults(default_sigma)
-          .about("standard deviation straight up: sigma^2 + (sigma_elevation / sin el)^2 + …"),
-      number("sigma_elevation", unit)
-          .at_least(0)
-          .plausible(least, most)
-          .defaults("0")
-          .about("part of it that grows with 1 / sin(elevation)")};
-  if (with_path_errors) {
-    specs.push_back(
-        number("sigma_ionosphere", "1")
-            .at_least(0)
-            .defaults("0")
-            .about("standard deviation of the ionosphere correction as a part of it; Klobuchar's leaves half"));
-    specs.push_back(number("sigma_accuracy", "1")
-                        .at_least(0)
-                        .defaults("0")
-                        .about("factor on the accuracy that the message gives (URA, SISA)"));
-  }
-  return specs;
-}
-
-ElevationNoise::ElevationNoise(const Parameters& parameters, bool with_path_errors)
-    : sigma_(parameters.number("sigma")), by_elevation_(parameters.number("sigma_elevation")) {
-  if (sigma_ == 0 && by_elevation_ == 0)
-    throw ComponentError("sigma and sigma_elevation are both zero: a measurement has some noise", "/sigma");
-  if (!with_path_errors) return;
-  ionosphere_ = parameters.number("sigma_ionosphere");
-  accuracy_ = parameters.number("sigma_accuracy");
-}
-
-double ElevationNoise::variance(const Sighting& s) const {
-  const double sine = std::max(std::sin(s.direction.elevation), least_sine);
-  return squared(sigma_) + squared(by_elevation_ / sine) + squared(ionosphere_ * s.ionosphere) +
-         (accuracy_ > 0 ? squared(accuracy_ * s.accuracy) : 0.0);
 }
 
 }  // namespace binnacle::gnss

@@ -142,7 +142,7 @@ Endpoint::Got Endpoint::lose() {
   return Got::lost;
 }
 
-Endpoint::Got Endpoint::read(std::string& to) {
+Endpoint::Got Endpoint::read(std::string& to, bool ends_lines) {
   if (!file_ || is_connecting_) return come_back();
   constexpr std::size_t block = 1 << 16;
   const std::size_t before = to.size();
@@ -151,7 +151,7 @@ Endpoint::Got Endpoint::read(std::string& to) {
   const auto count = is_udp ? receive(to.data() + before, block) : ::read(file_.get(), to.data() + before, block);
   to.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   if (count > 0) {
-    if (is_udp && to.back() != '\n') to += '\n';
+    if (is_udp && ends_lines && to.back() != '\n') to += '\n';
     return Got::bytes;
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return Got::nothing;

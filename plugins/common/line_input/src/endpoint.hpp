@@ -30,8 +30,8 @@ class Endpoint {
     lost,     // what comes next begins anew; once
     found     // again, or for the first time where nobody was there at first; once
   };
-  /// Appends what is there. A datagram ends a line.
-  Got read(std::string& to);
+  /// Appends what is there. ends_lines: a datagram ends a line.
+  Got read(std::string& to, bool ends_lines);
   /// For poll(); −1: it is asked now and then.
   int wait_handle() const;
   const address::Address& address() const { return address_; }

@@ -16,8 +16,13 @@ class Composition;
 namespace binnacle::score {
 
 /// What is looked at: an error (truth minus estimate by the block's ⊟) or norm of errors, the filter's own 1-σ of it, how
-/// well the two agree (NEES: of a block, or of one error component), or a measurement's mean NIS.
+/// well the two agree (NEES: of the whole state, of a block, or of one error component), or a measurement's mean NIS.
 enum class MetricQuantity { error, sigma, nees, nis };
+enum class NeesOf { component, block, state };
+
+/// The whole state, where a block's name would stand. A block of that name keeps it, and there is no figure of the whole
+/// state then.
+inline constexpr const char* state_name = "state";
 
 /// Over time, of what is scored (`evaluate`'s after and until). `mean`, `final` and `at` are signed, the others of the
 /// magnitude. `at`: at one time, interpolated between the two scored samples around it, wherever `evaluate` begins.
@@ -30,8 +35,8 @@ struct Metric {
   int filter = 0;
   MetricQuantity quantity = MetricQuantity::error;
   MetricStatistic statistic = MetricStatistic::rms;
-  int subject = 0;        // its reader's own: which error, block or measurement
-  bool of_block = false;  // nees of a whole block
+  int subject = 0;  // its reader's own: which error, block or measurement
+  NeesOf nees_of = NeesOf::component;
   Time at = 0;
   bool at_is_from_start = false;
   std::string unit;  // for display; parse_unit reads it
@@ -59,8 +64,8 @@ std::vector<UnknownMetric> unknown_metrics(const Composition& composition);
 
 /// Reads `FILTER/BLOCK.OUTPUT/STATISTIC` against what the composition's references score. Statistics: `mean`, `rms`,
 /// `max`, `final`, `drift`, `p50`, `p95`, `at 100 s`, `at start+100 s`; `sigma`: 1-σ where `final` is taken; `sigma at 100 s`;
-/// FILTER/BLOCK/nees: its mean over time; `nees at 100 s`; FILTER/MEASUREMENT/nis: the mean of the accepted samples. The
-/// failure is one line with what was likely meant.
+/// FILTER/BLOCK/nees: its mean over time; `nees at 100 s`; FILTER/state/nees: of all blocks that references give in full
+/// together; FILTER/MEASUREMENT/nis: the mean of the accepted samples. The failure is one line with what was likely meant.
 Parsed<Metric> read_metric(const Composition& composition, std::string_view text);
 
 /// Shows the metric in this unit. Empty, or one line that says why it cannot be.

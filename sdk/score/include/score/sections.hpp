@@ -4,6 +4,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "binnacle/composition.hpp"
 #include "binnacle/config.hpp"
@@ -21,5 +25,9 @@ std::shared_ptr<const Composition> parse(std::string_view text, const std::files
                                          const LoadOptions& options = {});
 /// Config::load() with them.
 Config load_config(const std::filesystem::path& config, const LoadOptions& options = {});
+
+/// LoadOptions::sets by which a filter of a config takes Jacobians, whatever its `propagation` and its measurements' `update`: where
+/// P is not what it believes, sigma points would be of what it never did.
+std::vector<std::string> by_jacobians(const nlohmann::ordered_json& config, const std::string& filter);
 
 }  // namespace binnacle::score

@@ -267,6 +267,7 @@ struct InnovationNumbers {
 struct Estimated {
   Eigen::MatrixXd R;
   std::string damage;
+  std::vector<std::string> notes = {};  // that it left
 };
 
 class NoiseCaller {

@@ -11,7 +11,8 @@ namespace binnacle::gnss {
 
 enum class Constellation { none = 0, gps = 1, galileo = 2 };
 
-/// Constellation · 100 + number: GPS G05 is 105, Galileo E11 is 211. What a row is known by (row key).
+/// Constellation · 100 + number: GPS G05 is 105, Galileo E11 is 211. Of satellites that a channel gives with a number of
+/// their system: system · 1000 + number. What a row is known by (row key).
 using SatelliteKey = std::int64_t;
 
 inline constexpr int most_satellites_per_constellation = 36;

@@ -2,30 +2,19 @@
 // Lines of a live source as they come, and what is reported of them and of where they come from.
 #pragma once
 
-#include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include "binnacle/parameters.hpp"
-#include "binnacle/source.hpp"
-#include "binnacle/spec.hpp"
+#include "line_input/bytes.hpp"
 
 namespace binnacle::line_input {
-
-/// Of the machine's monotonic clock.
-Time monotonic_now();
 
 class Lines {
  public:
   /// `from`, `stamp`, `silence`, `on_error`. The constructor needs `from`.
   static std::vector<ParameterSpec> parameters();
-  explicit Lines(const Parameters& parameters);
-  ~Lines();
+  explicit Lines(const Parameters& parameters) : bytes_(parameters, true) {}
 
   /// "stamp": "arrival".
-  bool stamps_arrival() const { return stamps_arrival_; }
-  int wait_handle() const;
+  bool stamps_arrival() const { return bytes_.stamps_arrival(); }
+  int wait_handle() const { return bytes_.wait_handle(); }
   SourceFigures figures() const;
 
   /// Throws ComponentError::in_data (B060). What was read before is forgotten.
@@ -44,17 +33,18 @@ class Lines {
   /// ComponentError::in_data with "on_error": "stop".
   void complain(const std::string& why, const char* code = "B062");
   /// The same of something that ends nothing.
-  void note(const std::string& what, const char* code);
+  void note(const std::string& what, const char* code) { bytes_.note(what, code, line_); }
 
  private:
-  struct Intake;
-  void watch_silence(bool came);
-  void watch_losses();
   bool take_line(std::string_view& line);
+  void begin_anew(bool is_lost);
 
-  bool stamps_arrival_ = false, stops_ = false;
-  Time silence_ = 0;
-  std::unique_ptr<Intake> intake_;
+  Bytes bytes_;
+  std::string buffer_;
+  std::size_t begin_ = 0;  // of what was not taken yet
+  int line_ = 0;
+  bool is_cut_ = false;                      // the rest of a line that was given up
+  std::int64_t waiting_ = 0, unusable_ = 0;  // lines
 };
 
 }  // namespace binnacle::line_input

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A robust loss that multiplies R by its weight instead of dividing by it.
+// fails: numbers.noise.outlier
+#include "faulty.hpp"
+
+namespace {
+
+class Subject final : public faulty::Noise {
+ public:
+  Subject(const binnacle::Binding& binding, const binnacle::NoiseBinding& noise) : Noise(binding, noise) {
+    declaration_.judged_by_nominal();
+  }
+  void estimate(const binnacle::Innovation& in, binnacle::MatrixView R) const override {
+    for (int i = 0; i < in.rows; ++i) {
+      const double d2 = in.residual[i] * in.residual[i] / (in.HPHt(i, i) + in.R_nominal(i, i));
+      if (std::isfinite(d2)) R(i, i) = in.R_nominal(i, i) * (0.01 + 1 / (1 + d2));
+    }
+  }
+};
+
+}  // namespace
+
+BINNACLE_PLUGIN("trusts_outliers", "1.0.0", registry) { registry.add<Subject>(); }
