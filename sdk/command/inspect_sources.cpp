@@ -66,6 +66,12 @@ class Collector final : public RunObserver {
   std::vector<std::vector<int>> places_;
 };
 
+/// A csv source without sets of rows: its file is read as it is.
+bool is_text(const Json& source) {
+  const std::string type = source.at("type");
+  return (type == "csv" || type == "csv/csv") && !source.contains("rows") && !source.contains("where");
+}
+
 /// What stands under a csv source of the resolved config.
 inspect::StatedFile stated_file(const Json& source) {
   inspect::StatedFile file;
@@ -97,23 +103,8 @@ inspect::StatedFile stated_file(const Json& source) {
   return file;
 }
 
-std::vector<inspect::Channel> channels_of_config(const std::string& path, const ConfigOptions& options) {
-  LoadOptions load = options.load_options(path);
-  load.sections = {std::make_shared<AllSources>()};
-  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks=null", "/transforms=null"});
-  const auto composition = Composition::load(path, load);
-  const Json config = Json::parse(composition->config());
-  std::vector<inspect::Channel> channels;
-  std::vector<std::string> others;
-  for (const auto& [name, source] : config.at("sources").items()) {
-    if (source.at("type") != "csv" && source.at("type") != "csv/csv") {
-      others.push_back(name);
-      continue;
-    }
-    channels.push_back(inspect::read_stated_file(stated_file(source), name));
-    channels.back().pointer = "/sources/" + name;
-  }
-  if (others.empty()) return channels;
+/// What sources emit, other than text files.
+std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& composition) {
   Collector collector(*composition);
   RunOptions run_options;
   run_options.observer = &collector;
@@ -124,13 +115,60 @@ std::vector<inspect::Channel> channels_of_config(const std::string& path, const 
   } catch (const DataError& error) {
     fault = error.what();
   }
-  for (auto& channel : collector.channels) {
-    if (std::ranges::any_of(channels, [&](const auto& each) { return each.pointer == channel.pointer; })) continue;
-    if (!channel.pointer.starts_with("/sources/")) continue;
-    channel.fault = fault;
+  // One row per satellite is for a filter of pseudoranges: nothing here looks at these.
+  std::erase_if(collector.channels, [](const auto& channel) {
+    return channel.fields.empty() || (channel.t.empty() && channel.pointer.empty());
+  });
+  for (auto& channel : collector.channels) channel.fault = fault;
+  return std::move(collector.channels);
+}
+
+std::vector<inspect::Channel> channels_of_config(const std::string& path, const ConfigOptions& options) {
+  LoadOptions load = options.load_options(path);
+  load.sections = {std::make_shared<AllSources>()};
+  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks=null", "/transforms=null"});
+  const auto composition = Composition::load(path, load);
+  const Json config = Json::parse(composition->config());
+  std::vector<inspect::Channel> channels;
+  bool has_others = false;
+  for (const auto& [name, source] : config.at("sources").items()) {
+    if (is_text(source)) {
+      channels.push_back(inspect::read_stated_file(stated_file(source), name));
+      channels.back().pointer = "/sources/" + name;
+    } else {
+      has_others = true;
+    }
+  }
+  if (!has_others) return channels;
+  for (auto& channel : emitted(composition))
+    if (channel.pointer.starts_with("/sources/") &&
+        std::ranges::none_of(channels, [&](const auto& each) { return each.pointer == channel.pointer; }))
+      channels.push_back(std::move(channel));
+  return channels;
+}
+
+/// Files of receivers are read by their sources; null: a text file with columns.
+Json receiver_source(const std::string& path) {
+  std::string stem = path;
+  if (stem.ends_with(".gz")) stem.resize(stem.size() - 3);
+  const auto type = stem.ends_with(".ubx") ? "ublox" : stem.ends_with(".pos") ? "rtklib_pos" : stem.ends_with(".nmea") ? "nmea" : nullptr;
+  if (!type) return nullptr;
+  return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
+}
+
+void add_receiver(const std::string& path, const Json& source, const std::string& name, const ConfigOptions& options,
+                  std::vector<inspect::Channel>& channels) {
+  LoadOptions load = options.load_options(path);
+  load.sections = {std::make_shared<AllSources>()};
+  const Json config = {{"binnacle", 1}, {"sources", {{name, source}}}, {"filters", Json::object()}};
+  const std::string type = source.at("type");
+  for (auto& channel : emitted(Composition::parse(config.dump(), path, load))) {
+    if (channel.t.empty()) continue;
+    channel.path = path;
+    channel.type = type;
+    channel.pointer.clear();
     channels.push_back(std::move(channel));
   }
-  return channels;
 }
 
 /// "imu" of "/data/imu.csv.gz"; with a number where it is taken.
@@ -153,7 +191,10 @@ std::vector<inspect::Channel> channels_of(const std::vector<std::string>& files,
   std::vector<inspect::Channel> channels;
   for (const auto& file : files) {
     if (is_config(file)) throw UsageError("inspect takes one config, or data files");
-    channels.push_back(inspect::read_bare_file(file, name_of(file, channels)));
+    if (const Json source = receiver_source(file); !source.is_null())
+      add_receiver(file, source, name_of(file, channels), options, channels);
+    else
+      channels.push_back(inspect::read_bare_file(file, name_of(file, channels)));
   }
   return channels;
 }
