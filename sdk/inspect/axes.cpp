@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "questions.hpp"
+#include "statistics.hpp"
 #include "windows.hpp"
 
 namespace binnacle::inspect {
@@ -80,10 +81,21 @@ void report_triad(const Channel& imu, const char* kind, const Matrix3d& map, cha
   findings.push_back(std::move(found));
 }
 
+void report_open(const Channel& imu, const std::string& text, const std::string& evidence, Findings& findings) {
+  Finding found;
+  found.kind = "axes";
+  found.channel = imu.name;
+  found.severity = Severity::unknown;
+  found.text = text;
+  found.evidence = evidence;
+  findings.push_back(std::move(found));
+}
+
 struct Best {
   Matrix3d X;
   bool is_mirrored;
-  double lead;  // over the next, in standard errors over windows
+  double lead;           // over the next, in standard errors over windows
+  double over_identity;  // over the axes as they are; 0 where these are the best
   std::size_t windows;
 };
 
@@ -105,15 +117,26 @@ Best search(const Windows& windows, const Vector3d& bias) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < costs.size(); ++i)
     if (sum(costs[i]) < sum(costs[best])) best = i;
-  double lead = 1e9;
+  // Signed roots of the likelihood ratios: nearly normal, where the ratios themselves have a long tail of telling windows.
+  const auto lead_over = [&](std::size_t i) {
+    std::vector<double> roots(n);
+    double mean = 0, square = 0;
+    for (std::size_t w = 0; w < n; ++w) {
+      const double ratio = 2 * (costs[i][w] - costs[best][w]);
+      roots[w] = std::copysign(std::sqrt(std::abs(ratio)), ratio);
+      mean += roots[w] / static_cast<double>(n);
+    }
+    for (const double root : roots) square += (root - mean) * (root - mean);
+    return mean / std::max(1e-12, std::sqrt(square / static_cast<double>(n * (n - 1))));
+  };
+  Best result{orders[best / 2], best % 2 == 1, 1e9, 0, n};
   for (std::size_t i = 0; i < costs.size(); ++i) {
     if (i == best) continue;
-    double mean = 0, square = 0;
-    for (std::size_t w = 0; w < n; ++w) mean += (costs[i][w] - costs[best][w]) / static_cast<double>(n);
-    for (std::size_t w = 0; w < n; ++w) square += std::pow(costs[i][w] - costs[best][w] - mean, 2);
-    lead = std::min(lead, mean / std::max(1e-12, std::sqrt(square / static_cast<double>(n * (n - 1)))));
+    const double lead = lead_over(i);
+    result.lead = std::min(result.lead, lead);
+    if (i % 2 == 0 && orders[i / 2].isIdentity()) result.over_identity = lead;
   }
-  return {orders[best / 2], best % 2 == 1, lead, n};
+  return result;
 }
 
 }  // namespace
@@ -121,24 +144,28 @@ Best search(const Windows& windows, const Vector3d& bias) {
 Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
               Findings* findings) {
   Axes axes;
-  const Windows windows(inertial, fixes, delay, 20);
-  if (windows.size() < 4) return axes;
-  const Best best = search(windows, bias);
+  // 40 s: what a turn adds about the level axes grows with the window, and errors of a MEMS gyro stay below a degree.
+  const Windows windows(inertial, fixes, delay, 40);
   Findings ignored;
   Findings& list = findings ? *findings : ignored;
-  const double confidence = std::erf(best.lead / std::sqrt(2.0));
+  if (windows.size() < 4) {
+    report_open(imu, "there is too little motion to say that signs and order of the axes are right",
+                fmt::format("{} windows of 40 s with velocities", windows.size()), list);
+    return axes;
+  }
+  const Best best = search(windows, bias);
+  // 95 others compete.
+  const auto chance = [&](double lead) { return std::min(1.0, 95 * student_tail(std::max(0.0, lead), best.windows - 1)); };
+  const double confidence = 1 - chance(best.lead);
   const std::string evidence = fmt::format(
-      "rates and forces against velocities in {} windows of 20 s: the best of 96 signed orders leads by {} sigma",
-      best.windows, figure(best.lead));
-  // 95 others compete: 4 sigma leave one false alarm in 300.
-  if (best.lead < 4) {
-    Finding found;
-    found.kind = "axes";
-    found.channel = imu.name;
-    found.severity = Severity::unknown;
-    found.text = "there is too little motion to say that signs and order of the axes are right";
-    found.evidence = evidence;
-    list.push_back(std::move(found));
+      "rates and forces against velocities in {} windows of 40 s: the best of 96 signed orders leads by {} standard errors", best.windows,
+      figure(best.lead));
+  if (confidence < 0.99) {
+    axes.is_ruled_out = chance(best.over_identity) < 0.01;
+    report_open(imu,
+                axes.is_ruled_out ? "signs or order of the axes are not right, and these data do not show which are wrong"
+                                  : "there is too little motion to say that signs and order of the axes are right",
+                evidence, list);
     return axes;
   }
   axes.is_known = true;

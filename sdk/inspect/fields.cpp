@@ -152,9 +152,22 @@ void ask_clipped(const Channel& channel, const Field& field, Findings& findings)
   }
 }
 
+/// Where the tail of sorted values, as a power law through two of its quantiles, would be exceeded once in 10^4 records.
+/// Between 90 and 99 % of few values, between 99 and 99.9 % of many; a tail is never taken to be thinner than a fourth power.
+double beyond_tail(const std::vector<double>& sorted) {
+  const double n = static_cast<double>(sorted.size()), share = n > 20'000 ? 0.01 : 0.1;
+  const auto at = [&](double upper) { return sorted[static_cast<std::size_t>((1 - upper) * (n - 1))]; };
+  const double low = at(share), high = at(0.1 * share);
+  if (!(low > 0)) return 0;
+  const double exponent = std::max(0.25, std::log10(high / low));
+  return high * std::pow(0.1 * share * n / 1e-4, exponent);
+}
+
 /// Single samples far from both neighbours, which agree with each other.
 void ask_spikes(const Channel& channel, const Field& field, Findings& findings) {
-  if (is_deviation(field) || field.values.size() < 100 || field.name == "yaw" || field.name == "course") return;
+  // Positions are compared with velocities instead, and angles go round.
+  static const std::vector<std::string> others{"yaw", "course", "lat", "lon"};
+  if (is_deviation(field) || field.values.size() < 100 || std::ranges::find(others, field.name) != others.end()) return;
   const auto& x = field.values;
   std::vector<double> away(x.size(), 0);
   for (std::size_t i = 1; i + 1 < x.size(); ++i) {
@@ -164,8 +177,7 @@ void ask_spikes(const Channel& channel, const Field& field, Findings& findings) 
   }
   std::vector<double> sorted = away;
   std::ranges::sort(sorted);
-  // Against what the record itself does at its roughest: the 99th percentile, ten times over.
-  const double limit = 10 * sorted[sorted.size() * 99 / 100];
+  const double limit = beyond_tail(sorted);
   if (!(limit > 0)) return;
   std::size_t count = 0, worst = 0;
   for (std::size_t i = 0; i < away.size(); ++i)
@@ -178,7 +190,7 @@ void ask_spikes(const Channel& channel, const Field& field, Findings& findings) 
   found.from = found.to = channel.t[worst];
   found.text = fmt::format("{} sample{} away from both neighbours, by {} {} at {} s", count, count == 1 ? "" : "s",
                            figure(found.value), field.si, figure(found.from));
-  found.evidence = fmt::format("limit {} {}: ten times the 99th percentile", figure(limit), field.si);
+  found.evidence = fmt::format("limit {} {}: what the tail of the record's own roughness reaches once in 10^4 records", figure(limit), field.si);
   findings.push_back(std::move(found));
 }
 

@@ -99,7 +99,7 @@ double ask_force_unit(const Channel& channel, Inertial& inertial, Findings& find
 double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& turning, Findings& findings) {
   const Field& field = *channel.find("wx");
   const double size = turning.axis.norm();
-  const double error = turning.axis_error.norm() / std::max(size, 1e-300);
+  const double error = turning.axis.cwiseProduct(turning.axis_error).norm() / std::max(size * size, 1e-300);
   if (!turning.is_known || error > 0.05) {
     Finding found;
     found.kind = "rate_unit";
@@ -124,7 +124,7 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
   const Candidate* const best = nearest(all, claimed * size, 0.15);
   const std::string evidence =
       fmt::format("course rate is {} +- {} times the stated rate about the vertical, over {} intervals", figure(size),
-                  figure(turning.axis_error.norm()), turning.used);
+                  figure(error * size), turning.used);
   if (!best) {
     Finding found;
     found.kind = "rate_unit";

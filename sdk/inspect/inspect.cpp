@@ -143,7 +143,7 @@ class Pair {
     rest_.mean_f = axes.force * rest_.mean_f;
     const double delay = ask_delay(imu_, gnss_, inertial_, fixes_, coarse, true_bias, difference, inspection_.findings);
     inspection_.delay = delay + difference;
-    if (!axes.is_known) return;
+    if (axes.is_ruled_out) return;
     inspection_.mounting = ask_mounting(imu_, gnss_, inertial_, fixes_, delay, true_bias, rest_, inspection_.findings);
     ask_velocity_faults(gnss_, inertial_, fixes_, delay, true_bias, inspection_.findings, inspection_.plots);
   }

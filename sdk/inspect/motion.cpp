@@ -101,7 +101,7 @@ void report_lever_arm(const Channel& imu, const Channel& gnss, const Windows& wi
   }
   const LinearFit fit = robust_fit(X, y);
   constexpr const char* names[] = {"forward", "right", "down"};
-  constexpr const char* sides[] = {"ahead", "right", "below", "behind", "left", "above"};
+  constexpr const char* sides[] = {"ahead of", "right of", "below", "behind", "left of", "above"};
   for (int k = 0; k < 3; ++k) {
     Finding found;
     found.kind = "lever_arm";
@@ -111,7 +111,7 @@ void report_lever_arm(const Channel& imu, const Channel& gnss, const Windows& wi
     found.unit = "m";
     const bool is_seen = fit.used > 0 && std::abs(fit.beta[k]) > 4 * fit.standard_error[k];
     found.severity = is_seen ? Severity::finding : Severity::unknown;
-    found.text = is_seen ? fmt::format("the antenna is {} m {} of the IMU (+- {} m)", figure(std::abs(fit.beta[k])),
+    found.text = is_seen ? fmt::format("the antenna is {} m {} the IMU (+- {} m)", figure(std::abs(fit.beta[k])),
                                        sides[fit.beta[k] > 0 ? k : k + 3], figure(fit.standard_error[k]))
                          : fmt::format("turning shows no lever arm {}: {} +- {} m", names[k], figure(fit.beta[k]),
                                        figure(fit.standard_error[k]));
@@ -193,7 +193,7 @@ void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fi
   for (std::size_t w = 0; w < windows.size(); ++w) {
     double square = 0, count = 0;
     for (const auto& step : windows.follow(w, bias)) {
-      square += step.left.squaredNorm();
+      square += step.left.squaredNorm() / (step.doubt * step.doubt);
       count += 3;
     }
     rms.push_back(std::sqrt(square / count));
@@ -205,8 +205,8 @@ void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fi
   if (rms.size() < 8) return;
   std::vector<double> logs;
   for (const double each : rms) logs.push_back(std::log(each));
-  // What is left scatters over windows log-normally; five of its sigma, and at least eight times the usual.
-  const double limit = std::exp(median(logs) + std::max(5 * robust_sigma(logs), std::log(8.0)));
+  // What is left scatters over windows log-normally: five of its sigma are one false window in a million.
+  const double limit = std::exp(median(logs) + 5 * robust_sigma(logs));
   Finding found;
   found.kind = "velocity_fault";
   found.channel = gnss.name;
@@ -227,7 +227,8 @@ void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fi
   found.text =
       fmt::format("velocities contradict the specific force for {} s, first at {} s: differences are off by {} m/s rms",
                   figure(seconds), figure(found.from), figure(found.value));
-  found.evidence = fmt::format("what is left in windows of 5 s: {} m/s rms usually, limit {} m/s",
+  found.evidence = fmt::format("what is left in windows of 5 s, where the receiver states a larger deviation than usual by so much less: {} m/s rms "
+                  "usually, limit {} m/s",
                                figure(std::exp(median(logs))), figure(limit));
   findings.push_back(std::move(found));
 }

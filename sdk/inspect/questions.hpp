@@ -74,6 +74,7 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
 /// Which signed columns the triads have, against each other and against a right-handed frame.
 struct Axes {
   bool is_known = false;
+  bool is_ruled_out = false;  // not known, but not those of the file
   Matrix3d force = Matrix3d::Identity();  // true components = force · those of the file
   Matrix3d rate = Matrix3d::Identity();
   bool is_mirrored = false;  // rates and forces alike

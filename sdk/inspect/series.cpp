@@ -22,6 +22,19 @@ std::vector<Vector3d> triad(const Channel& channel, const std::vector<std::size_
   return values;
 }
 
+std::vector<double> doubt_of(const Channel& channel, const std::vector<std::size_t>& rows) {
+  std::vector<double> doubt(rows.size(), 1);
+  for (const char* name : {"velocity_sd_n", "velocity_sd_e", "velocity_sd_d"}) {
+    const Field* const field = channel.find(name);
+    if (!field) continue;
+    const double usual = median(field->values);
+    if (!(usual > 0)) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (const double ratio = field->values[rows[i]] / usual; ratio > doubt[i]) doubt[i] = ratio;
+  }
+  return doubt;
+}
+
 }  // namespace
 
 double usual_step(const std::vector<double>& t) {
@@ -62,6 +75,7 @@ Fixes fixes_of(const Channel& channel) {
   for (const auto row : rows) fixes.t.push_back(channel.t[row]);
   fixes.v = triad(channel, rows, "vn", "ve", "vd");
   fixes.p = triad(channel, rows, "lat", "lon", "height");
+  fixes.doubt = doubt_of(channel, rows);
   fixes.has_velocity = channel.find("vn") && channel.find("ve");
   fixes.has_position = channel.find("lat") && channel.find("lon");
   fixes.has_down = channel.find("vd");

@@ -27,6 +27,19 @@ double robust_sigma(const std::vector<double>& values) {
   return 1.4826 * median(std::move(distance));
 }
 
+double student_tail(double t, std::size_t dof) {
+  const double theta = std::atan2(t, std::sqrt(static_cast<double>(dof)));
+  const double sine = std::sin(theta), cosine2 = std::cos(theta) * std::cos(theta);
+  const bool is_odd = dof % 2 == 1;
+  double term = is_odd ? std::cos(theta) : 1, sum = dof == 1 ? 0 : term;
+  for (std::size_t k = is_odd ? 3 : 2; k + (is_odd ? 1 : 0) < dof; k += 2) {
+    term *= cosine2 * static_cast<double>(k - 1) / static_cast<double>(k);
+    sum += term;
+  }
+  const double inside = is_odd ? 2 / 3.141592653589793 * (theta + sine * sum) : sine * sum;
+  return std::max(0.0, 0.5 * (1 - inside));
+}
+
 LinearFit robust_fit(const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
   const Eigen::Index n = X.rows(), p = X.cols();
   LinearFit fit;

@@ -15,6 +15,9 @@ double median(std::vector<double> values);
 /// 1.4826 × the median distance from the median: σ of a normal distribution.
 double robust_sigma(const std::vector<double>& values);
 
+/// Chance that Student's t of so many degrees of freedom is above t, t >= 0 (Abramowitz and Stegun, 26.7.3 and 26.7.4).
+double student_tail(double t, std::size_t dof);
+
 /// y = X β by iterated reweighting (Tukey's biweight, 4.685 σ).
 struct LinearFit {
   Eigen::VectorXd beta, standard_error;

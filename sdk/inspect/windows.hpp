@@ -34,6 +34,7 @@ class Windows {
     Vector3d v;       // at its end
     Matrix3d C_nb;    // at its end
     Vector3d left;    // m/s
+    double doubt;     // how much less certain than usual the receiver states its velocity to be, at least 1
     Vector3d rate_b;  // mean over its last tenth, less bias [rad/s]
     Vector3d rate_begin;
     Matrix3d C_begin;
@@ -47,6 +48,7 @@ class Windows {
   };
   struct Interval {
     double from, to;
+    double doubt;            // of the less certain end
     Vector3d u, v;           // difference of velocity less gravity; velocity at the end
     std::size_t first, end;  // pieces
   };

@@ -220,7 +220,7 @@ def from_column(**of):
 def late(name, of, seconds):
     offset = seconds if of == "gnss" else -seconds
     return Fault(name, labels(of, lambda t: t + seconds), "delay", BOTH, [], offset, 0.04, True,
-                 remedies=[("offset", -offset, 0.06)])
+                 remedies=[("offset", -offset, 0.06)], shift=True)
 
 
 FAULTS = [

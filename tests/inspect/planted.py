@@ -80,7 +80,12 @@ def fields_of(finding):
     return {field.strip() for field in finding["field"].split(",") if field.strip()}
 
 
-def is_remedy(patch, fault):
+def before(kind, field, clean):
+    """What the clean drive has of it: its receiver's own latency, its own lever arm."""
+    return next((each["value"] for each in clean["report"]["findings"] if each["kind"] == kind and each["field"] == field), 0)
+
+
+def is_remedy(patch, fault, clean):
     """Whether this change of the config undoes the fault."""
     if patch is None or patch in fault.remedies:
         return True
@@ -91,17 +96,17 @@ def is_remedy(patch, fault):
             return True
         if each == "heading" and is_heading(patch, fault):
             return True
-        if isinstance(each, tuple) and is_offset(patch, each):
+        if isinstance(each, tuple) and is_offset(patch, each, before("delay", "", clean)):
             return True
     return False
 
 
-def is_offset(patch, wanted):
+def is_offset(patch, wanted, own):
     """The clock of one channel, by so much: of GNSS by `offset`, or of the IMU by its opposite."""
     for channel, sign in (("gnss", 1), ("imu", -1)):
         time = patch["sources"].get(channel, {}).get("time", {})
         if list(time) == ["offset"] and list(patch["sources"]) == [channel]:
-            return abs(sign * float(time["offset"].split()[0]) - wanted[1]) <= wanted[2]
+            return abs(sign * float(time["offset"].split()[0]) + own - wanted[1]) <= wanted[2]
     return False
 
 
@@ -143,9 +148,7 @@ def has_value(finding, fault, drive, clean):
     if found is None:
         return False
     if fault.shift:
-        before = next((each["value"] for each in clean["report"]["findings"]
-                       if each["kind"] == finding["kind"] and each["field"] == finding["field"]), 0)
-        found -= before
+        found -= before(finding["kind"], finding["field"], clean)
     if fault.within == "size":
         return abs(abs(found) - value) < 1e-6 + 1e-6 * abs(value)
     return abs(found - value) <= fault.within * (1 if fault.absolute else abs(value)) + 1e-12
@@ -157,7 +160,7 @@ def judge(report, fault, drive, clean):
     named = set()
     for finding in report["findings"]:
         its = finding["kind"] in fault.kinds and finding["channel"] == fault.channel
-        if finding["severity"] == "warning" and not is_remedy(finding["meaning"], fault):
+        if finding["severity"] == "warning" and not is_remedy(finding["meaning"], fault, clean):
             wrong.append(finding)
         if its and finding["severity"] == fault.severity and fields_of(finding) <= fault.fields \
                 and has_value(finding, fault, drive, clean):
