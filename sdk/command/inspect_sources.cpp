@@ -185,8 +185,9 @@ std::string name_of(const std::string& path, const std::vector<inspect::Channel>
 
 }  // namespace
 
+bool is_config(const std::string& file) { return file.ends_with(".json"); }
+
 std::vector<inspect::Channel> channels_of(const std::vector<std::string>& files, const ConfigOptions& options) {
-  const auto is_config = [](const std::string& file) { return file.ends_with(".json"); };
   if (files.size() == 1 && is_config(files.front())) return channels_of_config(files.front(), options);
   std::vector<inspect::Channel> channels;
   for (const auto& file : files) {

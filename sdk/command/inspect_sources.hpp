@@ -10,6 +10,8 @@
 
 namespace binnacle::command {
 
+bool is_config(const std::string& file);
+
 /// One config (.json), or data files. Text files of `csv` sources are read row by row, so that what the source refuses is seen;
 /// any other source emits what it emits. Throws UsageError where both are mixed.
 std::vector<inspect::Channel> channels_of(const std::vector<std::string>& files, const ConfigOptions& options);

@@ -220,6 +220,7 @@ Channel read_stated_file(const StatedFile& file, const std::string& name) {
   };
   channel.time_column = file.time_column.empty() ? table.columns.front().name : file.time_column;
   channel.time_unit = file.time_unit;
+  channel.time_offset = file.time_offset;
   take_times(channel, column_of(channel.time_column), file.time_scale, file.time_offset);
   for (const StatedColumn& stated : file.columns) {
     const TextColumn& column = column_of(stated.column);

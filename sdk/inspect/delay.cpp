@@ -14,8 +14,6 @@ namespace binnacle::inspect {
 
 namespace {
 
-constexpr double least_speed = 3;  // m/s: below it the course scatters
-
 struct CourseStep {
   double from, to, rate, weight;
 };
@@ -26,7 +24,7 @@ std::vector<CourseStep> course_steps(const Fixes& fixes) {
     const Vector3d &a = fixes.v[i - 1], &b = fixes.v[i];
     const double dt = fixes.t[i] - fixes.t[i - 1];
     const double speed = std::min(std::hypot(a[0], a[1]), std::hypot(b[0], b[1]));
-    if (!(speed > least_speed) || dt > 3 * fixes.step) continue;
+    if (!(speed > fixes.moving) || dt > 3 * fixes.step) continue;
     const double turn = std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 6.283185307179586);
     if (std::abs(turn) < 1.2) steps.push_back({fixes.t[i - 1], fixes.t[i], turn / dt, std::min(speed, 10.0)});
   }
@@ -174,6 +172,14 @@ std::string known_as(double delay) {
   return "";
 }
 
+/// Text files have `time.offset`; receivers have GPS time, to which the other clock is then set.
+Json clock_patch(const Channel& imu, const Channel& gnss, double gnss_is_late) {
+  const bool sets_gnss = gnss.type == "csv" || imu.type != "csv";
+  const Channel& set = sets_gnss ? gnss : imu;
+  return source_patch(
+      set, {{"time", {{"offset", fmt::format("{:.3f} s", set.time_offset + (sets_gnss ? -gnss_is_late : gnss_is_late))}}}});
+}
+
 double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
                   std::vector<double>* each) {
   const Windows windows(inertial, fixes, delay, 20);
@@ -234,7 +240,7 @@ double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inerti
   found.text = fmt::format("{} is {:.3f} s {} {} (+- {:.3f} s){}", gnss.name, std::abs(found.value),
                            found.value > 0 ? "late against" : "early against", imu.name, error, known_as(found.value));
   found.evidence = fmt::format("specific force and turning against velocities, over {} windows of 20 s", n);
-  if (matters) found.meaning = source_patch(gnss, {{"time", {{"offset", fmt::format("{:.3f} s", -found.value)}}}});
+  if (matters) found.meaning = clock_patch(imu, gnss, found.value);
   findings.push_back(std::move(found));
   return best;
 }

@@ -12,8 +12,6 @@
 
 namespace binnacle::inspect {
 
-using Findings = std::vector<Finding>;
-
 /// "12.3", four significant digits.
 std::string figure(double value);
 /// A patch of one value: {"sources": {CHANNEL: …}}.

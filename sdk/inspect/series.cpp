@@ -83,6 +83,9 @@ Fixes fixes_of(const Channel& channel) {
   if (!fixes.has_down)
     for (auto& v : fixes.v) v[2] = 0;
   fixes.step = usual_step(fixes.t);
+  std::vector<double> speeds;
+  for (const auto& v : fixes.v) speeds.push_back(std::hypot(v[0], v[1]));
+  if (const double fast = quantile(speeds, 0.9); fast > 0) fixes.moving = std::min(3.0, 0.5 * fast);
   return fixes;
 }
 

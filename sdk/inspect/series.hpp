@@ -35,6 +35,8 @@ struct Fixes {
   std::vector<double> doubt;  // stated deviation of the velocity over its median, at least 1; 1 where none is stated
   bool has_velocity = false, has_position = false, has_down = false, has_height = false;
   double step = 0;
+  /// m/s: at least so fast, a course is a direction; 3, or less of one who walks: half of the 90th percentile.
+  double moving = 3;
 };
 Fixes fixes_of(const Channel& channel);
 

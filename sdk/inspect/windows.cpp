@@ -59,10 +59,10 @@ Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, dou
     last_end = interval.to;
     intervals_.push_back(interval);
   }
-  cut(length);
+  cut(length, std::min(2.0, fixes.moving));
 }
 
-void Windows::cut(double length) {
+void Windows::cut(double length, double least_speed) {
   for (std::size_t i = 0; i < intervals_.size();) {
     std::size_t end = i;
     double top = 0;
@@ -71,7 +71,7 @@ void Windows::cut(double length) {
       top = std::max(top, std::hypot(intervals_[end].v[0], intervals_[end].v[1]));
       ++end;
     }
-    if (end - i >= 6 && intervals_[end - 1].to - intervals_[i].from > 0.5 * length && top > 2)
+    if (end - i >= 6 && intervals_[end - 1].to - intervals_[i].from > 0.5 * length && top > least_speed)
       windows_.push_back({i, end, top});
     i = std::max(end, i + 1);
   }

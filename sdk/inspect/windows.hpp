@@ -56,7 +56,7 @@ class Windows {
     std::size_t first, end;
     double top_speed;
   };
-  void cut(double length);
+  void cut(double length, double least_speed);
 
   std::vector<Piece> pieces_;
   std::vector<Interval> intervals_;

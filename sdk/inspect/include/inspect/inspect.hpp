@@ -13,6 +13,8 @@
 
 namespace binnacle::inspect {
 
+using Findings = std::vector<Finding>;
+
 struct Plot {
   struct Line {
     std::string name;
@@ -24,7 +26,7 @@ struct Plot {
 
 struct Inspection {
   std::vector<Channel> channels;
-  std::vector<Finding> findings;  // warnings first, in the order of channels
+  Findings findings;  // warnings first, in the order of channels
   std::vector<Plot> plots;
   std::optional<Eigen::Matrix3d> mounting;  // C_vb: sensor to vehicle axes (forward, right, down), columns of the file
   double delay = 0;                         // s: a fix at label t was taken at t - delay of the IMU's labels
@@ -38,8 +40,9 @@ struct Proposal {
   Json config = nullptr;
   std::string reason;
 };
-/// folder: paths in the config are relative to it where they can be.
-Proposal propose(const Inspection& inspection, const std::string& folder);
+/// folder: paths in the config are relative to it where they can be. base: the config that was inspected, which the proposal
+/// extends; empty: the files were bare.
+Proposal propose(const Inspection& inspection, const std::string& folder, const std::string& base);
 
 Json to_json(const Inspection& inspection);
 /// One HTML page with pictures, without scripts.
