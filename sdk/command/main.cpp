@@ -22,9 +22,9 @@ constexpr const char* exit_statuses =
 
 std::vector<Verb> add_verbs(CLI::App& command) {
   std::vector<Verb> verbs;
-  for (const auto add : {run_verb, study_verb, covariance_verb, tune_verb, observe_verb, allan_verb, check_verb,
-                         explain_verb, list_verb, describe_verb, create_verb, schema_verb, graph_verb, report_verb,
-                         export_verb, new_verb, conform_verb, version_verb})
+  for (const auto add : {run_verb, study_verb, covariance_verb, tune_verb, observe_verb, allan_verb, inspect_verb,
+                         check_verb, explain_verb, list_verb, describe_verb, create_verb, schema_verb, graph_verb,
+                         report_verb, export_verb, new_verb, conform_verb, version_verb})
     verbs.push_back(add(command));
   // What is left over is looked at in refuse_leftovers(), which knows what was likely meant.
   command.allow_extras();

@@ -24,6 +24,7 @@ Verb study_verb(CLI::App& command);
 Verb covariance_verb(CLI::App& command);
 Verb observe_verb(CLI::App& command);
 Verb allan_verb(CLI::App& command);
+Verb inspect_verb(CLI::App& command);
 Verb tune_verb(CLI::App& command);
 Verb check_verb(CLI::App& command);
 Verb explain_verb(CLI::App& command);

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "inspect_sources.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "binnacle/composition.hpp"
+#include "binnacle/run.hpp"
+#include "binnacle/section.hpp"
+#include "binnacle/unit.hpp"
+#include "output.hpp"
+
+namespace binnacle::command {
+
+namespace {
+
+/// Shows all channels of sources to the run's observer.
+class AllSources final : public Section {
+ public:
+  std::vector<std::string> keys() const override {
+    return {"reference", "evaluate", "record", "study", "covariance", "metrics", "tune"};
+  }
+  std::vector<std::string> filter_keys() const override { return {"implied_states", "smoother"}; }
+  std::shared_ptr<const SectionData> read(CompositionDraft& draft) const override {
+    for (std::size_t i = 0; i < draft.channels().size(); ++i)
+      if (draft.channels()[i].pointer.starts_with("/sources/")) draft.subscribe(static_cast<int>(i), "inspect");
+    return nullptr;
+  }
+};
+
+class Collector final : public RunObserver {
+ public:
+  explicit Collector(const Composition& composition) {
+    for (const ChannelInfo& info : composition.channels()) {
+      inspect::Channel& channel = channels.emplace_back();
+      channel.name = info.name;
+      channel.pointer = info.pointer;
+      channel.time_unit = "s";
+      auto& places = places_.emplace_back();
+      for (std::size_t f = 0; f < info.declaration->fields.size(); ++f) {
+        const FieldSpec& spec = info.declaration->fields[f];
+        if (spec.is_per_row) continue;
+        places.push_back(info.position[f]);
+        inspect::Field& field = channel.fields.emplace_back();
+        field.name = field.column = spec.name;
+        field.unit = field.si = spec.unit;
+        field.kind = spec.kind;
+      }
+    }
+  }
+  void sampled(int index, const SampleView& sample) override {
+    const auto i = static_cast<std::size_t>(index);
+    inspect::Channel& channel = channels[i];
+    const double t = seconds(sample.t);
+    if (channel.t.empty()) channel.first_label = t;
+    channel.t.push_back(t - channel.first_label);
+    for (std::size_t f = 0; f < places_[i].size(); ++f)
+      channel.fields[f].values.push_back(sample.fields[places_[i][f]]);
+  }
+  std::vector<inspect::Channel> channels;
+
+ private:
+  std::vector<std::vector<int>> places_;
+};
+
+/// A csv source without sets of rows: its file is read as it is.
+bool is_text(const Json& source) {
+  const std::string type = source.at("type");
+  return (type == "csv" || type == "csv/csv") && !source.contains("rows") && !source.contains("where");
+}
+
+/// What stands under a csv source of the resolved config.
+inspect::StatedFile stated_file(const Json& source) {
+  inspect::StatedFile file;
+  file.path = source.at("path");
+  const auto unit_of = [](const Json& text) { return *parse_unit(text.get<std::string>()); };
+  if (const auto time = source.find("time"); time != source.end()) {
+    file.time_column = time->value("column", "");
+    file.time_unit = time->value("unit", "s");
+    file.time_scale = parse_unit(file.time_unit)->scale;
+    if (const auto offset = time->find("offset"); offset != time->end())
+      file.time_offset = offset->is_number() ? offset->get<double>() : seconds(*parse_time(offset->get<std::string>()));
+  }
+  file.delimiter = source.value("delimiter", ",")[0];
+  file.comment = source.value("comment", "#");
+  file.has_header = source.value("header", true);
+  for (const auto& [field, column] : source.at("columns").items()) {
+    inspect::StatedColumn& stated = file.columns.emplace_back();
+    stated.field = field;
+    stated.column = column.value("column", field);
+    stated.unit = column.at("unit");
+    const Unit unit = unit_of(column.at("unit"));
+    stated.scale = unit.scale * column.value("scale", 1.0);
+    stated.si = si_unit(unit.dimension);
+    const std::string kind = column.value("kind", "level");
+    stated.kind = kind == "rate" ? FieldKind::rate : kind == "increment" ? FieldKind::increment : FieldKind::level;
+    if (const auto missing = column.find("missing"); missing != column.end())
+      stated.missing = missing->get<std::vector<std::string>>();
+  }
+  return file;
+}
+
+/// What sources emit, other than text files.
+std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& composition) {
+  Collector collector(*composition);
+  RunOptions run_options;
+  run_options.observer = &collector;
+  run_options.feeds_sinks = false;
+  std::string fault;
+  try {
+    run(composition, run_options);
+  } catch (const DataError& error) {
+    fault = error.what();
+  }
+  // One row per satellite is for a filter of pseudoranges: nothing here looks at these.
+  std::erase_if(collector.channels, [](const auto& channel) {
+    return channel.fields.empty() || (channel.t.empty() && channel.pointer.empty());
+  });
+  for (auto& channel : collector.channels) channel.fault = fault;
+  return std::move(collector.channels);
+}
+
+std::vector<inspect::Channel> channels_of_config(const std::string& path, const ConfigOptions& options) {
+  LoadOptions load = options.load_options(path);
+  load.sections = {std::make_shared<AllSources>()};
+  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks=null", "/transforms=null"});
+  const auto composition = Composition::load(path, load);
+  const Json config = Json::parse(composition->config());
+  std::vector<inspect::Channel> channels;
+  bool has_others = false;
+  for (const auto& [name, source] : config.at("sources").items()) {
+    if (is_text(source)) {
+      channels.push_back(inspect::read_stated_file(stated_file(source), name));
+      channels.back().pointer = "/sources/" + name;
+    } else {
+      has_others = true;
+    }
+  }
+  if (!has_others) return channels;
+  for (auto& channel : emitted(composition))
+    if (channel.pointer.starts_with("/sources/") &&
+        std::ranges::none_of(channels, [&](const auto& each) { return each.pointer == channel.pointer; }))
+      channels.push_back(std::move(channel));
+  return channels;
+}
+
+/// Files of receivers are read by their sources; null: a text file with columns.
+Json receiver_source(const std::string& path) {
+  std::string stem = path;
+  if (stem.ends_with(".gz")) stem.resize(stem.size() - 3);
+  const auto type = stem.ends_with(".ubx") ? "ublox" : stem.ends_with(".pos") ? "rtklib_pos" : stem.ends_with(".nmea") ? "nmea" : nullptr;
+  if (!type) return nullptr;
+  return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
+}
+
+void add_receiver(const std::string& path, const Json& source, const std::string& name, const ConfigOptions& options,
+                  std::vector<inspect::Channel>& channels) {
+  LoadOptions load = options.load_options(path);
+  load.sections = {std::make_shared<AllSources>()};
+  const Json config = {{"binnacle", 1}, {"sources", {{name, source}}}, {"filters", Json::object()}};
+  const std::string type = source.at("type");
+  for (auto& channel : emitted(Composition::parse(config.dump(), path, load))) {
+    if (channel.t.empty()) continue;
+    channel.path = path;
+    channel.type = type;
+    channel.pointer.clear();
+    channels.push_back(std::move(channel));
+  }
+}
+
+/// "imu" of "/data/imu.csv.gz"; with a number where it is taken.
+std::string name_of(const std::string& path, const std::vector<inspect::Channel>& others) {
+  std::string stem = std::filesystem::path(path).filename().string();
+  stem = stem.substr(0, stem.find('.'));
+  for (char& c : stem)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  std::string name = stem;
+  for (int i = 2; std::ranges::any_of(others, [&](const auto& each) { return each.name == name; }); ++i)
+    name = stem + std::to_string(i);
+  return name;
+}
+
+}  // namespace
+
+bool is_config(const std::string& file) { return file.ends_with(".json"); }
+
+std::vector<inspect::Channel> channels_of(const std::vector<std::string>& files, const ConfigOptions& options) {
+  if (files.size() == 1 && is_config(files.front())) return channels_of_config(files.front(), options);
+  std::vector<inspect::Channel> channels;
+  for (const auto& file : files) {
+    if (is_config(file)) throw UsageError("inspect takes one config, or data files");
+    if (const Json source = receiver_source(file); !source.is_null())
+      add_receiver(file, source, name_of(file, channels), options, channels);
+    else
+      channels.push_back(inspect::read_bare_file(file, name_of(file, channels)));
+  }
+  return channels;
+}
+
+}  // namespace binnacle::command

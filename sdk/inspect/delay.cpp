@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two clocks: turning seen by gyros against turning of the course.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+
+#include "questions.hpp"
+#include "statistics.hpp"
+#include "windows.hpp"
+
+namespace binnacle::inspect {
+
+namespace {
+
+struct CourseStep {
+  double from, to, rate, weight;
+};
+
+std::vector<CourseStep> course_steps(const Fixes& fixes) {
+  std::vector<CourseStep> steps;
+  for (std::size_t i = 1; i < fixes.t.size(); ++i) {
+    const Vector3d &a = fixes.v[i - 1], &b = fixes.v[i];
+    const double dt = fixes.t[i] - fixes.t[i - 1];
+    const double speed = std::min(std::hypot(a[0], a[1]), std::hypot(b[0], b[1]));
+    if (!(speed > fixes.moving) || dt > 3 * fixes.step) continue;
+    const double turn = std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 6.283185307179586);
+    if (std::abs(turn) < 1.2) steps.push_back({fixes.t[i - 1], fixes.t[i], turn / dt, std::min(speed, 10.0)});
+  }
+  return steps;
+}
+
+Turning turning_of(const Integral& rates, const std::vector<CourseStep>& steps, double delay) {
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(steps.size()), 4);
+  Eigen::VectorXd y(static_cast<Eigen::Index>(steps.size()));
+  Eigen::Index n = 0;
+  for (const CourseStep& step : steps) {
+    double covered = 0;
+    const Vector3d turn = rates.over(step.from - delay, step.to - delay, covered);
+    if (covered < 0.9) continue;
+    X.row(n) << step.weight * (turn / (step.to - step.from)).transpose(), step.weight;
+    y[n++] = step.weight * step.rate;
+  }
+  Turning turning;
+  turning.used = static_cast<std::size_t>(n);
+  if (n < 40) return turning;
+  const LinearFit fit = robust_fit(X.topRows(n), y.head(n));
+  turning.axis = fit.beta.head<3>();
+  turning.axis_error = fit.standard_error.head<3>();
+  turning.bias = fit.beta[3];
+  turning.explained = fit.explained;
+  turning.is_known = fit.explained > 0.5;
+  return turning;
+}
+
+/// One pass of plain least squares: for searching.
+double share_explained(const Integral& rates, const std::vector<CourseStep>& steps, double delay) {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  double square = 0, sum = 0, weights = 0;
+  std::size_t n = 0;
+  for (const CourseStep& step : steps) {
+    double covered = 0;
+    const Vector3d turn = rates.over(step.from - delay, step.to - delay, covered);
+    if (covered < 0.9) continue;
+    Eigen::Vector4d x;
+    x << turn / (step.to - step.from), 1;
+    const double w = step.weight * step.weight;
+    normal += w * x * x.transpose();
+    right += w * step.rate * x;
+    square += w * step.rate * step.rate;
+    sum += w * step.rate;
+    weights += w;
+    ++n;
+  }
+  // A third of the record has to overlap: short overlaps fit by chance.
+  if (n < 40 || 3 * n < steps.size()) return 0;
+  const double about_mean = square - sum * sum / weights;
+  normal.diagonal() *= 1 + 1e-9;
+  const double left = square - right.dot(normal.ldlt().solve(right));
+  return about_mean > 0 ? 1 - left / about_mean : 0;
+}
+
+struct Peak {
+  double delay = 0, share = -1, second = -1;
+};
+
+Peak search(const Integral& rates, const std::vector<CourseStep>& steps, double from, double to, double by,
+            Plot* plot) {
+  Peak peak;
+  std::vector<std::pair<double, double>> all;
+  for (double delay = from; delay <= to; delay += by) {
+    const double share = share_explained(rates, steps, delay);
+    all.emplace_back(delay, share);
+    if (share > peak.share) peak = {delay, share, peak.second};
+  }
+  for (const auto& [delay, share] : all)
+    if (std::abs(delay - peak.delay) > 5) peak.second = std::max(peak.second, share);
+  if (plot) {
+    Plot::Line line{"share of course rate explained", {}, {}};
+    for (const auto& [delay, share] : all) {
+      line.x.push_back(delay);
+      line.y.push_back(share);
+    }
+    plot->lines.push_back(std::move(line));
+  }
+  return peak;
+}
+
+}  // namespace
+
+Turning turning_at(const Integral& rates, const Fixes& fixes, double delay) {
+  return turning_of(rates, course_steps(fixes), delay);
+}
+
+std::optional<double> ask_clocks(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes,
+                                 double label_difference, Findings& findings, std::vector<Plot>& plots) {
+  Finding found;
+  found.kind = "overlap";
+  found.channel = imu.name + ", " + gnss.name;
+  found.unit = "s";
+  const double from = std::max(inertial.t.front(), fixes.t.front() + label_difference);
+  const double to = std::min(inertial.t.back(), fixes.t.back() + label_difference);
+  found.value = std::max(0.0, to - from);
+  found.evidence = "first and last labels of both";
+  const bool is_short =
+      found.value < 0.5 * std::min(inertial.t.back() - inertial.t.front(), fixes.t.back() - fixes.t.front());
+  found.severity = is_short ? Severity::warning : Severity::finding;
+  found.text = is_short ? fmt::format("labels overlap for {} s only: the clocks differ", figure(found.value))
+                        : fmt::format("labels overlap for {} s", figure(found.value));
+  findings.push_back(found);
+  const auto steps = course_steps(fixes);
+  const Integral rates(inertial.t, inertial.w, inertial.step);
+  // delay: of labels counted from the first of each channel. Around equal clocks first, then anywhere.
+  const double equal = -label_difference;
+  Plot plot{"Clocks: what the rates explain of the course rate, by delay",
+            "delay of " + gnss.name + " [s]",
+            "share",
+            {}};
+  Peak peak = search(rates, steps, equal - 60, equal + 60, 0.25, &plot);
+  for (double& x : plot.lines.front().x) x -= equal;
+  plots.push_back(std::move(plot));
+  if (peak.share < 0.5 || is_short) {
+    const double reach = std::max(inertial.t.back(), fixes.t.back());
+    const Peak anywhere = search(rates, steps, -reach, reach, 0.25, nullptr);
+    if (anywhere.share > peak.share + 0.1) peak = anywhere;
+  }
+  if (peak.share < 0.5 || peak.share < peak.second + 0.1) return std::nullopt;
+  for (const double by : {0.05, 0.01})
+    peak.delay = search(rates, steps, peak.delay - 5 * by, peak.delay + 5 * by, by, nullptr).delay;
+  return peak.delay;
+}
+
+namespace {
+
+/// What a difference of clocks is known as.
+std::string known_as(double delay) {
+  struct Known {
+    double seconds;
+    const char* name;
+  };
+  static constexpr Known all[] = {{18, "leap seconds between GPS time and UTC"},
+                                  {17, "leap seconds between GPS time and UTC until 2016"},
+                                  {315964800, "from the Unix epoch to the GPS epoch"},
+                                  {315964782, "from the Unix epoch to the GPS epoch, less 18 leap seconds"},
+                                  {3600, "an hour: a time zone"},
+                                  {86400, "a day"},
+                                  {604800, "a GPS week"}};
+  for (const Known& known : all)
+    if (std::abs(std::abs(delay) - known.seconds) < 0.6) return std::string("; ") + known.name;
+  return "";
+}
+
+/// Text files have `time.offset`; receivers have GPS time, to which the other clock is then set.
+Json clock_patch(const Channel& imu, const Channel& gnss, double gnss_is_late) {
+  const bool sets_gnss = gnss.type == "csv" || imu.type != "csv";
+  const Channel& set = sets_gnss ? gnss : imu;
+  return source_patch(
+      set, {{"time", {{"offset", fmt::format("{:.3f} s", set.time_offset + (sets_gnss ? -gnss_is_late : gnss_is_late))}}}});
+}
+
+double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
+                  std::vector<double>* each) {
+  const Windows windows(inertial, fixes, delay, 20);
+  double sum = 0;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const double cost = windows.cost(w, Matrix3d::Identity(), bias).plus;
+    sum += cost;
+    if (each) each->push_back(cost);
+  }
+  return windows.size() ? sum / static_cast<double>(windows.size()) : 0;
+}
+
+}  // namespace
+
+double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,
+                 const Vector3d& bias, double label_difference, Findings& findings) {
+  double best = coarse, least = total_cost(inertial, fixes, coarse, bias, nullptr);
+  for (const double by : {0.1, 0.02})
+    for (const double centre = best; const int k : {-4, -3, -2, -1, 1, 2, 3, 4})
+      if (const double cost = total_cost(inertial, fixes, centre + k * by, bias, nullptr); cost < least) {
+        least = cost;
+        best = centre + k * by;
+      }
+  // Newton step and sandwich variance over windows, which are independent.
+  const double h = 0.04;
+  std::vector<double> minus, zero, plus;
+  total_cost(inertial, fixes, best - h, bias, &minus);
+  total_cost(inertial, fixes, best, bias, &zero);
+  total_cost(inertial, fixes, best + h, bias, &plus);
+  const std::size_t n = std::min({minus.size(), zero.size(), plus.size()});
+  double slope = 0, curvature = 0, square = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double g = (plus[i] - minus[i]) / (2 * h);
+    slope += g;
+    square += g * g;
+    curvature += (plus[i] - 2 * zero[i] + minus[i]) / (h * h);
+  }
+  Finding found;
+  found.kind = "delay";
+  found.channel = imu.name + ", " + gnss.name;
+  found.unit = "s";
+  found.from = fixes.t.front();
+  found.to = fixes.t.back();
+  if (n < 3 || curvature <= 0) {
+    found.value = coarse + label_difference;
+    found.severity = Severity::unknown;
+    found.text = "too little motion for the delay between the clocks";
+    findings.push_back(std::move(found));
+    return coarse;
+  }
+  best -= std::clamp(slope / curvature, -h, h);
+  const double error = std::sqrt(square) / curvature;
+  found.value = best + label_difference;
+  found.confidence = 0.99;
+  // Beyond a tenth of a second a turn of 20 deg/s bends the course by 2 deg; five standard errors rule out chance.
+  const bool matters = std::abs(found.value) > 0.1 && std::abs(found.value) > 5 * error;
+  found.severity = matters ? Severity::warning : Severity::finding;
+  found.text = fmt::format("{} is {:.3f} s {} {} (+- {:.3f} s){}", gnss.name, std::abs(found.value),
+                           found.value > 0 ? "late against" : "early against", imu.name, error, known_as(found.value));
+  found.evidence = fmt::format("specific force and turning against velocities, over {} windows of 20 s", n);
+  if (matters) found.meaning = clock_patch(imu, gnss, found.value);
+  findings.push_back(std::move(found));
+  return best;
+}
+
+}  // namespace binnacle::inspect

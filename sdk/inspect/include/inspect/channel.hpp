@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// A channel as it was recorded: labels and fields in the order of the file, before anything is refused.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "binnacle/spec.hpp"
+
+namespace binnacle::inspect {
+
+struct Field {
+  std::string name;    // as components subscribe to it: "wx", "lat"; else as the column is called
+  std::string column;  // in the file; empty: not of a text file
+  std::string unit;    // of the file, as stated or guessed: "deg"; "" where nothing is known
+  std::string si;      // unit of the values: "rad"
+  double scale = 1;    // values = numbers in the file · scale
+  FieldKind kind = FieldKind::level;
+  bool is_guessed = false;          // the unit was not stated
+  std::vector<double> values = {};  // NaN where the cell is no number
+  std::int64_t empty = 0;           // cells without anything in them
+  std::int64_t bad = 0;             // cells that are no number
+};
+
+struct Channel {
+  std::string name;
+  std::string path;     // of a text file
+  std::string pointer;  // into the config, "/sources/imu"; empty: a bare file
+  std::string type;     // of the source
+  char delimiter = ',';
+  bool has_header = true;
+  std::string time_column;
+  std::string time_unit = "s";
+  double time_offset = 0;  // s, which a config adds to the labels
+  double first_label = 0;  // s
+  std::vector<double> t;   // s since the first label
+  std::vector<Field> fields;
+  std::int64_t cut_rows = 0;  // of another number of cells
+  std::string fault;          // why the source itself could not be read to its end
+
+  const Field* find(std::string_view field) const {
+    for (const Field& each : fields)
+      if (each.name == field) return &each;
+    return nullptr;
+  }
+  bool is_inertial() const { return find("wx") && find("wy") && find("wz") && find("fx") && find("fy") && find("fz"); }
+  bool is_fix() const { return (find("lat") && find("lon")) || (find("vn") && find("ve")); }
+};
+
+/// Reads a text file, plain or gzipped: delimiter, header, columns by name and by behaviour. Throws DataError (B060, B066).
+Channel read_bare_file(const std::string& path, const std::string& name);
+
+/// What a config says of a text file; the rows are read as they are, also those that the source would refuse.
+struct StatedColumn {
+  std::string field, column, unit;
+  double scale = 1;
+  std::string si;
+  FieldKind kind = FieldKind::level;
+  std::vector<std::string> missing;
+};
+struct StatedFile {
+  std::string path, time_column, time_unit = "s";
+  double time_scale = 1, time_offset = 0;  // s
+  char delimiter = ',';
+  std::string comment = "#";
+  bool has_header = true;
+  std::vector<StatedColumn> columns;
+};
+Channel read_stated_file(const StatedFile& file, const std::string& name);
+
+}  // namespace binnacle::inspect

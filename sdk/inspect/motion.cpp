@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mounting and lever arm by motion; velocities that contradict the specific force.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+
+#include "questions.hpp"
+#include "statistics.hpp"
+#include "windows.hpp"
+
+namespace binnacle::inspect {
+
+namespace {
+
+constexpr double degrees = 57.29577951308232;
+
+Matrix3d nearest_rotation(const Matrix3d& sum) {
+  const Eigen::JacobiSVD<Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+double angle_between(const Matrix3d& a, const Matrix3d& b) {
+  return std::acos(std::clamp(((a.transpose() * b).trace() - 1) / 2, -1.0, 1.0));
+}
+
+/// C_nv of a vehicle that rolls along its velocity, level across.
+Matrix3d along(const Vector3d& v) {
+  const double course = std::atan2(v[1], v[0]), climb = std::atan2(-v[2], std::hypot(v[0], v[1]));
+  return (Eigen::AngleAxisd(course, Vector3d::UnitZ()) * Eigen::AngleAxisd(climb, Vector3d::UnitY()))
+      .toRotationMatrix();
+}
+
+struct Mean {
+  Matrix3d C = Matrix3d::Identity();
+  double scatter = 0;  // rad, robust, of windows
+  std::size_t windows = 0;
+};
+
+/// A rotation for each window, and a mean of these that leaves out those far away.
+Mean mounting_of(const Windows& windows, const Vector3d& bias, double least_speed) {
+  std::vector<Matrix3d> each;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    Matrix3d sum = Matrix3d::Zero();
+    int count = 0;
+    for (const auto& step : windows.follow(w, bias)) {
+      if (std::hypot(step.v[0], step.v[1]) < least_speed) continue;
+      sum += along(step.v).transpose() * step.C_nb;
+      ++count;
+    }
+    if (count >= 6) each.push_back(nearest_rotation(sum));
+  }
+  Mean mean;
+  mean.windows = each.size();
+  if (each.empty()) return mean;
+  // Start: the one nearest to all others (median of rotations), so that reversing does not pull it.
+  double least = 1e300;
+  for (const auto& a : each) {
+    double sum = 0;
+    for (const auto& b : each) sum += angle_between(a, b);
+    if (sum < least) {
+      least = sum;
+      mean.C = a;
+    }
+  }
+  for (int pass = 0; pass < 10; ++pass) {
+    std::vector<double> away;
+    for (const auto& a : each) away.push_back(angle_between(a, mean.C));
+    const double scale = std::max(1.4826 * median(away), 1e-6);
+    Matrix3d sum = Matrix3d::Zero();
+    for (std::size_t i = 0; i < each.size(); ++i)
+      if (away[i] < 3 * scale) sum += each[i];
+    mean.C = nearest_rotation(sum);
+    mean.scatter = scale;
+  }
+  return mean;
+}
+
+void report_lever_arm(const Channel& imu, const Channel& gnss, const Windows& windows, const Vector3d& bias,
+                      const Matrix3d& C_vb, Findings& findings) {
+  std::vector<Eigen::Matrix<double, 3, 4>> rows;  // d(left) by lever arm, and left
+  for (std::size_t w = 0; w < windows.size(); ++w)
+    for (const auto& step : windows.follow(w, bias)) {
+      const auto cross = [](const Vector3d& a) {
+        Matrix3d m;
+        m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+        return m;
+      };
+      Eigen::Matrix<double, 3, 4> row;
+      row.leftCols<3>() = (step.C_nb * cross(step.rate_b) - step.C_begin * cross(step.rate_begin)) * C_vb.transpose();
+      row.col(3) = step.left;
+      rows.push_back(row);
+    }
+  Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * rows.size()), 3);
+  Eigen::VectorXd y(X.rows());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    X.middleRows<3>(static_cast<Eigen::Index>(3 * i)) = rows[i].leftCols<3>();
+    y.segment<3>(static_cast<Eigen::Index>(3 * i)) = rows[i].col(3);
+  }
+  const LinearFit fit = robust_fit(X, y);
+  constexpr const char* names[] = {"forward", "right", "down"};
+  constexpr const char* sides[] = {"ahead of", "right of", "below", "behind", "left of", "above"};
+  for (int k = 0; k < 3; ++k) {
+    Finding found;
+    found.kind = "lever_arm";
+    found.channel = imu.name + ", " + gnss.name;
+    found.field = names[k];
+    found.value = fit.beta[k];
+    found.unit = "m";
+    const bool is_seen = fit.used > 0 && std::abs(fit.beta[k]) > 4 * fit.standard_error[k];
+    found.severity = is_seen ? Severity::finding : Severity::unknown;
+    found.text = is_seen ? fmt::format("the antenna is {} m {} the IMU (+- {} m)", figure(std::abs(fit.beta[k])),
+                                       sides[fit.beta[k] > 0 ? k : k + 3], figure(fit.standard_error[k]))
+                         : fmt::format("turning shows no lever arm {}: {} +- {} m", names[k], figure(fit.beta[k]),
+                                       figure(fit.standard_error[k]));
+    found.evidence = fmt::format(
+        "what is left of {} differences of velocity, against turning; its error is larger than stated where "
+        "axes or clocks are off",
+        rows.size());
+    found.confidence = 0.9;
+    findings.push_back(std::move(found));
+  }
+}
+
+}  // namespace
+
+std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, const Inertial& inertial,
+                                     const Fixes& fixes, double delay, const Vector3d& bias, const RestFigures& rest,
+                                     Findings& findings) {
+  const Windows windows(inertial, fixes, delay, 20);
+  const Mean mean = mounting_of(windows, bias, fixes.moving < 3 ? fixes.moving : 5);
+  Finding found;
+  found.kind = "mounting";
+  found.channel = imu.name;
+  if (mean.windows < 3) {
+    found.severity = Severity::unknown;
+    found.text = "there is too little motion to say how the sensor is mounted";
+    findings.push_back(std::move(found));
+    return std::nullopt;
+  }
+  // M = Rz(yaw) Ry(pitch) Rx(roll), as rotate_axes takes it.
+  const Matrix3d& M = mean.C;
+  const double roll = std::atan2(M(2, 1), M(2, 2)), pitch = std::asin(std::clamp(-M(2, 0), -1.0, 1.0)),
+               yaw = std::atan2(M(1, 0), M(0, 0));
+  const double error = mean.scatter / std::sqrt(static_cast<double>(mean.windows));
+  found.value = error * degrees;
+  found.unit = "deg";
+  found.text = fmt::format(
+      "sensor to vehicle axes (forward, right, down): roll {:.2f}, pitch {:.2f}, yaw {:.2f} deg (+- {:.2f} deg)",
+      roll * degrees, pitch * degrees, yaw * degrees, error * degrees);
+  found.evidence =
+      fmt::format("attitudes that fit velocities to specific force, against course and climb, in {} windows",
+                  mean.windows);
+  found.from = windows.from(0);
+  found.to = windows.to(windows.size() - 1);
+  found.confidence = 0.95;
+  const auto text = [](double angle) { return fmt::format("{:.2f} deg", angle * degrees); };
+  found.meaning = {{"transforms",
+                    {{"vehicle",
+                      {{"type", "rotate_axes"},
+                       {"input", imu.name},
+                       {"roll", text(roll)},
+                       {"pitch", text(pitch)},
+                       {"yaw", text(yaw)}}}}}};
+  findings.push_back(found);
+  if (rest.seconds > 0) {
+    Finding level = found;
+    level.kind = "mounting_at_rest";
+    level.meaning = nullptr;
+    const Vector3d up_v = M * rest.mean_f.normalized();
+    level.value = degrees * std::acos(std::clamp(-up_v[2], -1.0, 1.0));
+    level.text = fmt::format(
+        "gravity at rest is {} deg off the vertical of that mounting: slope of the ground and error together",
+        figure(level.value));
+    level.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));
+    findings.push_back(std::move(level));
+  }
+  report_lever_arm(imu, gnss, windows, bias, M, findings);
+  return M;
+}
+
+void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double delay,
+                         const Vector3d& bias, Findings& findings, std::vector<Plot>& plots) {
+  const Windows windows(inertial, fixes, delay, 5);
+  std::vector<double> rms;
+  Plot plot{"Velocities against specific force: rms of what is left in windows of 5 s",
+            "time of " + gnss.name + " [s]",
+            "m/s",
+            {}};
+  Plot::Line line{"rms", {}, {}};
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    double square = 0, count = 0;
+    for (const auto& step : windows.follow(w, bias)) {
+      square += step.left.squaredNorm() / (step.doubt * step.doubt);
+      count += 3;
+    }
+    rms.push_back(std::sqrt(square / count));
+    line.x.push_back(0.5 * (windows.from(w) + windows.to(w)));
+    line.y.push_back(rms.back());
+  }
+  plot.lines.push_back(std::move(line));
+  plots.push_back(std::move(plot));
+  if (rms.size() < 8) return;
+  std::vector<double> logs;
+  for (const double each : rms) logs.push_back(std::log(each));
+  // What is left scatters over windows log-normally: five of its sigma are one false window in a million. Four times the usual
+  // at least, for records of few windows: set on clean drives, whose worst windows have 2.3 to 3.1 times the usual.
+  const double limit = std::exp(median(logs) + std::max(5 * robust_sigma(logs), std::log(4.0)));
+  Finding found;
+  found.kind = "velocity_fault";
+  found.channel = gnss.name;
+  found.field = "vn, ve, vd";
+  found.unit = "m/s";
+  found.value = 0;
+  double seconds = 0;
+  for (std::size_t w = 0; w < rms.size(); ++w) {
+    if (rms[w] < limit) continue;
+    if (!std::isfinite(found.from)) found.from = windows.from(w);
+    found.to = windows.to(w);
+    found.value = std::max(found.value, rms[w]);
+    seconds += windows.to(w) - windows.from(w);
+  }
+  if (!std::isfinite(found.from)) return;
+  found.severity = Severity::warning;
+  found.confidence = 0.99;
+  found.text =
+      fmt::format("velocities contradict the specific force for {} s, first at {} s: differences are off by {} m/s rms",
+                  figure(seconds), figure(found.from), figure(found.value));
+  found.evidence = fmt::format("what is left in windows of 5 s, where the receiver states a larger deviation than usual by so much less: {} m/s rms "
+                  "usually, limit {} m/s",
+                               figure(std::exp(median(logs))), figure(limit));
+  findings.push_back(std::move(found));
+}
+
+}  // namespace binnacle::inspect

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// A text file as columns of numbers; nothing in it is an error.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace binnacle::inspect {
+
+struct TextColumn {
+  std::string name;            // of the header, or its number from 1
+  std::vector<double> values;  // NaN where the cell is no number
+  std::int64_t empty = 0, bad = 0;
+};
+
+struct TextTable {
+  char delimiter = ',';
+  bool has_header = true;
+  std::vector<TextColumn> columns;
+  std::int64_t cut_rows = 0;
+};
+
+struct TextFormat {
+  char delimiter = 0;  // 0: found out
+  std::string comment = "#";
+  int header = -1;  // 1: there is one; 0: none; -1: found out
+};
+
+/// Throws DataError: B060 where it cannot be opened, B066 where there are no rows.
+TextTable read_text_table(const std::string& path, const TextFormat& format = {});
+
+}  // namespace binnacle::inspect

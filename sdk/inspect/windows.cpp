@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "windows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "binnacle/geodesy.hpp"
+
+namespace binnacle::inspect {
+
+namespace {
+
+constexpr double piece_length = 0.1;  // s
+
+/// The rotation that turns by this vector.
+Matrix3d turned(const Vector3d& by) {
+  const double angle = by.norm();
+  if (angle < 1e-12) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, by / angle).toRotationMatrix();
+}
+
+double gravity_at(const Fixes& fixes, std::size_t i) {
+  const Vector3d& p = fixes.p[i];
+  if (!std::isfinite(p[0]) || std::abs(p[0]) > 1.5708) return 9.80665;
+  return geodesy::gravity(p[0], std::isfinite(p[2]) && std::abs(p[2]) < 2e4 ? p[2] : 0).down;
+}
+
+}  // namespace
+
+Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length) {
+  const Integral turns(inertial.t, inertial.w, inertial.step), pushes(inertial.t, inertial.f, inertial.step);
+  std::size_t before = 0;
+  double last_end = -1e300;
+  for (std::size_t i = 1; i < fixes.t.size(); ++i) {
+    const double dt = fixes.t[i] - fixes.t[before];
+    if (dt < 0.45 && dt < 3 * fixes.step) continue;  // fixes at a high rate: their noise would rule
+    const std::size_t a = before;
+    before = i;
+    if (dt > std::max(2.5, 1.5 * fixes.step) || !fixes.v[a].allFinite() || !fixes.v[i].allFinite()) continue;
+    Interval interval{fixes.t[a], fixes.t[i], std::max(fixes.doubt[a], fixes.doubt[i]), fixes.v[i] - fixes.v[a], fixes.v[i], pieces_.size(), 0};
+    interval.u[2] -= gravity_at(fixes, i) * dt;
+    const int count = static_cast<int>(std::ceil(dt / piece_length));
+    double least = 1;
+    for (int k = 0; k < count; ++k) {
+      const double from = fixes.t[a] - delay + dt * k / count, to = fixes.t[a] - delay + dt * (k + 1) / count;
+      double covered_w = 0, covered_f = 0;
+      Piece piece{turns.over(from, to, covered_w), pushes.over(from, to, covered_f), dt / count};
+      least = std::min({least, covered_w, covered_f});
+      pieces_.push_back(piece);
+    }
+    interval.end = pieces_.size();
+    if (least < 0.8) {
+      pieces_.resize(interval.first);
+      continue;
+    }
+    follows_.push_back(std::abs(interval.from - last_end) < 1e-6);
+    last_end = interval.to;
+    intervals_.push_back(interval);
+  }
+  cut(length, std::min(2.0, fixes.moving));
+}
+
+void Windows::cut(double length, double least_speed) {
+  for (std::size_t i = 0; i < intervals_.size();) {
+    std::size_t end = i;
+    double top = 0;
+    while (end < intervals_.size() && (end == i || follows_[end]) &&
+           intervals_[end].to - intervals_[i].from < length + 0.01) {
+      top = std::max(top, std::hypot(intervals_[end].v[0], intervals_[end].v[1]));
+      ++end;
+    }
+    if (end - i >= 6 && intervals_[end - 1].to - intervals_[i].from > 0.5 * length && top > least_speed)
+      windows_.push_back({i, end, top});
+    i = std::max(end, i + 1);
+  }
+}
+
+Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3d& bias) const {
+  Matrix3d C = Matrix3d::Identity(), B = Matrix3d::Zero();
+  double squares = 0;
+  const Window& w = windows_[window];
+  for (std::size_t i = w.first; i < w.end; ++i) {
+    Vector3d s = Vector3d::Zero();
+    for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
+      const Vector3d half = 0.5 * (X * (pieces_[k].turn - bias * pieces_[k].dt));
+      C = C * turned(half);
+      s += C * pieces_[k].push;
+      C = C * turned(half);
+    }
+    B += intervals_[i].u * s.transpose();
+    squares += intervals_[i].u.squaredNorm() + s.squaredNorm();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double handed = svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1;
+  const Vector3d sigma = svd.singularValues();
+  const double n = static_cast<double>(w.end - w.first);
+  const auto likelihood = [&](double sign) {
+    const double left = squares - 2 * (sigma[0] + sigma[1] + sign * handed * sigma[2]);
+    return 1.5 * n * std::log(std::max(left, 1e-9) / (3 * n) + 1e-6);  // 1 mm/s: what velocities are rounded to
+  };
+  return {likelihood(1), likelihood(-1)};
+}
+
+std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& bias) const {
+  Matrix3d C = Matrix3d::Identity(), B = Matrix3d::Zero();
+  std::vector<Step> steps;
+  std::vector<Vector3d> sums;
+  const Window& w = windows_[window];
+  for (std::size_t i = w.first; i < w.end; ++i) {
+    Vector3d s = Vector3d::Zero();
+    Step step{intervals_[i].to, intervals_[i].v, C, Vector3d::Zero(), intervals_[i].doubt, Vector3d::Zero(), Vector3d::Zero(), C};
+    for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
+      const Vector3d half = 0.5 * (pieces_[k].turn - bias * pieces_[k].dt);
+      C = C * turned(half);
+      s += C * pieces_[k].push;
+      C = C * turned(half);
+    }
+    const auto rate = [&](std::size_t k) -> Vector3d { return pieces_[k].turn / pieces_[k].dt - bias; };
+    step.rate_begin = rate(intervals_[i].first);
+    step.rate_b = rate(intervals_[i].end - 1);
+    step.C_nb = C;
+    B += intervals_[i].u * s.transpose();
+    sums.push_back(s);
+    steps.push_back(step);
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
+  const Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    steps[i].left = intervals_[w.first + i].u - R * sums[i];
+    steps[i].C_nb = R * steps[i].C_nb;
+    steps[i].C_begin = R * steps[i].C_begin;
+  }
+  return steps;
+}
+
+}  // namespace binnacle::inspect

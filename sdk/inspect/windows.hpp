@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Windows of some seconds in which velocities and inertial samples are brought together without a filter: the rates carry
+// an attitude from the window's begin, and one rotation (Wahba's problem, by SVD) has to turn all sums of specific force into
+// the differences of velocity less gravity. What is left measures how well rates, forces, axes and clocks go together.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "series.hpp"
+
+namespace binnacle::inspect {
+
+class Windows {
+ public:
+  /// delay: a fix at label t belongs to t - delay of the IMU.
+  Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length);
+
+  std::size_t size() const { return windows_.size(); }
+  double from(std::size_t window) const { return intervals_[windows_[window].first].from; }
+  double to(std::size_t window) const { return intervals_[windows_[window].end - 1].to; }
+  double top_speed(std::size_t window) const { return windows_[window].top_speed; }
+
+  /// Log-likelihoods, negative, of one window with rates X (w - bias), for triads of force that are right-handed and for those
+  /// that are not (whose components are all negated, which makes them right-handed).
+  struct Cost {
+    double plus, minus;
+  };
+  Cost cost(std::size_t window, const Matrix3d& X, const Vector3d& bias) const;
+
+  /// With the rates as they are: by interval, attitude C_nb at its end and what is left of the velocity's difference.
+  struct Step {
+    double t;         // s, label of the fix
+    Vector3d v;       // at its end
+    Matrix3d C_nb;    // at its end
+    Vector3d left;    // m/s
+    double doubt;     // how much less certain than usual the receiver states its velocity to be, at least 1
+    Vector3d rate_b;  // mean over its last tenth, less bias [rad/s]
+    Vector3d rate_begin;
+    Matrix3d C_begin;
+  };
+  std::vector<Step> follow(std::size_t window, const Vector3d& bias) const;
+
+ private:
+  struct Piece {
+    Vector3d turn, push;  // integrals of rate and force
+    double dt;
+  };
+  struct Interval {
+    double from, to;
+    double doubt;            // of the less certain end
+    Vector3d u, v;           // difference of velocity less gravity; velocity at the end
+    std::size_t first, end;  // pieces
+  };
+  struct Window {
+    std::size_t first, end;
+    double top_speed;
+  };
+  void cut(double length, double least_speed);
+
+  std::vector<Piece> pieces_;
+  std::vector<Interval> intervals_;
+  std::vector<bool> follows_;  // the interval before
+  std::vector<Window> windows_;
+};
+
+}  // namespace binnacle::inspect
