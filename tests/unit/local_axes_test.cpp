@@ -19,7 +19,7 @@ const Vector3d karlsruhe{49.01 * degree, 8.43 * degree, 115.0};
 
 }  // namespace
 
-TEST_CASE("local axes point north, east and down; east-north-up has its signs", "[geodesy]") {
+TEST_CASE("local axes point north, east and down, and east-north-up has its signs", "[geodesy]") {
   const LocalAxes axes(karlsruhe);
   REQUIRE(axes.ned_from_lla(karlsruhe).norm() < 1e-8);
   const Vector3d north = axes.ned_from_lla(karlsruhe + Vector3d{1e-5, 0, 0});
@@ -31,7 +31,7 @@ TEST_CASE("local axes point north, east and down; east-north-up has its signs", 
   REQUIRE(east[1] < 42.0);
   REQUIRE((higher - Vector3d{0, 0, -7}).norm() < 1e-8);
   REQUIRE(enu_from_ned(Vector3d{1, 2, 3}) == Vector3d{2, 1, -3});
-  REQUIRE(ned_from_enu(Vector3d{2, 1, -3}) == Vector3d{1, 2, 3});
+  REQUIRE(enu_from_ned(Vector3d{2, 1, -3}) == Vector3d{1, 2, 3});
 }
 
 TEST_CASE("local coordinates are GeographicLib's LocalCartesian, and go back", "[geodesy]") {

@@ -2,30 +2,28 @@
 // Local north, east, down of an origin, and the parameter that says where it is. Header-only.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <numbers>
 #include <string>
 #include <utility>
+
+#include <Eigen/Core>
 
 #include "binnacle/geodesy.hpp"
 #include "binnacle/parameters.hpp"
 #include "binnacle/spec.hpp"
 
 namespace binnacle {
-
 namespace geodesy {
 
 /// The same vector in east, north, up for one in north, east, down; its own inverse.
 inline Eigen::Vector3d enu_from_ned(const Eigen::Vector3d& v) { return {v[1], v[0], -v[2]}; }
-inline Eigen::Vector3d ned_from_enu(const Eigen::Vector3d& v) { return enu_from_ned(v); }
 
 /// Local Cartesian axes: north, east, down of the ellipsoid at an origin, straight on from there (a tangent plane: 10 km away
 /// the ellipsoid is 7.8 m below it). Positions are metres from the origin: p_l = C_le (r_e − r_e,origin), C_le = C_enᵀ of the
 /// origin; Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 2.1.
 class LocalAxes {
  public:
-  LocalAxes() : LocalAxes(Eigen::Vector3d::Zero()) {}
+  LocalAxes() : LocalAxes({0, 0, 0}) {}
   /// The origin's latitude [rad], longitude [rad], height [m].
   explicit LocalAxes(const Eigen::Vector3d& origin)
       : r_origin_(geodesy::ecef_from_lla(origin)), C_el_(C_en(origin[0], origin[1])) {}
@@ -46,7 +44,6 @@ class LocalAxes {
 };
 
 }  // namespace geodesy
-
 namespace parameter {
 
 /// A geodetic point on WGS 84: {"lat", "lon", "height"}. lla_of() reads it.
