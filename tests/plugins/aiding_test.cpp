@@ -29,7 +29,7 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr double degree = M_PI / 180, nan = NAN;
+constexpr double degree = M_PI / 180, none = NAN;
 
 std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 
@@ -71,17 +71,17 @@ TEST_CASE("height: what is higher reads higher, geodetic and local", "[aiding]")
   const PortStates ports{{&geodetic, {0.9, 0.2, 160}, 10.0, 4e-9},
                          {&bias, {3}, 1.0, 1e-15},
                          {&scale, {0.01}, 1e-2, 1e-17}};
-  const Measured m = see(*model, {170, nan}, ports);
+  const Measured m = see(*model, {170, none}, ports);
   REQUIRE(m.result);
   CHECK(std::abs(m.residual[0] - (170 - 160 - 3 - 0.6)) < 1e-12);
   CHECK(m.R(0, 0) == 0.25);
   CHECK(std::abs(m.H[0](0, 2) + 1.01) < 1e-15);  // a metre down is 1.01 less
   CHECK(m.H[1](0, 0) == 1);
   CHECK(m.H[2](0, 0) == 60);
-  REQUIRE_NO_COMPLAINTS(check_measurement(*model, Height::spec(), sample_of({170, nan}), ports, {}, {1e-6}, 1e-8));
+  REQUIRE_NO_COMPLAINTS(check_measurement(*model, Height::spec(), sample_of({170, none}), ports, {}, {1e-6}, 1e-8));
 
   const auto of_local = bind<Height>({{{"sigma", 0.5}}, {{"position", &local}}, {"height_sd"}});
-  const Measured above = see(*of_local, {12, nan}, {{&local, {5, 6, -10}, 1.0, 1e-15}, {}, {}});
+  const Measured above = see(*of_local, {12, none}, {{&local, {5, 6, -10}, 1.0, 1e-15}, {}, {}});
   CHECK(above.residual[0] == 2);
   CHECK(above.H[0](0, 2) == -1);
 }
@@ -91,8 +91,8 @@ TEST_CASE("height: the channel's own deviation, and what is none", "[aiding]") {
   const auto model = bind<Height>({{}, {{"position", &geodetic}}, {}});
   const PortStates ports{{&geodetic, {0.9, 0.2, 160}, 10.0, 4e-9}, {}, {}};
   CHECK(see(*model, {160, 2}, ports).R(0, 0) == 4);
-  for (const double sd : {0.0, -1.0, nan, 1e200}) CHECK(refusal_of(*model, {160, sd}, ports) == Refusal::invalid);
-  CHECK(refusal_of(*model, {nan, 2}, ports) == Refusal::invalid);
+  for (const double sd : {0.0, -1.0, none, 1e200}) CHECK(refusal_of(*model, {160, sd}, ports) == Refusal::invalid);
+  CHECK(refusal_of(*model, {none, 2}, ports) == Refusal::invalid);
   CHECK_THROWS_AS(bind<Height>({{}, {{"position", &geodetic}}, {"height_sd"}}), ComponentError);
   const AdditiveKind plane(2, "m");
   CHECK_THROWS_AS(bind<Height>({{{"sigma", 1}}, {{"position", &plane}}, {"height_sd"}}), ComponentError);
@@ -114,7 +114,7 @@ TEST_CASE("heading: of baselines on all sides, over the wrap, declination, bias"
                        {{"attitude", &attitude}, {"bias", &bias}},
                        {"heading_sd"}});
     const PortStates ports{attitude_state(attitude, {0, 0, c.yaw * degree}), {&bias, {0.02}, 1e-2, 1e-17}};
-    const Measured m = see(*model, {std::remainder((c.heading + 3) * degree + 0.02, 2 * M_PI), nan}, ports);
+    const Measured m = see(*model, {std::remainder((c.heading + 3) * degree + 0.02, 2 * M_PI), none}, ports);
     REQUIRE(m.result);
     CHECK(std::abs(m.residual[0] - 3 * degree) < 1e-14);
     CHECK(std::abs(m.H[0](0, 2) - 1) < 1e-14);  // to the right by δ: more by δ
@@ -129,12 +129,12 @@ TEST_CASE("heading: Jacobians of a vehicle askew, and a line that points up", "[
   for (const Vector3d& angles : places) {
     CAPTURE(angles.transpose());
     const PortStates ports{attitude_state(attitude, angles), {}};
-    REQUIRE_NO_COMPLAINTS(check_measurement(*model, Heading::spec(), sample_of({0.7, nan}), ports, {}, {1e-6}, 1e-13));
+    REQUIRE_NO_COMPLAINTS(check_measurement(*model, Heading::spec(), sample_of({0.7, none}), ports, {}, {1e-6}, 1e-13));
   }
   const auto nose = bind<Heading>({{{"sigma", 0.01}}, {{"attitude", &attitude}}, {"heading_sd"}});
-  CHECK(refusal_of(*nose, {0.7, nan}, {attitude_state(attitude, {0, 85 * degree, 0}), {}}) == Refusal::unsupported);
-  CHECK(see(*nose, {0.7, nan}, {attitude_state(attitude, {0, 75 * degree, 0}), {}}).result);
-  CHECK(refusal_of(*nose, {nan, nan}, {attitude_state(attitude, {0, 0, 0}), {}}) == Refusal::invalid);
+  CHECK(refusal_of(*nose, {0.7, none}, {attitude_state(attitude, {0, 85 * degree, 0}), {}}) == Refusal::unsupported);
+  CHECK(see(*nose, {0.7, none}, {attitude_state(attitude, {0, 75 * degree, 0}), {}}).result);
+  CHECK(refusal_of(*nose, {none, none}, {attitude_state(attitude, {0, 0, 0}), {}}) == Refusal::invalid);
   CHECK_THROWS_AS(bind<Heading>(
                       {{{"sigma", 0.01}, {"baseline", {0, 0, 0}}}, {{"attitude", &attitude}}, {"heading_sd"}}),
                   ComponentError);
@@ -147,8 +147,8 @@ TEST_CASE("course: to all sides, less believed when slow, refused when slower", 
   for (const double course : {0.0, 45.0, 90.0, 179.9, -179.9, -90.0}) {
     CAPTURE(course);
     const double c = course * degree;
-    const PortStates ports{{&velocity, {5 * std::cos(c), 5 * std::sin(c), 3}, 1.0, 1e-15}};
-    const std::vector<double> z{std::remainder(c + 0.05, 2 * M_PI), nan};
+    const PortStates ports{{&velocity, {5 * std::cos(c), 5 * std::sin(c), 3}, 1e-2, 1e-15}};
+    const std::vector<double> z{std::remainder(c + 0.05, 2 * M_PI), none};
     const Measured m = see(*model, z, ports);
     REQUIRE(m.result);
     CHECK(std::abs(m.residual[0] - 0.05) < 1e-14);
@@ -159,8 +159,8 @@ TEST_CASE("course: to all sides, less believed when slow, refused when slower", 
     REQUIRE_NO_COMPLAINTS(check_measurement(*model, Course::spec(), sample_of(z), ports, {}, {1e-6}, 1e-13));
   }
   // The vertical velocity does not count.
-  CHECK(refusal_of(*model, {0, nan}, {{&velocity, {1.9, 0, 40}, 1.0, 1e-15}}) == Refusal::unsupported);
-  CHECK(refusal_of(*model, {nan, nan}, {{&velocity, {5, 0, 0}, 1.0, 1e-15}}) == Refusal::invalid);
+  CHECK(refusal_of(*model, {0, none}, {{&velocity, {1.9, 0, 40}, 1.0, 1e-15}}) == Refusal::unsupported);
+  CHECK(refusal_of(*model, {none, none}, {{&velocity, {5, 0, 0}, 1.0, 1e-15}}) == Refusal::invalid);
 }
 
 namespace {
@@ -188,7 +188,7 @@ TEST_CASE("magnetometer: where the field points, by hand", "[aiding]") {
     CAPTURE(c.angles.transpose());
     const PortStates ports{attitude_state(attitude, c.angles * degree), {&hard, {1e-6, 2e-6, -3e-6}, 1e-7, 1e-21}, {}};
     const Vector3d z = c.b + Vector3d(1e-6, 2e-6, -3e-6) + Vector3d(1e-8, 2e-8, 3e-8);
-    const Measured m = see(*model, {z[0], z[1], z[2], nan, nan, nan}, ports);
+    const Measured m = see(*model, {z[0], z[1], z[2], none, none, none}, ports);
     REQUIRE(m.result);
     CHECK((m.residual - Vector3d(1e-8, 2e-8, 3e-8)).norm() < 1e-18);
     CHECK(m.H[1] == Matrix3d::Identity());
@@ -196,7 +196,7 @@ TEST_CASE("magnetometer: where the field points, by hand", "[aiding]") {
   // Declination to the east: of a vehicle that heads north the field is to the right.
   parameters["declination"] = 0.1;
   const auto east = bind<Magnetometer>({parameters, {{"attitude", &attitude}}, no_map});
-  const Measured m = see(*east, {0, 0, 0, nan, nan, nan}, {attitude_state(attitude, {0, 0, 0}), {}, {}});
+  const Measured m = see(*east, {0, 0, 0, none, none, none}, {attitude_state(attitude, {0, 0, 0}), {}, {}});
   CHECK(m.residual[1] < -0.9e-6);
   CHECK(m.H[0](1, 2) < 0);  // turned to the right, it is less to the right
 }
@@ -219,7 +219,8 @@ TEST_CASE("magnetometer: Jacobians, with soft iron of three, six and nine compon
                              {&hard, {1e-6, 2e-6, -3e-6}, 1e-6, 1e-21},
                              {&soft, s, 1e-2, 1e-17}};
       REQUIRE_NO_COMPLAINTS(check_measurement(*model, Magnetometer::spec(),
-                                              sample_of({1e-5, 2e-5, 3e-5, nan, nan, nan}), ports, {}, {1e-6}, 1e-19));
+                                              sample_of({1e-5, 2e-5, 3e-5, none, none, none}), ports, {}, {1e-6},
+                                              1e-19));
     }
   }
 }
@@ -232,7 +233,7 @@ TEST_CASE("magnetometer: nine components are a matrix row by row, six a symmetri
   const auto seen = [&](const AdditiveKind& soft, const std::vector<double>& s) {
     const auto model = bind<Magnetometer>({parameters, {{"attitude", &attitude}, {"soft_iron", &soft}}, no_map});
     return Vector3d(
-        -see(*model, {0, 0, 0, nan, nan, nan}, {attitude_state(attitude, {0, 0, 0}), {}, {&soft, s, 1e-2, 1e-17}})
+        -see(*model, {0, 0, 0, none, none, none}, {attitude_state(attitude, {0, 0, 0}), {}, {&soft, s, 1e-2, 1e-17}})
              .residual);
   };
   Matrix3d S;
@@ -247,7 +248,7 @@ TEST_CASE("magnetometer: a field that a channel gives, and what is refused", "[a
   const AttitudeKind attitude;
   const auto model = bind<Magnetometer>({{{"sigma", 1e-7}}, {{"attitude", &attitude}}, {"mx_sd", "my_sd", "mz_sd"}});
   const PortStates ports{attitude_state(attitude, {0, 0, 0}), {}, {}};
-  const std::vector<double> z{1e-5, 2e-5, 4e-5, nan, nan, nan}, field{1e-5, 1e-5, 4e-5};
+  const std::vector<double> z{1e-5, 2e-5, 4e-5, none, none, none}, field{1e-5, 1e-5, 4e-5};
   SampleView map[1] = {sample_of(field)};
   const auto with_map = [&] {
     Complaints out;
@@ -286,7 +287,7 @@ std::vector<double> fix_of(const Vector3d& angles) {
                          .toRotationMatrix();
   for (int i = 0; i < 9; ++i) z.push_back(C(i / 3, i % 3));
   for (int i = 0; i < 3; ++i) z.push_back(angles[i]);
-  z.insert(z.end(), 3, nan);
+  z.insert(z.end(), 3, none);
   return z;
 }
 
@@ -335,9 +336,9 @@ TEST_CASE("attitude_fix: which form, and what is no attitude", "[aiding]") {
     return refusal_of(*bind<AttitudeFix>({{{"sigma", 0.01}, {"form", form}}, ports, no_sd}), z, level);
   };
   CHECK(refused("quaternion", 0, 0.5) == Refusal::invalid);
-  CHECK(refused("quaternion", 2, nan) == Refusal::invalid);
+  CHECK(refused("quaternion", 2, none) == Refusal::invalid);
   CHECK(refused("dcm", 4, -1) == Refusal::invalid);
-  CHECK(refused("angles", 13, nan) == Refusal::invalid);
+  CHECK(refused("angles", 13, none) == Refusal::invalid);
   std::vector<double> mirrored = fix_of({0, 0, 0});
   mirrored[12] = -1;  // c33: left-handed axes
   CHECK(refusal_of(*bind<AttitudeFix>({{{"sigma", 0.01}, {"form", "dcm"}}, ports, no_sd}), mirrored, level) ==
@@ -365,7 +366,7 @@ TEST_CASE("body_velocity: forward, right and down, by hand", "[aiding]") {
                    attitude_state(b.attitude, {0, 0, M_PI / 2}),
                    {&b.zeta, {0, 0, 0}, 1e-2, 1e-16},
                    {&b.one, {0.1}, 1e-2, 1e-17}};
-  const Measured m = see(*model, {2.2, 1.1, 0.55, nan, nan, nan}, ports);
+  const Measured m = see(*model, {2.2, 1.1, 0.55, none, none, none}, ports);
   REQUIRE(m.result);
   CHECK(m.residual.norm() < 1e-14);
   const double relative = 0.01 * (2.2 * 2.2 + 1.1 * 1.1 + 0.55 * 0.55);
@@ -394,8 +395,8 @@ TEST_CASE("body_velocity: Jacobians, of three axes or of one, one scale or three
                              attitude_state(b.attitude, {0.3, -0.2, -0.5}),
                              {&b.zeta, {0.2, -0.3, 0.25}, 1e-2, 1e-16},
                              {scale, s, 1e-2, 1e-17}};
-      REQUIRE_NO_COMPLAINTS(check_measurement(*model, BodyVelocity::spec(), sample_of({11, 2, 1, nan, nan, nan}), ports,
-                                              {}, {1e-6}, 1e-12));
+      REQUIRE_NO_COMPLAINTS(check_measurement(*model, BodyVelocity::spec(), sample_of({11, 2, 1, none, none, none}),
+                                              ports, {}, {1e-6}, 1e-12));
     }
 }
 
@@ -404,12 +405,12 @@ TEST_CASE("body_velocity: an axis that is not there is not needed, one that is m
   const Ports ports{{"velocity", &b.velocity}, {"attitude", &b.attitude}};
   const PortStates states{{&b.velocity, {3, 0, 0}, 1.0, 1e-15}, attitude_state(b.attitude, {0, 0, 0}), {}, {}};
   const auto wheel = bind<BodyVelocity>({{{"sigma", 0.1}}, ports, {"vy", "vz", "vx_sd", "vy_sd", "vz_sd"}});
-  const Measured m = see(*wheel, {3.5, nan, nan, nan, nan, nan}, states);
+  const Measured m = see(*wheel, {3.5, none, none, none, none, none}, states);
   REQUIRE(m.result);
   CHECK(std::abs(m.residual[0] - 0.5) < 1e-14);
-  CHECK(refusal_of(*wheel, {nan, 0, 0, nan, nan, nan}, states) == Refusal::invalid);
+  CHECK(refusal_of(*wheel, {none, 0, 0, none, none, none}, states) == Refusal::invalid);
   const auto log = bind<BodyVelocity>({{{"sigma", 0.1}}, ports, {"vx_sd", "vy_sd", "vz_sd"}});
-  CHECK(refusal_of(*log, {3, nan, 0, nan, nan, nan}, states) == Refusal::invalid);
+  CHECK(refusal_of(*log, {3, none, 0, none, none, none}, states) == Refusal::invalid);
   CHECK_THROWS_AS(bind<BodyVelocity>({{{"sigma", 0.1}}, ports, {"vx", "vy", "vz"}}), ComponentError);
   const AdditiveKind two(2, "1");
   CHECK_THROWS_AS(bind<BodyVelocity>({{{"sigma", 0.1}},
