@@ -40,6 +40,8 @@ class Fit:
         self.binnacle, self.data = binnacle, data
         self.here = pathlib.Path(__file__).parent
         by_anchor = residuals(data)
+        scatter = math.sqrt(statistics.mean(statistics.pvariance(values) for values in by_anchor.values()))
+        print(f"ranges scatter by {scatter:.3f} m about each anchor's mean")
         self.biases = {name: {key: {"bias": round(of(values), 4)} for key, values in sorted(by_anchor.items())}
                        for name, of in LOCATIONS.items()}
 

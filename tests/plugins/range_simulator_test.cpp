@@ -35,7 +35,7 @@ struct Read {
 };
 
 Read read(const Json& parameters, int samples, const Vector3d& angles = Vector3d::Zero(), std::uint64_t seed = 1) {
-  const auto simulator = bind<AidingSimulator>({{{"range", parameters}}});
+  const auto simulator = bind<AidingSimulator>({{{"range", parameters}}, {}, {}});
   const ComponentSpec spec = AidingSimulator::spec();
   std::vector<std::byte> memory(simulator->declaration().memory_bytes);
   simulator->start(seed, memory.data());
