@@ -530,7 +530,7 @@ TEST_CASE("displacement: of a sensor at a lever arm, which a turn moves; and in 
   REQUIRE(path.said.size() == 2);
   CHECK((Vector3d(path.said[0].fields.data()) - Vector3d(-2, 2, 0)).norm() < 1e-12);
 
-  const Vector3d then(0.85, 2.1, 300), now = strapdown::position_plus(then, {40, -25, 3}), ;
+  const Vector3d then(0.85, 2.1, 300), now = strapdown::position_plus(then, {40, -25, 3});
   Path of_earth({{"every", 1}, {"frame", "ecef"}}, {"x", "y", "z", "roll"});
   of_earth.at(0, {then[0], then[1], then[2], 0, 0, 0, 0, 0, 0});
   of_earth.at(1, {now[0], now[1], now[2], 0, 0, 0, 0, 0, 0});
