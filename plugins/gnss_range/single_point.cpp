@@ -91,6 +91,32 @@ struct SinglePointFix {
 
 namespace {
 
+/// Of an epoch: N x = b, and N without weights, for the dilution of precision.
+struct NormalEquations {
+  Normal N = Normal::Zero(), plain = Normal::Zero();
+  Unknowns b = Unknowns::Zero();
+};
+
+/// For the first unknowns; the others, which the epoch does not have, stay. False: not determined.
+template <int Size>
+bool solve_first(const NormalEquations& e, Unknowns& dx, SinglePointFix& fix) {
+  using Square = Eigen::Matrix<double, Size, Size>;
+  using Column = Eigen::Matrix<double, Size, 1>;
+  const Square N = e.N.topLeftCorner<Size, Size>(), plain = e.plain.topLeftCorner<Size, Size>();
+  const Column b = e.b.head<Size>();
+  const Eigen::LDLT<Square> solver(N), unweighted(plain);
+  const Column D = unweighted.vectorD();
+  if (solver.info() != Eigen::Success || !(D.minCoeff() > 1e-9)) return false;
+  const Column solution = solver.solve(b);
+  if (!solution.allFinite()) return false;
+  dx.head<Size>() = solution;
+  const Square cofactors = solver.solve(Square::Identity()), dop = unweighted.solve(Square::Identity());
+  fix.cofactors.setZero();
+  fix.cofactors.topLeftCorner<Size, Size>() = cofactors;
+  fix.gdop = std::sqrt(dop.diagonal().template head<4>().sum());
+  return true;
+}
+
 double residual_of(const gnss::Sighting& s, int offset, const SinglePointFix& fix) {
   const double system = offset >= 0 ? fix.offset[static_cast<std::size_t>(offset)] : 0;
   return s.pseudorange - (s.path.range + fix.clock + system + s.delay);
@@ -257,8 +283,7 @@ int SinglePoint::sight(const gnss::Corrections::Epoch& epoch, bool knows_place, 
 
 bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, SinglePointFix& fix,
                        double& moved) const {
-  Normal N = Normal::Zero(), plain = Normal::Zero();
-  Unknowns b = Unknowns::Zero();
+  NormalEquations e;
   const std::span epoch(sightings.data(), static_cast<std::size_t>(count));
   const Systems systems(epoch);
   for (const gnss::Sighting& s : epoch) {
@@ -266,24 +291,19 @@ bool SinglePoint::step(const Sightings& sightings, int count, bool knows_place, 
     const Unknowns a = design(s, offset);
     const double residual = residual_of(s, offset, fix);
     const double weight = knows_place ? 1 / range_noise_.variance(s) : 1;
-    N += weight * a * a.transpose();
-    plain += a * a.transpose();
-    b += weight * residual * a;
+    e.N += weight * a * a.transpose();
+    e.plain += a * a.transpose();
+    e.b += weight * residual * a;
   }
   if (count < 3 + systems.count) return false;
   for (int i = 0; i < offsets; ++i)
-    if (!systems.has_offset(i)) N(4 + i, 4 + i) = plain(4 + i, 4 + i) = 1;
-  const Eigen::LDLT<Normal> solver(N), unweighted(plain);
-  const Eigen::Matrix<double, unknowns, 1> D = unweighted.vectorD();
-  if (solver.info() != Eigen::Success || !(D.minCoeff() > 1e-9)) return false;
-  const Unknowns dx = solver.solve(b);
-  if (!dx.allFinite()) return false;
+    if (!systems.has_offset(i)) e.N(4 + i, 4 + i) = e.plain(4 + i, 4 + i) = 1;
+  Unknowns dx = Unknowns::Zero();
+  if (!(systems.has_offset(offsets - 1) ? solve_first<unknowns>(e, dx, fix) : solve_first<unknowns - 1>(e, dx, fix)))
+    return false;
   fix.place.ecef += dx.head<3>();
   fix.clock += dx[3];
   for (int i = 0; i < offsets; ++i) fix.offset[static_cast<std::size_t>(i)] += dx[4 + i];
-  fix.cofactors = solver.solve(Normal::Identity());
-  const Normal dop = unweighted.solve(Normal::Identity());
-  fix.gdop = std::sqrt(dop.diagonal().head<4>().sum());
   moved = dx.head<3>().norm();
   return true;
 }

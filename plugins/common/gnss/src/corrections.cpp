@@ -48,7 +48,9 @@ std::vector<ParameterSpec> Corrections::parameters() {
           .defaults("true")
           .about("the earth turns while the signal travels (Sagnac); false: satellites stand in the axes of reception"),
       boolean("satellite_clock").defaults("true").about("subtract the satellite's clock, relativity included"),
-      boolean("group_delay").defaults("true").about("subtract T_GD, BGD from the satellite's clock: one frequency"),
+      boolean("group_delay")
+          .defaults("true")
+          .about("subtract T_GD, BGD, TGD1 from the satellite's clock: one frequency"),
       choice("ionosphere", {"none", "klobuchar"})
           .defaults("\"none\"")
           .about("klobuchar: by the broadcast coefficients of the channel on 'iono'"),
@@ -69,7 +71,7 @@ std::vector<ParameterSpec> Corrections::parameters() {
           .about("satellites below it are not used"),
       number("cn0_mask", "1").at_least(0).defaults("0").about("dB-Hz; weaker signals are not used, where it is given"),
       list("exclude", text("satellite"))
-          .about("satellites that are not used: \"G05\", \"E11\", or the key of a row: \"4301\""),
+          .about("satellites that are not used: \"G05\", \"E11\", \"C19\", or the key of a row: \"4301\""),
   };
 }
 
