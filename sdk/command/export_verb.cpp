@@ -131,6 +131,7 @@ void show(const Options& options, const fs::path& file, const convert::Result& r
       print(fmt::format("  origin: {:.9f} deg, {:.9f} deg, {:.3f} m ({})\n", result.origin->lat * 57.29577951308232,
                         result.origin->lon * 57.29577951308232, result.origin->height, result.origin->from));
   }
+  flush_stdout();
   for (const auto& note : result.notes) print_note(note);
 }
 

@@ -125,6 +125,7 @@ int report_several(const Options& options) {
   print(differences_text(comparison.json()));
   print(fmt::format("{} of the configs; ", counted(comparison.json()["config"].size(), "difference")));
   print_page(page, bytes);
+  flush_stdout();
   for (const auto& lack : comparison.json()["lacks"]) print_note(lack.get<std::string>());
   return ok;
 }

@@ -60,8 +60,10 @@ class Columns {
         if (column.name == name || (column.name.starts_with(name + ".") && !column.name.ends_with(".sigma")))
           list.push_back(column);
       if (list.size() != before) continue;
-      const std::string near = closest(name, known);
-      throw Refusal("there is no column '" + name + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") +
+      std::vector<std::string> candidates = known;
+      for (const std::string& each : known) candidates.push_back(each.substr(0, each.find('.')));
+      const std::string near = closest(name, candidates);
+      throw Refusal("there is no column '" + name + "'" + (near.empty() ? "." : "; did you mean '" + near + "'?") +
                     " There are: " + joined(known));
     }
     return list;

@@ -22,7 +22,7 @@ void append_exact(std::string& text, double value) {
     return;
   }
   std::array<char, 32> all;
-  const auto end = std::to_chars(all.data(), all.data() + all.size(), value);
+  const auto end = std::to_chars(all.data(), all.data() + all.size(), value + 0.0);  // no "-0"
   text.append(all.data(), end.ptr);
 }
 

@@ -201,7 +201,7 @@ void Comparison::match(const std::vector<FilterPair>& pairs) {
 }
 
 void Comparison::add_runs() {
-  Json &runs = json_["runs"] = Json::array(), &filters = json_["filters"] = Json::array();
+  Json runs = Json::array(), filters = Json::array();  // of an ordered object a new key moves the others
   for (const auto& [name, folder, run] : runs_) {
     Json entry{{"name", name}, {"folder", folder}, {"title", at_or_null(run.config, "title")}};
     for (const char* key : {"command", "version", "seed", "created"}) {
@@ -216,6 +216,8 @@ void Comparison::add_runs() {
     for (const auto& name : of) entry["of"].push_back(name.empty() ? Json(nullptr) : Json(name));
     filters.push_back(std::move(entry));
   }
+  json_["runs"] = std::move(runs);
+  json_["filters"] = std::move(filters);
 }
 
 void Comparison::add_verdicts() {

@@ -76,17 +76,19 @@ class OverlayMap extends TrackMap {
   }
 
   draw() {
-    const picture = this.picture, { width, height } = this.size;
+    const picture = this.picture;
     picture.replaceChildren();
-    picture.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    picture.setAttribute('viewBox', `0 0 ${this.size.width} ${this.size.height}`);
     picture.append(this.grid());
     if (this.paths.reference) picture.append(this.line(this.paths.reference, 'reference'));
-    for (const { path, colour, name } of this.tracks) {
+    // The first is the widest, so that what lies on it does not hide it.
+    this.tracks.forEach(({ path, colour, name }, k) => {
+      const width = 2 + 1.5 * (this.tracks.length - 1 - k);
       const line = this.line(path, 'estimate');
       line.dataset.run = name;
-      for (const part of line.children) part.setAttribute('style', `stroke: var(${colour})`);
+      for (const part of line.children) part.setAttribute('style', `stroke: var(${colour}); stroke-width: ${width}`);
       picture.append(line);
-    }
+    });
     this.part = svg('g', {});
     this.dots = this.tracks.map(({ colour }) => svg('circle', { class: 'here', r: 5, visibility: 'hidden', style: `fill: var(${colour})` }));
     const first = this.paths.estimate;
@@ -136,7 +138,7 @@ function runsSection() {
 }
 
 function verdictSection() {
-  return section('Verdicts', 'Whether the filter\u2019s estimates can be trusted, and the codes of what speaks against it.', table(['filter', ...runNames()], compared().verdicts.map((entry) => row(entry.filter,
+  return section('Verdicts', 'Whether the filter\u2019s estimates can be trusted, and the codes of its reasons.', table(['filter', ...runNames()], compared().verdicts.map((entry) => row(entry.filter,
     ...entry.states.map((state, i) => el('td', { class: 'verdict', title: entry.codes[i].join(', ') }, state === null ? '\u2013' : [state, entry.codes[i].length ? ` (${[...new Set(entry.codes[i])].join(', ')})` : ''])))), { left: runNames().map((name, i) => i + 1) }));
 }
 
@@ -260,4 +262,5 @@ parts = () => [
   { title: 'Comparison', sections: [runsSection(), verdictSection(), metricsSection(), configSection()] },
   ...overlaidParts(),
   ...payload.run.filters.map((filter) => ({ title: filter.name, sections: filterSections(filter, payload.run.summary.filters[filter.name] || {}, '/run/filters' + token(filter.name)) })),
-];
+  { title: 'Of all runs', sections: [restSection(() => remainingTable(payload.run.summary, '/run'))].filter(Boolean) },
+].filter((part) => part.sections.length);
