@@ -26,8 +26,8 @@ const char* const drive = R"~({
                   { "do": "climb", "height": "8 m", "duration": "14 s" }, { "do": "turn", "angle": "-100 deg", "duration": "12 s" },
                   { "do": "straight", "duration": "20 s" } ],
     "imu_rate": "100 Hz", "truth_rate": "20 Hz", "gnss_rate": 0,
-    "gyro": { "bias": "400 deg/h", "noise": "1 deg/sqrt(h)" }, "accel": { "bias": "20 mg" },
-    "initial_sigma": { "position": "2 m", "velocity": "0.3 m/s", "tilt": "0.8 deg", "heading": "4 deg" } } },
+    "gyro": { "bias": "100 deg/h", "noise": "1 deg/sqrt(h)" }, "accel": { "bias": "1 mg" },
+    "initial_sigma": { "position": "2 m", "velocity": "0.3 m/s", "tilt": "0.1 deg", "heading": "4 deg" } } },
   "filters": { "ins": {
     "blocks": { "position": { "type": "position", "init": { "channel": "van.initial" } },
                 "velocity": { "type": "velocity", "init": { "channel": "van.initial" } },
