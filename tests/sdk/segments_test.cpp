@@ -101,7 +101,7 @@ TEST_CASE("segment errors are KITTI's measure") {
   }
 }
 
-TEST_CASE("segment errors: a span of evaluate, units, and a run that is resumed") {
+TEST_CASE("segment errors: a span of evaluate, and units") {
   const Workbench bench;
   const double whole = figure(ran(bench), "translation");
   CHECK(figure(ran(bench, {"--set", "/evaluate/until=30 s"}), "translation") != whole);
