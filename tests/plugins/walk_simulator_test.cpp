@@ -129,7 +129,7 @@ TEST_CASE("walk simulator: free of errors, a mechanization of the increments rep
   CHECK(worst[1] < 0.5 * worst[0]);
 }
 
-TEST_CASE("walk simulator: rates are increments over their interval; truth has its stance; refusals") {
+TEST_CASE("walk simulator: rates are increments over their interval, truth has its stance, and refusals") {
   simulation::Simulation<WalkSimulator> increments(with({{"perfect", true}})),
       rates(with({{"perfect", true}, {"imu_kind", "rate"}}));
   const auto sums = increments.of(WalkSimulator::imu), means = rates.of(WalkSimulator::imu);

@@ -30,7 +30,7 @@ constexpr int wanted_kills = 6;
 
 const std::string quickstart = BINNACLE_TEST_PROJECT "/configs/quickstart.json";
 
-/// With samples under way, a history and a sink.
+/// With samples under way, a history, a metric of the whole path and a sink.
 const Arguments config{
     "run",
     quickstart,
@@ -39,6 +39,8 @@ const Arguments config{
     R"(/sources/drive/latency={"uniform": [0, "1.9 s"]})",
     "--set",
     R"(/filters/ins/history="2 s")",
+    "--set",
+    R"(/evaluate/metrics=["ins/position.segments/translation", "ins/position.segments/rotation"])",
     "--set",
     R"(/sinks/out={"type": "csv_writer", "input": "ins.settled", "path": "out.csv",
                           "fields": {"height": "position.height"}, "columns": {"height": {"unit": "m"}}})",

@@ -17,17 +17,18 @@ using nlohmann::json;
 
 namespace {
 
-/// A drive that inertial sensors alone follow, with truth at 20 Hz in a file beside it.
+/// A drive that inertial sensors alone follow, with truth at 20 Hz in a file beside it. No length is a whole number of its
+/// poses: where one ends would then be a matter of the last bit.
 const char* const drive = R"~({
   "binnacle": 1,
   "sources": { "van": {
-    "type": "vehicle_simulator", "start": { "lat": "49 deg", "lon": "8.4 deg", "height": "115 m", "heading": "70 deg", "speed": "15 m/s" },
+    "type": "vehicle_simulator", "start": { "lat": "49 deg", "lon": "8.4 deg", "height": "115 m", "heading": "70 deg", "speed": "14.37 m/s" },
     "segments": [ { "do": "straight", "duration": "12 s" }, { "do": "turn", "angle": "80 deg", "duration": "9 s" },
                   { "do": "climb", "height": "8 m", "duration": "14 s" }, { "do": "turn", "angle": "-100 deg", "duration": "12 s" },
                   { "do": "straight", "duration": "20 s" } ],
     "imu_rate": "100 Hz", "truth_rate": "20 Hz", "gnss_rate": 0,
-    "gyro": { "bias": "400 deg/h", "noise": "1 deg/sqrt(h)" }, "accel": { "bias": "20 mg" },
-    "initial_sigma": { "position": "2 m", "velocity": "0.3 m/s", "tilt": "0.8 deg", "heading": "4 deg" } } },
+    "gyro": { "bias": "100 deg/h", "noise": "1 deg/sqrt(h)" }, "accel": { "bias": "1 mg" },
+    "initial_sigma": { "position": "2 m", "velocity": "0.3 m/s", "tilt": "0.1 deg", "heading": "4 deg" } } },
   "filters": { "ins": {
     "blocks": { "position": { "type": "position", "init": { "channel": "van.initial" } },
                 "velocity": { "type": "velocity", "init": { "channel": "van.initial" } },
@@ -100,7 +101,7 @@ TEST_CASE("segment errors are KITTI's measure") {
   }
 }
 
-TEST_CASE("segment errors: a span of evaluate, units, and a run that is resumed") {
+TEST_CASE("segment errors: a span of evaluate, and units") {
   const Workbench bench;
   const double whole = figure(ran(bench), "translation");
   CHECK(figure(ran(bench, {"--set", "/evaluate/until=30 s"}), "translation") != whole);

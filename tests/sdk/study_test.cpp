@@ -250,9 +250,10 @@ TEST_CASE("what is wrong with a study is reported before anything runs") {
       R"~({ "metrics": ["walk/place.y/rms"] })~",
       "26: error[B027] /study/metrics/0: metric 'walk/place.y/rms': no 'place.y' of filter 'walk' is scored by a "
       "reference; did you mean 'place.x'? (there are: place.x)");
-  is_reported(R"~({ "metrics": ["walk/place.x/rsm"] })~",
-              "26: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean "
-              "'rms'? (statistics: mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)");
+  is_reported(
+      R"~({ "metrics": ["walk/place.x/rsm"] })~",
+      "26: error[B027] /study/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean "
+      "'rms'? (statistics: mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s, translation, rotation)");
   is_reported(R"~({ "metrics": ["wlak/place.x/rms"] })~",
               "26: error[B027] /study/metrics/0: metric 'wlak/place.x/rms': there is no filter 'wlak'; did you mean "
               "'walk'? (filters: walk)");
@@ -298,7 +299,7 @@ TEST_CASE("a metric that no variant knows is misspelt, wherever it stands, and o
   };
   const std::string listed =
       " /evaluate/metrics/0: metric 'walk/place.x/rsm': there is no statistic 'rsm'; did you mean 'rms'? (statistics: "
-      "mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s)";
+      "mean, rms, max, final, drift, p50, p95, sigma, nees, nis, at 100 s, translation, rotation)";
   const auto each = [&](const auto& look) {
     for (const auto& arguments : {std::vector<std::string>{"check", "study.json"},
                                   {"study", "study.json"},
