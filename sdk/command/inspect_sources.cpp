@@ -151,7 +151,10 @@ std::vector<inspect::Channel> channels_of_config(const std::string& path, const 
 Json receiver_source(const std::string& path) {
   std::string stem = path;
   if (stem.ends_with(".gz")) stem.resize(stem.size() - 3);
-  const auto type = stem.ends_with(".ubx") ? "ublox" : stem.ends_with(".pos") ? "rtklib_pos" : stem.ends_with(".nmea") ? "nmea" : nullptr;
+  const auto type = stem.ends_with(".ubx")    ? "ublox"
+                    : stem.ends_with(".pos")  ? "rtklib_pos"
+                    : stem.ends_with(".nmea") ? "nmea"
+                                              : nullptr;
   if (!type) return nullptr;
   return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
 }
