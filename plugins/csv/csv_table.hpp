@@ -65,6 +65,7 @@ struct Layout {
   std::int64_t time_unit = nanoseconds_per_second;  // ns
   Time time_offset = 0;
   std::vector<Column> columns;
+  std::size_t width = 0;  // of the rows of a file without header
   std::optional<RowLayout> rows;
   bool has_intervals = false;    // some column is a rate or increment
   std::optional<Time> interval;  // fixed; else from label to label

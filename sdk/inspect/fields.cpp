@@ -24,6 +24,13 @@ Finding finding(const Channel& channel, const Field& field, std::string kind, do
   return found;
 }
 
+/// What models of navigation subscribe to: a receiver's flags and counts may stand still, or jump.
+bool is_measured(const Field& field) {
+  static const std::vector<std::string> names{"wx",  "wy",  "wz",     "fx", "fy", "fz",
+                                              "lat", "lon", "height", "vn", "ve", "vd"};
+  return std::ranges::find(names, field.name) != names.end();
+}
+
 bool is_deviation(const Field& field) { return field.name.find("_sd_") != std::string::npos; }
 
 void ask_numbers(const Channel& channel, const Field& field, Findings& findings) {
@@ -86,7 +93,7 @@ bool ask_constant(const Channel& channel, const Field& field, Findings& findings
   // the shares of equal neighbours (below 0.75) that quantized sensors have.
   const bool is_stuck = channel.is_inertial() && first.length > 50 && first.length > 5 * second.length;
   if (!is_constant && !(is_stuck && others_change(channel, field, first))) return false;
-  if (is_constant && !channel.is_inertial() && !(channel.is_fix() && !is_deviation(field))) return true;
+  if (is_constant && !is_measured(field)) return true;
   Finding found = finding(channel, field, is_constant ? "constant" : "stuck", field.values[first.from], field.si);
   found.from = channel.t[first.from];
   found.to = channel.t[first.from + first.length - 1];
@@ -154,9 +161,8 @@ void ask_clipped(const Channel& channel, const Field& field, Findings& findings)
 
 /// Single samples far from both neighbours, which agree with each other.
 void ask_spikes(const Channel& channel, const Field& field, Findings& findings) {
-  // Positions are compared with velocities instead, and angles go round.
-  static const std::vector<std::string> others{"yaw", "course", "lat", "lon"};
-  if (is_deviation(field) || field.values.size() < 100 || std::ranges::find(others, field.name) != others.end()) return;
+  // Positions are compared with velocities instead.
+  if (!is_measured(field) || field.name == "lat" || field.name == "lon") return;
   const auto& x = field.values;
   double limit = 0;
   const auto rows = spikes(x, limit);
