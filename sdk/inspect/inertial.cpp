@@ -100,7 +100,7 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
   const Field& field = *channel.find("wx");
   const double size = turning.axis.norm();
   const double error = turning.axis.cwiseProduct(turning.axis_error).norm() / std::max(size * size, 1e-300);
-  if (!turning.is_known || error > 0.05) {
+  if (!turning.is_known || error > 0.15) {
     Finding found;
     found.kind = "rate_unit";
     found.channel = channel.name;

@@ -206,6 +206,20 @@ Inspection inspect(std::vector<Channel> channels) {
   bool has_heading = false;
   for (const Channel& channel : inspection.channels) {
     if (!channel.is_inertial() || channel.t.size() < 10) continue;
+    // A triad of which one field stands still shows neither its unit nor its axes.
+    if (const auto dead = std::ranges::find_if(findings,
+                                               [&](const Finding& each) {
+                                                 return each.kind == "constant" && each.channel == channel.name;
+                                               });
+        dead != findings.end()) {
+      Finding found;
+      found.kind = "axes";
+      found.channel = channel.name;
+      found.severity = Severity::unknown;
+      found.text = dead->field + " is constant: units, axes, delay and mounting are not looked for";
+      findings.push_back(std::move(found));
+      continue;
+    }
     Inertial inertial = inertial_of(channel);
     ask_force_unit(channel, inertial, findings);
     if (gnss) {

@@ -164,6 +164,13 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
   const double roll = std::atan2(M(2, 1), M(2, 2)), pitch = std::asin(std::clamp(-M(2, 0), -1.0, 1.0)),
                yaw = std::atan2(M(1, 0), M(0, 0));
   const double error = mean.scatter / std::sqrt(static_cast<double>(mean.windows));
+  if (error * degrees > 5) {
+    found.severity = Severity::unknown;
+    found.text = fmt::format("the motion does not show how the sensor is mounted: windows differ by {:.0f} deg",
+                             mean.scatter * degrees);
+    findings.push_back(std::move(found));
+    return std::nullopt;
+  }
   found.value = error * degrees;
   found.unit = "deg";
   found.text = fmt::format(
