@@ -245,6 +245,7 @@ CsvSource::CsvSource(const Binding& binding) {
   layout_.format = read_format(parameters);
   if (!layout_.format.has_header) read_where(parameters, nullptr, layout_.format);
   const FirstRow first = read_first_row(layout_.format);
+  if (!layout_.format.has_header) layout_.width = first.cells.size();
   if (layout_.format.has_header) read_where(parameters, &first, layout_.format);
   read_time(parameters, first, layout_);
   ChannelDeclaration channel;

@@ -139,10 +139,14 @@ class TableReader {
   };
 
   RowFault take_row() {
-    if (width_ == 0) width_ = cells_.size();
+    const bool is_first = width_ == 0;
+    if (is_first) width_ = std::max(layout_.width, cells_.size());
     if (cells_.size() != width_)
       return {"B062", count_of(cells_.size(), "column") + " where the " +
-                          (layout_.format.has_header ? "header" : "first row") + " has " + std::to_string(width_)};
+                          (layout_.format.has_header ? "header"
+                           : is_first                ? "second row"
+                                                     : "first row") +
+                          " has " + std::to_string(width_)};
     Time label = 0;
     if (RowFault fault = take_time(label)) return fault;
     const Time t = label + layout_.time_offset;
@@ -354,6 +358,9 @@ FirstRow read_first_row(const Format& format) {
     FirstRow row{{cells.begin(), cells.end()}, true};
     double ignored = 0;
     for (const auto cell : cells) row.is_numeric &= parse_number(cell, ignored) == CellFault::none;
+    // A logger that was switched on within a line: the second row is the whole one.
+    if (!format.has_header && rows.next(cells) && cells.size() > row.cells.size())
+      row.cells.assign(cells.begin(), cells.end());
     return row;
   } catch (const FileFault& fault) {
     throw ComponentError::in_data(fault.what(), format.path, 0, fault.code);

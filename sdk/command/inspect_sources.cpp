@@ -40,9 +40,13 @@ class Collector final : public RunObserver {
       channel.pointer = info.pointer;
       channel.time_unit = "s";
       auto& places = places_.emplace_back();
+      has_rows_.push_back(false);
       for (std::size_t f = 0; f < info.declaration->fields.size(); ++f) {
         const FieldSpec& spec = info.declaration->fields[f];
-        if (spec.is_per_row) continue;
+        if (spec.is_per_row) {
+          has_rows_.back() = true;
+          continue;
+        }
         places.push_back(info.position[f]);
         inspect::Field& field = channel.fields.emplace_back();
         field.name = field.column = spec.name;
@@ -60,9 +64,17 @@ class Collector final : public RunObserver {
     for (std::size_t f = 0; f < places_[i].size(); ++f)
       channel.fields[f].values.push_back(sample.fields[places_[i][f]]);
   }
+  /// Without those that have a row per satellite, which are for a filter of pseudoranges.
+  std::vector<inspect::Channel> taken() {
+    std::vector<inspect::Channel> all;
+    for (std::size_t i = 0; i < channels.size(); ++i)
+      if (!has_rows_[i] && !channels[i].fields.empty()) all.push_back(std::move(channels[i]));
+    return all;
+  }
   std::vector<inspect::Channel> channels;
 
  private:
+  std::vector<bool> has_rows_;
   std::vector<std::vector<int>> places_;
 };
 
@@ -115,12 +127,9 @@ std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& 
   } catch (const DataError& error) {
     fault = error.what();
   }
-  // One row per satellite is for a filter of pseudoranges: nothing here looks at these.
-  std::erase_if(collector.channels, [](const auto& channel) {
-    return channel.fields.empty() || (channel.t.empty() && channel.pointer.empty());
-  });
-  for (auto& channel : collector.channels) channel.fault = fault;
-  return std::move(collector.channels);
+  auto channels = collector.taken();
+  for (auto& channel : channels) channel.fault = fault;
+  return channels;
 }
 
 std::vector<inspect::Channel> channels_of_config(const std::string& path, const ConfigOptions& options) {
@@ -151,7 +160,10 @@ std::vector<inspect::Channel> channels_of_config(const std::string& path, const 
 Json receiver_source(const std::string& path) {
   std::string stem = path;
   if (stem.ends_with(".gz")) stem.resize(stem.size() - 3);
-  const auto type = stem.ends_with(".ubx") ? "ublox" : stem.ends_with(".pos") ? "rtklib_pos" : stem.ends_with(".nmea") ? "nmea" : nullptr;
+  const auto type = stem.ends_with(".ubx")    ? "ublox"
+                    : stem.ends_with(".pos")  ? "rtklib_pos"
+                    : stem.ends_with(".nmea") ? "nmea"
+                                              : nullptr;
   if (!type) return nullptr;
   return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
 }

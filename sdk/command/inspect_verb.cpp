@@ -41,7 +41,8 @@ int inspect_files(const Options& options) {
   int status = has_warnings && options.strict ? failed : ok;
   if (!options.proposal.empty()) {
     const auto folder = std::filesystem::absolute(options.proposal).parent_path();
-    const auto proposal = inspect::propose(inspection, folder.string(), is_config(options.files.front()) ? options.files.front() : "");
+    const auto proposal =
+        inspect::propose(inspection, folder.string(), is_config(options.files.front()) ? options.files.front() : "");
     if (proposal.config.is_null()) {
       print_error("no config can be proposed: " + proposal.reason);
       status = failed;

@@ -155,16 +155,20 @@ Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, 
   }
   const Best best = search(windows, bias);
   // 95 others compete.
-  const auto chance = [&](double lead) { return std::min(1.0, 95 * student_tail(std::max(0.0, lead), best.windows - 1)); };
+  const auto chance = [&](double lead) {
+    return std::min(1.0, 95 * student_tail(std::max(0.0, lead), best.windows - 1));
+  };
   const double confidence = 1 - chance(best.lead);
   const std::string evidence = fmt::format(
-      "rates and forces against velocities in {} windows of 40 s: the best of 96 signed orders leads by {} standard errors", best.windows,
-      figure(best.lead));
+      "rates and forces against velocities in {} windows of 40 s: the best of 96 signed orders leads by {} standard "
+      "errors",
+      best.windows, figure(best.lead));
   if (confidence < 0.99) {
     axes.is_ruled_out = chance(best.over_identity) < 0.01;
     report_open(imu,
-                axes.is_ruled_out ? "signs or order of the axes are not right, and these data do not show which are wrong"
-                                  : "there is too little motion to say that signs and order of the axes are right",
+                axes.is_ruled_out
+                    ? "signs or order of the axes are not right, and these data do not show which are wrong"
+                    : "there is too little motion to say that signs and order of the axes are right",
                 evidence, list);
     return axes;
   }

@@ -134,8 +134,9 @@ double steadiness(const TextTable& table, std::size_t first) {
 std::vector<std::optional<Meaning>> by_behaviour(const TextTable& table, std::size_t time) {
   std::vector<std::optional<Meaning>> meanings(table.columns.size());
   meanings[time] = Meaning{"t", "s", true};
-  const std::size_t first = time + 1;
-  if (table.columns.size() < first + 6) return meanings;
+  // After the time, or before it where it stands last.
+  const std::size_t first = table.columns.size() >= time + 7 ? time + 1 : 0;
+  if (table.columns.size() < first + 6 || (first == 0 && time < 6)) return meanings;
   const bool force_first = steadiness(table, first) > steadiness(table, first + 3);
   const char* const order[] = {"wx", "wy", "wz", "fx", "fy", "fz"};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -182,6 +183,7 @@ Channel read_bare_file(const std::string& path, const std::string& name) {
   channel.cut_rows = table.cut_rows;
   channel.time_column = table.columns[time].name;
   channel.time_unit = meanings[time] && !meanings[time]->is_guessed ? meanings[time]->unit : "s";
+  channel.time_is_guessed = !meanings[time] || meanings[time]->is_guessed;
   take_times(channel, table.columns[time], parse_unit(channel.time_unit)->scale, 0);
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     if (i == time) continue;

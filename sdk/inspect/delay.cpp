@@ -26,7 +26,10 @@ std::vector<CourseStep> course_steps(const Fixes& fixes) {
     const double speed = std::min(std::hypot(a[0], a[1]), std::hypot(b[0], b[1]));
     if (!(speed > fixes.moving) || dt > 3 * fixes.step) continue;
     const double turn = std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 6.283185307179586);
-    if (std::abs(turn) < 1.2) steps.push_back({fixes.t[i - 1], fixes.t[i], turn / dt, std::min(speed, 10.0)});
+    // Beyond 5 m/s^2 hardly any vehicle accelerates: such a step is more likely one of the receiver.
+    const double push = (b - a).head<2>().norm() / dt / 5;
+    if (std::abs(turn) < 1.2 && push < 2)
+      steps.push_back({fixes.t[i - 1], fixes.t[i], turn / dt, std::min(speed, 10.0) / (1 + push * push)});
   }
   return steps;
 }
@@ -177,7 +180,8 @@ Json clock_patch(const Channel& imu, const Channel& gnss, double gnss_is_late) {
   const bool sets_gnss = gnss.type == "csv" || imu.type != "csv";
   const Channel& set = sets_gnss ? gnss : imu;
   return source_patch(
-      set, {{"time", {{"offset", fmt::format("{:.3f} s", set.time_offset + (sets_gnss ? -gnss_is_late : gnss_is_late))}}}});
+      set,
+      {{"time", {{"offset", fmt::format("{:.3f} s", set.time_offset + (sets_gnss ? -gnss_is_late : gnss_is_late))}}}});
 }
 
 double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
@@ -193,6 +197,22 @@ double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, co
 }
 
 }  // namespace
+
+int sign_of_down(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias) {
+  Fixes turned = fixes;
+  for (auto& v : turned.v) v[2] = -v[2];
+  std::vector<double> as_is, other;
+  total_cost(inertial, fixes, delay, bias, &as_is);
+  total_cost(inertial, turned, delay, bias, &other);
+  const std::size_t n = std::min(as_is.size(), other.size());
+  if (n < 4) return 0;
+  double mean = 0, square = 0;
+  for (std::size_t i = 0; i < n; ++i) mean += (other[i] - as_is[i]) / static_cast<double>(n);
+  for (std::size_t i = 0; i < n; ++i) square += std::pow(other[i] - as_is[i] - mean, 2);
+  const double t = mean / std::sqrt(square / static_cast<double>(n * (n - 1)));
+  if (student_tail(std::abs(t), n - 1) > 0.005) return 0;
+  return t > 0 ? 1 : -1;
+}
 
 double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,
                  const Vector3d& bias, double label_difference, Findings& findings) {

@@ -24,6 +24,13 @@ Finding finding(const Channel& channel, const Field& field, std::string kind, do
   return found;
 }
 
+/// What models of navigation subscribe to: a receiver's flags and counts may stand still, or jump.
+bool is_measured(const Field& field) {
+  static const std::vector<std::string> names{"wx",  "wy",  "wz",     "fx", "fy", "fz",
+                                              "lat", "lon", "height", "vn", "ve", "vd"};
+  return std::ranges::find(names, field.name) != names.end();
+}
+
 bool is_deviation(const Field& field) { return field.name.find("_sd_") != std::string::npos; }
 
 void ask_numbers(const Channel& channel, const Field& field, Findings& findings) {
@@ -86,7 +93,7 @@ bool ask_constant(const Channel& channel, const Field& field, Findings& findings
   // the shares of equal neighbours (below 0.75) that quantized sensors have.
   const bool is_stuck = channel.is_inertial() && first.length > 50 && first.length > 5 * second.length;
   if (!is_constant && !(is_stuck && others_change(channel, field, first))) return false;
-  if (is_constant && !channel.is_inertial() && !(channel.is_fix() && !is_deviation(field))) return true;
+  if (is_constant && !is_measured(field)) return true;
   Finding found = finding(channel, field, is_constant ? "constant" : "stuck", field.values[first.from], field.si);
   found.from = channel.t[first.from];
   found.to = channel.t[first.from + first.length - 1];
@@ -152,45 +159,22 @@ void ask_clipped(const Channel& channel, const Field& field, Findings& findings)
   }
 }
 
-/// Where the tail of sorted values, as a power law through two of its quantiles, would be exceeded once in 10^4 records.
-/// Between 90 and 99 % of few values, between 99 and 99.9 % of many; a tail is never taken to be thinner than a fourth power.
-double beyond_tail(const std::vector<double>& sorted) {
-  const double n = static_cast<double>(sorted.size()), share = n > 20'000 ? 0.01 : 0.1;
-  const auto at = [&](double upper) { return sorted[static_cast<std::size_t>((1 - upper) * (n - 1))]; };
-  const double low = at(share), high = at(0.1 * share);
-  if (!(low > 0)) return 0;
-  const double exponent = std::max(0.25, std::log10(high / low));
-  return high * std::pow(0.1 * share * n / 1e-4, exponent);
-}
-
 /// Single samples far from both neighbours, which agree with each other.
 void ask_spikes(const Channel& channel, const Field& field, Findings& findings) {
-  // Positions are compared with velocities instead, and angles go round.
-  static const std::vector<std::string> others{"yaw", "course", "lat", "lon"};
-  if (is_deviation(field) || field.values.size() < 100 || std::ranges::find(others, field.name) != others.end()) return;
+  // Positions are compared with velocities instead.
+  if (!is_measured(field) || field.name == "lat" || field.name == "lon") return;
   const auto& x = field.values;
-  std::vector<double> away(x.size(), 0);
-  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
-    const double up = x[i] - x[i - 1], down = x[i] - x[i + 1];
-    away[i] = up * down > 0 ? std::min(std::abs(up), std::abs(down)) : 0;
-    if (!std::isfinite(away[i])) away[i] = 0;
-  }
-  std::vector<double> sorted = away;
-  std::ranges::sort(sorted);
-  const double limit = beyond_tail(sorted);
-  if (!(limit > 0)) return;
-  std::size_t count = 0, worst = 0;
-  for (std::size_t i = 0; i < away.size(); ++i)
-    if (away[i] > limit) {
-      ++count;
-      if (away[i] > away[worst]) worst = i;
-    }
+  double limit = 0;
+  const auto rows = spikes(x, limit);
+  const std::size_t count = rows.size();
   if (count == 0) return;
+  const std::size_t worst = rows.front();
   Finding found = finding(channel, field, "spike", x[worst] - 0.5 * (x[worst - 1] + x[worst + 1]), field.si);
   found.from = found.to = channel.t[worst];
   found.text = fmt::format("{} sample{} away from both neighbours, by {} {} at {} s", count, count == 1 ? "" : "s",
                            figure(found.value), field.si, figure(found.from));
-  found.evidence = fmt::format("limit {} {}: what the tail of the record's own roughness reaches once in 10^4 records", figure(limit), field.si);
+  found.evidence = fmt::format("limit {} {}: what the tail of the record's own roughness reaches once in 10^4 records",
+                               figure(limit), field.si);
   findings.push_back(std::move(found));
 }
 

@@ -68,16 +68,18 @@ Displacements displacements(const Fixes& fixes, double length) {
 struct Unit2 {
   const char* name;
   double scale;
+  double times = 1;  // of the unit: what it is called by in a config
 };
 constexpr Unit2 speeds[] = {{"m/s", 1},       {"km/h", 1 / 3.6}, {"kn", 0.514444},
                             {"ft/s", 0.3048}, {"cm/s", 1e-2},    {"mm/s", 1e-3}};
-constexpr Unit2 angles[] = {{"deg", degree}, {"rad", 1}, {"arcmin", degree / 60}, {"arcsec", degree / 3600}};
+constexpr Unit2 angles[] = {
+    {"deg", degree}, {"rad", 1}, {"arcmin", degree / 60}, {"arcsec", degree / 3600}, {"deg", degree * 1e-7, 1e-7}};
 constexpr Unit2 lengths[] = {{"m", 1}, {"ft", 0.3048}, {"cm", 1e-2}, {"mm", 1e-3}, {"km", 1e3}};
 
 template <std::size_t N>
-const Unit2* nearest(const Unit2 (&all)[N], double scale) {
+const Unit2* nearest(const Unit2 (&all)[N], double scale, double most = 0.06) {
   for (const Unit2& each : all)
-    if (std::abs(std::log(scale / each.scale)) < 0.06) return &each;
+    if (std::abs(std::log(scale / each.scale)) < most) return &each;
   return nullptr;
 }
 
@@ -87,12 +89,14 @@ void report_unit(const Channel& channel, const char* kind, const std::vector<std
   for (const auto& field : fields) found.field += (found.field.empty() ? "" : ", ") + field;
   const Field& field = *channel.find(fields.front());
   found.value = factor;
-  found.text =
-      fmt::format("numbers are in {}, not {} as {}", unit.name, field.unit, field.is_guessed ? "guessed" : "stated");
+  found.text = fmt::format("numbers are in {}{}, not {} as {}", unit.times == 1 ? "" : figure(unit.times) + " ",
+                           unit.name, field.unit, field.is_guessed ? "guessed" : "stated");
   found.unit = unit.name;
   found.evidence = evidence;
   found.confidence = 0.99;
-  found.meaning = column_patch(channel, fields, {{"unit", unit.name}});
+  Json what = {{"unit", unit.name}};
+  if (unit.times != 1) what["scale"] = unit.times;
+  found.meaning = column_patch(channel, fields, what);
   findings.push_back(std::move(found));
 }
 
@@ -147,7 +151,7 @@ void report_exchange(const Channel& channel, const Horizontal& fit, Fixes& fixes
     for (auto& p : fixes.p) std::swap(p[0], p[1]);
 }
 
-void ask_vertical(const Channel& channel, Fixes& fixes, Findings& findings) {
+void ask_vertical(const Channel& channel, Fixes& fixes, VelocityRelation& relation, Findings& findings) {
   if (!fixes.has_down || !fixes.has_height) return;
   const Displacements all = displacements(fixes, 10);
   const auto n = static_cast<Eigen::Index>(all.position.size());
@@ -171,21 +175,44 @@ void ask_vertical(const Channel& channel, Fixes& fixes, Findings& findings) {
     return;
   }
   if (slope < 0) {
-    Finding found = finding(channel, "down_sign", "vd", Severity::warning);
-    found.value = slope;
-    found.text = "vd is positive upwards";
-    found.evidence = evidence;
-    found.confidence = 0.99;
-    found.meaning = column_patch(channel, {"vd"}, {{"scale", -1}});
-    findings.push_back(std::move(found));
-    for (auto& v : fixes.v) v[2] = -v[2];
+    relation.is_upside_down = true;
+    relation.vertical_slope = slope;
+    for (auto& p : fixes.p) p[2] = -p[2];
   }
   const double factor = std::abs(slope);
   if (std::abs(factor - 1) > std::max(0.2, 5 * error)) {
-    if (const Unit2* unit = nearest(lengths, channel.find("height")->scale / factor)) {
-      report_unit(channel, "height_unit", {"height"}, *unit, 1 / factor, evidence, findings);
-      for (auto& p : fixes.p) p[2] /= factor;
+    const double stated = channel.find("height")->scale;
+    if (const Unit2* unit = nearest(lengths, stated / factor, 0.25)) {
+      report_unit(channel, "height_unit", {"height"}, *unit, unit->scale / stated, evidence, findings);
+      for (auto& p : fixes.p) p[2] *= unit->scale / stated;
     }
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// Latitudes beyond the poles: of the units in which none is, that by which positions move as velocities lead.
+void ask_range(const Channel& channel, Fixes& fixes, Findings& findings) {
+  std::vector<double> lat;
+  for (const auto& p : fixes.p) lat.push_back(std::abs(p[0]));
+  const double stated = channel.find("lat")->scale;
+  // Exchanged with a longitude, it may be up to 180 deg.
+  if (!(quantile(lat, 0.5) > 3.15)) return;
+  for (const Unit2& unit : angles) {
+    Fixes other = fixes;
+    for (auto& p : other.p) p.head<2>() *= unit.scale / stated;
+    if (quantile(lat, 0.5) * unit.scale / stated > 1.5708) continue;
+    const Horizontal fit = relate(displacements(other, 2));
+    const double size = fit.A.cwiseAbs().maxCoeff();
+    if (fit.used == 0 || fit.error.maxCoeff() > 0.05 * size || std::abs(std::log(size)) > 0.06) continue;
+    report_unit(channel, "position_unit", {"lat", "lon"}, unit, unit.scale / stated,
+                fmt::format("latitudes of {} {}; in this unit positions move {} times as far as velocities lead",
+                            figure(quantile(lat, 0.5) / stated), channel.find("lat")->unit, figure(size)),
+                findings);
+    fixes = std::move(other);
+    return;
   }
 }
 
@@ -194,6 +221,7 @@ void ask_vertical(const Channel& channel, Fixes& fixes, Findings& findings) {
 VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& findings) {
   VelocityRelation relation;
   if (!fixes.has_velocity || !fixes.has_position) return relation;
+  ask_range(channel, fixes, findings);
   const Displacements all = displacements(fixes, 2);
   const Horizontal fit = relate(all);
   const std::string evidence = fmt::format(
@@ -210,7 +238,7 @@ VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& fi
   }
   if (std::abs(fit.A(0, 1)) + std::abs(fit.A(1, 0)) > 2 * (std::abs(fit.A(0, 0)) + std::abs(fit.A(1, 1)))) {
     report_exchange(channel, fit, fixes, evidence, findings);
-    ask_vertical(channel, fixes, findings);
+    ask_vertical(channel, fixes, relation, findings);
     return relation;
   }
   const double north = fit.A(0, 0), east = fit.A(1, 1);
@@ -241,6 +269,7 @@ VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& fi
   if (north * east < 0) {
     relation.is_mirrored = true;
     relation.axis = north < 0 ? 0 : 1;
+    for (auto& p : fixes.p) p[relation.axis] *= -1;
   } else if (north < 0) {
     Finding found = finding(channel, "velocity_sign", "vn, ve", Severity::warning);
     found.value = -1;
@@ -250,7 +279,7 @@ VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& fi
     findings.push_back(std::move(found));
     for (auto& v : fixes.v) v.head<2>() *= -1;
   }
-  ask_vertical(channel, fixes, findings);
+  ask_vertical(channel, fixes, relation, findings);
   return relation;
 }
 
@@ -270,6 +299,27 @@ void report_mirrored(const Channel& channel, int axis, bool is_known, bool veloc
   }
   found.evidence = "displacements against the integral of velocity, and the sense of turning of the gyros";
   found.confidence = 0.99;
+  findings.push_back(std::move(found));
+}
+
+void report_upside_down(const Channel& channel, double slope, bool is_known, bool velocity_is_at_fault,
+                        Findings& findings) {
+  Finding found = finding(channel,
+                          !is_known              ? "vertical_sign"
+                          : velocity_is_at_fault ? "down_sign"
+                                                 : "height_sign",
+                          !is_known              ? "vd, height"
+                          : velocity_is_at_fault ? "vd"
+                                                 : "height",
+                          Severity::warning);
+  found.value = slope;
+  found.text = !is_known ? "vd is positive upwards, or height has the wrong sign: these data do not show which"
+               : velocity_is_at_fault ? "vd is positive upwards"
+                                      : "height has the wrong sign";
+  found.evidence = fmt::format("heights sink by {} times the integral of vd{}", figure(slope),
+                               is_known ? "; the specific force goes with one sign of vd" : "");
+  found.confidence = 0.99;
+  if (is_known) found.meaning = column_patch(channel, {found.field}, {{"scale", -1}});
   findings.push_back(std::move(found));
 }
 

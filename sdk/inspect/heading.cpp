@@ -56,8 +56,8 @@ void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings)
   const bool has_unit = best.factor == 1, has_sign = best.sign > 0;
   const double off = std::abs(best.offset) * degrees;
   // Circular standard deviation over the root of independent stretches of 10 s.
-  const double error =
-      degrees * std::sqrt(std::max(0.0, -2 * std::log(best.length))) / std::sqrt(1 + static_cast<double>(used) * fixes.step / 10);
+  const double error = degrees * std::sqrt(std::max(0.0, -2 * std::log(best.length))) /
+                       std::sqrt(1 + static_cast<double>(used) * fixes.step / 10);
   const bool is_off = off > 3 && off > 5 * error;
   found.severity = has_unit && has_sign && !is_off ? Severity::finding : Severity::warning;
   found.kind = !has_unit ? "heading_unit" : !has_sign ? "heading_sense" : is_off ? "heading_offset" : "heading";

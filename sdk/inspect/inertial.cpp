@@ -41,7 +41,7 @@ void report_unit(const Channel& channel, const char* kind, const std::vector<std
   found.value = found_unit.factor;
   found.unit = found_unit.unit;
   found.confidence = confidence;
-  found.severity = differs ? Severity::warning : Severity::finding;
+  found.severity = differs && !field.is_guessed ? Severity::warning : Severity::finding;
   const std::string says = field.is_guessed ? "guessed" : "stated";
   found.text = differs ? fmt::format("numbers are in {}{}, not {} as {}", found_unit.unit,
                                      found_unit.kind == std::string("increment") ? " per sample (increments)" : "",
@@ -100,7 +100,7 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
   const Field& field = *channel.find("wx");
   const double size = turning.axis.norm();
   const double error = turning.axis.cwiseProduct(turning.axis_error).norm() / std::max(size * size, 1e-300);
-  if (!turning.is_known || error > 0.05) {
+  if (!turning.is_known || error > 0.15) {
     Finding found;
     found.kind = "rate_unit";
     found.channel = channel.name;

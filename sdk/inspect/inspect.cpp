@@ -101,6 +101,8 @@ class Pair {
       ask_rate_unit(imu_, inertial_, {}, findings);
       rest_ = find_rest(inertial_);
       ask_rest(imu_, inertial_, rest_, findings);
+      if (relation_.is_mirrored) report_mirrored(gnss_, relation_.axis, false, false, findings);
+      decide_down(0, Vector3d::Zero(), false);
       return;
     }
     const Turning turning = turning_at(Integral(inertial_.t, inertial_.w, inertial_.step), fixes_, *coarse);
@@ -111,6 +113,9 @@ class Pair {
     scaled.axis /= factor;
     ask_axes_and_on(*coarse, bias_of(inertial_, rest_, scaled), difference);
   }
+
+  /// With the velocities' signs as they were found to be.
+  const Fixes& fixes() const { return fixes_; }
 
  private:
   void say(const char* kind, const std::string& text) {
@@ -135,17 +140,28 @@ class Pair {
     return ask_axes(imu_, inertial_, fixes_, delay, bias, &inspection_.findings);
   }
 
+  void decide_down(double delay, const Vector3d& bias, bool is_known) {
+    if (!relation_.is_upside_down) return;
+    const int sign = is_known ? sign_of_down(inertial_, fixes_, delay, bias) : 0;
+    report_upside_down(gnss_, relation_.vertical_slope, sign != 0, sign < 0, inspection_.findings);
+    if (sign < 0)
+      for (auto& v : fixes_.v) v[2] = -v[2];
+  }
+
   void ask_axes_and_on(double coarse, const Vector3d& bias, double difference) {
     const Axes axes = decide_mirror(coarse, bias);
     for (auto& w : inertial_.w) w = axes.rate * w;
     for (auto& f : inertial_.f) f = axes.force * f;
     const Vector3d true_bias = axes.rate * bias;
     rest_.mean_f = axes.force * rest_.mean_f;
+    decide_down(coarse, true_bias, axes.is_known);
     const double delay = ask_delay(imu_, gnss_, inertial_, fixes_, coarse, true_bias, difference, inspection_.findings);
     inspection_.delay = delay + difference;
     if (axes.is_ruled_out) return;
-    inspection_.mounting = ask_mounting(imu_, gnss_, inertial_, fixes_, delay, true_bias, rest_, inspection_.findings);
-    ask_velocity_faults(gnss_, inertial_, fixes_, delay, true_bias, inspection_.findings, inspection_.plots);
+    Vector3d lever_arm = Vector3d::Zero();
+    inspection_.mounting =
+        ask_mounting(imu_, gnss_, inertial_, fixes_, delay, true_bias, rest_, lever_arm, inspection_.findings);
+    ask_velocity_faults(gnss_, inertial_, fixes_, delay, true_bias, lever_arm, inspection_.findings, inspection_.plots);
   }
 
   const Channel& imu_;
@@ -179,23 +195,48 @@ Inspection inspect(std::vector<Channel> channels) {
     const VelocityRelation its_relation = ask_velocity(channel, its, findings);
     ask_frozen(channel, its, findings);
     ask_deviations(channel, its, findings);
-    ask_heading(channel, its, findings);
-    if (gnss || !its.has_velocity) continue;
+    if (gnss || !its.has_velocity) {
+      ask_heading(channel, its, findings);
+      continue;
+    }
     gnss = &channel;
     fixes = std::move(its);
     relation = its_relation;
   }
+  bool has_heading = false;
   for (const Channel& channel : inspection.channels) {
     if (!channel.is_inertial() || channel.t.size() < 10) continue;
+    // A triad of which one field stands still shows neither its unit nor its axes.
+    if (const auto dead = std::ranges::find_if(findings,
+                                               [&](const Finding& each) {
+                                                 return each.kind == "constant" && each.channel == channel.name;
+                                               });
+        dead != findings.end()) {
+      Finding found;
+      found.kind = "axes";
+      found.channel = channel.name;
+      found.severity = Severity::unknown;
+      found.text = dead->field + " is constant: units, axes, delay and mounting are not looked for";
+      findings.push_back(std::move(found));
+      continue;
+    }
     Inertial inertial = inertial_of(channel);
     ask_force_unit(channel, inertial, findings);
     if (gnss) {
-      Pair(channel, inertial, *gnss, fixes, relation, inspection).ask();
+      Pair pair(channel, inertial, *gnss, fixes, relation, inspection);
+      pair.ask();
+      if (!has_heading) ask_heading(*gnss, pair.fixes(), findings);
+      has_heading = true;
     } else {
       ask_rate_unit(channel, inertial, {}, findings);
       ask_rest(channel, inertial, find_rest(inertial), findings);
     }
     ask_vibration(channel, inertial, find_rest(inertial), findings);
+  }
+  if (gnss && !has_heading) {
+    if (relation.is_mirrored) report_mirrored(*gnss, relation.axis, false, false, findings);
+    if (relation.is_upside_down) report_upside_down(*gnss, relation.vertical_slope, false, false, findings);
+    if (!relation.is_mirrored) ask_heading(*gnss, fixes, findings);
   }
   sort(findings);
   return inspection;

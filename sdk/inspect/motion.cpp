@@ -78,28 +78,46 @@ Mean mounting_of(const Windows& windows, const Vector3d& bias, double least_spee
   return mean;
 }
 
-void report_lever_arm(const Channel& imu, const Channel& gnss, const Windows& windows, const Vector3d& bias,
-                      const Matrix3d& C_vb, Findings& findings) {
-  std::vector<Eigen::Matrix<double, 3, 4>> rows;  // d(left) by lever arm, and left
-  for (std::size_t w = 0; w < windows.size(); ++w)
-    for (const auto& step : windows.follow(w, bias)) {
-      const auto cross = [](const Vector3d& a) {
-        Matrix3d m;
-        m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-        return m;
-      };
-      Eigen::Matrix<double, 3, 4> row;
-      row.leftCols<3>() = (step.C_nb * cross(step.rate_b) - step.C_begin * cross(step.rate_begin)) * C_vb.transpose();
-      row.col(3) = step.left;
-      rows.push_back(row);
+Matrix3d cross_matrix(const Vector3d& a) {
+  Matrix3d m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
+/// What turning adds to the differences of velocity, in the sensor's axes. The attitude of a window takes part of it up, so the
+/// fit is repeated with what was found taken off.
+LinearFit lever_arm_of(Windows& windows, const Vector3d& bias) {
+  Vector3d lever_arm = Vector3d::Zero();
+  LinearFit fit;
+  for (int pass = 0; pass < 6; ++pass) {
+    windows.set_lever_arm(lever_arm);
+    std::vector<Windows::Step> steps;
+    for (std::size_t w = 0; w < windows.size(); ++w)
+      for (const auto& step : windows.follow(w, bias)) steps.push_back(step);
+    Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * steps.size()), 3);
+    Eigen::VectorXd y(X.rows());
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const auto& step = steps[i];
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      X.middleRows<3>(row) =
+          (step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin)) / step.doubt;
+      y.segment<3>(row) = step.left / step.doubt;
     }
-  Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * rows.size()), 3);
-  Eigen::VectorXd y(X.rows());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    X.middleRows<3>(static_cast<Eigen::Index>(3 * i)) = rows[i].leftCols<3>();
-    y.segment<3>(static_cast<Eigen::Index>(3 * i)) = rows[i].col(3);
+    fit = robust_fit(X, y);
+    if (fit.used == 0) break;
+    lever_arm += fit.beta;
   }
-  const LinearFit fit = robust_fit(X, y);
+  fit.beta = lever_arm;
+  return fit;
+}
+
+Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& windows, const Vector3d& bias,
+                          const Matrix3d& C_vb, Findings& findings) {
+  LinearFit fit = lever_arm_of(windows, bias);
+  if (fit.used == 0) return Vector3d::Zero();
+  const Vector3d lever_arm = fit.beta;
+  fit.beta = C_vb * lever_arm;
+  fit.standard_error = (C_vb.cwiseAbs2() * fit.standard_error.cwiseAbs2()).cwiseSqrt();
   constexpr const char* names[] = {"forward", "right", "down"};
   constexpr const char* sides[] = {"ahead of", "right of", "below", "behind", "left of", "above"};
   for (int k = 0; k < 3; ++k) {
@@ -118,18 +136,19 @@ void report_lever_arm(const Channel& imu, const Channel& gnss, const Windows& wi
     found.evidence = fmt::format(
         "what is left of {} differences of velocity, against turning; its error is larger than stated where "
         "axes or clocks are off",
-        rows.size());
+        fit.used / 3);
     found.confidence = 0.9;
     findings.push_back(std::move(found));
   }
+  return lever_arm;
 }
 
 }  // namespace
 
 std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, const Inertial& inertial,
                                      const Fixes& fixes, double delay, const Vector3d& bias, const RestFigures& rest,
-                                     Findings& findings) {
-  const Windows windows(inertial, fixes, delay, 20);
+                                     Vector3d& lever_arm, Findings& findings) {
+  Windows windows(inertial, fixes, delay, 20);
   const Mean mean = mounting_of(windows, bias, fixes.moving < 3 ? fixes.moving : 5);
   Finding found;
   found.kind = "mounting";
@@ -145,6 +164,13 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
   const double roll = std::atan2(M(2, 1), M(2, 2)), pitch = std::asin(std::clamp(-M(2, 0), -1.0, 1.0)),
                yaw = std::atan2(M(1, 0), M(0, 0));
   const double error = mean.scatter / std::sqrt(static_cast<double>(mean.windows));
+  if (error * degrees > 5) {
+    found.severity = Severity::unknown;
+    found.text = fmt::format("the motion does not show how the sensor is mounted: windows differ by {:.0f} deg",
+                             mean.scatter * degrees);
+    findings.push_back(std::move(found));
+    return std::nullopt;
+  }
   found.value = error * degrees;
   found.unit = "deg";
   found.text = fmt::format(
@@ -177,13 +203,15 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
     level.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));
     findings.push_back(std::move(level));
   }
-  report_lever_arm(imu, gnss, windows, bias, M, findings);
+  lever_arm = report_lever_arm(imu, gnss, windows, bias, M, findings);
   return M;
 }
 
 void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double delay,
-                         const Vector3d& bias, Findings& findings, std::vector<Plot>& plots) {
-  const Windows windows(inertial, fixes, delay, 5);
+                         const Vector3d& bias, const Vector3d& lever_arm, Findings& findings,
+                         std::vector<Plot>& plots) {
+  Windows windows(inertial, fixes, delay, 5);
+  windows.set_lever_arm(lever_arm);
   std::vector<double> rms;
   Plot plot{"Velocities against specific force: rms of what is left in windows of 5 s",
             "time of " + gnss.name + " [s]",
@@ -228,9 +256,11 @@ void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fi
   found.text =
       fmt::format("velocities contradict the specific force for {} s, first at {} s: differences are off by {} m/s rms",
                   figure(seconds), figure(found.from), figure(found.value));
-  found.evidence = fmt::format("what is left in windows of 5 s, where the receiver states a larger deviation than usual by so much less: {} m/s rms "
-                  "usually, limit {} m/s",
-                               figure(std::exp(median(logs))), figure(limit));
+  found.evidence = fmt::format(
+      "what is left in windows of 5 s, where the receiver states a larger deviation than usual by so much less: {} m/s "
+      "rms "
+      "usually, limit {} m/s",
+      figure(std::exp(median(logs))), figure(limit));
   findings.push_back(std::move(found));
 }
 

@@ -69,7 +69,8 @@ const Channel* first(const std::vector<Channel>& channels, bool (*is_it)(const C
 }
 
 bool is_full_fix(const Channel& channel) {
-  return !channel.is_inertial() && std::ranges::all_of(fix_fields, [&](const char* name) { return channel.find(name); });
+  return !channel.is_inertial() &&
+         std::ranges::all_of(fix_fields, [&](const char* name) { return channel.find(name); });
 }
 
 /// Deviations that a channel does not state: usual ones of a single receiver.
@@ -90,12 +91,16 @@ Json fix_of(const Channel& gnss) {
 /// An inertial navigation filter with position and velocity of the receiver. Noises are usual ones of a MEMS sensor: these
 /// data do not show them, `allan` does.
 Json filter_of(const std::string& imu, const Channel& gnss) {
-  Json blocks = {
-      {"position", {{"type", "position"}, {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}}, {"sigma", {"3 m", "3 m", "5 m"}}}},
-      {"velocity", {{"type", "velocity"}, {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}}, {"sigma", "0.3 m/s"}}},
-      {"attitude", {{"type", "attitude"}, {"init", {{"channel", "alignment"}, {"max_age", "2 s"}}}}},
-      {"gyro_bias", {{"type", "vector"}, {"size", 3}, {"unit", "rad/s"}, {"init", {{"channel", "alignment.gyro_bias"}}}}},
-      {"accel_bias", {{"type", "vector"}, {"size", 3}, {"unit", "m/s^2"}, {"sigma", "0.2 m/s^2"}}}};
+  Json blocks = {{"position",
+                  {{"type", "position"},
+                   {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}},
+                   {"sigma", {"3 m", "3 m", "5 m"}}}},
+                 {"velocity",
+                  {{"type", "velocity"}, {"init", {{"channel", gnss.name}, {"max_age", "1 s"}}}, {"sigma", "0.3 m/s"}}},
+                 {"attitude", {{"type", "attitude"}, {"init", {{"channel", "alignment"}, {"max_age", "2 s"}}}}},
+                 {"gyro_bias",
+                  {{"type", "vector"}, {"size", 3}, {"unit", "rad/s"}, {"init", {{"channel", "alignment.gyro_bias"}}}}},
+                 {"accel_bias", {{"type", "vector"}, {"size", 3}, {"unit", "m/s^2"}, {"sigma", "0.2 m/s^2"}}}};
   Json strapdown = {{"type", "phi_error"},
                     {"input", imu},
                     {"blocks",
@@ -110,12 +115,14 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
           {"process",
            {{"strapdown", strapdown},
             {"gyro_drift", {{"type", "random_walk"}, {"blocks", {{"x", "gyro_bias"}}}, {"q", "1e-5 rad/s/sqrt(s)"}}},
-            {"accel_drift", {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", "1e-3 m/s^2/sqrt(s)"}}}}},
+            {"accel_drift",
+             {{"type", "random_walk"}, {"blocks", {{"x", "accel_bias"}}}, {"q", "1e-3 m/s^2/sqrt(s)"}}}}},
           {"measurements", {{"fix", fix_of(gnss)}}}};
 }
 
 Json whole_config(const Inspection& inspection, const Channel& imu, const Channel& gnss, const std::string& folder) {
-  Json config = {{"binnacle", 1}, {"title", "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured"}};
+  Json config = {{"binnacle", 1},
+                 {"title", "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured"}};
   for (const Channel* channel : {&imu, &gnss}) config["sources"][channel->name] = source_of(*channel, folder);
   apply(inspection.findings, config);
   std::string input = imu.name;
@@ -124,7 +131,8 @@ Json whole_config(const Inspection& inspection, const Channel& imu, const Channe
       merge(config, found.meaning);
       input = found.meaning["transforms"].begin().key();
     }
-  config["transforms"]["alignment"] = {{"type", "in_motion_alignment"}, {"inputs", {{"imu", input}, {"gnss", gnss.name}}}};
+  config["transforms"]["alignment"] = {{"type", "in_motion_alignment"},
+                                       {"inputs", {{"imu", input}, {"gnss", gnss.name}}}};
   config["filters"] = {{"ins", filter_of(input, gnss)}};
   config["record"] = {{"every", "0.5 s"}};
   return config;

@@ -46,11 +46,15 @@ void ask_vibration(const Channel& channel, const Inertial& inertial, const RestF
 // ---- a channel of fixes
 /// Velocity against differences of position: units, signs, order; corrects the velocities of `fixes`.
 struct VelocityRelation {
-  bool is_mirrored = false;  // one horizontal axis has another sign: of the velocity, or of the position
-  int axis = 1;              // 0 north, 1 east
+  bool is_mirrored = false;     // one horizontal axis has another sign: of the velocity, or of the position
+  int axis = 1;                 // 0 north, 1 east
+  bool is_upside_down = false;  // vd and height go together with the wrong sign
+  double vertical_slope = 1;
 };
 VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& findings);
 void report_mirrored(const Channel& channel, int axis, bool is_known, bool velocity_is_at_fault, Findings& findings);
+void report_upside_down(const Channel& channel, double slope, bool is_known, bool velocity_is_at_fault,
+                        Findings& findings);
 void ask_frozen(const Channel& channel, const Fixes& fixes, Findings& findings);
 void ask_deviations(const Channel& channel, const Fixes& fixes, Findings& findings);
 void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings);
@@ -72,22 +76,24 @@ double ask_rate_unit(const Channel& channel, Inertial& inertial, const Turning& 
 /// Which signed columns the triads have, against each other and against a right-handed frame.
 struct Axes {
   bool is_known = false;
-  bool is_ruled_out = false;  // not known, but not those of the file
+  bool is_ruled_out = false;              // not known, but not those of the file
   Matrix3d force = Matrix3d::Identity();  // true components = force · those of the file
   Matrix3d rate = Matrix3d::Identity();
   bool is_mirrored = false;  // rates and forces alike
 };
 Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
               Findings* findings);
+/// 1: vd goes with the specific force as it is; -1: with its other sign; 0: it is not to be seen.
+int sign_of_down(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias);
 /// The delay to a fraction of a step, with its standard error; from the specific force as well as from turning.
 double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,
                  const Vector3d& bias, double label_difference, Findings& findings);
 /// C_vb, by course, climb and the attitudes that fit velocities to specific force; lever arm by what is left.
 std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, const Inertial& inertial,
                                      const Fixes& fixes, double delay, const Vector3d& bias, const RestFigures& rest,
-                                     Findings& findings);
+                                     Vector3d& lever_arm, Findings& findings);
 /// Spans in which velocities contradict the specific force.
 void ask_velocity_faults(const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double delay,
-                         const Vector3d& bias, Findings& findings, std::vector<Plot>& plots);
+                         const Vector3d& bias, const Vector3d& lever_arm, Findings& findings, std::vector<Plot>& plots);
 
 }  // namespace binnacle::inspect

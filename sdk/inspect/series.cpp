@@ -16,9 +16,15 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 std::vector<Vector3d> triad(const Channel& channel, const std::vector<std::size_t>& rows, const char* x, const char* y,
                             const char* z) {
   const Field* const fields[] = {channel.find(x), channel.find(y), channel.find(z)};
-  std::vector<Vector3d> values(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (int k = 0; k < 3; ++k) values[i][k] = fields[k] ? fields[k]->values[rows[i]] : nan;
+  std::vector<Vector3d> values(rows.size(), Vector3d::Constant(nan));
+  for (int k = 0; k < 3; ++k) {
+    if (!fields[k]) continue;
+    std::vector<double> column = fields[k]->values;
+    double ignored = 0;
+    if (channel.is_inertial())
+      for (const std::size_t row : spikes(column, ignored)) column[row] = nan;
+    for (std::size_t i = 0; i < rows.size(); ++i) values[i][k] = column[rows[i]];
+  }
   return values;
 }
 

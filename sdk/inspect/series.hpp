@@ -30,8 +30,8 @@ Inertial inertial_of(const Channel& channel);
 
 struct Fixes {
   std::vector<double> t;
-  std::vector<Vector3d> v;  // north, east, down; NaN where there is none
-  std::vector<Vector3d> p;  // lat, lon [rad], height
+  std::vector<Vector3d> v;    // north, east, down; NaN where there is none
+  std::vector<Vector3d> p;    // lat, lon [rad], height
   std::vector<double> doubt;  // stated deviation of the velocity over its median, at least 1; 1 where none is stated
   bool has_velocity = false, has_position = false, has_down = false, has_height = false;
   double step = 0;

@@ -129,7 +129,8 @@ double label_factor(const Channel& channel, Findings& findings) {
   if (factor != 1 && (channel.is_inertial() || channel.is_fix())) {
     const double unit = parse_unit(channel.time_unit)->scale * factor;
     const char* const name = unit > 0.5 ? "s" : unit > 0.5e-3 ? "ms" : unit > 0.5e-6 ? "us" : "ns";
-    Finding found = finding(channel, "time_unit", unit, "s", Severity::warning);
+    Finding found =
+        finding(channel, "time_unit", unit, "s", channel.time_is_guessed ? Severity::finding : Severity::warning);
     found.text = fmt::format("labels are in {}, not {}: {} samples a second otherwise", name, channel.time_unit,
                              figure(1 / step));
     found.evidence =
@@ -140,7 +141,9 @@ double label_factor(const Channel& channel, Findings& findings) {
   }
   const double label = channel.first_label * factor;
   Finding base = finding(channel, "time_base", label, "s", Severity::finding);
-  base.text = label > 1.4504e9
+  const bool is_receiver = !channel.type.empty() && channel.type != "csv";
+  base.text = is_receiver ? "labels are the time that the source gives: of GPS unless it is set otherwise"
+              : label > 1.4504e9
                   ? "labels count from 1970 (Unix, UTC without leap seconds): GPS seconds are not that many yet"
               : label > 3e8    ? "labels count from 1970 (Unix) or from 1980 (GPS): both are possible"
               : label > 604800 ? "labels count from an epoch that no receiver uses"

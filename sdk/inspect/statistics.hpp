@@ -15,6 +15,10 @@ double median(std::vector<double> values);
 /// 1.4826 × the median distance from the median: σ of a normal distribution.
 double robust_sigma(const std::vector<double>& values);
 
+/// Rows of single values far from both neighbours, which agree with each other, the farthest first: beyond `limit`, what the
+/// tail of the record's own roughness reaches once in 10^4 records. None of fewer than 100 values.
+std::vector<std::size_t> spikes(const std::vector<double>& values, double& limit);
+
 /// Chance that Student's t of so many degrees of freedom is above t, t >= 0 (Abramowitz and Stegun, 26.7.3 and 26.7.4).
 double student_tail(double t, std::size_t dof);
 

@@ -39,7 +39,9 @@ Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, dou
     const std::size_t a = before;
     before = i;
     if (dt > std::max(2.5, 1.5 * fixes.step) || !fixes.v[a].allFinite() || !fixes.v[i].allFinite()) continue;
-    Interval interval{fixes.t[a], fixes.t[i], std::max(fixes.doubt[a], fixes.doubt[i]), fixes.v[i] - fixes.v[a], fixes.v[i], pieces_.size(), 0};
+    Interval interval{
+        fixes.t[a],     fixes.t[i], std::max(fixes.doubt[a], fixes.doubt[i]), fixes.v[i] - fixes.v[a], fixes.v[i],
+        pieces_.size(), 0};
     interval.u[2] -= gravity_at(fixes, i) * dt;
     const int count = static_cast<int>(std::ceil(dt / piece_length));
     double least = 1;
@@ -110,7 +112,8 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
   const Window& w = windows_[window];
   for (std::size_t i = w.first; i < w.end; ++i) {
     Vector3d s = Vector3d::Zero();
-    Step step{intervals_[i].to, intervals_[i].v, C, Vector3d::Zero(), intervals_[i].doubt, Vector3d::Zero(), Vector3d::Zero(), C};
+    Step step{intervals_[i].to, intervals_[i].v,  C, Vector3d::Zero(), intervals_[i].doubt,
+              Vector3d::Zero(), Vector3d::Zero(), C};
     for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
       const Vector3d half = 0.5 * (pieces_[k].turn - bias * pieces_[k].dt);
       C = C * turned(half);
@@ -120,6 +123,7 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
     const auto rate = [&](std::size_t k) -> Vector3d { return pieces_[k].turn / pieces_[k].dt - bias; };
     step.rate_begin = rate(intervals_[i].first);
     step.rate_b = rate(intervals_[i].end - 1);
+    s += C * step.rate_b.cross(lever_arm_) - step.C_nb * step.rate_begin.cross(lever_arm_);
     step.C_nb = C;
     B += intervals_[i].u * s.transpose();
     sums.push_back(s);

@@ -15,6 +15,8 @@ class Windows {
  public:
   /// delay: a fix at label t belongs to t - delay of the IMU.
   Windows(const Inertial& inertial, const Fixes& fixes, double delay, double length);
+  /// From the sensor to the antenna, in the sensor's axes [m]; follow() then takes its motion off.
+  void set_lever_arm(const Vector3d& lever_arm) { lever_arm_ = lever_arm; }
 
   std::size_t size() const { return windows_.size(); }
   double from(std::size_t window) const { return intervals_[windows_[window].first].from; }
@@ -58,6 +60,7 @@ class Windows {
   };
   void cut(double length, double least_speed);
 
+  Vector3d lever_arm_ = Vector3d::Zero();
   std::vector<Piece> pieces_;
   std::vector<Interval> intervals_;
   std::vector<bool> follows_;  // the interval before

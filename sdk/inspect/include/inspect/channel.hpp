@@ -33,6 +33,7 @@ struct Channel {
   bool has_header = true;
   std::string time_column;
   std::string time_unit = "s";
+  bool time_is_guessed = false;  // its unit was not stated
   double time_offset = 0;  // s, which a config adds to the labels
   double first_label = 0;  // s
   std::vector<double> t;   // s since the first label

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signs of delay, lever arm, mounting, axes and vertical velocity against a simulated drive without noise.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <Eigen/Dense>
+
+#include "catch.hpp"
+#include "inspect/inspect.hpp"
+
+using namespace binnacle::inspect;
+using binnacle::FieldKind;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double step = 0.01, length = 240, speed = 12;
+
+double yaw_at(double t) { return 0.8 * std::sin(0.11 * t) + 1.3 * std::sin(0.043 * t) + 0.02 * t; }
+double climb_at(double t) { return 0.03 * std::sin(0.31 * t) + 0.05 * std::sin(0.07 * t); }
+double roll_at(double t) { return 0.04 * std::sin(0.53 * t + 1) + 0.02 * std::sin(0.17 * t); }
+
+/// C_nv, forward right down.
+Matrix3d attitude(double t) {
+  return (Eigen::AngleAxisd(yaw_at(t), Vector3d::UnitZ()) * Eigen::AngleAxisd(climb_at(t), Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll_at(t), Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+Vector3d rate(double t) {
+  const Eigen::AngleAxisd turn(Matrix3d(attitude(t - 5e-4).transpose() * attitude(t + 5e-4)));
+  return turn.angle() * turn.axis() / 1e-3;
+}
+Vector3d velocity(double t) { return attitude(t).col(0) * (speed + 3 * std::sin(0.21 * t)); }
+Vector3d antenna_velocity(double t, const Vector3d& lever_arm) {
+  return velocity(t) + attitude(t) * rate(t).cross(lever_arm);
+}
+
+Field field(const std::string& name, const std::string& unit, FieldKind kind) {
+  Field one;
+  one.name = one.column = name;
+  one.unit = one.si = unit;
+  one.kind = kind;
+  return one;
+}
+
+/// C_sv turns vehicle into sensor axes.
+Channel imu_of(const Matrix3d& C_sv) {
+  Channel imu;
+  imu.name = "imu";
+  imu.type = "csv";
+  for (const char* name : {"wx", "wy", "wz"}) imu.fields.push_back(field(name, "rad/s", FieldKind::rate));
+  for (const char* name : {"fx", "fy", "fz"}) imu.fields.push_back(field(name, "m/s^2", FieldKind::rate));
+  for (double t = step; t < length; t += step) {
+    imu.t.push_back(t);
+    const double mid = t - 0.5 * step;
+    const Vector3d push = (velocity(mid + 5e-4) - velocity(mid - 5e-4)) / 1e-3 - Vector3d(0, 0, 9.7803);
+    const Vector3d w = C_sv * rate(mid), f = C_sv * (attitude(mid).transpose() * push);
+    for (int k = 0; k < 3; ++k) {
+      imu.fields[static_cast<std::size_t>(k)].values.push_back(w[k]);
+      imu.fields[static_cast<std::size_t>(k + 3)].values.push_back(f[k]);
+    }
+  }
+  return imu;
+}
+
+Channel gnss_of(const Vector3d& lever_arm) {
+  Channel gnss;
+  gnss.name = "gnss";
+  gnss.type = "csv";
+  for (const char* name : {"lat", "lon"}) gnss.fields.push_back(field(name, "rad", FieldKind::level));
+  gnss.fields.push_back(field("height", "m", FieldKind::level));
+  for (const char* name : {"vn", "ve", "vd"}) gnss.fields.push_back(field(name, "m/s", FieldKind::level));
+  Vector3d p(0, 0, 100);
+  for (int i = 0; i <= static_cast<int>(length / step) - 20; ++i) {
+    const double t = i * step;
+    if (i > 0) {
+      const Vector3d v = antenna_velocity(t - 0.5 * step, lever_arm) * step;
+      p += Vector3d(v[0] / 6335439, v[1] / 6378137, -v[2]);  // on the equator
+    }
+    if (i % 50 != 0) continue;
+    const Vector3d v = antenna_velocity(t, lever_arm);
+    gnss.t.push_back(t);
+    for (int k = 0; k < 3; ++k) {
+      gnss.fields[static_cast<std::size_t>(k)].values.push_back(p[k]);
+      gnss.fields[static_cast<std::size_t>(k + 3)].values.push_back(v[k]);
+    }
+  }
+  return gnss;
+}
+
+void negate(Channel& channel, std::size_t which) {
+  for (double& value : channel.fields[which].values) value = -value;
+}
+
+const Finding* find(const Inspection& inspection, const std::string& kind, const std::string& name = "") {
+  const auto at = std::ranges::find_if(inspection.findings, [&](const Finding& found) {
+    return found.kind == kind && (name.empty() || found.field == name);
+  });
+  return at == inspection.findings.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+TEST_CASE("inspect: mounting, lever arm and delay of a drive without faults") {
+  const Matrix3d C_sv =
+      (Eigen::AngleAxisd(0.9, Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.4, Vector3d::UnitY())).toRotationMatrix();
+  const Vector3d lever_arm(1.5, -0.6, -0.9);
+  const auto inspection = inspect({imu_of(C_sv), gnss_of(lever_arm)});
+  for (const auto& found : inspection.findings) {
+    INFO(found.kind << " " << found.field << ": " << found.text);
+    CHECK(found.severity != Severity::warning);
+  }
+  REQUIRE(inspection.mounting);
+  const Matrix3d off = *inspection.mounting * C_sv;
+  CHECK(std::acos(std::min(1.0, (off.trace() - 1) / 2)) < 0.01);
+  const char* const names[] = {"forward", "right", "down"};
+  for (int k = 0; k < 3; ++k) {
+    const Finding* const found = find(inspection, "lever_arm", names[k]);
+    REQUIRE(found);
+    INFO(names[k] << " " << found->value);
+    CHECK(std::abs(found->value - lever_arm[k]) < 0.2);
+  }
+  CHECK(std::abs(inspection.delay) < 0.01);
+}
+
+TEST_CASE("inspect: a fix that is late has a positive delay, and its labels are set back") {
+  Channel gnss = gnss_of(Vector3d::Zero());
+  gnss.first_label = 0.3;
+  const auto inspection = inspect({imu_of(Matrix3d::Identity()), gnss});
+  const Finding* const delay = find(inspection, "delay");
+  REQUIRE(delay);
+  CHECK(std::abs(delay->value - 0.3) < 0.02);
+  CHECK(delay->severity == Severity::warning);
+  REQUIRE(delay->meaning.is_object());
+  CHECK(delay->meaning["sources"]["gnss"]["time"]["offset"].get<std::string>().starts_with("-0.3") ==
+        (delay->value >= 0.2995));
+}
+
+TEST_CASE("inspect: one axis with another sign is named, of rates and of forces") {
+  for (std::size_t which = 0; which < 6; ++which) {
+    Channel imu = imu_of(Matrix3d::Identity());
+    negate(imu, which);
+    const auto inspection = inspect({imu, gnss_of(Vector3d::Zero())});
+    const Finding* const found = find(inspection, which < 3 ? "rate_axes" : "force_axes");
+    INFO(imu.fields[which].name);
+    REQUIRE(found);
+    CHECK(found->field == imu.fields[which].name);
+    CHECK(found->meaning["sources"]["imu"]["columns"][imu.fields[which].name]["scale"] == -1);
+  }
+}
+
+TEST_CASE("inspect: of vd and height that with the wrong sign is named") {
+  for (const bool is_velocity : {true, false}) {
+    Channel gnss = gnss_of(Vector3d::Zero());
+    negate(gnss, is_velocity ? 5 : 2);
+    const auto inspection = inspect({imu_of(Matrix3d::Identity()), gnss});
+    INFO((is_velocity ? "vd" : "height"));
+    CHECK((find(inspection, "down_sign") != nullptr) == is_velocity);
+    CHECK((find(inspection, "height_sign") != nullptr) == !is_velocity);
+  }
+}
