@@ -64,12 +64,14 @@ ComponentSpec GeodeticFromLocal::spec() {
   spec.summary = "Local positions of a channel as latitude, longitude and height: for a measurement or a reference.";
   spec.source = sources;
   spec.parameters = {parameter::origin()};
+  spec.parameters.push_back(parameter::choice("vertical", {"down", "up"})
+                                .defaults("\"down\"")
+                                .about("up: the channel's 'down' counts upwards; \"fields\" says what it is called"));
   spec.inputs = {input("local", {level("north", "m").about("of the origin"), level("east", "m").about("of the origin"),
-                                 level("down", "m").optional().about("of the origin; or 'up'"),
-                                 level("up", "m").optional().about("instead of 'down'"),
+                                 level("down", "m").about("of the origin, or up"),
                                  velocity_field("v_north", "along the origin's axes"),
                                  velocity_field("v_east", "along the origin's axes"),
-                                 velocity_field("v_down", "along the origin's axes")})
+                                 velocity_field("v_down", "along the origin's axes, or up")})
                      .about("the track")};
   spec.example = R"json({"input": "truth", "origin": {"lat": "49.01 deg", "lon": "8.43 deg", "height": "115 m"}})json";
   return spec;
@@ -78,29 +80,25 @@ ComponentSpec GeodeticFromLocal::spec() {
 GeodeticFromLocal::GeodeticFromLocal(const Binding& binding)
     : axes_(local_axes_of(binding.parameters(), "local coordinates")) {
   const Input track = binding.input("local");
-  horizontal_ = binding.fields(track, "north", "east");
-  down_ = binding.fields(track, "down");
-  up_ = binding.fields(track, "up");
-  velocity_ = binding.fields(track, "v_north", "v_east", "v_down");
-  if (!down_.is_bound() && !up_.is_bound())
-    throw ComponentError("the channel has neither 'down' nor 'up': local axes are three", "/input");
+  local_position_ = binding.fields(track, "north", "east", "down");
+  local_velocity_ = binding.fields(track, "v_north", "v_east", "v_down");
+  if (binding.parameters().text("vertical") == "up") down_ = -1;
   ChannelDeclaration channel;
   position_ =
       channel.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
                       level("height", "m").about("above the ellipsoid"));
-  geodetic_velocity_ =
-      channel.carries(level("vn", "m/s").about("north of the place"), level("ve", "m/s"), level("vd", "m/s"));
+  velocity_ = channel.carries(level("vn", "m/s").about("north of the place"), level("ve", "m/s"), level("vd", "m/s"));
   channel_ = declaration_.emits(std::move(channel));
 }
 
 void GeodeticFromLocal::on(const TransformInput& in, Emitter& emitter) const {
-  const Eigen::Vector2d horizontal = in.sample[horizontal_];
-  const double down = down_.is_bound() ? in.sample[down_][0] : -in.sample[up_][0];
-  const Eigen::Vector3d lla = axes_.lla_from_ned({horizontal[0], horizontal[1], down});
+  const Eigen::Vector3d to_ned{1, 1, down_};
+  const Eigen::Vector3d lla = axes_.lla_from_ned(to_ned.cwiseProduct(Eigen::Vector3d(in.sample[local_position_])));
   SampleWriter& out = emitter.on(channel_);
   out.t = in.sample.t;
   out[position_] = lla;
-  if (velocity_.is_bound()) out[geodetic_velocity_] = axes_.C_nl(lla) * Eigen::Vector3d(in.sample[velocity_]);
+  if (local_velocity_.is_bound())
+    out[velocity_] = axes_.C_nl(lla) * to_ned.cwiseProduct(Eigen::Vector3d(in.sample[local_velocity_]));
   emitter.emit(channel_);
 }
 

@@ -34,11 +34,10 @@ class GeodeticFromLocal final : public Transform {
 
  private:
   geodesy::LocalAxes axes_;
-  Fields<2> horizontal_;
-  Fields<1> down_, up_;
-  Fields<3> velocity_;
+  double down_ = 1;  // -1: the channel's counts upwards
+  Fields<3> local_position_, local_velocity_;
   OutputChannel channel_;
-  OutputFields<3> position_, geodetic_velocity_;
+  OutputFields<3> position_, velocity_;
 };
 
 }  // namespace binnacle::frames

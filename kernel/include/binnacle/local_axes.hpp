@@ -56,7 +56,7 @@ inline ParameterSpec point(std::string name) {
 }
 
 /// Where local north, east, down begin: the component's own "origin", or that at the top of the config. Where neither is there
-/// it is absent, which local_axes_of() refuses in words.
+/// it is absent, which local_axes_of() refuses in words. (A default that is a JSON pointer is what stands there in the config.)
 inline ParameterSpec origin() {
   return point("origin").defaults("/origin").about("where local north, east, down begin; else the config's own");
 }
