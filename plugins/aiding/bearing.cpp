@@ -23,15 +23,23 @@ ComponentSpec Bearing::spec() {
   spec.parameters = {parameter::number("sigma", "rad").above(0).required().about("of the azimuth's white noise"),
                      parameter::number("elevation_sigma", "rad")
                          .above(0)
-                         .about("of the elevation's white noise; as the azimuth's if absent")};
-  spec.ports = {reads("target", "vector:*:m").about("the point: north, east, or north, east, down, in local axes"),
-                reads("observer", "vector:*:m").optional().about("who sees it, alike; else the sample has its place")};
-  spec.fields = {
-      field::level("azimuth", "rad").about("clockwise from north"),
-      field::level("elevation", "rad").optional().about("above the horizon; of a target with three components"),
-      field::level("observer_north", "m").optional().about("place of the observer, unless it is a block"),
-      field::level("observer_east", "m").optional().about("place of the observer, unless it is a block"),
-      field::level("observer_down", "m").optional().about("place of the observer, unless it is a block")};
+                         .about("of the elevation's white noise; as the azimuth's if absent"),
+                     parameter::object("point", point_parameters()).about("the target, where it is no block"),
+                     parameter::origin()};
+  spec.ports = {
+      reads("target", "*")
+          .optional()
+          .about("the point: vector:2:m or vector:3:m (north, east, down in local axes), position or position.ecef"),
+      reads("observer", "*").optional().about("who sees it, alike; else the sample has its place in local axes"),
+      reads("attitude", "attitude").optional().about("of the observer: angles are from its forward and its deck"),
+      reads("heading", "heading").optional().about("the same of a vehicle on the ground: azimuth from forward")};
+  spec.fields = {field::level("azimuth", "rad").about("clockwise from north, or from forward"),
+                 field::level("elevation", "rad")
+                     .optional()
+                     .about("above the horizon or the deck; of a target with three components"),
+                 field::level("observer_north", "m").optional().about("place of the observer, unless it is a block"),
+                 field::level("observer_east", "m").optional().about("place of the observer, unless it is a block"),
+                 field::level("observer_down", "m").optional().about("place of the observer, unless it is a block")};
   spec.example =
       R"json({"channel": "sonar", "blocks": {"target": "target", "observer": "vessel"}, "sigma": "0.5 deg"})json";
   spec.surroundings = R"json({"blocks": {
@@ -41,28 +49,12 @@ ComponentSpec Bearing::spec() {
 }
 
 Bearing::Bearing(const Binding& binding)
-    : target_(binding.port("target")),
-      observer_(binding.port("observer")),
+    : attitude_(binding.port("attitude")),
+      heading_(binding.port("heading")),
       azimuth_(binding.field("azimuth")),
       elevation_(binding.field("elevation")) {
-  const int dof = target_.dof();
-  if (dof != 2 && dof != 3)
-    throw ComponentError("the target has " + std::to_string(dof) + " components; 2 or 3 are possible",
-                         "/blocks/target");
-  if (observer_.is_bound() && observer_.dof() != dof)
-    throw ComponentError("the observer has " + std::to_string(observer_.dof()) + " components, the target " +
-                             std::to_string(dof),
-                         "/blocks/observer");
-  const char* const fields[] = {"observer_north", "observer_east", "observer_down"};
-  for (int i = 0; i < dof && !observer_.is_bound(); ++i) {
-    place_.push_back(binding.field(fields[i]));
-    if (!place_.back().is_bound())
-      throw ComponentError(std::string("the channel carries no field for '") + fields[i] +
-                               "', and no block is the observer",
-                           "/fields");
-  }
-  if (dof == 2 && elevation_.is_bound())
-    throw ComponentError("an elevation needs a target with three components: north, east, down", "/fields/elevation");
+  bind_places(binding);
+  bind_axes();
   const double sigma = binding.parameters().number("sigma");
   azimuth_variance_ = sigma * sigma;
   elevation_variance_ = azimuth_variance_;
@@ -70,20 +62,86 @@ Bearing::Bearing(const Binding& binding)
     const double own = binding.parameters().number("elevation_sigma");
     elevation_variance_ = own * own;
   }
-  declaration_.rows(elevation_.is_bound() ? 2 : 1).reads(target_).reads(observer_);
-  declaration_.group(rows::these("azimuth", 1, "rad"));
+  declaration_.rows(elevation_.is_bound() ? 2 : 1);
+  if (target_) declaration_.reads(target_->port());
+  if (observer_) declaration_.reads(observer_->port());
+  declaration_.reads(attitude_).reads(heading_).group(rows::these("azimuth", 1, "rad"));
   if (elevation_.is_bound()) declaration_.group(rows::these("elevation", 1, "rad"));
 }
 
+void Bearing::bind_places(const Binding& binding) {
+  const bool has_point = binding.parameters().has("point");
+  if (binding.port("observer").is_bound()) observer_.emplace(binding, "observer");
+  if (binding.port("target").is_bound()) target_.emplace(binding, "target");
+  if (has_point == target_.has_value())
+    throw ComponentError(has_point ? "a block is the target, so there is no 'point'"
+                                   : "there is no target: plug a block into 'target', or give its place as 'point'",
+                         has_point ? "/point" : "/blocks");
+  if (has_point) {
+    if (!observer_)
+      throw ComponentError("nothing here is estimated: neither target nor observer is a block", "/blocks");
+    const std::optional<Point> point = observer_->read(binding.parameters().object("point"), "/point");
+    if (!point) throw ComponentError("give lat, lon, height or x, y, z or north, east, down", "/point");
+    point_ = observer_->bring(*point);
+    return;
+  }
+  if (observer_) {
+    if (observer_->port().dof() != target_->port().dof())
+      throw ComponentError("the observer has " + std::to_string(observer_->port().dof()) + " components, the target " +
+                               std::to_string(target_->port().dof()),
+                           "/blocks/observer");
+    if ((observer_->kind() == strapdown::PlaceKind::local) != (target_->kind() == strapdown::PlaceKind::local))
+      throw ComponentError("of observer and target one is local, the other on the earth", "/blocks/observer");
+    return;
+  }
+  if (target_->kind() != strapdown::PlaceKind::local)
+    throw ComponentError("the target is on the earth, and no block is the observer", "/blocks");
+  const char* const fields[] = {"observer_north", "observer_east", "observer_down"};
+  for (int i = 0; i < dof(); ++i) {
+    place_.push_back(binding.field(fields[i]));
+    if (!place_.back().is_bound())
+      throw ComponentError(std::string("the channel carries no field for '") + fields[i] +
+                               "', and no block is the observer",
+                           "/fields");
+  }
+}
+
+void Bearing::bind_axes() const {
+  if (attitude_.is_bound() && heading_.is_bound())
+    throw ComponentError("an attitude has a heading: plug in one of them", "/blocks/heading");
+  if (dof() == 3) return;
+  if (attitude_.is_bound())
+    throw ComponentError("directions from the deck need three components: north, east, down", "/blocks/attitude");
+  if (elevation_.is_bound())
+    throw ComponentError("an elevation needs a target with three components: north, east, down", "/fields/elevation");
+}
+
+strapdown::Way Bearing::way(const MeasurementInput& in) const {
+  const strapdown::CartesianPlace target =
+      target_ ? target_->at(in.x) : strapdown::CartesianPlace{point_, Eigen::Matrix3d::Zero()};
+  if (observer_) return strapdown::navigation_way(observer_->kind(), in.x[observer_->port()], target);
+  strapdown::CartesianPlace observer{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity()};
+  for (std::size_t i = 0; i < place_.size(); ++i) observer.r[static_cast<int>(i)] = in.sample[place_[i]];
+  return strapdown::cartesian_way(observer, target);
+}
+
+/// C: from north, east, down to the axes in which the angles are.
+Eigen::Matrix3d Bearing::axes(const PortValues& x) const {
+  if (attitude_.is_bound()) return strapdown::dcm_from_quaternion(x[attitude_].as<4>()).transpose();
+  Eigen::Matrix3d C = Eigen::Matrix3d::Identity();
+  if (!heading_.is_bound()) return C;
+  const double sine = std::sin(x[heading_][0]), cosine = std::cos(x[heading_][0]);
+  C.topLeftCorner<2, 2>() << cosine, sine, -sine, cosine;
+  return C;
+}
+
 Result Bearing::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
-  const int dof = target_.dof();
-  Eigen::Vector3d d = Eigen::Vector3d::Zero();
-  for (int i = 0; i < dof; ++i)
-    d[i] =
-        in.x[target_][i] - (observer_.is_bound() ? in.x[observer_][i] : in.sample[place_[static_cast<std::size_t>(i)]]);
-  if (!d.allFinite()) return Result::invalid("the observer's place is not finite");
+  const strapdown::Way way = this->way(in);
+  if (!way.d.allFinite()) return Result::invalid("the observer's place is not finite");
+  const Eigen::Matrix3d C = axes(in.x);
+  const Eigen::Vector3d d = C * way.d;
   const double azimuth = in.sample[azimuth_], rho = std::hypot(d[0], d[1]);
-  if (!(rho > nearest)) return Result::unsupported("the target is where the observer is: it has no azimuth");
+  if (!(rho > nearest)) return Result::unsupported("the target is above, below or where the observer is: no azimuth");
   const bool has_elevation = elevation_.is_bound();
   if (!std::isfinite(azimuth) || (has_elevation && !std::isfinite(in.sample[elevation_])))
     return Result::invalid("an angle is not finite");
@@ -95,14 +153,21 @@ Result Bearing::linearize(const MeasurementInput& in, MeasurementOutput& out) co
     out.residual[1] = in.sample[elevation_] - std::atan2(-d[2], rho);
     out.R(1, 1) = elevation_variance_;
   }
-  const Eigen::Vector3d of_azimuth(-d[1] / (rho * rho), d[0] / (rho * rho), 0);
-  const Eigen::Vector3d of_elevation(d[2] * d[0] / (rho * square), d[2] * d[1] / (rho * square), -rho / square);
-  for (const auto& [port, sign] : {std::pair(target_, 1.0), std::pair(observer_, -1.0)})
+  if (!out.H) return Result::ok();
+  Eigen::Matrix<double, 2, 3> by_d;                    // in the measured axes, then in north, east, down
+  by_d << -d[1] / (rho * rho), d[0] / (rho * rho), 0,  //
+      d[2] * d[0] / (rho * square), d[2] * d[1] / (rho * square), -rho / square;
+  by_d = (by_d * C).eval();
+  const auto write = [&](Port port, const Eigen::Matrix<double, 2, 3>& by_error, int first) {
     if (const MatrixView H = out.H[port])
-      for (int i = 0; i < dof; ++i) {
-        H(0, i) = sign * of_azimuth[i];
-        if (has_elevation) H(1, i) = sign * of_elevation[i];
-      }
+      for (int row = 0; row < out.rows; ++row)
+        for (int i = 0; i < port.dof(); ++i) H(row, i) = by_error(row, first + i);
+  };
+  if (target_) write(target_->port(), by_d * way.by_to, 0);
+  if (observer_) write(observer_->port(), by_d * way.by_from, 0);
+  const Eigen::Matrix<double, 2, 3> by_turn = by_d * strapdown::skew(way.d);
+  write(attitude_, by_turn, 0);
+  write(heading_, by_turn, 2);  // a heading turns about down
   return Result::ok();
 }
 

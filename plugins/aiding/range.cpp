@@ -26,7 +26,7 @@ ComponentSpec Range::spec() {
       number("sigma", "m")
           .above(0)
           .plausible(1e-4, 1e4)
-          .about("white noise of a range; not needed where each anchor or the channel (range_sigma, range_variance) "
+          .about("white noise of a range; not needed where each anchor or the channel (range_sd, range_variance) "
                  "has one"),
       number("relative", "1").at_least(0).defaults("0").about("adds (relative * range)^2 to each variance"),
       Anchors::parameter(), parameter::origin(),
@@ -41,7 +41,7 @@ ComponentSpec Range::spec() {
                     .about("what ranges have too much: one for each of 'anchors', in their order, or one for all")};
   spec.fields = {field::level("range", "m").per_row().about("measured distance"),
                  field::level("anchor", "1").per_row().optional().about("number of the anchor"),
-                 field::level("range_sigma", "m").per_row().optional().about("its standard deviation"),
+                 field::level("range_sd", "m").per_row().optional().about("its standard deviation"),
                  field::level("range_variance", "m^2").per_row().optional().about("its variance")};
   for (FieldSpec& field : Anchors::place_fields()) spec.fields.push_back(std::move(field));
   spec.example = R"json({"channel": "uwb", "blocks": {"position": "position", "bias": "range_bias"}, "sigma": "0.1 m",
@@ -64,7 +64,7 @@ Range::Range(const Binding& binding)
       bias_(binding.port("bias")),
       range_(binding.row_field("range")),
       anchor_(binding.row_field("anchor")),
-      sigma_of_row_(binding.row_field("range_sigma")),
+      sd_of_row_(binding.row_field("range_sd")),
       variance_of_row_(binding.row_field("range_variance")),
       relative_(binding.parameters().number("relative")),
       most_(anchors_.count() > 0 ? anchors_.count() : static_cast<int>(binding.parameters().integer("max_rows"))) {
@@ -72,12 +72,11 @@ Range::Range(const Binding& binding)
     throw ComponentError("the channel carries no field 'anchor', and 'anchors' lists " +
                              std::to_string(anchors_.count()) + ": nobody says whose a range is",
                          "/fields");
-  if (sigma_of_row_.is_bound() && variance_of_row_.is_bound())
-    throw ComponentError("the channel carries both 'range_sigma' and 'range_variance': recognize one of them",
-                         "/fields");
+  if (sd_of_row_.is_bound() && variance_of_row_.is_bound())
+    throw ComponentError("the channel carries both 'range_sd' and 'range_variance': recognize one of them", "/fields");
   if (binding.parameters().has("sigma")) {
     variance_ = binding.parameters().number("sigma") * binding.parameters().number("sigma");
-  } else if (!anchors_.have_variance() && !sigma_of_row_.is_bound() && !variance_of_row_.is_bound()) {
+  } else if (!anchors_.have_variance() && !sd_of_row_.is_bound() && !variance_of_row_.is_bound()) {
     throw ComponentError("missing key 'sigma': neither the channel nor each anchor has one", "");
   }
   anchors_.check_bias(bias_);
@@ -86,8 +85,8 @@ Range::Range(const Binding& binding)
 
 double Range::variance(const SampleView& sample, int row, const AnchorSight& anchor) const {
   double variance = anchor.variance > 0 ? anchor.variance : variance_;
-  if (sigma_of_row_.is_bound()) {
-    const double sigma = sample(row, sigma_of_row_);
+  if (sd_of_row_.is_bound()) {
+    const double sigma = sample(row, sd_of_row_);
     if (!std::isnan(sigma)) variance = sigma > 0 ? sigma * sigma : -1;
   } else if (variance_of_row_.is_bound() && !std::isnan(sample(row, variance_of_row_))) {
     variance = sample(row, variance_of_row_);

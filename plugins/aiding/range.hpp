@@ -28,7 +28,7 @@ class Range final : public MeasurementModel {
   SensorPlace sensor_;
   Anchors anchors_;
   Port bias_;
-  RowField range_, anchor_, sigma_of_row_, variance_of_row_;
+  RowField range_, anchor_, sd_of_row_, variance_of_row_;
   double variance_ = 0;  // m²; 0: none is given
   double relative_;
   int most_;

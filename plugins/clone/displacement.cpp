@@ -30,10 +30,15 @@ ComponentSpec Displacement::spec() {
   spec.summary = "Displacements along a known path, with noise: a simulated visual odometry or scan matching.";
   spec.parameters = {
       parameter::time("every").above(0).required().about("least length of an interval"),
-      parameter::choice("frame", {"body", "navigation"})
+      parameter::choice("frame", {"body", "navigation", "ecef"})
           .defaults("\"body\"")
           .about(
-              "axes: of the body at the begin of the interval, or north, east, down there (of a local path: its own)"),
+              "axes: of the body at the begin of the interval; north, east, down there (of a local path: its own); or "
+              "earth-centred"),
+      parameter::vector("lever_arm", "m", 3)
+          .plausible(0, 100)
+          .defaults("[0, 0, 0]")
+          .about("from where the path is to the sensor, body axes"),
       parameter::vector("sigma", "m", 3).at_least(0).defaults("0").about("standard deviation of the noise, by axis"),
       parameter::number("relative", "1")
           .at_least(0)
@@ -53,7 +58,9 @@ ComponentSpec Displacement::spec() {
 Displacement::Displacement(const Binding& binding)
     : every_(binding.parameters().time("every")),
       is_in_body_axes_(binding.parameters().text("frame") == "body"),
+      is_in_ecef_(binding.parameters().text("frame") == "ecef"),
       sigma_(binding.parameters().vector("sigma")),
+      lever_arm_(binding.parameters().vector("lever_arm")),
       relative_(binding.parameters().number("relative")) {
   const Input path = binding.input("path");
   geodetic_ = binding.fields(path, "lat", "lon", "height");
@@ -63,6 +70,11 @@ Displacement::Displacement(const Binding& binding)
     throw ComponentError("the path has no position: neither lat, lon, height nor x, y, z", "/input");
   if (is_in_body_axes_ && !angles_.is_bound())
     throw ComponentError("body axes need roll, pitch and yaw of the path; or say \"frame\": \"navigation\"", "/input");
+  needs_attitude_ = is_in_body_axes_ || !lever_arm_.isZero(0.0);
+  if (needs_attitude_ && !angles_.is_bound())
+    throw ComponentError("a lever arm needs roll, pitch and yaw of the path", "/lever_arm");
+  if (is_in_ecef_ && !geodetic_.is_bound())
+    throw ComponentError("\"frame\": \"ecef\" is for a path on the earth: lat, lon, height", "/frame");
   ChannelDeclaration displacement, velocity("velocity");
   displacement.max_interval = velocity.max_interval = every_;
   const auto way = [](const char* name) { return field::increment(name, "m").about("displacement over the interval"); };
@@ -80,12 +92,16 @@ void Displacement::initialise(std::uint64_t seed, const MemoryView& memory) cons
   memory[memory_].random = random::stream(seed, "displacement");
 }
 
-Vector3d Displacement::position(const SampleView& sample) const {
-  return sample[geodetic_.is_bound() ? geodetic_ : local_];
+Vector3d Displacement::position(const SampleView& sample, const Vector4d& attitude) const {
+  const Vector3d place = sample[geodetic_.is_bound() ? geodetic_ : local_];
+  if (lever_arm_.isZero(0.0)) return place;
+  const Vector3d lever_arm_n = strapdown::dcm_from_quaternion(attitude) * lever_arm_;
+  return geodetic_.is_bound() ? geodesy::position_plus(place, lever_arm_n) : Vector3d(place + lever_arm_n);
 }
 
 Vector3d Displacement::way(const Memory& from, const Vector3d& to) const {
   const Map<const Vector3d> then(from.position);
+  if (is_in_ecef_) return geodesy::ecef_from_lla(to) - geodesy::ecef_from_lla(then);
   const Vector3d d = geodetic_.is_bound() ? Vector3d(geodesy::C_en(then[0], then[1]).transpose() *
                                                      (geodesy::ecef_from_lla(to) - geodesy::ecef_from_lla(then)))
                                           : Vector3d(to - then);
@@ -96,8 +112,9 @@ Vector3d Displacement::way(const Memory& from, const Vector3d& to) const {
 void Displacement::on(const TransformInput& in, Emitter& emitter) const {
   Memory& memory = in.memory[memory_];
   const SampleView& sample = in.sample;
-  const Vector3d here = position(sample);
-  const Vector3d angles = is_in_body_axes_ ? sample[angles_] : Vector3d::Zero();
+  const Vector3d angles = needs_attitude_ ? sample[angles_] : Vector3d::Zero();
+  const Vector4d attitude = strapdown::quaternion_from_euler(angles);
+  const Vector3d here = position(sample, attitude);
   // A sample that is not complete begins and ends nothing.
   if (!here.allFinite() || !angles.allFinite()) return;
   const bool begins = memory.t == no_time || sample.t < memory.t;
@@ -120,7 +137,7 @@ void Displacement::on(const TransformInput& in, Emitter& emitter) const {
   }
   memory.t = sample.t;
   Map<Vector3d>(memory.position) = here;
-  if (is_in_body_axes_) Map<Vector4d>(memory.attitude) = strapdown::quaternion_from_euler(angles);
+  if (is_in_body_axes_) Map<Vector4d>(memory.attitude) = attitude;
 }
 
 }  // namespace binnacle::clone

@@ -11,7 +11,7 @@
 namespace binnacle::clone {
 
 /// From one sample of the path to the first that comes at least `every` later, with z = A d + v as in RelativePosition,
-/// v white with σ² = sigma² + (relative |d|)² per axis. The next displacement begins where the last one ended.
+/// v white with σ² = sigma² + (relative |d|)² per axis. The sensor is at p + C_nb l, l: `lever_arm`. The next displacement begins where the last one ended.
 class Displacement final : public Transform {
  public:
   static ComponentSpec spec();
@@ -27,13 +27,14 @@ class Displacement final : public Transform {
     random::Philox random;
   };
   void initialise(std::uint64_t seed, const MemoryView& memory) const override;
-  Eigen::Vector3d position(const SampleView& sample) const;
+  /// Of the sensor.
+  Eigen::Vector3d position(const SampleView& sample, const Eigen::Vector4d& attitude) const;
   Eigen::Vector3d way(const Memory& from, const Eigen::Vector3d& to) const;
 
   Fields<3> geodetic_, local_, angles_;
   Time every_;
-  bool is_in_body_axes_;
-  Eigen::Vector3d sigma_;  // m
+  bool is_in_body_axes_, is_in_ecef_, needs_attitude_;
+  Eigen::Vector3d sigma_, lever_arm_;  // m
   double relative_;
   OutputChannel displacement_, velocity_;
   OutputFields<3> d_, d_sigma_, v_;

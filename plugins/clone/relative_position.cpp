@@ -6,8 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "binnacle/geodesy.hpp"
-#include "strapdown/local_axes.hpp"
 #include "strapdown/rotation.hpp"
 
 namespace binnacle::clone {
@@ -30,10 +28,10 @@ ComponentSpec RelativePosition::spec() {
       "The displacement over a sample's interval, from a copy of the position: visual odometry, scan matching.";
   spec.source = "Roumeliotis and Burdick, Stochastic cloning, IEEE ICRA 2002, section IV";
   spec.parameters = {
-      parameter::choice("frame", {"body", "navigation"})
+      parameter::choice("frame", {"body", "navigation", "ecef"})
           .defaults("\"body\"")
-          .about("axes of the displacement: of the body at the begin of the interval, or north, east, down there (of a "
-                 "local position: its own axes)"),
+          .about("axes of the displacement: of the body at the begin of the interval; north, east, down there (of a "
+                 "local position: its own axes); or earth-centred"),
       parameter::vector("sigma", "m", 3)
           .above(0)
           .plausible(1e-5, 1e3)
@@ -47,11 +45,12 @@ ComponentSpec RelativePosition::spec() {
           .defaults("\"1 us\"")
           .about("by how much the begin of the interval may differ from the instant of the copy")};
   spec.ports = {
-      reads("position", "*").about("now: kind position (geodetic), or vector:1:m to vector:3:m (local)"),
+      reads("position", "*")
+          .about("of the sensor, now: kind position (geodetic), position.ecef, or vector:1:m to vector:3:m (local)"),
       reads("copy", "*").about("the position at the begin of the interval: a copy that a 'clone' keeps"),
       reads("attitude", "attitude").optional().about("for body axes: the copy of the attitude, of that instant"),
       reads("age", "vector:1:s").about("of the copy: the block that the 'clone' advances")};
-  spec.fields = {field::increment("dx", "m").about("displacement over the interval: forward, or north"),
+  spec.fields = {field::increment("dx", "m").about("displacement over the interval: forward, north, or x"),
                  field::increment("dy", "m").optional().about("right, or east"),
                  field::increment("dz", "m").optional().about("down")};
   for (const char* name : names)
@@ -74,25 +73,29 @@ RelativePosition::RelativePosition(const Binding& binding)
       copy_(binding.port("copy")),
       attitude_(binding.port("attitude")),
       age_(binding.port("age")),
-      is_geodetic_(binding.block("position").kind == "position"),
       is_in_body_axes_(binding.parameters().text("frame") == "body"),
+      is_in_ecef_(binding.parameters().text("frame") == "ecef"),
       relative_(binding.parameters().number("relative")),
       tolerance_(seconds(binding.parameters().time("tolerance"))) {
   const std::string& kind = binding.block("position").kind;
-  const bool is_local = kind == "vector:1:m" || kind == "vector:2:m" || kind == "vector:3:m";
-  if (!is_geodetic_ && !is_local)
-    throw ComponentError("a position is of the kind 'position' or 'vector:3:m'; found '" + kind +
-                             "' (of ECEF blocks gnss_range/geodetic_position makes one)",
+  const auto place = strapdown::place_kind(kind);
+  if (!place)
+    throw ComponentError("a position is of the kind 'position', 'position.ecef' or 'vector:3:m'; found '" + kind + "'",
                          "/blocks/position");
+  kind_ = *place;
+  if (is_in_ecef_ && kind_ == strapdown::PlaceKind::local)
+    throw ComponentError("\"frame\": \"ecef\" is for a position on the earth; a local one has \"navigation\"",
+                         "/frame");
   if (binding.block("copy").kind != kind)
     throw ComponentError("the copy is of the kind '" + binding.block("copy").kind + "', the position of the kind '" +
                              kind + "'",
                          "/blocks/copy");
   if (is_in_body_axes_ != attitude_.is_bound())
     throw ComponentError(is_in_body_axes_
-                             ? "a displacement in body axes needs the attitude at its begin: plug the copy of the "
-                               "attitude into 'attitude', or say \"frame\": \"navigation\""
-                             : "\"frame\": \"navigation\" takes no attitude",
+                             ? std::string(
+                                   "a displacement in body axes needs the attitude at its begin: plug the copy of the "
+                                   "attitude into 'attitude', or say \"frame\": \"navigation\"")
+                             : "\"frame\": \"" + binding.parameters().text("frame") + "\" takes no attitude",
                          is_in_body_axes_ ? "/blocks" : "/blocks/attitude");
   const int rows = position_.dof();
   if (is_in_body_axes_ && rows != 3)
@@ -111,17 +114,10 @@ RelativePosition::RelativePosition(const Binding& binding)
   declaration_.rows(rows).reads(position_).reads(copy_).reads(attitude_).group(rows::these("displacement", rows, "m"));
 }
 
-RelativePosition::Way RelativePosition::way(const PortValues& x) const {
-  if (!is_geodetic_) {
-    Way way{Vector3d::Zero(), Matrix3d::Identity(), -Matrix3d::Identity()};
-    for (int i = 0; i < position_.dof(); ++i) way.d[i] = x[position_][i] - x[copy_][i];
-    return way;
-  }
-  const Vector3d now = x[position_].as<3>(), then = x[copy_].as<3>();
-  const Matrix3d C_en = geodesy::C_en(then[0], then[1]);
-  const Vector3d d = C_en.transpose() * (geodesy::ecef_from_lla(now) - geodesy::ecef_from_lla(then));
-  return {d, C_en.transpose() * geodesy::C_en(now[0], now[1]),
-          -Matrix3d::Identity() + strapdown::skew(d) * strapdown::axes_per_metre(then)};
+strapdown::Way RelativePosition::way(const PortValues& x) const {
+  const strapdown::CartesianPlace now = strapdown::cartesian(kind_, x[position_]);
+  return is_in_ecef_ ? strapdown::cartesian_way(strapdown::cartesian(kind_, x[copy_]), now)
+                     : strapdown::navigation_way(kind_, x[copy_], now);
 }
 
 Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput& out) const {
@@ -142,13 +138,13 @@ Result RelativePosition::linearize(const MeasurementInput& in, MeasurementOutput
       return Result::invalid("a reported standard deviation is 0, negative or not finite");
     out.R(i, i) = sigma * sigma + by_length;
   }
-  const Way way = this->way(in.x);
+  const strapdown::Way way = this->way(in.x);
   const Matrix3d axes = is_in_body_axes_ ? Matrix3d(strapdown::dcm_from_quaternion(in.x[attitude_].as<4>()).transpose())
                                          : Matrix3d(Matrix3d::Identity());
   out.rows = rows;
   out.residual.as() = (z - axes * way.d).head(rows);
-  if (const MatrixView H = out.H[position_]) H.as() = (axes * way.by_position).topLeftCorner(rows, rows);
-  if (const MatrixView H = out.H[copy_]) H.as() = (axes * way.by_copy).topLeftCorner(rows, rows);
+  if (const MatrixView H = out.H[position_]) H.as() = (axes * way.by_to).topLeftCorner(rows, rows);
+  if (const MatrixView H = out.H[copy_]) H.as() = (axes * way.by_from).topLeftCorner(rows, rows);
   if (const MatrixView H = out.H[attitude_]) H.as() = axes * strapdown::skew(way.d);
   return Result::ok();
 }

@@ -11,6 +11,8 @@
 #include "catch.hpp"
 #include "kind_blocks.hpp"
 #include "model_check.hpp"
+#include "strapdown/earth.hpp"
+#include "strapdown/rotation.hpp"
 
 using namespace binnacle;
 using namespace binnacle::aiding;
@@ -70,6 +72,103 @@ TEST_CASE("bearing: elevation, and an observer that is a block", "[aiding]") {
   CHECK(m.H[0] == -m.H[1]);
   CHECK(m.H[0](1, 2) < 0);  // lower is less high
   REQUIRE_NO_COMPLAINTS(check_measurement(*model, Bearing::spec(), sample_of(z), ports, {}, {1e-6}, 1e-8));
+}
+
+TEST_CASE("bearing: to a point on the earth, from north and from the body, each sign", "[aiding]") {
+  const PositionKind geodetic;
+  const AdditiveKind ecef("position.ecef", 3, "m"), heading("heading", 1, "rad");
+  const AttitudeKind attitude;
+  const Eigen::Vector3d lla(0.9, 0.2, 100), way(300, 400, -250);
+  const Eigen::Matrix3d C_en = strapdown::C_en(lla[0], lla[1]);
+  const Eigen::Vector3d here = strapdown::ecef_from_lla(lla), there = here + C_en * way,
+                        lla_there = strapdown::lla_from_ecef(there);
+  const nlohmann::json by_lla{{"lat", lla_there[0]}, {"lon", lla_there[1]}, {"height", lla_there[2]}},
+      by_ecef{{"x", there[0]}, {"y", there[1]}, {"z", there[2]}},
+      by_local{{"north", way[0]}, {"east", way[1]}, {"down", way[2]}},
+      origin{{"lat", lla[0]}, {"lon", lla[1]}, {"height", lla[2]}};
+  const Eigen::Vector4d q = strapdown::quaternion_from_euler({0.1, -0.2, 0.5});
+  const Eigen::Vector3d body = strapdown::dcm_from_quaternion(q).transpose() * way,
+                        car =
+                            strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler({0, 0, 0.5})).transpose() *
+                            way;
+  for (const auto& point : {by_lla, by_ecef, by_local})
+    for (const bool is_geodetic : {true, false})
+      for (const std::string from : {"north", "body", "car"}) {
+        CAPTURE(point.dump(), is_geodetic, from);
+        const StateBlock& block = is_geodetic ? static_cast<const StateBlock&>(geodetic) : ecef;
+        Ports plugged{{"observer", &block}};
+        if (from == "body") plugged["attitude"] = &attitude;
+        if (from == "car") plugged["heading"] = &heading;
+        const auto model = bind<Bearing>({{{"sigma", 0.01}, {"point", point}, {"origin", origin}},
+                                          plugged,
+                                          {"observer_north", "observer_east", "observer_down"}});
+        const Eigen::Vector3d x = is_geodetic ? lla : here, d = from == "north" ? way : from == "body" ? body : car;
+        const PortStates ports{{},
+                               {&block, {x[0], x[1], x[2]}, 1.0, 1e-8},
+                               from == "body" ? PortState{&attitude, {q[0], q[1], q[2], q[3]}, 1e-2, 4e-16}
+                                              : PortState{},
+                               from == "car" ? PortState{&heading, {0.5}, 1e-2, 4e-16} : PortState{}};
+        const std::vector<double> z{std::atan2(d[1], d[0]) + 0.01, std::atan2(-d[2], std::hypot(d[0], d[1])) - 0.02,
+                                    NAN, NAN, NAN};
+        Complaints out;
+        const Measured m = linearize(*model, sample_of(z), ports, {}, out);
+        REQUIRE_NO_COMPLAINTS(out);
+        CHECK(std::abs(m.residual[0] - 0.01) < 1e-9);
+        CHECK(std::abs(m.residual[1] + 0.02) < 1e-9);
+        // Whoever turns to the right sees it further to the left.
+        if (from == "car") CHECK(std::abs(m.H.back()(0, 0) + 1) < 1e-12);
+        if (from == "north") {
+          const Eigen::Vector3d east = is_geodetic ? Eigen::Vector3d::UnitY() : Eigen::Vector3d(C_en.col(1));
+          CHECK((m.H[0] * east)(0) < -300.0 / (500 * 500) * 0.99);  // and whoever goes east
+        }
+        REQUIRE_NO_COMPLAINTS(check_measurement(*model, Bearing::spec(), sample_of(z), ports, {}, {1e-6}, 1e-12));
+      }
+}
+
+TEST_CASE("bearing: a target that is a block on the earth, seen from one", "[aiding]") {
+  const PositionKind geodetic;
+  const auto model = bind<Bearing>({{{"sigma", 0.01}},
+                                    {{"target", &geodetic}, {"observer", &geodetic}},
+                                    {"observer_north", "observer_east", "observer_down"}});
+  const Eigen::Vector3d lla(0.9, 0.2, 100), there = strapdown::position_plus(lla, {3000, 4000, -250});
+  const PortStates ports{{&geodetic, {there[0], there[1], there[2]}, 1.0, 1e-8},
+                         {&geodetic, {lla[0], lla[1], lla[2]}, 1.0, 1e-8}};
+  REQUIRE_NO_COMPLAINTS(
+      check_measurement(*model, Bearing::spec(), sample_of({0.9, 0.1, NAN, NAN, NAN}), ports, {}, {1e-6}, 1e-11));
+}
+
+TEST_CASE("bearing: what does not fit is refused when it is bound", "[aiding]") {
+  const AdditiveKind two(2, "m"), three(3, "m"), heading("heading", 1, "rad");
+  const PositionKind geodetic;
+  const AttitudeKind attitude;
+  const auto message = [](const Setup& setup) -> std::string {
+    try {
+      bind<Bearing>(setup);
+    } catch (const ComponentError& error) {
+      UNSCOPED_INFO(error.pointer() << ": " << error.what());
+      return error.pointer() + ": " + error.what();
+    }
+    return "";
+  };
+  const std::vector<std::string> no_place{"observer_north", "observer_east", "observer_down"};
+  const nlohmann::json plain{{"sigma", 0.1}},
+      with_point{{"sigma", 0.1}, {"point", {{"north", 1}, {"east", 2}, {"down", 3}}}};
+  CHECK(message({with_point, {{"observer", &three}}, no_place}).empty());
+  CHECK(message({plain, {{"observer", &three}}, no_place}).find("/blocks: there is no target") == 0);
+  CHECK(message({with_point, {{"observer", &three}, {"target", &three}}, no_place})
+            .find("/point: a block is the target") == 0);
+  CHECK(message({with_point, {}, no_place}).find("/blocks: nothing here is estimated") == 0);
+  CHECK(message({with_point, {{"observer", &geodetic}}, no_place})
+            .find("/point: local points (north, east, down) for a "
+                  "place on the earth need an origin") == 0);
+  CHECK(
+      message({plain, {{"observer", &three}, {"target", &geodetic}}, no_place}).find("/blocks/observer: of observer") ==
+      0);
+  CHECK(message({plain, {{"target", &geodetic}}, {}}).find("/blocks: the target is on the earth") == 0);
+  CHECK(message({plain, {{"observer", &two}, {"target", &two}, {"attitude", &attitude}}, {"elevation"}})
+            .find("/blocks/attitude: directions from the deck") == 0);
+  CHECK(message({plain, {{"observer", &three}, {"target", &three}, {"attitude", &attitude}, {"heading", &heading}}, {}})
+            .find("/blocks/heading: an attitude has a heading") == 0);
 }
 
 TEST_CASE("bearing: what has no direction is refused", "[aiding]") {

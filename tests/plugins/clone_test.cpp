@@ -263,6 +263,42 @@ TEST_CASE("relative position: residual and H of a geodetic position, in both axe
   }
 }
 
+TEST_CASE("relative position: of geodetic and ECEF positions, in the axes of body, navigation and earth", "[clone]") {
+  const Way bench;
+  const AdditiveKind ecef("position.ecef", 3, "m");
+  const Vector3d by(400, -250, 30);
+  for (const double lat : {0.0, 0.85, -1.35})
+    for (const std::string frame : {"body", "navigation", "ecef"}) {
+      CAPTURE(lat, frame);
+      const bool is_body = frame == "body";
+      const PortStates geodetic = bench.geodetic_ports(lat, by, is_body);
+      const Vector3d then = Eigen::Map<const Vector3d>(geodetic[1].x.data()),
+                     now = Eigen::Map<const Vector3d>(geodetic[0].x.data());
+      const Vector3d r_then = strapdown::ecef_from_lla(then), r_now = strapdown::ecef_from_lla(now);
+      PortStates in_ecef = geodetic;
+      in_ecef[0] = {&ecef, numbers(r_now), 1.0, 1e-8};
+      in_ecef[1] = {&ecef, numbers(r_then), 1.0, 1e-8};
+      Vector3d d = r_now - r_then;
+      if (frame != "ecef") d = strapdown::C_en(then[0], then[1]).transpose() * d;
+      if (is_body)
+        d = strapdown::dcm_from_quaternion(Eigen::Map<const Eigen::Vector4d>(geodetic[2].x.data())).transpose() * d;
+      const std::vector<double> z = {d[0] + 0.3, d[1] - 0.2, d[2] + 0.1, 0, 0, 0};
+      for (const bool is_ecef : {false, true}) {
+        const StateBlock& block = is_ecef ? static_cast<const StateBlock&>(ecef) : bench.geodetic;
+        Ports plugged{{"position", &block}, {"copy", &block}, {"age", &bench.age}};
+        if (is_body) plugged["attitude"] = &bench.attitude;
+        const auto model = bind<RelativePosition>({{{"sigma", 0.1}, {"frame", frame}}, plugged, no_sd});
+        const PortStates& ports = is_ecef ? in_ecef : geodetic;
+        Complaints out;
+        const Measured m = linearize(*model, displacement(z), ports, {}, out);
+        REQUIRE_NO_COMPLAINTS(out);
+        CHECK((m.residual - Vector3d(0.3, -0.2, 0.1)).norm() < 1e-8);
+        REQUIRE_NO_COMPLAINTS(
+            check_measurement(*model, RelativePosition::spec(), displacement(z), ports, {}, {2e-7}, 1e-8));
+      }
+    }
+}
+
 TEST_CASE("relative position: of a place 10 km away the turn of north, east, down is in H", "[clone]") {
   const Way bench;
   const auto model =
@@ -364,8 +400,17 @@ TEST_CASE("relative position: what does not fit is refused when it is bound", "[
     return ports;
   };
   CHECK(message({navigation, with(bench.local, bench.local, false), no_sd}).empty());
-  CHECK(says(message({navigation, with(ecef, ecef, false), no_sd}),
-             "/blocks/position: a position is of the kind 'position' or 'vector:3:m'; found 'position.ecef'"));
+  CHECK(message({navigation, with(ecef, ecef, false), no_sd}).empty());
+  const AdditiveKind speed(3, "m/s");
+  CHECK(says(message({navigation, with(speed, speed, false), no_sd}),
+             "/blocks/position: a position is of the kind 'position', 'position.ecef' or 'vector:3:m'; found "
+             "'vector:3:m/s'"));
+  const nlohmann::json in_ecef{{"frame", "ecef"}, {"sigma", 1}};
+  CHECK(message({in_ecef, with(bench.geodetic, bench.geodetic, false), no_sd}).empty());
+  CHECK(says(message({in_ecef, with(bench.local, bench.local, false), no_sd}),
+             "/frame: \"frame\": \"ecef\" is for a position on the earth"));
+  CHECK(says(message({in_ecef, with(ecef, ecef, true), no_sd}),
+             "/blocks/attitude: \"frame\": \"ecef\" takes no attitude"));
   CHECK(says(message({navigation, with(bench.local, bench.geodetic, false), no_sd}),
              "/blocks/copy: the copy is of the kind 'position', the position of the kind 'vector:3:m'"));
   CHECK(says(message({body, with(bench.local, bench.local, false), no_sd}),
@@ -475,6 +520,26 @@ TEST_CASE("displacement: relative_position finds what it says, on the ellipsoid"
   z.insert(z.end(), {0, 0, 0});
   Complaints out;
   CHECK(linearize(*model, displacement(z, 3, 2), ports, {}, out).residual.norm() < 1e-8);
+}
+
+TEST_CASE("displacement: of a sensor at a lever arm, which a turn moves, and in ECEF axes", "[clone]") {
+  // 2 m ahead of a body that turns to the east where it stands: to the side by 2 m, and back by as much.
+  Path path({{"every", 1}, {"lever_arm", {2, 0, 0}}}, no_geodetic);
+  path.at(0, local_sample({5, 5, 5}, {0, 0, 0}));
+  path.at(1, local_sample({5, 5, 5}, {0, 0, M_PI / 2}));
+  REQUIRE(path.said.size() == 2);
+  CHECK((Vector3d(path.said[0].fields.data()) - Vector3d(-2, 2, 0)).norm() < 1e-12);
+
+  const Vector3d then(0.85, 2.1, 300), now = strapdown::position_plus(then, {40, -25, 3});
+  Path of_earth({{"every", 1}, {"frame", "ecef"}}, {"x", "y", "z", "roll"});
+  of_earth.at(0, {then[0], then[1], then[2], 0, 0, 0, 0, 0, 0});
+  of_earth.at(1, {now[0], now[1], now[2], 0, 0, 0, 0, 0, 0});
+  const Vector3d d = strapdown::ecef_from_lla(now) - strapdown::ecef_from_lla(then);
+  CHECK((Vector3d(of_earth.said.at(0).fields.data()) - d).norm() < 1e-9);
+  CHECK_THROWS_AS(bind<Displacement>({{{"every", 1}, {"frame", "ecef"}}, {}, no_geodetic}), ComponentError);
+  CHECK_THROWS_AS(bind<Displacement>(
+                      {{{"every", 1}, {"frame", "ecef"}, {"lever_arm", {1, 0, 0}}}, {}, {"x", "y", "z", "yaw"}}),
+                  ComponentError);
 }
 
 TEST_CASE("displacement: its noise has the size that it reports", "[clone]") {

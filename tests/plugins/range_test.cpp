@@ -22,8 +22,8 @@ using Eigen::Vector3d;
 namespace {
 
 using Row = std::map<std::string, double>;
-const std::vector<std::string> names = {"range",        "anchor",        "range_sigma", "range_variance", "anchor_lat",
-                                        "anchor_lon",   "anchor_height", "anchor_x",    "anchor_y",       "anchor_z",
+const std::vector<std::string> names = {"range",        "anchor",        "range_sd",   "range_variance", "anchor_lat",
+                                        "anchor_lon",   "anchor_height", "anchor_x",   "anchor_y",       "anchor_z",
                                         "anchor_north", "anchor_east",   "anchor_down"};
 
 /// Rows of a channel that carries these fields.
@@ -154,6 +154,34 @@ TEST_CASE("range: geodetic and ECEF places, anchors in either coordinates, by th
   }
 }
 
+TEST_CASE("range: local anchors for a place on the earth, and the other way round, by the origin", "[aiding]") {
+  const PositionKind geodetic;
+  const AdditiveKind local(3, "m");
+  const Vector3d lla(52.5 * degree, 13.4 * degree, 80), at(2000, -3000, -40), anchor(2030, -3040, -40);
+  const Vector3d r_e = strapdown::ecef_from_lla(lla);
+  const Eigen::Matrix3d C = strapdown::C_en(lla[0], lla[1]);
+  const nlohmann::json origin{{"lat", lla[0]}, {"lon", lla[1]}, {"height", lla[2]}};
+  const Vector3d lla_at = strapdown::lla_from_ecef(r_e + C * at), anchor_e = r_e + C * anchor;
+  const nlohmann::json by_local{{"north", anchor[0]}, {"east", anchor[1]}, {"down", anchor[2]}},
+      by_ecef{{"x", anchor_e[0]}, {"y", anchor_e[1]}, {"z", anchor_e[2]}};
+  const Rows sample({{{"range", 51}, {"anchor", 1}}});
+  for (const bool is_geodetic : {true, false}) {
+    const StateBlock& block = is_geodetic ? static_cast<const StateBlock&>(geodetic) : local;
+    const Vector3d x = is_geodetic ? lla_at : at;
+    const PortStates ports{{&block, {x[0], x[1], x[2]}, 1.0, 1e-8}, {}};
+    const auto model =
+        bind<Range>({{{"sigma", 0.1}, {"origin", origin}, {"anchors", {{"1", is_geodetic ? by_local : by_ecef}}}},
+                     {{"position", &block}},
+                     without({"range", "anchor"})});
+    Complaints out;
+    const Measured m = linearize(*model, sample, ports, {}, out);
+    REQUIRE_NO_COMPLAINTS(out);
+    CHECK(std::abs(m.residual[0] - 1) < 1e-8);
+    CHECK((m.H[0] - Eigen::RowVector3d(-0.6, 0.8, 0)).norm() < 1e-3);
+    REQUIRE_NO_COMPLAINTS(check_measurement(*model, Range::spec(), sample, ports, {}, {1e-6}, 1e-8));
+  }
+}
+
 TEST_CASE("range: a row's own noise wins, and where it has none the config's holds", "[aiding]") {
   const AdditiveKind position(3, "m");
   const PortStates ports{{&position, {3, 4, 12}, 1.0, 1e-9}, {}};
@@ -167,14 +195,14 @@ TEST_CASE("range: a row's own noise wins, and where it has none the config's hol
                      ports, {}, out);
   };
   const nlohmann::json with_sigma{{"anchors", three}, {"sigma", 0.1}}, without_sigma{{"anchors", three}};
-  Measured m = variances("range_sigma", with_sigma, 0.2);
+  Measured m = variances("range_sd", with_sigma, 0.2);
   CHECK(m.R.diagonal().isApprox(Vector3d(0.04, 0.01, 0.09)));
   m = variances("range_variance", with_sigma, 0.2);
   CHECK(m.R.diagonal().isApprox(Vector3d(0.2, 0.01, 0.09)));
   m = variances("range_variance", without_sigma, 0.2);
   CHECK(m.R.diagonal().isApprox(Eigen::Vector2d(0.2, 0.09)));  // of the second nobody knows
   CHECK(m.keys == std::vector<std::int64_t>{105, 109});
-  m = variances("range_sigma", with_sigma, 0);
+  m = variances("range_sd", with_sigma, 0);
   CHECK(m.keys == std::vector<std::int64_t>{107, 109});
 }
 
@@ -223,9 +251,9 @@ TEST_CASE("range: what does not fit is refused when it is bound", "[aiding]") {
   CHECK(message({good, local, plain}).empty());
   CHECK(says(message({good, {{"position", &speed}}, plain}), "/blocks/position: a place is of the kind 'position'"));
   CHECK(says(message({good, on_earth, plain}),
-             "/anchors/105: the point is local (north, east, down), the sensor's place is on the earth"));
+             "/anchors/105: local points (north, east, down) for a place on the earth need an origin"));
   CHECK(says(message({{{"anchors", {{"1", {{"x", 1}, {"y", 2}, {"z", 3}}}}}, {"sigma", 1}}, local, plain}),
-             "/anchors/1: the sensor's place is local, the point is on the earth"));
+             "/anchors/1: points on the earth for a local place need an origin"));
   CHECK(says(message({{{"anchors", {{"1", {{"north", 1}, {"east", 2}}}}}, {"sigma", 1}}, local, plain}),
              "/anchors/1: missing key 'down': a point is north, east, down"));
   CHECK(message({{{"anchors", {{"1", {{"north", 1}, {"east", 2}}}}}, {"sigma", 1}}, {{"position", &two}}, plain})
@@ -242,7 +270,7 @@ TEST_CASE("range: what does not fit is refused when it is bound", "[aiding]") {
              "/fields: the channel carries a part of the anchors' places, and no field for 'anchor_down'"));
   CHECK(says(message({good, local, without({"range", "anchor", "anchor_north", "anchor_east", "anchor_down"})}),
              "/anchors/105: the channel carries the anchors' places: leave them out here, or there"));
-  CHECK(says(message({good, local, without({"range", "anchor", "range_sigma", "range_variance"})}),
+  CHECK(says(message({good, local, without({"range", "anchor", "range_sd", "range_variance"})}),
              "/fields: the channel carries both"));
   CHECK(says(message({good, {{"position", &position}, {"bias", &two}}, plain}),
              "/blocks/bias: its block has 2 components where 'anchors' lists 3"));

@@ -39,29 +39,27 @@ inline CartesianPlace cartesian(PlaceKind kind, ConstVectorView x) {
   return place;
 }
 
-/// The way d [m] from one place to another, both of one kind, and its derivatives by the errors of both.
+/// The way d [m] from one place to another, and its derivatives by the errors of both.
 struct Way {
   Eigen::Vector3d d;
   Eigen::Matrix3d by_from, by_to;
 };
 
-/// In Cartesian axes, those of cartesian().
-inline Way cartesian_way(PlaceKind kind, ConstVectorView from, ConstVectorView to) {
-  const CartesianPlace begin = cartesian(kind, from), end = cartesian(kind, to);
-  return {end.r - begin.r, -begin.by_error, end.by_error};
+/// In Cartesian axes, those of cartesian(), in which both are.
+inline Way cartesian_way(const CartesianPlace& from, const CartesianPlace& to) {
+  return {to.r - from.r, -from.by_error, to.by_error};
 }
 
-/// In north, east, down at the begin; of a local vector in its own axes. With C = C_en(from):
+/// In north, east, down at the begin; from a local one in its own axes. With C = C_en(from):
 ///     d = Cᵀ (r_to − r_from)      ∂d/∂δr_to = Cᵀ      ∂d/∂δ_from = −I + [d×] Θ, δ_from in north, east, down
 /// Θ (axes_per_metre) is how north, east and down turn as the begin moves.
-inline Way navigation_way(PlaceKind kind, ConstVectorView from, ConstVectorView to) {
-  if (kind == PlaceKind::local) return cartesian_way(kind, from, to);
+inline Way navigation_way(PlaceKind kind, ConstVectorView from, const CartesianPlace& to) {
+  if (kind == PlaceKind::local) return cartesian_way(cartesian(kind, from), to);
   const bool is_geodetic = kind == PlaceKind::geodetic;
   const Eigen::Vector3d lla = is_geodetic ? Eigen::Vector3d(from.as<3>()) : lla_from_ecef(from.as<3>());
-  const CartesianPlace end = cartesian(kind, to);
-  const Eigen::Matrix3d C = C_en(lla[0], lla[1]);
   const Eigen::Vector3d begin = is_geodetic ? ecef_from_lla(lla) : Eigen::Vector3d(from.as<3>());
-  Way way{C.transpose() * (end.r - begin), {}, C.transpose() * end.by_error};
+  const Eigen::Matrix3d C = C_en(lla[0], lla[1]);
+  Way way{C.transpose() * (to.r - begin), {}, C.transpose() * to.by_error};
   way.by_from = -Eigen::Matrix3d::Identity() + skew(way.d) * axes_per_metre(lla);
   if (!is_geodetic) way.by_from = (way.by_from * C.transpose()).eval();
   return way;
