@@ -45,7 +45,7 @@ ComponentSpec AidingSimulator::spec() {
              field::level("vn", "m/s").about("velocity over ground, north"), field::level("ve", "m/s").about("east"),
              field::level("vd", "m/s").about("down"), field::level("roll", "rad").about("of the body"),
              field::level("pitch", "rad").about("of the body"), field::level("yaw", "rad").about("of the body"),
-             rate("wx"), rate("wy"), rate("wz")})
+             rate("omega_x"), rate("omega_y"), rate("omega_z")})
           .about("where the vehicle is; readings are among its samples")};
   spec.example = R"json({"input": "drive.truth",
     "magnetometer": {"every": "0.1 s", "declination": "3.5 deg", "inclination": "64 deg", "strength": "48 uT",
@@ -59,7 +59,7 @@ AidingSimulator::AidingSimulator(const Binding& binding) : is_perfect_(binding.p
   position_ = binding.fields(input, "lat", "lon", "height");
   velocity_ = binding.fields(input, "vn", "ve", "vd");
   attitude_ = binding.fields(input, "roll", "pitch", "yaw");
-  rates_ = binding.fields(input, "wx", "wy", "wz");
+  rates_ = binding.fields(input, "omega_x", "omega_y", "omega_z");
   ChannelDeclaration truth("truth");
   std::size_t errors = 0;
   for (const SensorKind& kind : sensor_kinds()) {
@@ -67,8 +67,9 @@ AidingSimulator::AidingSimulator(const Binding& binding) : is_perfect_(binding.p
     const Parameters own = binding.parameters().object(kind.name);
     std::unique_ptr<Sensor> sensor = kind.make(own);
     if (sensor->needs_rates() && !rates_.is_bound())
-      throw ComponentError("a velocity at a lever arm needs 'wx', 'wy' and 'wz', which the channel does not carry",
-                           std::string("/") + kind.name + "/lever_arm");
+      throw ComponentError(
+          "a velocity at a lever arm needs 'omega_x', 'omega_y' and 'omega_z', which the channel does not carry",
+          std::string("/") + kind.name + "/lever_arm");
     ChannelDeclaration channel(kind.name);
     sensor->declare(channel);
     Part part{kind.name, nullptr, own.time("every"), sensor->errors(), errors, declaration_.emits(std::move(channel))};

@@ -70,7 +70,7 @@ ComponentSpec PlanarOdometry::spec() {
       number("track", "m")
           .above(0)
           .plausible(1e-3, 100)
-          .about("from the left to the right wheel, where the channel has the speeds of two wheels"));
+          .about("from the left to the right wheel: their speeds are the input, and not speed and yaw rate"));
   spec.parameters.push_back(
       object(
           "bridge",
@@ -134,22 +134,15 @@ PlanarOdometry::PlanarOdometry(const Binding& binding)
 void PlanarOdometry::bind_input(const Binding& binding) {
   speed_ = binding.field("speed"), yaw_rate_ = binding.field("yaw_rate");
   left_ = binding.field("left_speed"), right_ = binding.field("right_speed");
-  const bool has_body = speed_.is_bound() || yaw_rate_.is_bound(), has_wheels = left_.is_bound() || right_.is_bound();
-  if (has_body && has_wheels)
-    throw ComponentError("the input carries speed or yaw rate, and speeds of two wheels too: recognize one pair",
-                         "/fields");
-  const Field &first = has_wheels ? left_ : speed_, &second = has_wheels ? right_ : yaw_rate_;
+  const bool is_by_wheels = binding.parameters().has("track");
+  const Field &first = is_by_wheels ? left_ : speed_, &second = is_by_wheels ? right_ : yaw_rate_;
   if (!first.is_bound() || !second.is_bound())
     throw ComponentError(std::string("the input carries no field for '") +
-                             (has_wheels ? (first.is_bound() ? "right_speed" : "left_speed")
-                                         : (first.is_bound() ? "yaw_rate" : "speed")) +
-                             "': it takes speed and yaw_rate, or left_speed and right_speed",
+                             (is_by_wheels ? (first.is_bound() ? "right_speed" : "left_speed")
+                                           : (first.is_bound() ? "yaw_rate" : "speed")) +
+                             "': with 'track' it takes left_speed and right_speed, without it speed and yaw_rate",
                          "/fields");
-  if (has_wheels != binding.parameters().has("track"))
-    throw ComponentError(has_wheels ? "missing key 'track': how far the two wheels are apart"
-                                    : "'track' is for the speeds of two wheels, which the input does not carry",
-                         has_wheels ? "" : "/track");
-  if (!has_wheels) return;
+  if (!is_by_wheels) return;
   track_ = binding.parameters().number("track");
   feels_earth_ = false;
 }

@@ -171,7 +171,7 @@ Channels declare_channels(SourceDeclaration& declaration, bool emits_rates, Time
                     level("mount_y", "rad", "about its y"), level("mount_z", "rad", "about its z"));
   t.speed = truth.carries(level("speed", "m/s", "along the path"));
   t.standing = truth.carries(level("standing", "1", "1 at a speed of zero, else 0"));
-  t.rates = truth.carries(triad("w", "rad/s", "angular rate against inertial space, without shaking"));
+  t.rates = truth.carries(triad("omega_", "rad/s", "angular rate against inertial space, without shaking"));
   handles.initial.position = initial.carries(position_fields());
   handles.initial.velocity = initial.carries(velocity_fields());
   handles.initial.attitude = initial.carries(attitude_fields());

@@ -90,12 +90,13 @@ TEST_CASE("aiding_simulator: lever arms of a vehicle that turns on its place", "
   const Readings all = readings(sensors, body, 1, 1);
   CHECK(std::abs(all.at("height")[0][0] - 103) < 1e-9);
   CHECK((triple(all.at("body_velocity")[0]) - Vector3d(0, 0.4, 0)).norm() < 1e-15);  // the bow goes to the right
-  CHECK_THROWS_AS(bind<AidingSimulator>({sensors, {}, {"wx"}}), ComponentError);
-  CHECK_NOTHROW(bind<AidingSimulator>({{{"body_velocity", Json::object()}}, {}, {"wx"}}));
+  CHECK_THROWS_AS(bind<AidingSimulator>({sensors, {}, {"omega_x"}}), ComponentError);
+  CHECK_NOTHROW(bind<AidingSimulator>({{{"body_velocity", Json::object()}}, {}, {"omega_x"}}));
   CHECK_THROWS_AS(bind<AidingSimulator>(Setup{}), ComponentError);
 }
 
-TEST_CASE("aiding_simulator: noise has the size that is given, errors stay and are told", "[aiding_simulator]") {
+TEST_CASE("aiding_simulator: noise has the size that is given, errors stay and are on the channel truth",
+          "[aiding_simulator]") {
   const Body body;
   const Json sensors = {{"height", {{"every", 0}, {"noise", 0.3}, {"bias", 2}, {"scale", 0.1}, {"reference", 40}}},
                         {"body_velocity", {{"every", 0}, {"noise", 0.1}, {"relative", 0.05}, {"scale", 0.1}}}};

@@ -522,7 +522,7 @@ TEST_CASE("displacement: relative_position finds what it says, on the ellipsoid"
   CHECK(linearize(*model, displacement(z, 3, 2), ports, {}, out).residual.norm() < 1e-8);
 }
 
-TEST_CASE("displacement: of a sensor at a lever arm, which a turn moves; and in ECEF axes", "[clone]") {
+TEST_CASE("displacement: of a sensor at a lever arm, which a turn moves, and in ECEF axes", "[clone]") {
   // 2 m ahead of a body that turns to the east where it stands: to the side by 2 m, and back by as much.
   Path path({{"every", 1}, {"lever_arm", {2, 0, 0}}}, no_geodetic);
   path.at(0, local_sample({5, 5, 5}, {0, 0, 0}));

@@ -179,13 +179,12 @@ TEST_CASE("odometry: one pair of speeds, and the track of two wheels") {
   json with_track = quiet;
   with_track["track"] = 1;
   CHECK(message(quiet, no_wheels).empty());
-  CHECK(message(quiet, {}).find("/fields: the input carries speed or yaw rate, and speeds of two wheels") == 0);
-  CHECK(message(quiet, {"yaw_rate", "left_speed", "right_speed"})
-            .find("/fields: the input carries no field for 'yaw_rate'") == 0);
-  CHECK(message(quiet, {"speed", "yaw_rate", "left_speed"})
-            .find("/fields: the input carries no field for 'left_speed'") == 0);
-  CHECK(message(quiet, no_body).find(": missing key 'track'") == 0);
-  CHECK(message(with_track, no_wheels).find("/track: 'track' is for the speeds of two wheels") == 0);
+  CHECK(message(quiet, {}).empty());
+  CHECK(message(quiet, {"yaw_rate"}).find("/fields: the input carries no field for 'yaw_rate'") == 0);
+  CHECK(message(quiet, no_body).find("/fields: the input carries no field for 'speed'") == 0);
+  CHECK(message(with_track, no_body).empty());
+  CHECK(message(with_track, no_wheels).find("/fields: the input carries no field for 'left_speed'") == 0);
+  CHECK(message(with_track, {"right_speed"}).find("/fields: the input carries no field for 'right_speed'") == 0);
 }
 
 TEST_CASE("odometry: the arc is where ten thousand short steps lead") {
