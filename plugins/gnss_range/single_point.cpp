@@ -31,7 +31,7 @@ double squared(double x) { return x * x; }
 
 /// The systems of an epoch. The clock is that of the first; −1 is the offset of a satellite on it.
 struct Systems {
-  std::array<bool, 1 + gnss::constellations.size()> is_there{};
+  std::array<bool, 1 + gnss::constellations().size()> is_there{};
   int count = 0;
   gnss::Constellation first = gnss::Constellation::none;
 

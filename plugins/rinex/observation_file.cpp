@@ -122,7 +122,7 @@ class ObservationReader {
 
   void find_places() {
     bool has_pseudoranges = false;
-    for (const auto constellation : gnss::constellations) {
+    for (const auto constellation : gnss::constellations()) {
       const bool is_beidou = constellation == gnss::Constellation::beidou;
       std::string code = signals_.of(constellation);
       if (is_old()) code = is_beidou ? "" : code.substr(0, 1);  // version 2 has no BeiDou: its C2 is L2C
@@ -325,7 +325,7 @@ class ObservationReader {
   std::map<char, std::vector<std::string>> new_types_;
   std::size_t glonass_ = 0;  // observations
   int first_glonass_ = 0;    // line
-  std::array<Places, 1 + gnss::constellations.size()> places_;
+  std::array<Places, 1 + gnss::constellations().size()> places_;
   Time to_gps_ = 0;  // what is added to the times of epochs
   std::vector<Epoch> epochs_;
 };

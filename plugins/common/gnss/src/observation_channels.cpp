@@ -39,7 +39,7 @@ Signals Signals::of(const Parameters& parameters) {
 
 void ObservationChannels::declare(const Signals& signals, SourceDeclaration& declaration) {
   int rows = 0;
-  for (const Constellation constellation : constellations)
+  for (const Constellation constellation : constellations())
     if (!signals.of(constellation).empty()) rows += most_satellites(constellation);
   ChannelDeclaration obs("obs"), ephemeris("ephemeris", ephemeris_fields()), iono("iono");
   const auto fields = observation_fields(false);

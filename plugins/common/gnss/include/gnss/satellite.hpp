@@ -12,7 +12,10 @@ namespace binnacle::gnss {
 
 enum class Constellation { none = 0, gps = 1, galileo = 2, beidou = 3 };
 
-inline constexpr std::array constellations{Constellation::gps, Constellation::galileo, Constellation::beidou};
+/// A function, since a variable that loops go over would be a symbol of each plugin.
+constexpr std::array<Constellation, 3> constellations() noexcept {
+  return {Constellation::gps, Constellation::galileo, Constellation::beidou};
+}
 
 /// Constellation · 100 + number: GPS G05 is 105, Galileo E11 is 211, BeiDou C19 is 319. Of satellites that a channel gives with a number of
 /// their system: system · 1000 + number. What a row is known by (row key).
