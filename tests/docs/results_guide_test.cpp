@@ -42,7 +42,7 @@ class Workspace {
   }
   int run_python(const std::string& script, std::string& output) const {
     std::ofstream(folder_ / "guide.py") << script;
-    return run(std::string(DOCS_PYTHON) + " guide.py", output);
+    return run(DOCS_PYTHON " guide.py", output);
   }
 
  private:

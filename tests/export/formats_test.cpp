@@ -256,10 +256,10 @@ TEST_CASE("an ECEF state is a pos of x, y, z, and is refused a colour") {
   FilterResults filter;
   filter.name = "gnss";
   filter.t = {0, 1};
-  const double r[] = {-4646050.1, 2553206.3, -3534394.7};
+  const double xyz[] = {-4646050.1, 2553206.3, -3534394.7};
   const char* names[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i)
-    filter.estimates.push_back({"position", names[i], "m", "", false, {r[i], r[i] + 1}, {2, 3}, "position.ecef"});
+    filter.estimates.push_back({"position", names[i], "m", "", false, {xyz[i], xyz[i] + 1}, {2, 3}, "position.ecef"});
   const RunResults run = run_of({filter}, of_week);
   const Folder folder;
   const auto text = made(run, Format::pos).text;

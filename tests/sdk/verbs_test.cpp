@@ -51,8 +51,8 @@ TEST_CASE("--help is no error, and names only what there is") {
   const Workbench bench;
   const auto help = binnacle::test::binnacle(bench, {"--help"});
   CHECK(help.status == 0);
-  for (const char* verb :
-       {"run", "tune", "check", "explain", "list", "describe", "create", "schema", "graph", "new", "version"}) {
+  for (const char* verb : {"run", "tune", "check", "explain", "list", "describe", "create", "schema", "graph", "report",
+                           "export", "new", "version"}) {
     INFO(verb);
     CHECK(has(help.out, std::string("\n  ") + verb));
     CHECK(binnacle::test::binnacle(bench, {verb, "--help"}).status == 0);
