@@ -231,23 +231,22 @@ int sign_of_down(const Inertial& inertial, const Fixes& fixes, double delay, con
 double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,
                  const Vector3d& bias, double label_difference, Findings& findings) {
   double best = coarse, least = total_cost(inertial, fixes, coarse, bias, nullptr);
-  for (const double by : {0.1, 0.02})
+  for (const double by : {0.1, 0.02, 0.004})
     for (const double centre = best; const int k : {-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8})
       if (const double cost = total_cost(inertial, fixes, centre + k * by, bias, nullptr); cost < least) {
         least = cost;
         best = centre + k * by;
       }
-  // Newton step and sandwich variance over windows, which are independent.
+  // Sandwich variance over windows, which are independent.
   const double h = 0.04;
   std::vector<double> minus, zero, plus;
   total_cost(inertial, fixes, best - h, bias, &minus);
   total_cost(inertial, fixes, best, bias, &zero);
   total_cost(inertial, fixes, best + h, bias, &plus);
   const std::size_t n = std::min({minus.size(), zero.size(), plus.size()});
-  double slope = 0, curvature = 0, square = 0;
+  double curvature = 0, square = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double g = (plus[i] - minus[i]) / (2 * h);
-    slope += g;
     square += g * g;
     curvature += (plus[i] - 2 * zero[i] + minus[i]) / (h * h);
   }
@@ -264,7 +263,6 @@ double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inerti
     findings.push_back(std::move(found));
     return coarse;
   }
-  best -= std::clamp(slope / curvature, -h, h);
   const double error = std::sqrt(square) / curvature;
   found.value = best + label_difference;
   found.confidence = 0.99;

@@ -91,6 +91,19 @@ void Windows::cut(double length, double least_speed) {
   }
 }
 
+Vector3d Windows::rate_at_begin(std::size_t i) const {
+  const Piece& piece = pieces_[intervals_[i].first];
+  return follows_[i] && i > 0 ? rate_at_end(i - 1) : Vector3d(piece.turn / piece.dt);
+}
+
+Vector3d Windows::rate_at_end(std::size_t i) const {
+  const Piece& piece = pieces_[intervals_[i].end - 1];
+  const Vector3d before = piece.turn / piece.dt;
+  if (i + 1 >= intervals_.size() || !follows_[i + 1]) return before;
+  const Piece& next = pieces_[intervals_[i + 1].first];
+  return 0.5 * (before + next.turn / next.dt);
+}
+
 Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3d& bias) const {
   Matrix3d C = Matrix3d::Identity(), B = Matrix3d::Zero();
   double squares = 0;
@@ -98,15 +111,14 @@ Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3
   const Window& w = windows_[window];
   for (std::size_t i = w.first; i < w.end; ++i) {
     Vector3d s = Vector3d::Zero();
-    const auto swing = [&](std::size_t k) -> Vector3d { return X * (pieces_[k].turn / pieces_[k].dt - bias); };
-    if (has_lever_arm) s -= C * swing(intervals_[i].first).cross(lever_arm_);
+    if (has_lever_arm) s -= C * Vector3d(X * (rate_at_begin(i) - bias)).cross(lever_arm_);
     for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
       const Vector3d half = 0.5 * (X * (pieces_[k].turn - bias * pieces_[k].dt));
       C = C * turned(half);
       s += C * pieces_[k].push;
       C = C * turned(half);
     }
-    if (has_lever_arm) s += C * swing(intervals_[i].end - 1).cross(lever_arm_);
+    if (has_lever_arm) s += C * Vector3d(X * (rate_at_end(i) - bias)).cross(lever_arm_);
     B += intervals_[i].u * s.transpose();
     squares += intervals_[i].u.squaredNorm() + s.squaredNorm();
   }
@@ -143,9 +155,8 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
       s += C * pieces_[k].push;
       C = C * turned(half);
     }
-    const auto rate = [&](std::size_t k) -> Vector3d { return pieces_[k].turn / pieces_[k].dt - bias; };
-    step.rate_begin = rate(intervals_[i].first);
-    step.rate_b = rate(intervals_[i].end - 1);
+    step.rate_begin = rate_at_begin(i) - bias;
+    step.rate_b = rate_at_end(i) - bias;
     s += C * step.rate_b.cross(lever_arm_) - step.C_nb * step.rate_begin.cross(lever_arm_);
     step.C_nb = C;
     B += intervals_[i].u * s.transpose();

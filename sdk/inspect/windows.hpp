@@ -61,6 +61,9 @@ class Windows {
     std::size_t first, end;
     double top_speed;
   };
+  /// At an instant between two intervals: the mean of the tenths of a second on both sides.
+  Vector3d rate_at_begin(std::size_t interval) const;
+  Vector3d rate_at_end(std::size_t interval) const;
   void cut(double length, double least_speed);
 
   Vector3d lever_arm_ = Vector3d::Zero();
