@@ -186,7 +186,14 @@ Json clock_patch(const Channel& imu, const Channel& gnss, double gnss_is_late) {
 
 double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
                   std::vector<double>* each) {
-  const Windows windows(inertial, fixes, delay, 20);
+  Windows windows(inertial, fixes, delay, 20);
+  // An antenna behind the sensor turns later, as late fixes do: the lever arm that goes best with this delay is taken off.
+  if (windows.size() >= 4) {
+    const LinearFit fit = lever_arm_of(windows, bias, 3);
+    const bool is_seen =
+        fit.used > 0 && fit.beta.norm() < 20 && (fit.beta.cwiseAbs() - 5 * fit.standard_error).maxCoeff() > 0;
+    windows.set_lever_arm(is_seen ? Vector3d(fit.beta) : Vector3d::Zero());
+  }
   double sum = 0;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const double cost = windows.cost(w, Matrix3d::Identity(), bias).plus;
@@ -199,41 +206,47 @@ double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, co
 }  // namespace
 
 int sign_of_down(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias) {
-  Fixes turned = fixes;
-  for (auto& v : turned.v) v[2] = -v[2];
-  std::vector<double> as_is, other;
-  total_cost(inertial, fixes, delay, bias, &as_is);
-  total_cost(inertial, turned, delay, bias, &other);
-  const std::size_t n = std::min(as_is.size(), other.size());
-  if (n < 4) return 0;
-  double mean = 0, square = 0;
-  for (std::size_t i = 0; i < n; ++i) mean += (other[i] - as_is[i]) / static_cast<double>(n);
-  for (std::size_t i = 0; i < n; ++i) square += std::pow(other[i] - as_is[i] - mean, 2);
-  const double t = mean / std::sqrt(square / static_cast<double>(n * (n - 1)));
-  if (student_tail(std::abs(t), n - 1) > 0.005) return 0;
-  return t > 0 ? 1 : -1;
+  // Gravity and horizontal motion rule a window's attitude; what is then left of the vertical shows the sign.
+  const Windows windows(inertial, fixes, delay, 20);
+  std::vector<double> seen, felt;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const auto steps = windows.follow(w, bias);
+    double mean_seen = 0, mean_felt = 0;
+    for (const auto& step : steps) {
+      mean_seen += step.sink / static_cast<double>(steps.size());
+      mean_felt += (step.sink - step.left[2]) / static_cast<double>(steps.size());
+    }
+    for (const auto& step : steps) {
+      seen.push_back((step.sink - mean_seen) / step.doubt);
+      felt.push_back((step.sink - step.left[2] - mean_felt) / step.doubt);
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(seen.size());
+  const LinearFit fit =
+      robust_fit(Eigen::Map<const Eigen::VectorXd>(felt.data(), n), Eigen::Map<const Eigen::VectorXd>(seen.data(), n));
+  if (fit.used == 0 || std::abs(fit.beta[0]) < 5 * fit.standard_error[0]) return 0;
+  return fit.beta[0] > 0 ? 1 : -1;
 }
 
 double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,
                  const Vector3d& bias, double label_difference, Findings& findings) {
   double best = coarse, least = total_cost(inertial, fixes, coarse, bias, nullptr);
-  for (const double by : {0.1, 0.02})
-    for (const double centre = best; const int k : {-4, -3, -2, -1, 1, 2, 3, 4})
+  for (const double by : {0.1, 0.02, 0.004})
+    for (const double centre = best; const int k : {-8, -7, -6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6, 7, 8})
       if (const double cost = total_cost(inertial, fixes, centre + k * by, bias, nullptr); cost < least) {
         least = cost;
         best = centre + k * by;
       }
-  // Newton step and sandwich variance over windows, which are independent.
+  // Sandwich variance over windows, which are independent.
   const double h = 0.04;
   std::vector<double> minus, zero, plus;
   total_cost(inertial, fixes, best - h, bias, &minus);
   total_cost(inertial, fixes, best, bias, &zero);
   total_cost(inertial, fixes, best + h, bias, &plus);
   const std::size_t n = std::min({minus.size(), zero.size(), plus.size()});
-  double slope = 0, curvature = 0, square = 0;
+  double curvature = 0, square = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double g = (plus[i] - minus[i]) / (2 * h);
-    slope += g;
     square += g * g;
     curvature += (plus[i] - 2 * zero[i] + minus[i]) / (h * h);
   }
@@ -250,7 +263,6 @@ double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inerti
     findings.push_back(std::move(found));
     return coarse;
   }
-  best -= std::clamp(slope / curvature, -h, h);
   const double error = std::sqrt(square) / curvature;
   found.value = best + label_difference;
   found.confidence = 0.99;

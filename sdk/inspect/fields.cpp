@@ -113,16 +113,21 @@ void ask_steps_of_value(const Channel& channel, const Field& field, Findings& fi
   std::vector<double> steps;
   for (auto at = std::next(levels.begin()); at != levels.end(); ++at) steps.push_back(at->first - std::prev(at)->first);
   const double step = median(steps);
-  std::size_t same = 0;
-  for (std::size_t i = 1; i < field.values.size(); ++i) same += field.values[i] == field.values[i - 1];
-  const double share = static_cast<double>(same) / static_cast<double>(field.values.size());
+  // Of the quieter half of the record, in stretches of 100 samples.
+  std::vector<double> shares;
+  for (std::size_t first = 0; first + 100 < field.values.size(); first += 100) {
+    double same = 0;
+    for (std::size_t i = first + 1; i <= first + 100; ++i) same += field.values[i] == field.values[i - 1];
+    shares.push_back(same / 100);
+  }
+  const double share = shares.empty() ? 0 : quantile(shares, 0.75);
   // Where two thirds of neighbours are equal, the step is above 2 sigma of what is between them: the noise no longer
   // carries the signal across a step, and errors of rounding are not white.
   const bool is_coarse = channel.is_inertial() && share > 0.67;
   Finding found = finding(channel, field, "quantized", step, field.si);
   found.severity = is_coarse ? Severity::warning : Severity::finding;
-  found.text =
-      fmt::format("in steps of {} {}; {} % of neighbours are equal", figure(step), field.si, figure(100 * share));
+  found.text = fmt::format("in steps of {} {}; {} % of neighbours are equal where it is quiet", figure(step), field.si,
+                           figure(100 * share));
   found.evidence = fmt::format("{} different values", levels.size());
   if (is_coarse || (channel.is_inertial() && levels.size() < 5'000)) findings.push_back(std::move(found));
 }

@@ -31,7 +31,7 @@ void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings)
       std::size_t n = 0;
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const double heading = field->values[rows[i]];
-        if (std::hypot(fixes.v[i][0], fixes.v[i][1]) < 5 || !std::isfinite(heading)) continue;
+        if (!(std::hypot(fixes.v[i][0], fixes.v[i][1]) > 5) || !std::isfinite(heading)) continue;
         sum += std::polar(1.0, sign * factor * heading - std::atan2(fixes.v[i][1], fixes.v[i][0]));
         ++n;
       }

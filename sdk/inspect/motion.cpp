@@ -78,42 +78,9 @@ Mean mounting_of(const Windows& windows, const Vector3d& bias, double least_spee
   return mean;
 }
 
-Matrix3d cross_matrix(const Vector3d& a) {
-  Matrix3d m;
-  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
-  return m;
-}
-
-/// What turning adds to the differences of velocity, in the sensor's axes. The attitude of a window takes part of it up, so the
-/// fit is repeated with what was found taken off.
-LinearFit lever_arm_of(Windows& windows, const Vector3d& bias) {
-  Vector3d lever_arm = Vector3d::Zero();
-  LinearFit fit;
-  for (int pass = 0; pass < 6; ++pass) {
-    windows.set_lever_arm(lever_arm);
-    std::vector<Windows::Step> steps;
-    for (std::size_t w = 0; w < windows.size(); ++w)
-      for (const auto& step : windows.follow(w, bias)) steps.push_back(step);
-    Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * steps.size()), 3);
-    Eigen::VectorXd y(X.rows());
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      const auto& step = steps[i];
-      const auto row = static_cast<Eigen::Index>(3 * i);
-      X.middleRows<3>(row) =
-          (step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin)) / step.doubt;
-      y.segment<3>(row) = step.left / step.doubt;
-    }
-    fit = robust_fit(X, y);
-    if (fit.used == 0) break;
-    lever_arm += fit.beta;
-  }
-  fit.beta = lever_arm;
-  return fit;
-}
-
 Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& windows, const Vector3d& bias,
                           const Matrix3d& C_vb, Findings& findings) {
-  LinearFit fit = lever_arm_of(windows, bias);
+  LinearFit fit = lever_arm_of(windows, bias, 6);
   if (fit.used == 0) return Vector3d::Zero();
   const Vector3d lever_arm = fit.beta;
   fit.beta = C_vb * lever_arm;

@@ -80,7 +80,7 @@ Json fix_of(const Channel& gnss) {
   if (!gnss.find("position_sd_n"))
     position["sigma"] = {"3 m", "3 m", "5 m"};
   else
-    position["floor"] = "0.1 m";
+    position["floor"] = "0.5 m";
   if (!gnss.find("velocity_sd_n"))
     velocity["sigma"] = "0.2 m/s";
   else
@@ -109,8 +109,8 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
                       {"attitude", "attitude"},
                       {"gyro_bias", "gyro_bias"},
                       {"accel_bias", "accel_bias"}}},
-                    {"gyro_noise", "2e-4 rad/s/sqrt(Hz)"},
-                    {"accel_noise", "0.02 m/s^2/sqrt(Hz)"}};
+                    {"gyro_noise", "1e-3 rad/s/sqrt(Hz)"},
+                    {"accel_noise", "0.05 m/s^2/sqrt(Hz)"}};
   return {{"blocks", blocks},
           {"process",
            {{"strapdown", strapdown},

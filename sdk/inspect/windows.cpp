@@ -21,6 +21,12 @@ Matrix3d turned(const Vector3d& by) {
   return Eigen::AngleAxisd(angle, by / angle).toRotationMatrix();
 }
 
+Matrix3d cross_matrix(const Vector3d& a) {
+  Matrix3d m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
 double gravity_at(const Fixes& fixes, std::size_t i) {
   const Vector3d& p = fixes.p[i];
   if (!std::isfinite(p[0]) || std::abs(p[0]) > 1.5708) return 9.80665;
@@ -39,9 +45,15 @@ Windows::Windows(const Inertial& inertial, const Fixes& fixes, double delay, dou
     const std::size_t a = before;
     before = i;
     if (dt > std::max(2.5, 1.5 * fixes.step) || !fixes.v[a].allFinite() || !fixes.v[i].allFinite()) continue;
-    Interval interval{
-        fixes.t[a],     fixes.t[i], std::max(fixes.doubt[a], fixes.doubt[i]), fixes.v[i] - fixes.v[a], fixes.v[i],
-        pieces_.size(), 0};
+    Interval interval{fixes.t[a],
+                      fixes.t[i],
+                      std::max(fixes.doubt[a], fixes.doubt[i]),
+                      fixes.v[i] - fixes.v[a],
+                      fixes.v[i],
+                      pieces_.size(),
+                      0,
+                      0};
+    interval.sink = interval.u[2];
     interval.u[2] -= gravity_at(fixes, i) * dt;
     const int count = static_cast<int>(std::ceil(dt / piece_length));
     double least = 1;
@@ -79,18 +91,34 @@ void Windows::cut(double length, double least_speed) {
   }
 }
 
+Vector3d Windows::rate_at_begin(std::size_t i) const {
+  const Piece& piece = pieces_[intervals_[i].first];
+  return follows_[i] && i > 0 ? rate_at_end(i - 1) : Vector3d(piece.turn / piece.dt);
+}
+
+Vector3d Windows::rate_at_end(std::size_t i) const {
+  const Piece& piece = pieces_[intervals_[i].end - 1];
+  const Vector3d before = piece.turn / piece.dt;
+  if (i + 1 >= intervals_.size() || !follows_[i + 1]) return before;
+  const Piece& next = pieces_[intervals_[i + 1].first];
+  return 0.5 * (before + next.turn / next.dt);
+}
+
 Windows::Cost Windows::cost(std::size_t window, const Matrix3d& X, const Vector3d& bias) const {
   Matrix3d C = Matrix3d::Identity(), B = Matrix3d::Zero();
   double squares = 0;
+  const bool has_lever_arm = !lever_arm_.isZero();
   const Window& w = windows_[window];
   for (std::size_t i = w.first; i < w.end; ++i) {
     Vector3d s = Vector3d::Zero();
+    if (has_lever_arm) s -= C * Vector3d(X * (rate_at_begin(i) - bias)).cross(lever_arm_);
     for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
       const Vector3d half = 0.5 * (X * (pieces_[k].turn - bias * pieces_[k].dt));
       C = C * turned(half);
       s += C * pieces_[k].push;
       C = C * turned(half);
     }
+    if (has_lever_arm) s += C * Vector3d(X * (rate_at_end(i) - bias)).cross(lever_arm_);
     B += intervals_[i].u * s.transpose();
     squares += intervals_[i].u.squaredNorm() + s.squaredNorm();
   }
@@ -112,17 +140,23 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
   const Window& w = windows_[window];
   for (std::size_t i = w.first; i < w.end; ++i) {
     Vector3d s = Vector3d::Zero();
-    Step step{intervals_[i].to, intervals_[i].v,  C, Vector3d::Zero(), intervals_[i].doubt,
-              Vector3d::Zero(), Vector3d::Zero(), C};
+    Step step{intervals_[i].to,
+              intervals_[i].v,
+              C,
+              Vector3d::Zero(),
+              intervals_[i].doubt,
+              Vector3d::Zero(),
+              Vector3d::Zero(),
+              C,
+              0};
     for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
       const Vector3d half = 0.5 * (pieces_[k].turn - bias * pieces_[k].dt);
       C = C * turned(half);
       s += C * pieces_[k].push;
       C = C * turned(half);
     }
-    const auto rate = [&](std::size_t k) -> Vector3d { return pieces_[k].turn / pieces_[k].dt - bias; };
-    step.rate_begin = rate(intervals_[i].first);
-    step.rate_b = rate(intervals_[i].end - 1);
+    step.rate_begin = rate_at_begin(i) - bias;
+    step.rate_b = rate_at_end(i) - bias;
     s += C * step.rate_b.cross(lever_arm_) - step.C_nb * step.rate_begin.cross(lever_arm_);
     step.C_nb = C;
     B += intervals_[i].u * s.transpose();
@@ -134,10 +168,36 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
   const Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   for (std::size_t i = 0; i < steps.size(); ++i) {
     steps[i].left = intervals_[w.first + i].u - R * sums[i];
+    steps[i].sink = intervals_[w.first + i].sink;
     steps[i].C_nb = R * steps[i].C_nb;
     steps[i].C_begin = R * steps[i].C_begin;
   }
   return steps;
+}
+
+LinearFit lever_arm_of(Windows& windows, const Vector3d& bias, int passes) {
+  Vector3d lever_arm = Vector3d::Zero();
+  LinearFit fit;
+  for (int pass = 0; pass < passes; ++pass) {
+    windows.set_lever_arm(lever_arm);
+    std::vector<Windows::Step> steps;
+    for (std::size_t w = 0; w < windows.size(); ++w)
+      for (const auto& step : windows.follow(w, bias)) steps.push_back(step);
+    Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * steps.size()), 3);
+    Eigen::VectorXd y(X.rows());
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const auto& step = steps[i];
+      const auto row = static_cast<Eigen::Index>(3 * i);
+      X.middleRows<3>(row) =
+          (step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin)) / step.doubt;
+      y.segment<3>(row) = step.left / step.doubt;
+    }
+    fit = robust_fit(X, y);
+    if (fit.used == 0) break;
+    lever_arm += fit.beta;
+  }
+  fit.beta = lever_arm;
+  return fit;
 }
 
 }  // namespace binnacle::inspect

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "series.hpp"
+#include "statistics.hpp"
 
 namespace binnacle::inspect {
 
@@ -40,6 +41,7 @@ class Windows {
     Vector3d rate_b;  // mean over its last tenth, less bias [rad/s]
     Vector3d rate_begin;
     Matrix3d C_begin;
+    double sink;  // difference of the velocity down, as the receiver has it [m/s]
   };
   std::vector<Step> follow(std::size_t window, const Vector3d& bias) const;
 
@@ -53,11 +55,15 @@ class Windows {
     double doubt;            // of the less certain end
     Vector3d u, v;           // difference of velocity less gravity; velocity at the end
     std::size_t first, end;  // pieces
+    double sink = 0;
   };
   struct Window {
     std::size_t first, end;
     double top_speed;
   };
+  /// At an instant between two intervals: the mean of the tenths of a second on both sides.
+  Vector3d rate_at_begin(std::size_t interval) const;
+  Vector3d rate_at_end(std::size_t interval) const;
   void cut(double length, double least_speed);
 
   Vector3d lever_arm_ = Vector3d::Zero();
@@ -66,5 +72,9 @@ class Windows {
   std::vector<bool> follows_;  // the interval before
   std::vector<Window> windows_;
 };
+
+/// What turning adds to the differences of velocity, in the sensor's axes [m]. The attitude of a window takes part of it up, so
+/// the fit is repeated with what was found taken off, which it leaves set.
+LinearFit lever_arm_of(Windows& windows, const Vector3d& bias, int passes);
 
 }  // namespace binnacle::inspect
