@@ -117,7 +117,7 @@ Best search(const Windows& windows, const Vector3d& bias) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < costs.size(); ++i)
     if (sum(costs[i]) < sum(costs[best])) best = i;
-  // Signed roots of the likelihood ratios: nearly normal, where the ratios themselves have a long tail of telling windows.
+  // Signed roots of the likelihood ratios: nearly normal, where the ratios themselves have a long tail of windows that show much.
   const auto lead_over = [&](std::size_t i) {
     std::vector<double> roots(n);
     double mean = 0, square = 0;

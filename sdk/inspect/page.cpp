@@ -151,7 +151,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\"><title>" +
       escaped(title) +
       "</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
-      "table{border-collapse:collapse;width:100%}td,th{border-bottom:1px solid #8884;padding:.3em "
+      "table{width:100%}td,th{box-shadow:0 1px #8884;padding:.3em "
       ".5em;text-align:left;vertical-align:top}"
       ".warning "
       "td:first-child{color:#c22;font-weight:600}.unknown{opacity:.75}code{font-size:85%;overflow-wrap:anywhere}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Faults that people have in their data, each planted into a recorded drive, with what `inspect` has to say of it.
+"""Faults that people have in their data, each planted into a recorded drive, with what `inspect` reports of it.
 
 A fault changes text cells of imu.csv and gnss.csv of a drive and leaves the headers, which then are wrong where units differ.
 """

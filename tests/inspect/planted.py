@@ -5,7 +5,7 @@
     planted.py BINNACLE DATA [--sample N/M] [--drive WORD] [--fault WORD] [--jobs N] [--table FILE] [--keep FOLDER]
 
 A cell (fault, drive) passes where a finding names kind, channel, field and value, and no other warning and no wrong remedy stands beside it;
-where the data cannot tell, a pass is "cannot tell" too, in the cells of undetermined.json only. Exit status: 0, 1 a cell failed, 77 no data.
+where the data not determined, a pass is "not determined" too, in the cells of undetermined.json only. Exit status: 0, 1 a cell failed, 77 no data.
 """
 
 import argparse
@@ -155,7 +155,7 @@ def has_value(finding, fault, drive, clean):
 
 
 def judge(report, fault, drive, clean):
-    """("pass" | "cannot tell" | "wrong remedy" | "missed" | "false alarm", what it is by)."""
+    """("pass" | "not determined" | "wrong remedy" | "missed" | "false alarm", what it is by)."""
     matching, others, wrong = [], [], []
     named = set()
     for finding in report["findings"]:
@@ -175,7 +175,7 @@ def judge(report, fault, drive, clean):
     if others:
         return "missed", others[0]
     unknown = [finding for finding in report["findings"] if finding["severity"] == "unknown"]
-    return ("cannot tell" if unknown else "missed"), (unknown[0] if unknown else None)
+    return ("not determined" if unknown else "missed"), (unknown[0] if unknown else None)
 
 
 def mount_error(report, name):
@@ -248,7 +248,7 @@ def main():
                       if options.fault in fault.name and (n + d) % every == first % every]
             for (n, fault), (verdict, by) in zip(chosen, pool.map(lambda each: cell(*each), chosen)):
                 listed = (fault.name, name) in undetermined
-                good = verdict == "pass" or (verdict == "cannot tell" and listed)
+                good = verdict == "pass" or (verdict == "not determined" and listed)
                 if not good:
                     failed.append((name, fault.name))
                 results[name, fault.name] = verdict if good else f"**{verdict}**"
