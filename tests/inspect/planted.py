@@ -204,6 +204,16 @@ def arguments():
     return parser
 
 
+def listed_cells():
+    """Cells that the data do not determine, as committed before the first scoring."""
+    undetermined = {(cell["fault"], drive) for cell in json.loads((HERE / "undetermined.json").read_text())
+                    for drive in cell["drives"]}
+    unknown = {cell for cell in undetermined if cell[0] not in {fault.name for fault in FAULTS}}
+    assert not unknown, f"undetermined.json names faults that are not there: {unknown}"
+    assert 10 * len(undetermined) <= len(FAULTS) * len(DRIVES), "more than a tenth of the cells are listed as undetermined"
+    return undetermined
+
+
 def table_of(results):
     names = [name for name in DRIVES if any(key[0] == name for key in results)]
     table = "| fault | " + " | ".join(names) + " |\n|---|" + "---|" * len(names) + "\n"
@@ -219,12 +229,7 @@ def main():
     if not (options.data / "drives").is_dir():
         print(f"skipped: no recorded drives in {options.data}")
         return 77
-    undetermined = {(cell["fault"], drive) for cell in json.loads((HERE / "undetermined.json").read_text())
-                    for drive in cell["drives"]}
-    unknown = {cell for cell in undetermined if cell[0] not in {fault.name for fault in FAULTS}}
-    assert not unknown, f"undetermined.json names faults that are not there: {unknown}"
-    total = len(FAULTS) * len(DRIVES)
-    assert 10 * len(undetermined) <= total, "more than a tenth of the cells are listed as undetermined"
+    undetermined = listed_cells()
     first, every = (int(part) for part in options.sample.split("/"))
     results, failed = {}, []
     with tempfile.TemporaryDirectory() as temporary, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
