@@ -139,6 +139,38 @@ Best search(const Windows& windows, const Vector3d& bias) {
   return result;
 }
 
+void report_change(const Channel& imu, const Best& best, const std::string& evidence, double confidence, Axes& axes,
+                   Findings& list) {
+  // f' = P f, w' = Q w, and X = (det P) P Q^-1: the smallest change that explains it.
+  const Matrix3d minus_X = -best.X;
+  if (best.is_mirrored && best.X.isIdentity()) {
+    axes.force = -Matrix3d::Identity();
+    report_triad(imu, "force_sign", axes.force, 'f', "specific force has the wrong sign: gravity points down in it",
+                 evidence, confidence, list);
+  } else if (best.is_mirrored && minus_X.isIdentity()) {
+    axes.is_mirrored = true;
+    axes.force << 0, 1, 0, 1, 0, 0, 0, 0, 1;
+    axes.rate = axes.force;
+    report_triad(imu, "mirrored", axes.force, 'f',
+                 "the axes are left-handed, of rates and forces alike; exchanging any two, here x and y, remedies it",
+                 evidence, confidence, list);
+    list.back().meaning.merge_patch(remedy(imu, axes.rate, 'w'));
+    list.back().field = "fx, fy, wx, wy";
+  } else if (best.is_mirrored) {
+    axes.force = minus_X.transpose();
+    report_triad(imu, "force_axes", axes.force, 'f', "axes of the specific force: true " + in_words(axes.force, "f"),
+                 evidence, confidence, list);
+  } else {
+    axes.rate = best.X;
+    report_triad(imu, minus_X.isIdentity() ? "rate_sign" : "rate_axes", axes.rate, 'w',
+                 minus_X.isIdentity() ? "rates have the wrong sign"
+                                      : "axes of the rates: true " + in_words(axes.rate, "w"),
+                 evidence, confidence, list);
+    if (best.X.determinant() > 0 && !best.X.isIdentity())
+      list.back().text += "; or those of the forces differ the other way round, which gives the same filter";
+  }
+}
+
 }  // namespace
 
 Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
@@ -185,34 +217,7 @@ Axes ask_axes(const Channel& imu, const Inertial& inertial, const Fixes& fixes, 
     list.push_back(std::move(found));
     return axes;
   }
-  // f' = P f, w' = Q w, and X = (det P) P Q^-1: the smallest change that explains it.
-  const Matrix3d minus_X = -best.X;
-  if (best.is_mirrored && best.X.isIdentity()) {
-    axes.force = -Matrix3d::Identity();
-    report_triad(imu, "force_sign", axes.force, 'f', "specific force has the wrong sign: gravity points down in it",
-                 evidence, confidence, list);
-  } else if (best.is_mirrored && minus_X.isIdentity()) {
-    axes.is_mirrored = true;
-    axes.force << 0, 1, 0, 1, 0, 0, 0, 0, 1;
-    axes.rate = axes.force;
-    report_triad(imu, "mirrored", axes.force, 'f',
-                 "the axes are left-handed, of rates and forces alike; exchanging any two, here x and y, remedies it",
-                 evidence, confidence, list);
-    list.back().meaning.merge_patch(remedy(imu, axes.rate, 'w'));
-    list.back().field = "fx, fy, wx, wy";
-  } else if (best.is_mirrored) {
-    axes.force = minus_X.transpose();
-    report_triad(imu, "force_axes", axes.force, 'f', "axes of the specific force: true " + in_words(axes.force, "f"),
-                 evidence, confidence, list);
-  } else {
-    axes.rate = best.X;
-    report_triad(imu, minus_X.isIdentity() ? "rate_sign" : "rate_axes", axes.rate, 'w',
-                 minus_X.isIdentity() ? "rates have the wrong sign"
-                                      : "axes of the rates: true " + in_words(axes.rate, "w"),
-                 evidence, confidence, list);
-    if (best.X.determinant() > 0 && !best.X.isIdentity())
-      list.back().text += "; or those of the forces differ the other way round, which gives the same filter";
-  }
+  report_change(imu, best, evidence, confidence, axes, list);
   return axes;
 }
 

@@ -193,6 +193,14 @@ void ask_vertical(const Channel& channel, Fixes& fixes, VelocityRelation& relati
 
 namespace {
 
+void report_agreement(const Channel& channel, double scale, const std::string& evidence, Findings& findings) {
+  Finding found = finding(channel, "velocity", "vn, ve", Severity::finding);
+  found.value = scale;
+  found.text = "velocities lead where positions go";
+  found.evidence = evidence;
+  findings.push_back(std::move(found));
+}
+
 /// Latitudes beyond the poles: of the units in which none is, that by which positions move as velocities lead.
 void ask_range(const Channel& channel, Fixes& fixes, Findings& findings) {
   std::vector<double> lat;
@@ -260,11 +268,7 @@ VelocityRelation ask_velocity(const Channel& channel, Fixes& fixes, Findings& fi
       findings.push_back(std::move(found));
     }
   } else if (north > 0 && east > 0) {
-    Finding found = finding(channel, "velocity", "vn, ve", Severity::finding);
-    found.value = scale;
-    found.text = "velocities lead where positions go";
-    found.evidence = evidence;
-    findings.push_back(std::move(found));
+    report_agreement(channel, scale, evidence, findings);
   }
   if (north * east < 0) {
     relation.is_mirrored = true;

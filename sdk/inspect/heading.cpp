@@ -17,20 +17,14 @@ struct Fit {
   double sign = 1, factor = 1, offset = 0, length = -1;  // of the mean direction: 1 where all agree
 };
 
-}  // namespace
-
-void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings) {
-  const Field* const field = channel.find("yaw") ? channel.find("yaw") : channel.find("course");
-  if (!field || !fixes.has_velocity || field->si != "rad") return;
-  const auto rows = rows_in_order(channel.t);
+Fit best_fit(const Field& field, const Fixes& fixes, const std::vector<std::size_t>& rows, std::size_t& used) {
   Fit best;
-  std::size_t used = 0;
   for (const double sign : {1.0, -1.0})
     for (const double factor : {1.0, 1 / degrees, degrees}) {
       std::complex<double> sum = 0;
       std::size_t n = 0;
       for (std::size_t i = 0; i < rows.size(); ++i) {
-        const double heading = field->values[rows[i]];
+        const double heading = field.values[rows[i]];
         if (!(std::hypot(fixes.v[i][0], fixes.v[i][1]) > 5) || !std::isfinite(heading)) continue;
         sum += std::polar(1.0, sign * factor * heading - std::atan2(fixes.v[i][1], fixes.v[i][0]));
         ++n;
@@ -39,6 +33,17 @@ void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings)
       const double length = n ? std::abs(sum) / static_cast<double>(n) : 0;
       if (length > best.length + 0.02) best = {sign, factor, std::arg(sum), length};
     }
+  return best;
+}
+
+}  // namespace
+
+void ask_heading(const Channel& channel, const Fixes& fixes, Findings& findings) {
+  const Field* const field = channel.find("yaw") ? channel.find("yaw") : channel.find("course");
+  if (!field || !fixes.has_velocity || field->si != "rad") return;
+  const auto rows = rows_in_order(channel.t);
+  std::size_t used = 0;
+  const Fit best = best_fit(*field, fixes, rows, used);
   Finding found;
   found.kind = "heading";
   found.channel = channel.name;

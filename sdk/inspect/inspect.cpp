@@ -134,8 +134,12 @@ class Pair {
     Fixes turned = fixes_;
     for (auto& v : turned.v) v[relation_.axis] *= -1;
     const Axes other = ask_axes(imu_, inertial_, turned, delay, bias, nullptr);
-    const bool velocity = as_is.is_mirrored && other.is_known && !other.is_mirrored;
-    report_mirrored(gnss_, relation_.axis, as_is.is_known && other.is_known, velocity, inspection_.findings);
+    // That sign is right with which the sensor's axes are as they should be.
+    const auto fits = [](const Axes& axes) {
+      return axes.is_known && axes.force.isIdentity() && axes.rate.isIdentity();
+    };
+    const bool velocity = fits(other) && !fits(as_is);
+    report_mirrored(gnss_, relation_.axis, fits(other) != fits(as_is), velocity, inspection_.findings);
     if (velocity) fixes_ = std::move(turned);
     return ask_axes(imu_, inertial_, fixes_, delay, bias, &inspection_.findings);
   }

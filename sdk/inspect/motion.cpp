@@ -110,6 +110,21 @@ Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& wind
   return lever_arm;
 }
 
+void report_level(const Finding& found, const Matrix3d& M, const RestFigures& rest, Findings& findings) {
+  if (rest.seconds > 0) {
+    Finding level = found;
+    level.kind = "mounting_at_rest";
+    level.meaning = nullptr;
+    const Vector3d up_v = M * rest.mean_f.normalized();
+    level.value = degrees * std::acos(std::clamp(-up_v[2], -1.0, 1.0));
+    level.text = fmt::format(
+        "gravity at rest is {} deg off the vertical of that mounting: slope of the ground and error together",
+        figure(level.value));
+    level.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));
+    findings.push_back(std::move(level));
+  }
+}
+
 }  // namespace
 
 std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, const Inertial& inertial,
@@ -158,18 +173,7 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
                        {"pitch", text(pitch)},
                        {"yaw", text(yaw)}}}}}};
   findings.push_back(found);
-  if (rest.seconds > 0) {
-    Finding level = found;
-    level.kind = "mounting_at_rest";
-    level.meaning = nullptr;
-    const Vector3d up_v = M * rest.mean_f.normalized();
-    level.value = degrees * std::acos(std::clamp(-up_v[2], -1.0, 1.0));
-    level.text = fmt::format(
-        "gravity at rest is {} deg off the vertical of that mounting: slope of the ground and error together",
-        figure(level.value));
-    level.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));
-    findings.push_back(std::move(level));
-  }
+  report_level(found, M, rest, findings);
   lever_arm = report_lever_arm(imu, gnss, windows, bias, M, findings);
   return M;
 }

@@ -191,7 +191,7 @@ def mount_error(report, name):
     return math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2))))
 
 
-def main():
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command")
     parser.add_argument("data", type=pathlib.Path)
@@ -201,16 +201,35 @@ def main():
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--table")
     parser.add_argument("--keep", help="files and report of each cell stay here")
-    options = parser.parse_args()
-    if not (options.data / "drives").is_dir():
-        print(f"skipped: no recorded drives in {options.data}")
-        return 77
+    return parser
+
+
+def listed_cells():
+    """Cells that the data do not determine, as committed before the first scoring."""
     undetermined = {(cell["fault"], drive) for cell in json.loads((HERE / "undetermined.json").read_text())
                     for drive in cell["drives"]}
     unknown = {cell for cell in undetermined if cell[0] not in {fault.name for fault in FAULTS}}
     assert not unknown, f"undetermined.json names faults that are not there: {unknown}"
-    total = len(FAULTS) * len(DRIVES)
-    assert 10 * len(undetermined) <= total, "more than a tenth of the cells are listed as undetermined"
+    assert 10 * len(undetermined) <= len(FAULTS) * len(DRIVES), "more than a tenth of the cells are listed as undetermined"
+    return undetermined
+
+
+def table_of(results):
+    names = [name for name in DRIVES if any(key[0] == name for key in results)]
+    table = "| fault | " + " | ".join(names) + " |\n|---|" + "---|" * len(names) + "\n"
+    for fault in ["clean"] + [each.name for each in FAULTS]:
+        row = [results.get((name, fault), "") for name in names]
+        if any(row):
+            table += f"| {fault} | " + " | ".join(row) + " |\n"
+    return table
+
+
+def main():
+    options = arguments().parse_args()
+    if not (options.data / "drives").is_dir():
+        print(f"skipped: no recorded drives in {options.data}")
+        return 77
+    undetermined = listed_cells()
     first, every = (int(part) for part in options.sample.split("/"))
     results, failed = {}, []
     with tempfile.TemporaryDirectory() as temporary, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
@@ -254,12 +273,7 @@ def main():
                 results[name, fault.name] = verdict if good else f"**{verdict}**"
                 text = f"{by['kind']} {by['field']}: {by['text']}" if by else ""
                 print(f"{'ok  ' if good else 'FAIL'} {name} [{n}] {fault.name}: {verdict}; {text}", flush=True)
-    names = [name for name in DRIVES if any(key[0] == name for key in results)]
-    table = "| fault | " + " | ".join(names) + " |\n|---|" + "---|" * len(names) + "\n"
-    for fault in ["clean"] + [each.name for each in FAULTS]:
-        row = [results.get((name, fault), "") for name in names]
-        if any(row):
-            table += f"| {fault} | " + " | ".join(row) + " |\n"
+    table = table_of(results)
     counts = {}
     for key, verdict in results.items():
         if key[1] != "clean":
