@@ -184,6 +184,14 @@ Json clock_patch(const Channel& imu, const Channel& gnss, double gnss_is_late) {
       {{"time", {{"offset", fmt::format("{:.3f} s", set.time_offset + (sets_gnss ? -gnss_is_late : gnss_is_late))}}}});
 }
 
+/// Log-likelihood, negative, of what is left of a window, north and east: as the lever arm is fitted.
+double horizontal_cost(const std::vector<Windows::Step>& steps) {
+  double square = 0;
+  for (const auto& step : steps) square += step.left.head<2>().squaredNorm();
+  const auto n = static_cast<double>(steps.size());
+  return n * std::log(square / (2 * n) + 1e-6);  // 1 mm/s: what velocities are rounded to
+}
+
 double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
                   std::vector<double>* each) {
   Windows windows(inertial, fixes, delay, 20);
@@ -196,7 +204,7 @@ double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, co
   }
   double sum = 0;
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    const double cost = windows.cost(w, Matrix3d::Identity(), bias).plus;
+    const double cost = horizontal_cost(windows.follow(w, bias));
     sum += cost;
     if (each) each->push_back(cost);
   }

@@ -101,9 +101,9 @@ Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& wind
                          : fmt::format("turning shows no lever arm {}: {} +- {} m", names[k], figure(fit.beta[k]),
                                        figure(fit.standard_error[k]));
     found.evidence = fmt::format(
-        "what is left of {} differences of velocity, against turning; its error is larger than stated where "
+        "what is left of {} horizontal differences of velocity, against turning; its error is larger than stated where "
         "axes or clocks are off",
-        fit.used / 3);
+        fit.used / 2);
     found.confidence = 0.9;
     findings.push_back(std::move(found));
   }

@@ -179,20 +179,20 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
 
 namespace {
 
-/// Rows of one window, in the order of its steps: columns of the lever arm, and what is left. What a small rotation of the window
-/// explains is projected out of both (Frisch and Waugh).
+/// Rows of one window, north and east of each step: columns of the lever arm, and what is left. What a small rotation of the window
+/// explains is projected out of both (Frisch and Waugh). Not down: there pitching alone shows a lever arm, faster than receivers follow.
 void add_rows(const std::vector<Windows::Step>& steps, Eigen::Index first, Eigen::MatrixXd& X, Eigen::VectorXd& y) {
-  const auto n = static_cast<Eigen::Index>(3 * steps.size());
+  const auto n = static_cast<Eigen::Index>(2 * steps.size());
   Eigen::MatrixXd of_rotation(n, 3);
   auto rows = X.middleRows(first, n);
   auto left = y.segment(first, n);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const auto& step = steps[i];
-    const auto row = static_cast<Eigen::Index>(3 * i);
-    rows.middleRows<3>(row) =
-        (step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin)) / step.doubt;
-    left.segment<3>(row) = step.left / step.doubt;
-    of_rotation.middleRows<3>(row) = cross_matrix(step.push) / step.doubt;
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    const Matrix3d turning = step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin);
+    rows.middleRows<2>(row) = turning.topRows<2>() / step.doubt;
+    left.segment<2>(row) = step.left.head<2>() / step.doubt;
+    of_rotation.middleRows<2>(row) = cross_matrix(step.push).topRows<2>() / step.doubt;
   }
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> rotation(of_rotation);
   rows -= of_rotation * rotation.solve(Eigen::MatrixXd(rows));
@@ -212,12 +212,12 @@ LinearFit lever_arm_of(Windows& windows, const Vector3d& bias, int passes) {
       all.push_back(windows.follow(w, bias));
       count += all.back().size();
     }
-    Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * count), 3);
+    Eigen::MatrixXd X(static_cast<Eigen::Index>(2 * count), 3);
     Eigen::VectorXd y(X.rows());
     Eigen::Index row = 0;
     for (const auto& steps : all) {
       add_rows(steps, row, X, y);
-      row += static_cast<Eigen::Index>(3 * steps.size());
+      row += static_cast<Eigen::Index>(2 * steps.size());
     }
     fit = robust_fit(X, y);
     if (fit.used == 0) break;
