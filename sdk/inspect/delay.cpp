@@ -142,13 +142,17 @@ std::optional<double> ask_clocks(const Channel& imu, const Channel& gnss, const 
             "share",
             {}};
   Peak peak = search(rates, steps, equal - 60, equal + 60, 0.25, &plot);
-  for (double& x : plot.lines.front().x) x -= equal;
-  plots.push_back(std::move(plot));
   if (peak.share < 0.5 || is_short) {
     const double reach = std::max(inertial.t.back(), fixes.t.back());
     const Peak anywhere = search(rates, steps, -reach, reach, 0.25, nullptr);
-    if (anywhere.share > peak.share + 0.1) peak = anywhere;
+    if (anywhere.share > peak.share + 0.1) {
+      peak = anywhere;
+      plot.lines.clear();
+      search(rates, steps, peak.delay - 60, peak.delay + 60, 0.25, &plot);
+    }
   }
+  for (double& x : plot.lines.front().x) x -= equal;
+  plots.push_back(std::move(plot));
   if (peak.share < 0.5 || peak.share < peak.second + 0.1) return std::nullopt;
   for (const double by : {0.05, 0.01})
     peak.delay = search(rates, steps, peak.delay - 5 * by, peak.delay + 5 * by, by, nullptr).delay;
