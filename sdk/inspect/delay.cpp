@@ -142,13 +142,17 @@ std::optional<double> ask_clocks(const Channel& imu, const Channel& gnss, const 
             "share",
             {}};
   Peak peak = search(rates, steps, equal - 60, equal + 60, 0.25, &plot);
-  for (double& x : plot.lines.front().x) x -= equal;
-  plots.push_back(std::move(plot));
   if (peak.share < 0.5 || is_short) {
     const double reach = std::max(inertial.t.back(), fixes.t.back());
     const Peak anywhere = search(rates, steps, -reach, reach, 0.25, nullptr);
-    if (anywhere.share > peak.share + 0.1) peak = anywhere;
+    if (anywhere.share > peak.share + 0.1) {
+      peak = anywhere;
+      plot.lines.clear();
+      search(rates, steps, peak.delay - 60, peak.delay + 60, 0.25, &plot);
+    }
   }
+  for (double& x : plot.lines.front().x) x -= equal;
+  plots.push_back(std::move(plot));
   if (peak.share < 0.5 || peak.share < peak.second + 0.1) return std::nullopt;
   for (const double by : {0.05, 0.01})
     peak.delay = search(rates, steps, peak.delay - 5 * by, peak.delay + 5 * by, by, nullptr).delay;
@@ -184,6 +188,14 @@ Json clock_patch(const Channel& imu, const Channel& gnss, double gnss_is_late) {
       {{"time", {{"offset", fmt::format("{:.3f} s", set.time_offset + (sets_gnss ? -gnss_is_late : gnss_is_late))}}}});
 }
 
+/// Log-likelihood, negative, of what is left of a window, north and east: as the lever arm is fitted.
+double horizontal_cost(const std::vector<Windows::Step>& steps) {
+  double square = 0;
+  for (const auto& step : steps) square += step.left.head<2>().squaredNorm();
+  const auto n = static_cast<double>(steps.size());
+  return n * std::log(square / (2 * n) + 1e-6);  // 1 mm/s: what velocities are rounded to
+}
+
 double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias,
                   std::vector<double>* each) {
   Windows windows(inertial, fixes, delay, 20);
@@ -196,7 +208,7 @@ double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, co
   }
   double sum = 0;
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    const double cost = windows.cost(w, Matrix3d::Identity(), bias).plus;
+    const double cost = horizontal_cost(windows.follow(w, bias));
     sum += cost;
     if (each) each->push_back(cost);
   }
@@ -205,27 +217,48 @@ double total_cost(const Inertial& inertial, const Fixes& fixes, double delay, co
 
 }  // namespace
 
+namespace {
+
+/// Less the straight line in t that fits best.
+void take_line_off(const Eigen::VectorXd& t, Eigen::VectorXd& y) {
+  const Eigen::VectorXd x = t.array() - t.mean();
+  y.array() -= y.mean();
+  y -= x * (x.dot(y) / x.squaredNorm());
+}
+
+}  // namespace
+
 int sign_of_down(const Inertial& inertial, const Fixes& fixes, double delay, const Vector3d& bias) {
-  // Gravity and horizontal motion rule a window's attitude; what is then left of the vertical shows the sign.
+  // Gravity and horizontal motion rule a window's attitude; what is then left of the vertical shows the sign. Velocities are compared,
+  // not their differences: errors of a receiver's velocity are nearly white, so that sums of differences keep the motion and not the
+  // errors. The first velocity of a window, and the accelerometers' bias, are a line.
   const Windows windows(inertial, fixes, delay, 20);
-  std::vector<double> seen, felt;
+  const auto n = static_cast<double>(windows.size());
+  if (windows.size() < 4) return 0;
+  std::vector<double> roots;
+  double mean = 0, square = 0;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const auto steps = windows.follow(w, bias);
-    double mean_seen = 0, mean_felt = 0;
-    for (const auto& step : steps) {
-      mean_seen += step.sink / static_cast<double>(steps.size());
-      mean_felt += (step.sink - step.left[2]) / static_cast<double>(steps.size());
+    const auto rows = static_cast<Eigen::Index>(steps.size());
+    Eigen::VectorXd t(rows), seen(rows), felt(rows);
+    double sum_seen = 0, sum_felt = 0;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const auto& step = steps[static_cast<std::size_t>(i)];
+      t[i] = step.t;
+      seen[i] = sum_seen += step.sink;
+      felt[i] = sum_felt += step.sink - step.left[2];
     }
-    for (const auto& step : steps) {
-      seen.push_back((step.sink - mean_seen) / step.doubt);
-      felt.push_back((step.sink - step.left[2] - mean_felt) / step.doubt);
-    }
+    take_line_off(t, seen);
+    take_line_off(t, felt);
+    // (seen + felt)^2 - (seen - felt)^2 = 4 seen felt: the logarithm of the ratio of the signs' likelihoods, but for a factor.
+    const double ratio = seen.dot(felt);
+    roots.push_back(std::copysign(std::sqrt(std::abs(ratio)), ratio));
+    mean += roots.back() / n;
   }
-  const auto n = static_cast<Eigen::Index>(seen.size());
-  const LinearFit fit =
-      robust_fit(Eigen::Map<const Eigen::VectorXd>(felt.data(), n), Eigen::Map<const Eigen::VectorXd>(seen.data(), n));
-  if (fit.used == 0 || std::abs(fit.beta[0]) < 5 * fit.standard_error[0]) return 0;
-  return fit.beta[0] > 0 ? 1 : -1;
+  for (const double root : roots) square += (root - mean) * (root - mean);
+  const double lead = mean / std::max(1e-12, std::sqrt(square / (n * (n - 1))));
+  if (2 * student_tail(std::abs(lead), roots.size() - 1) > 0.01) return 0;
+  return lead > 0 ? 1 : -1;
 }
 
 double ask_delay(const Channel& imu, const Channel& gnss, const Inertial& inertial, const Fixes& fixes, double coarse,

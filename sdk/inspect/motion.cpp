@@ -101,9 +101,9 @@ Vector3d report_lever_arm(const Channel& imu, const Channel& gnss, Windows& wind
                          : fmt::format("turning shows no lever arm {}: {} +- {} m", names[k], figure(fit.beta[k]),
                                        figure(fit.standard_error[k]));
     found.evidence = fmt::format(
-        "what is left of {} differences of velocity, against turning; its error is larger than stated where "
+        "what is left of {} horizontal differences of velocity, against turning; its error is larger than stated where "
         "axes or clocks are off",
-        fit.used / 3);
+        fit.used / 2);
     found.confidence = 0.9;
     findings.push_back(std::move(found));
   }
@@ -123,6 +123,33 @@ void report_level(const Finding& found, const Matrix3d& M, const RestFigures& re
     level.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));
     findings.push_back(std::move(level));
   }
+}
+
+/// The signed order of the sensor's axes that is nearest, where it is beyond doubt: half-way to the next there are 45 deg.
+void report_order(const Finding& of, const Matrix3d& M, double error, Findings& findings) {
+  Matrix3d order = Matrix3d::Zero();
+  std::string text;
+  for (int row = 0; row < 3; ++row) {
+    int column = 0;
+    M.row(row).cwiseAbs().maxCoeff(&column);
+    order(row, column) = M(row, column) > 0 ? 1 : -1;
+    constexpr const char* names[] = {"forward", "right", "down"};
+    text += fmt::format("{}{} is {}{}", row ? ", " : "", names[row], order(row, column) < 0 ? "-" : "+", "xyz"[column]);
+  }
+  if (std::abs(order.determinant() - 1) > 0.5) return;
+  const double off = angle_between(order, M);
+  if (off + 3 * error > 45 / degrees) return;
+  Finding found = of;
+  found.kind = "mounting_axes";
+  found.severity = Severity::finding;
+  found.value = off * degrees;
+  found.unit = "deg";
+  found.text =
+      fmt::format("of the sensor's axes {}, within {:.0f} deg (+- {:.0f} deg)", text, off * degrees, error * degrees);
+  found.evidence =
+      "attitudes that fit velocities to specific force, against course and climb; the nearest signed order";
+  found.confidence = 0.95;
+  findings.push_back(std::move(found));
 }
 
 }  // namespace
@@ -150,7 +177,8 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
     found.severity = Severity::unknown;
     found.text = fmt::format("the motion does not show how the sensor is mounted: windows differ by {:.0f} deg",
                              mean.scatter * degrees);
-    findings.push_back(std::move(found));
+    findings.push_back(found);
+    report_order(found, M, error, findings);
     return std::nullopt;
   }
   found.value = error * degrees;

@@ -67,16 +67,16 @@ std::string picture(const Plot& plot) {
   constexpr const char* colours[] = {"#1f77b4", "#d95f02", "#2ca02c", "#9467bd"};
   for (std::size_t i = 0; i < plot.lines.size(); ++i) {
     svg += fmt::format("<path class=\"line\" stroke=\"{}\" d=\"{}\"/>", colours[i % 4], path_of(plot.lines[i], x, y));
-    svg += fmt::format("<text x=\"{}\" y=\"24\" fill=\"{}\">{}</text>", 70 + 90 * i, colours[i % 4],
+    svg += fmt::format("<text x=\"{}\" y=\"24\" style=\"fill:{}\">{}</text>", 70 + 90 * i, colours[i % 4],
                        escaped(plot.lines[i].name));
   }
   svg += fmt::format(
-      "<text x=\"55\" y=\"20\" text-anchor=\"end\">{:.4g}</text><text x=\"55\" y=\"190\" "
-      "text-anchor=\"end\">{:.4g}</text>",
-      y.high, y.low);
-  svg +=
-      fmt::format("<text x=\"60\" y=\"206\">{:.6g}</text><text x=\"780\" y=\"206\" text-anchor=\"end\">{:.6g}</text>",
-                  x.low, x.high);
+      "<text x=\"55\" y=\"20\" text-anchor=\"end\">{0:.{2}g}</text><text x=\"55\" y=\"190\" "
+      "text-anchor=\"end\">{1:.{2}g}</text>",
+      y.high, y.low, y.high - y.low < 0.01 * std::abs(y.high) ? 6 : 4);
+  svg += fmt::format(
+      "<text x=\"60\" y=\"206\">{0:.{2}g}</text><text x=\"780\" y=\"206\" text-anchor=\"end\">{1:.{2}g}</text>", x.low,
+      x.high, x.high - x.low < 0.01 * std::abs(x.high) ? 12 : 6);
   svg += fmt::format("<text x=\"420\" y=\"222\" text-anchor=\"middle\">{} · {}</text></svg></figure>",
                      escaped(plot.x_label), escaped(plot.y_label));
   return svg;
@@ -98,11 +98,11 @@ std::vector<Plot> plots_of(const Channel& channel) {
 }
 
 std::string row_of(const Finding& found) {
-  return fmt::format("<tr class=\"{}\"><td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>\n", word(found.severity),
+  return fmt::format("<tr class=\"{}\"><td>{}<td>{}<td>{}<td>{}{}<td>{}</tr>\n", word(found.severity),
                      word(found.severity), escaped(found.kind),
                      escaped(found.channel + (found.field.empty() ? "" : ": " + found.field)), escaped(found.text),
-                     escaped(found.evidence),
-                     found.meaning.is_null() ? "" : "<code>" + escaped(found.meaning.dump()) + "</code>");
+                     found.meaning.is_null() ? "" : "<br><code>" + escaped(found.meaning.dump()) + "</code>",
+                     escaped(found.evidence));
 }
 
 }  // namespace
@@ -150,8 +150,9 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "dark\">"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\"><title>" +
       escaped(title) +
-      "</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
-      "table{width:100%}td,th{box-shadow:0 1px #8884;padding:.3em "
+      "</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:76em;margin:2em auto;padding:0 1em}"
+      "table{width:100%;border-collapse:collapse}th:nth-child(4){width:42%}th:nth-child(5){width:27%}td,th{box-shadow:"
+      "0 1px #8884;padding:.3em "
       ".5em;text-align:left;vertical-align:top}"
       ".warning "
       "td:first-child{color:#c22;font-weight:600}.unknown{opacity:.75}code{font-size:85%;overflow-wrap:anywhere}"
@@ -160,7 +161,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "width:1}"
       "figure{margin:1.5em 0}figcaption{font-weight:600}</style></head><body>\n<h1>" +
       escaped(title) + "</h1>\n";
-  html += "<table><tr><th><th>kind<th>channel<th>what<th>evidence<th>in the config</tr>\n";
+  html += "<table><tr><th><th>kind<th>channel<th>what, and in the config<th>seen by</tr>\n";
   for (const Finding& found : inspection.findings) html += row_of(found);
   html += "</table>\n";
   for (const Plot& plot : inspection.plots) html += picture(plot);

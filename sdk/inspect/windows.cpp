@@ -148,7 +148,8 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
               Vector3d::Zero(),
               Vector3d::Zero(),
               C,
-              0};
+              0,
+              Vector3d::Zero()};
     for (std::size_t k = intervals_[i].first; k < intervals_[i].end; ++k) {
       const Vector3d half = 0.5 * (pieces_[k].turn - bias * pieces_[k].dt);
       C = C * turned(half);
@@ -167,7 +168,8 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
   Vector3d signs(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() > 0 ? 1 : -1);
   const Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    steps[i].left = intervals_[w.first + i].u - R * sums[i];
+    steps[i].push = R * sums[i];
+    steps[i].left = intervals_[w.first + i].u - steps[i].push;
     steps[i].sink = intervals_[w.first + i].sink;
     steps[i].C_nb = R * steps[i].C_nb;
     steps[i].C_begin = R * steps[i].C_begin;
@@ -175,22 +177,47 @@ std::vector<Windows::Step> Windows::follow(std::size_t window, const Vector3d& b
   return steps;
 }
 
+namespace {
+
+/// Rows of one window, north and east of each step: columns of the lever arm, and what is left. What a small rotation of the window
+/// explains is projected out of both (Frisch and Waugh). Not down: there pitching alone shows a lever arm, faster than receivers follow.
+void add_rows(const std::vector<Windows::Step>& steps, Eigen::Index first, Eigen::MatrixXd& X, Eigen::VectorXd& y) {
+  const auto n = static_cast<Eigen::Index>(2 * steps.size());
+  Eigen::MatrixXd of_rotation(n, 3);
+  auto rows = X.middleRows(first, n);
+  auto left = y.segment(first, n);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto& step = steps[i];
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    const Matrix3d turning = step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin);
+    rows.middleRows<2>(row) = turning.topRows<2>() / step.doubt;
+    left.segment<2>(row) = step.left.head<2>() / step.doubt;
+    of_rotation.middleRows<2>(row) = cross_matrix(step.push).topRows<2>() / step.doubt;
+  }
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> rotation(of_rotation);
+  rows -= of_rotation * rotation.solve(Eigen::MatrixXd(rows));
+  left -= of_rotation * rotation.solve(Eigen::VectorXd(left));
+}
+
+}  // namespace
+
 LinearFit lever_arm_of(Windows& windows, const Vector3d& bias, int passes) {
   Vector3d lever_arm = Vector3d::Zero();
   LinearFit fit;
   for (int pass = 0; pass < passes; ++pass) {
     windows.set_lever_arm(lever_arm);
-    std::vector<Windows::Step> steps;
-    for (std::size_t w = 0; w < windows.size(); ++w)
-      for (const auto& step : windows.follow(w, bias)) steps.push_back(step);
-    Eigen::MatrixXd X(static_cast<Eigen::Index>(3 * steps.size()), 3);
+    std::vector<std::vector<Windows::Step>> all;
+    std::size_t count = 0;
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+      all.push_back(windows.follow(w, bias));
+      count += all.back().size();
+    }
+    Eigen::MatrixXd X(static_cast<Eigen::Index>(2 * count), 3);
     Eigen::VectorXd y(X.rows());
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      const auto& step = steps[i];
-      const auto row = static_cast<Eigen::Index>(3 * i);
-      X.middleRows<3>(row) =
-          (step.C_nb * cross_matrix(step.rate_b) - step.C_begin * cross_matrix(step.rate_begin)) / step.doubt;
-      y.segment<3>(row) = step.left / step.doubt;
+    Eigen::Index row = 0;
+    for (const auto& steps : all) {
+      add_rows(steps, row, X, y);
+      row += static_cast<Eigen::Index>(2 * steps.size());
     }
     fit = robust_fit(X, y);
     if (fit.used == 0) break;

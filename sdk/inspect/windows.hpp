@@ -41,7 +41,8 @@ class Windows {
     Vector3d rate_b;  // mean over its last tenth, less bias [rad/s]
     Vector3d rate_begin;
     Matrix3d C_begin;
-    double sink;  // difference of the velocity down, as the receiver has it [m/s]
+    double sink;    // difference of the velocity down, as the receiver has it [m/s]
+    Vector3d push;  // sum of specific force, turned: what the difference of velocity less gravity is to be [m/s]
   };
   std::vector<Step> follow(std::size_t window, const Vector3d& bias) const;
 
@@ -73,8 +74,8 @@ class Windows {
   std::vector<Window> windows_;
 };
 
-/// What turning adds to the differences of velocity, in the sensor's axes [m]. The attitude of a window takes part of it up, so
-/// the fit is repeated with what was found taken off, which it leaves set.
+/// What turning adds to the differences of velocity, in the sensor's axes [m]. A small rotation of each window is fitted with it, for
+/// its attitude has taken part of the lever arm up; the fit is repeated with what was found taken off, which it leaves set.
 LinearFit lever_arm_of(Windows& windows, const Vector3d& bias, int passes);
 
 }  // namespace binnacle::inspect
