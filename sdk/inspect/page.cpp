@@ -151,7 +151,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\"><title>" +
       escaped(title) +
       "</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:76em;margin:2em auto;padding:0 1em}"
-      "table{width:100%;border-collapse:collapse}th:nth-child(4){width:42%}th:nth-child(5){width:27%}td,th{box-shadow:"
+      "table{width:100%}th:nth-child(4){width:42%}th:nth-child(5){width:27%}td,th{box-shadow:"
       "0 1px #8884;padding:.3em "
       ".5em;text-align:left;vertical-align:top}"
       ".warning "
@@ -161,7 +161,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "width:1}"
       "figure{margin:1.5em 0}figcaption{font-weight:600}</style></head><body>\n<h1>" +
       escaped(title) + "</h1>\n";
-  html += "<table><tr><th><th>kind<th>channel<th>what, and in the config<th>seen by</tr>\n";
+  html += "<table cellspacing=\"0\"><tr><th><th>kind<th>channel<th>what, and in the config<th>seen by</tr>\n";
   for (const Finding& found : inspection.findings) html += row_of(found);
   html += "</table>\n";
   for (const Plot& plot : inspection.plots) html += picture(plot);
