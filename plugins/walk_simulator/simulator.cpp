@@ -184,9 +184,9 @@ WalkSimulator::WalkSimulator(const Parameters& parameters)
       gyro_(read_sensor_unless(is_perfect_, parameters.object("gyro"))),
       accel_(read_sensor_unless(is_perfect_, parameters.object("accel"))),
       memory_(declaration_.keeps<Memory>()) {
-  const Parameters initial = parameters.object("initial_sigma");
-  const double tilt = initial.number("tilt");
-  sigma_ << initial.vector("position"), initial.vector("velocity"), tilt, tilt, initial.number("heading");
+  const Parameters sigmas = parameters.object("initial_sigma");
+  const double tilt = sigmas.number("tilt");
+  sigma_ << sigmas.vector("position"), sigmas.vector("velocity"), tilt, tilt, sigmas.number("heading");
   declare_channels();
 }
 
