@@ -73,7 +73,7 @@ struct Layout {
   int every = 1;                         // samples that become one
   std::vector<Column> columns;
   std::optional<LocalColumns> local;  // what the last of the columns become
-  std::size_t width = 0;  // of the rows of a file without header
+  std::size_t width = 0;              // of the rows of a file without header
   std::optional<RowLayout> rows;
   bool has_intervals = false;    // some column is a rate or increment
   std::optional<Time> interval;  // fixed; else from label to label

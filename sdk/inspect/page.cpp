@@ -151,7 +151,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\"><title>" +
       escaped(title) +
       "</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:76em;margin:2em auto;padding:0 1em}"
-      "table{width:100%;border-collapse:collapse}th:nth-child(4){width:42%}th:nth-child(5){width:27%}td,th{box-shadow:"
+      "table{width:100%}th:nth-child(4){width:42%}th:nth-child(5){width:27%}td,th{box-shadow:"
       "0 1px #8884;padding:.3em "
       ".5em;text-align:left;vertical-align:top}"
       ".warning "

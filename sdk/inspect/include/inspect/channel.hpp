@@ -34,9 +34,9 @@ struct Channel {
   std::string time_column;
   std::string time_unit = "s";
   bool time_is_guessed = false;  // its unit was not stated
-  double time_offset = 0;  // s, which a config adds to the labels
-  double first_label = 0;  // s
-  std::vector<double> t;   // s since the first label
+  double time_offset = 0;        // s, which a config adds to the labels
+  double first_label = 0;        // s
+  std::vector<double> t;         // s since the first label
   std::vector<Field> fields;
   std::int64_t cut_rows = 0;  // of another number of cells
   std::string fault;          // why the source itself could not be read to its end
