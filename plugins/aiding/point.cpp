@@ -10,7 +10,6 @@ namespace {
 
 using strapdown::PlaceKind;
 
-constexpr std::array all_kinds = {PlaceKind::geodetic, PlaceKind::ecef, PlaceKind::local};
 constexpr std::array<std::array<const char*, 3>, 3> all_names = {
     {{"lat", "lon", "height"}, {"x", "y", "z"}, {"north", "east", "down"}}};
 
@@ -64,7 +63,7 @@ Eigen::Vector3d SensorPlace::bring(const Point& point) const {
 
 std::optional<Point> SensorPlace::read(const Parameters& object, const std::string& pointer) const {
   std::optional<Point> point;
-  for (const PlaceKind kind : all_kinds) {
+  for (const PlaceKind kind : {PlaceKind::geodetic, PlaceKind::ecef, PlaceKind::local}) {
     const auto& names = coordinate_names(kind);
     const bool is_planar = kind == PlaceKind::local && kind_ == PlaceKind::local && port_.dof() == 2;
     Eigen::Vector3d coordinates = Eigen::Vector3d::Zero();

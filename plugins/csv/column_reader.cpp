@@ -13,7 +13,9 @@ using Value = ParameterValue;
 
 namespace {
 
-const std::vector<std::string> local_axes{"north", "east", "down", "up", "v_north", "v_east", "v_down", "v_up"};
+std::vector<std::string> local_names() {
+  return {"north", "east", "down", "up", "v_north", "v_east", "v_down", "v_up"};
+}
 
 ParameterSpec missing_spec() {
   return parameter::list("missing", parameter::text("value"))
@@ -205,10 +207,10 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   Value local;
   local.members = parameters.members("local");
   for (const auto& [key, value] : local.members)
-    if (std::ranges::find(local_axes, key) == local_axes.end()) {
-      const std::string near = closest(key, local_axes);
+    if (const auto names = local_names(); std::ranges::find(names, key) == names.end()) {
+      const std::string near = closest(key, names);
       throw ComponentError("'" + key + "' is no local axis; " +
-                               (near.empty() ? "they are: " + list_of(local_axes) : "did you mean '" + near + "'?"),
+                               (near.empty() ? "they are: " + list_of(names) : "did you mean '" + near + "'?"),
                            "/local/" + escaped(key));
     }
   LocalColumns turned{local_axes_of(parameters, "local columns", "/local"), layout.columns.size()};

@@ -78,10 +78,16 @@ class Collector final : public RunObserver {
   std::vector<std::vector<int>> places_;
 };
 
-/// A csv source without sets of rows: its file is read as it is.
+/// A csv source of plain columns and labels: its file is read as it is. Others are read by the source.
 bool is_text(const Json& source) {
   const std::string type = source.at("type");
-  return (type == "csv" || type == "csv/csv") && !source.contains("rows") && !source.contains("where");
+  if (type != "csv" && type != "csv/csv") return false;
+  for (const char* key : {"rows", "where", "local", "decimal", "every"})
+    if (source.contains(key)) return false;
+  const Json time = source.value("time", Json::object());
+  for (const char* key : {"format", "date_column", "week_column"})
+    if (time.contains(key)) return false;
+  return true;
 }
 
 /// What stands under a csv source of the resolved config.
@@ -135,7 +141,7 @@ std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& 
 std::vector<inspect::Channel> channels_of_config(const std::string& path, const ConfigOptions& options) {
   LoadOptions load = options.load_options(path);
   load.sections = {std::make_shared<AllSources>()};
-  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks=null", "/transforms=null"});
+  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks={}", "/transforms={}"});
   const auto composition = Composition::load(path, load);
   const Json config = Json::parse(composition->config());
   std::vector<inspect::Channel> channels;

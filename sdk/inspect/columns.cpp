@@ -117,7 +117,7 @@ bool increases(const std::vector<double>& values) {
     ++all;
     up += values[i] > values[i - 1];
   }
-  return all > 10 && up > 0.95 * static_cast<double>(all);
+  return all > 10 && static_cast<double>(up) > 0.95 * static_cast<double>(all);
 }
 
 /// Length of the mean of a triad, against how the length scatters: large for an accelerometer, small for gyros.

@@ -149,7 +149,8 @@ void ask_clipped(const Channel& channel, const Field& field, Findings& findings)
     std::size_t next = 0;
     for (std::size_t i = 1; i + 1 < counts.size(); ++i) next = std::max(next, counts[i]);
     // A Poisson count of the next levels' size would need more than ten sigma.
-    if (counts.size() < 6 || static_cast<double>(counts[0]) < 10 + next + 10 * std::sqrt(static_cast<double>(next) + 1))
+    if (counts.size() < 6 ||
+        static_cast<double>(counts[0]) < 10 + static_cast<double>(next) + 10 * std::sqrt(static_cast<double>(next) + 1))
       continue;
     Finding found = finding(channel, field, "clipped", sign * sorted.front(), field.si);
     for (std::size_t i = 0; i < field.values.size(); ++i)

@@ -161,7 +161,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "width:1}"
       "figure{margin:1.5em 0}figcaption{font-weight:600}</style></head><body>\n<h1>" +
       escaped(title) + "</h1>\n";
-  html += "<table><tr><th><th>kind<th>channel<th>what, and in the config<th>seen by</tr>\n";
+  html += "<table cellspacing=\"0\"><tr><th><th>kind<th>channel<th>what, and in the config<th>seen by</tr>\n";
   for (const Finding& found : inspection.findings) html += row_of(found);
   html += "</table>\n";
   for (const Plot& plot : inspection.plots) html += picture(plot);

@@ -204,9 +204,12 @@ TEST_CASE("an epoch of UTC counts no leap seconds") {
   CHECK(clock.utc(43195 * s).day == Day(2026y / 11 / 24));
   const UtcClock unix_time = clock_with({{"epoch", text("1970-01-01")}});
   CHECK(unix_time.time({Day(2017y / 1 / 1), 0}) == 1'483'228'800 * s);  // date -u -d 2017-01-01 +%s
-  CHECK(clock_with({{"epoch", text("2026-11-23T12:00")}}).utc(0).of_day == 43200 * s);
+  for (const char* same : {"2026-11-23T12:00", "2026-11-23 12:00", "2026-11-23T13:00+01:00", "20261123T1200Z"}) {
+    INFO(same);
+    CHECK(clock_with({{"epoch", text(same)}}).utc(0).of_day == 43200 * s);
+  }
   for (const char* bad :
-       {"2026-02-29", "2026-11-23 12:00", "2026-11-23T24:00", "2026-11-23T12:00:60", "23.11.2026", "now"}) {
+       {"2026-02-29", "2026-11-23T12:00+24:00", "2026-11-23T24:00", "2026-11-23T12:00:60", "23.11.2026", "now"}) {
     INFO(bad);
     CHECK_THROWS_AS(clock_with({{"epoch", text(bad)}}), ComponentError);
   }

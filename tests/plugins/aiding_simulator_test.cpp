@@ -31,7 +31,7 @@ struct Body {
 using Readings = std::map<std::string, std::vector<std::vector<double>>>;
 
 Readings readings(const Json& parameters, const Body& body, int samples, double step, std::uint64_t seed = 1) {
-  const auto simulator = bind<AidingSimulator>({parameters});
+  const auto simulator = bind<AidingSimulator>({parameters, {}, {}});
   const ComponentSpec spec = AidingSimulator::spec();
   std::vector<std::byte> memory(simulator->declaration().memory_bytes);
   simulator->start(seed, memory.data());
