@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "table.hpp"
+#include "wording/markup.hpp"
 
 namespace binnacle::command {
 
@@ -46,21 +47,6 @@ const char* const style = R"(  <style>
 
 std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '<')
-      result += "&lt;";
-    else if (c == '&')
-      result += "&amp;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result;
-}
-
 /// Characters, not bytes.
 double width_of(const std::string& text) {
   return letter *
@@ -70,7 +56,7 @@ double width_of(const std::string& text) {
 std::string text(double x, double y, const std::string& what, const std::string& kind = "",
                  const std::string& more = "") {
   return fmt::format("  <text x=\"{:.1f}\" y=\"{:.1f}\"{}{}>{}</text>\n", x, y,
-                     kind.empty() ? "" : " class=\"" + kind + "\"", more.empty() ? "" : " " + more, escaped(what));
+                     kind.empty() ? "" : " class=\"" + kind + "\"", more.empty() ? "" : " " + more, wording::xml(what));
 }
 
 std::string segment(double x1, double y1, double x2, double y2, const char* kind) {
@@ -238,7 +224,7 @@ class FilterDrawing {
           "data-column=\"{}\" data-rows=\"{}\" data-columns=\"{}\"><title>{}</title></rect>\n",
           kind, structure, paint, x + cell_ * first_column + inset, matrix_top_ + cell_ * first_row + inset,
           cell_ * columns - 2 * inset, cell_ * rows - 2 * inset, first_row, first_column, rows, columns,
-          escaped(caption));
+          wording::xml(caption));
     };
     if (structure == "dense") return rectangle(row.first, column.first, row.count(), column.count());
     for (int i = 0; i < std::min(row.count(), column.count()); ++i) rectangle(row.first + i, column.first + i, 1, 1);
@@ -318,8 +304,8 @@ class FilterDrawing {
         "  <rect class=\"h dense\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" rx=\"1.5\" "
         "data-measurement=\"{}\" data-part=\"{}\" data-column=\"{}\" data-columns=\"{}\"><title>{}</title></rect>\n",
         left_ + cell_ * block.first + 0.5, bottom_ + 0.5, cell_ * block.count() - 1, height - 1,
-        escaped(text_of(measurement, "name")), escaped(text_of(part, "name")), block.first, block.count(),
-        escaped(strip_name(measurement, part) + " sees " + block.name));
+        wording::xml(text_of(measurement, "name")), wording::xml(text_of(part, "name")), block.first, block.count(),
+        wording::xml(strip_name(measurement, part) + " sees " + block.name));
   }
 
   void draw_notes() {

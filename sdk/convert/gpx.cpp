@@ -2,6 +2,7 @@
 // GPX 1.1, topografix.com/GPX/1/1.
 #include "format.hpp"
 #include "text.hpp"
+#include "wording/markup.hpp"
 
 namespace binnacle::convert {
 
@@ -12,8 +13,8 @@ std::string gpx(const Material& material) {
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"binnacle export\" "
       "xmlns=\"http://www.topografix.com/GPX/1/1\">\n";
-  if (!material.title.empty()) text += "<metadata><name>" + xml(material.title) + "</name></metadata>\n";
-  text += "<trk><name>" + xml(material.track.filter) + "</name><trkseg>\n";
+  if (!material.title.empty()) text += "<metadata><name>" + wording::xml(material.title) + "</name></metadata>\n";
+  text += "<trk><name>" + wording::xml(material.track.filter) + "</name><trkseg>\n";
   for (const Record& record : material.track.records) {
     text += "<trkpt lat=\"";
     append_fixed(text, degrees(record.lat), 9);

@@ -6,6 +6,7 @@
 
 #include "format.hpp"
 #include "text.hpp"
+#include "wording/markup.hpp"
 
 namespace binnacle::convert {
 
@@ -35,7 +36,7 @@ class KmlText {
     text_ =
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
         "xmlns:gx=\"http://www.google.com/kml/ext/2.2\">\n<Document>\n<name>" +
-        xml(material_.title.empty() ? material_.track.filter : material_.title) + "</name>\n";
+        wording::xml(material_.title.empty() ? material_.track.filter : material_.title) + "</name>\n";
     if (!levels_.empty()) text_ += "<description>" + legend() + "</description>\n";
     style("track", plain);
     for (std::size_t i = 0; i <= levels_.size() && !levels_.empty(); ++i) style("s" + std::to_string(i), shades[i]);
@@ -101,7 +102,8 @@ class KmlText {
 
   void stretch(std::size_t begin, std::size_t end, const std::string& style) {
     const auto& records = material_.track.records;
-    text_ += "<Placemark><name>" + xml(material_.track.filter) + "</name><styleUrl>#" + style + "</styleUrl>\n";
+    text_ +=
+        "<Placemark><name>" + wording::xml(material_.track.filter) + "</name><styleUrl>#" + style + "</styleUrl>\n";
     text_ += material_.time ? "<gx:Track>" : "<LineString>";
     text_ += separation_ ? "<altitudeMode>absolute</altitudeMode>\n" : "<altitudeMode>clampToGround</altitudeMode>\n";
     if (material_.time) {

@@ -26,18 +26,6 @@ void append_exact(std::string& text, double value) {
   text.append(all.data(), end.ptr);
 }
 
-std::string xml(std::string_view text) {
-  std::string safe;
-  for (const char c : text) switch (c) {
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '&': safe += "&amp;"; break;
-      case '"': safe += "&quot;"; break;
-      default: safe += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
-    }
-  return safe;
-}
-
 int decimals_of(const std::vector<Record>& records) {
   constexpr Time millisecond = 1'000'000,
                  near = 500;  // a double of seconds since 1980 is known to a quarter of a microsecond

@@ -15,8 +15,6 @@ namespace binnacle::convert {
 void append_fixed(std::string& text, double value, int decimals);
 /// The shortest that reads back as the same double; "nan" where it is none.
 void append_exact(std::string& text, double value);
-/// "&lt;" and so on; what XML 1.0 does not allow becomes a blank.
-std::string xml(std::string_view text);
 
 /// Decimals of a second that tell all of them apart: 3, or 6 where one is not near a millisecond.
 int decimals_of(const std::vector<Record>& records);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "inspect/inspect.hpp"
+#include "wording/markup.hpp"
 
 namespace binnacle::inspect {
 
@@ -16,13 +17,6 @@ const char* word(Severity severity) {
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text)
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  return out;
-}
 
 struct Range {
   double low = 1e300, high = -1e300;
@@ -62,13 +56,13 @@ std::string picture(const Plot& plot) {
   if (x.high < x.low || y.high < y.low) return {};
   std::string svg =
       fmt::format("<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 800 230\" role=\"img\" aria-label=\"{}\">",
-                  escaped(plot.title), escaped(plot.title));
+                  wording::xml(plot.title), wording::xml(plot.title));
   svg += "<path class=\"axis\" d=\"M60 10V190H780\"/>";
   constexpr const char* colours[] = {"#1f77b4", "#d95f02", "#2ca02c", "#9467bd"};
   for (std::size_t i = 0; i < plot.lines.size(); ++i) {
     svg += fmt::format("<path class=\"line\" stroke=\"{}\" d=\"{}\"/>", colours[i % 4], path_of(plot.lines[i], x, y));
     svg += fmt::format("<text x=\"{}\" y=\"24\" style=\"fill:{}\">{}</text>", 70 + 90 * i, colours[i % 4],
-                       escaped(plot.lines[i].name));
+                       wording::xml(plot.lines[i].name));
   }
   svg += fmt::format(
       "<text x=\"55\" y=\"20\" text-anchor=\"end\">{0:.{2}g}</text><text x=\"55\" y=\"190\" "
@@ -78,7 +72,7 @@ std::string picture(const Plot& plot) {
       "<text x=\"60\" y=\"206\">{0:.{2}g}</text><text x=\"780\" y=\"206\" text-anchor=\"end\">{1:.{2}g}</text>", x.low,
       x.high, x.high - x.low < 0.01 * std::abs(x.high) ? 12 : 6);
   svg += fmt::format("<text x=\"420\" y=\"222\" text-anchor=\"middle\">{} · {}</text></svg></figure>",
-                     escaped(plot.x_label), escaped(plot.y_label));
+                     wording::xml(plot.x_label), wording::xml(plot.y_label));
   return svg;
 }
 
@@ -99,10 +93,11 @@ std::vector<Plot> plots_of(const Channel& channel) {
 
 std::string row_of(const Finding& found) {
   return fmt::format("<tr class=\"{}\"><td>{}<td>{}<td>{}<td>{}{}<td>{}</tr>\n", word(found.severity),
-                     word(found.severity), escaped(found.kind),
-                     escaped(found.channel + (found.field.empty() ? "" : ": " + found.field)), escaped(found.text),
-                     found.meaning.is_null() ? "" : "<br><code>" + escaped(found.meaning.dump()) + "</code>",
-                     escaped(found.evidence));
+                     word(found.severity), wording::xml(found.kind),
+                     wording::xml(found.channel + (found.field.empty() ? "" : ": " + found.field)),
+                     wording::xml(found.text),
+                     found.meaning.is_null() ? "" : "<br><code>" + wording::xml(found.meaning.dump()) + "</code>",
+                     wording::xml(found.evidence));
 }
 
 }  // namespace
@@ -149,7 +144,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"color-scheme\" content=\"light "
       "dark\">"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\"><title>" +
-      escaped(title) +
+      wording::xml(title) +
       "</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:76em;margin:2em auto;padding:0 1em}"
       "table{width:100%}th:nth-child(4){width:42%}th:nth-child(5){width:27%}td,th{box-shadow:"
       "0 1px #8884;padding:.3em "
@@ -160,7 +155,7 @@ std::string page(const Inspection& inspection, const std::string& title) {
       "text{font-size:11px;fill:currentColor}.axis{stroke:currentColor;fill:none;opacity:.5}.line{fill:none;stroke-"
       "width:1}"
       "figure{margin:1.5em 0}figcaption{font-weight:600}</style></head><body>\n<h1>" +
-      escaped(title) + "</h1>\n";
+      wording::xml(title) + "</h1>\n";
   html += "<table cellspacing=\"0\"><tr><th><th>kind<th>channel<th>what, and in the config<th>seen by</tr>\n";
   for (const Finding& found : inspection.findings) html += row_of(found);
   html += "</table>\n";

@@ -2,30 +2,12 @@
 // The page of a run that goes on, in headless Chromium.
 #include "../catch.hpp"
 
-#include <cstdlib>
-
-#include "browser.hpp"
 #include "paced_run.hpp"
-#include "skip.hpp"
+#include "page_checks.hpp"
 
 using namespace binnacle::test;
 
 namespace {
-
-/// Null, and the test is skipped, where there is none; in CI there is one.
-std::unique_ptr<Browser> browser() {
-  auto browser = Browser::start();
-  const char* const ci = std::getenv("CI");
-  if (!browser && ci && std::string(ci) == "true") FAIL("there is no chromium: apt-get install chromium");
-  if (!browser) binnacle::test::skip("no chromium");
-  if (browser) browser->size(1400, 1000);
-  return browser;
-}
-
-void require_quiet(const Browser& browser) {
-  for (const auto& line : browser.console()) FAIL_CHECK(line);
-  REQUIRE(browser.console().empty());
-}
 
 const std::string latitude = "document.querySelector('[data-name=\"ins position.lat\"]')",
                   residual = "document.querySelector('[data-name=\"ins fix.position 0 residual\"]')";

@@ -13,6 +13,7 @@
 #include "catch.hpp"
 #include "kind_blocks.hpp"
 #include "model_check.hpp"
+#include "refusal.hpp"
 #include "strapdown/earth.hpp"
 
 using namespace binnacle;
@@ -34,20 +35,6 @@ const nlohmann::json four = {{"1", {{"north", 0}, {"east", 0}, {"down", 0}, {"si
                              {"2", {{"north", 30}, {"east", 0}, {"down", -4}, {"bias", 0.5}}},
                              {"3", {{"north", 0}, {"east", 40}, {"down", 5}}},
                              {"4", {{"north", 9}, {"east", 8}, {"down", -20}, {"sigma", 0.4}}}};
-
-std::string message(const Setup& setup) {
-  try {
-    bind<RangeDifference>(setup);
-  } catch (const ComponentError& error) {
-    return error.pointer() + ": " + error.what();
-  }
-  return "";
-}
-
-bool says(const std::string& message, const std::string& part) {
-  UNSCOPED_INFO(message);
-  return message.find(part) != std::string::npos;
-}
 
 }  // namespace
 
@@ -139,16 +126,22 @@ TEST_CASE("range difference: what does not fit, and rows that cannot be used", "
   const AdditiveKind position(3, "m"), two(2, "m");
   const Ports ports{{"position", &position}};
   const nlohmann::json good{{"anchors", four}, {"sigma", 1}, {"reference", 1}};
-  CHECK(message({good, ports, {"reference"}}).empty());
-  CHECK(says(message({good, ports, {}}), "/reference: the channel carries the field 'reference' too"));
-  CHECK(says(message({{{"anchors", four}, {"sigma", 1}}, ports, {"reference"}}), ": missing key 'reference'"));
-  CHECK(says(message({{{"anchors", four}, {"sigma", 1}, {"reference", 9}}, ports, {"reference"}}),
+  CHECK(refusal_of<RangeDifference>({good, ports, {"reference"}}).empty());
+  CHECK(says(refusal_of<RangeDifference>({good, ports, {}}),
+             "/reference: the channel carries the field 'reference' too"));
+  CHECK(says(refusal_of<RangeDifference>({{{"anchors", four}, {"sigma", 1}}, ports, {"reference"}}),
+             ": missing key 'reference'"));
+  CHECK(says(refusal_of<RangeDifference>({{{"anchors", four}, {"sigma", 1}, {"reference", 9}}, ports, {"reference"}}),
              "/reference: anchor 9 is none of 'anchors'"));
-  CHECK(says(message({{{"anchors", four}, {"reference", 1}}, ports, {"reference"}}), ": missing key 'sigma'"));
-  CHECK(says(message({{{"sigma", 1}, {"reference", 1}}, ports, {"reference"}}), "/anchors: no anchor is listed"));
-  CHECK(says(message({{{"sigma", 1}, {"reference", 1}, {"anchors", {{"1", four["1"]}}}}, ports, {"reference"}}),
+  CHECK(says(refusal_of<RangeDifference>({{{"anchors", four}, {"reference", 1}}, ports, {"reference"}}),
+             ": missing key 'sigma'"));
+  CHECK(says(refusal_of<RangeDifference>({{{"sigma", 1}, {"reference", 1}}, ports, {"reference"}}),
+             "/anchors: no anchor is listed"));
+  CHECK(says(refusal_of<RangeDifference>(
+                 {{{"sigma", 1}, {"reference", 1}, {"anchors", {{"1", four["1"]}}}}, ports, {"reference"}}),
              "/anchors: a difference needs two anchors"));
-  CHECK(says(message({good, {{"position", &position}, {"bias", &two}}, {"reference"}}), "/blocks/bias"));
+  CHECK(says(refusal_of<RangeDifference>({good, {{"position", &position}, {"bias", &two}}, {"reference"}}),
+             "/blocks/bias"));
 
   const auto model = bind<RangeDifference>({good, ports, {"reference"}});
   const auto keys = [&](const std::vector<double>& rows, std::vector<double> at = {3, 4, 12}) {

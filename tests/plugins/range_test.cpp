@@ -12,6 +12,7 @@
 #include "catch.hpp"
 #include "kind_blocks.hpp"
 #include "model_check.hpp"
+#include "refusal.hpp"
 #include "strapdown/earth.hpp"
 
 using namespace binnacle;
@@ -42,20 +43,6 @@ std::vector<std::string> without(const std::vector<std::string>& carried) {
   for (const std::string& name : names)
     if (!contains(carried, name)) rest.push_back(name);
   return rest;
-}
-
-std::string message(const Setup& setup) {
-  try {
-    bind<Range>(setup);
-  } catch (const ComponentError& error) {
-    return error.pointer() + ": " + error.what();
-  }
-  return "";
-}
-
-bool says(const std::string& message, const std::string& part) {
-  UNSCOPED_INFO(message);
-  return message.find(part) != std::string::npos;
 }
 
 constexpr double degree = M_PI / 180;
@@ -248,30 +235,34 @@ TEST_CASE("range: what does not fit is refused when it is bound", "[aiding]") {
   const std::vector<std::string> plain = without({"range", "anchor"});
   const Ports local{{"position", &position}}, on_earth{{"position", &geodetic}};
   const nlohmann::json good{{"anchors", three}, {"sigma", 1}};
-  CHECK(message({good, local, plain}).empty());
-  CHECK(says(message({good, {{"position", &speed}}, plain}), "/blocks/position: a place is of the kind 'position'"));
-  CHECK(says(message({good, on_earth, plain}),
+  CHECK(refusal_of<Range>({good, local, plain}).empty());
+  CHECK(says(refusal_of<Range>({good, {{"position", &speed}}, plain}),
+             "/blocks/position: a place is of the kind 'position'"));
+  CHECK(says(refusal_of<Range>({good, on_earth, plain}),
              "/anchors/105: local points (north, east, down) for a place on the earth need an origin"));
-  CHECK(says(message({{{"anchors", {{"1", {{"x", 1}, {"y", 2}, {"z", 3}}}}}, {"sigma", 1}}, local, plain}),
+  CHECK(says(refusal_of<Range>({{{"anchors", {{"1", {{"x", 1}, {"y", 2}, {"z", 3}}}}}, {"sigma", 1}}, local, plain}),
              "/anchors/1: points on the earth for a local place need an origin"));
-  CHECK(says(message({{{"anchors", {{"1", {{"north", 1}, {"east", 2}}}}}, {"sigma", 1}}, local, plain}),
+  CHECK(says(refusal_of<Range>({{{"anchors", {{"1", {{"north", 1}, {"east", 2}}}}}, {"sigma", 1}}, local, plain}),
              "/anchors/1: missing key 'down': a point is north, east, down"));
-  CHECK(message({{{"anchors", {{"1", {{"north", 1}, {"east", 2}}}}}, {"sigma", 1}}, {{"position", &two}}, plain})
+  CHECK(refusal_of<Range>(
+            {{{"anchors", {{"1", {{"north", 1}, {"east", 2}}}}}, {"sigma", 1}}, {{"position", &two}}, plain})
             .empty());
   const nlohmann::json twice{{"lat", 1}, {"lon", 1}, {"height", 1}, {"x", 1}, {"y", 1}, {"z", 1}};
-  CHECK(says(message({{{"anchors", {{"1", twice}}}, {"sigma", 1}}, on_earth, plain}),
+  CHECK(says(refusal_of<Range>({{{"anchors", {{"1", twice}}}, {"sigma", 1}}, on_earth, plain}),
              "/anchors/1: the point is given twice: by lat, lon, height and by x, y, z"));
-  CHECK(says(message({{{"anchors", {{"door", {{"north", 1}, {"east", 2}, {"down", 3}}}}}, {"sigma", 1}}, local, plain}),
+  CHECK(says(refusal_of<Range>(
+                 {{{"anchors", {{"door", {{"north", 1}, {"east", 2}, {"down", 3}}}}}, {"sigma", 1}}, local, plain}),
              "/anchors/door: an anchor is listed by its whole number"));
-  CHECK(says(message({{{"sigma", 1}}, local, plain}), "/anchors: nobody says where the anchors are"));
-  CHECK(says(message({{{"anchors", three}}, local, plain}), ": missing key 'sigma'"));
-  CHECK(says(message({good, local, without({"range"})}), "/fields: the channel carries no field 'anchor'"));
-  CHECK(says(message({good, local, without({"range", "anchor", "anchor_north", "anchor_east"})}),
+  CHECK(says(refusal_of<Range>({{{"sigma", 1}}, local, plain}), "/anchors: nobody says where the anchors are"));
+  CHECK(says(refusal_of<Range>({{{"anchors", three}}, local, plain}), ": missing key 'sigma'"));
+  CHECK(says(refusal_of<Range>({good, local, without({"range"})}), "/fields: the channel carries no field 'anchor'"));
+  CHECK(says(refusal_of<Range>({good, local, without({"range", "anchor", "anchor_north", "anchor_east"})}),
              "/fields: the channel carries a part of the anchors' places, and no field for 'anchor_down'"));
-  CHECK(says(message({good, local, without({"range", "anchor", "anchor_north", "anchor_east", "anchor_down"})}),
-             "/anchors/105: the channel carries the anchors' places: leave them out here, or there"));
-  CHECK(says(message({good, local, without({"range", "anchor", "range_sd", "range_variance"})}),
+  CHECK(
+      says(refusal_of<Range>({good, local, without({"range", "anchor", "anchor_north", "anchor_east", "anchor_down"})}),
+           "/anchors/105: the channel carries the anchors' places: leave them out here, or there"));
+  CHECK(says(refusal_of<Range>({good, local, without({"range", "anchor", "range_sd", "range_variance"})}),
              "/fields: the channel carries both"));
-  CHECK(says(message({good, {{"position", &position}, {"bias", &two}}, plain}),
+  CHECK(says(refusal_of<Range>({good, {{"position", &position}, {"bias", &two}}, plain}),
              "/blocks/bias: its block has 2 components where 'anchors' lists 3"));
 }
