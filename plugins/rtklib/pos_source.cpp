@@ -98,7 +98,8 @@ void PosSource::peek() {
         if (!header.layout() && !stated_)
           throw ComponentError::in_data(line.starts_with('$')
                                             ? "holds sentences of NMEA: the source 'nmea' reads them"
-                                            : "no header says what the columns are; 'coordinates' and 'time_system' do",
+                                            : "no header says what the columns are: is it a solution file? Without "
+                                              "one, 'coordinates' and 'time_system' say it",
                                         path_, reader.line(), "B062");
         break;
       }

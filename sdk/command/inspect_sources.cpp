@@ -5,12 +5,15 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "binnacle/composition.hpp"
+#include "binnacle/diagnostic.hpp"
 #include "binnacle/run.hpp"
 #include "binnacle/section.hpp"
 #include "binnacle/unit.hpp"
+#include "inspect/file_kind.hpp"
 #include "output.hpp"
 
 namespace binnacle::command {
@@ -40,11 +43,10 @@ class Collector final : public RunObserver {
       channel.pointer = info.pointer;
       channel.time_unit = "s";
       auto& places = places_.emplace_back();
-      has_rows_.push_back(false);
       for (std::size_t f = 0; f < info.declaration->fields.size(); ++f) {
         const FieldSpec& spec = info.declaration->fields[f];
         if (spec.is_per_row) {
-          has_rows_.back() = true;
+          channel.has_rows = true;
           continue;
         }
         places.push_back(info.position[f]);
@@ -64,17 +66,9 @@ class Collector final : public RunObserver {
     for (std::size_t f = 0; f < places_[i].size(); ++f)
       channel.fields[f].values.push_back(sample.fields[places_[i][f]]);
   }
-  /// Without those that have a row per satellite, which are for a filter of pseudoranges.
-  std::vector<inspect::Channel> taken() {
-    std::vector<inspect::Channel> all;
-    for (std::size_t i = 0; i < channels.size(); ++i)
-      if (!has_rows_[i] && !channels[i].fields.empty()) all.push_back(std::move(channels[i]));
-    return all;
-  }
   std::vector<inspect::Channel> channels;
 
  private:
-  std::vector<bool> has_rows_;
   std::vector<std::vector<int>> places_;
 };
 
@@ -87,18 +81,17 @@ bool is_text(const Json& source) {
   const Json time = source.value("time", Json::object());
   for (const char* key : {"format", "date_column", "week_column"})
     if (time.contains(key)) return false;
-  return true;
+  return std::ranges::none_of(source.at("columns"), [](const Json& column) { return column.contains("offset"); });
 }
 
 /// What stands under a csv source of the resolved config.
 inspect::StatedFile stated_file(const Json& source) {
   inspect::StatedFile file;
   file.path = source.at("path");
-  const auto unit_of = [](const Json& text) { return *parse_unit(text.get<std::string>()); };
   if (const auto time = source.find("time"); time != source.end()) {
     file.time_column = time->value("column", "");
     file.time_unit = time->value("unit", "s");
-    file.time_scale = parse_unit(file.time_unit)->scale;
+    file.time_scale = inspect::file_unit(file.time_unit).scale;
     if (const auto offset = time->find("offset"); offset != time->end())
       file.time_offset = offset->is_number() ? offset->get<double>() : seconds(*parse_time(offset->get<std::string>()));
   }
@@ -110,7 +103,7 @@ inspect::StatedFile stated_file(const Json& source) {
     stated.field = field;
     stated.column = column.value("column", field);
     stated.unit = column.at("unit");
-    const Unit unit = unit_of(column.at("unit"));
+    const Unit unit = inspect::file_unit(stated.unit);
     stated.scale = unit.scale * column.value("scale", 1.0);
     stated.si = si_unit(unit.dimension);
     const std::string kind = column.value("kind", "level");
@@ -133,7 +126,7 @@ std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& 
   } catch (const DataError& error) {
     fault = error.what();
   }
-  auto channels = collector.taken();
+  auto channels = std::move(collector.channels);
   for (auto& channel : channels) channel.fault = fault;
   return channels;
 }
@@ -145,31 +138,39 @@ std::vector<inspect::Channel> channels_of_config(const std::string& path, const 
   const auto composition = Composition::load(path, load);
   const Json config = Json::parse(composition->config());
   std::vector<inspect::Channel> channels;
-  bool has_others = false;
+  std::set<std::string> read;
   for (const auto& [name, source] : config.at("sources").items()) {
-    if (is_text(source)) {
-      channels.push_back(inspect::read_stated_file(stated_file(source), name));
-      channels.back().pointer = "/sources/" + name;
-    } else {
-      has_others = true;
-    }
+    if (!is_text(source)) continue;
+    channels.push_back(inspect::read_stated_file(stated_file(source), name));
+    channels.back().pointer = "/sources/" + name;
+    read.insert(channels.back().pointer);
   }
-  if (!has_others) return channels;
+  if (read.size() == config.at("sources").size()) return channels;
   for (auto& channel : emitted(composition))
-    if (channel.pointer.starts_with("/sources/") &&
-        std::ranges::none_of(channels, [&](const auto& each) { return each.pointer == channel.pointer; }))
+    if (channel.pointer.starts_with("/sources/") && !read.contains(channel.pointer))
       channels.push_back(std::move(channel));
   return channels;
 }
 
-/// Files of receivers are read by their sources; null: a text file with columns.
+/// Files of receivers are read by their sources; null: a text file with columns. By content first, by name else: a file that is
+/// damaged from its begin on is for the source to report.
 Json receiver_source(const std::string& path) {
   std::string stem = path;
   if (stem.ends_with(".gz")) stem.resize(stem.size() - 3);
-  const auto type = stem.ends_with(".ubx")    ? "ublox"
-                    : stem.ends_with(".pos")  ? "rtklib_pos"
-                    : stem.ends_with(".nmea") ? "nmea"
-                                              : nullptr;
+  const auto kind = inspect::kind_of_file(path);
+  const char* type = nullptr;
+  if (kind == inspect::FileKind::ublox || stem.ends_with(".ubx"))
+    type = "ublox";
+  else if (kind == inspect::FileKind::rtklib_pos || stem.ends_with(".pos"))
+    type = "rtklib_pos";
+  else if (kind == inspect::FileKind::nmea || stem.ends_with(".nmea"))
+    type = "nmea";
+  const auto refuse = [&](const char* why) {
+    throw DataError(Diagnostic{Severity::error, "B061", {path, 0, 0}, "", why});
+  };
+  if (!type && kind == inspect::FileKind::rinex)
+    refuse("is a RINEX file, which inspect does not look at: the source 'rinex' reads it");
+  if (!type && kind == inspect::FileKind::binary) refuse("is neither text nor UBX, which inspect looks at");
   if (!type) return nullptr;
   return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
 }

@@ -7,7 +7,6 @@
 #include <regex>
 
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/unit.hpp"
 #include "inspect/channel.hpp"
 #include "statistics.hpp"
 #include "text_table.hpp"
@@ -36,6 +35,7 @@ constexpr Name names[] = {
     {"vn", "vn|v_n|vel_?n|v_?north|vel_?north|velocity_?n(orth)?", "m/s"},
     {"ve", "ve|v_e|vel_?e|v_?east|vel_?east|velocity_?e(ast)?", "m/s"},
     {"vd", "vd|v_d|vel_?d|v_?down|vel_?down|velocity_?d(own)?", "m/s"},
+    {"vd", "vu|v_u|vel_?u|v_?up|vel_?up|velocity_?u(p)?", "-1 m/s"},
     {"position_sd_n", "(pos|position)_?(std|sd|sigma)_?n(orth)?", "m"},
     {"position_sd_e", "(pos|position)_?(std|sd|sigma)_?e(ast)?", "m"},
     {"position_sd_d", "(pos|position)_?(std|sd|sigma)_?d(own)?", "m"},
@@ -90,6 +90,11 @@ std::optional<Name> name_of(const std::string& text) {
   return std::nullopt;
 }
 
+/// The unit of a column that counts the other way, upward, is negative.
+std::string signed_as(const Name& name, const std::string& unit) {
+  return std::string_view(name.unit).starts_with('-') ? "-1 " + unit : unit;
+}
+
 /// "gx_radps", "ax [m/s^2]", "lat(deg)".
 std::optional<Meaning> meaning_of(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -100,13 +105,13 @@ std::optional<Meaning> meaning_of(std::string text) {
       std::regex_match(text, match, std::regex(R"((.*?)_([a-z/0-9^]+(_s2?)?))")))
     if (const auto name = name_of(match[1]))
       for (const auto& [unit, pattern] : compiled_units())
-        if (std::regex_match(match[2].str(), pattern)) return Meaning{name->field, unit, false};
+        if (std::regex_match(match[2].str(), pattern)) return Meaning{name->field, signed_as(*name, unit), false};
   // pos_std_n_m, vel_std_n_mps: the unit is the last word.
   const auto cut = text.rfind('_');
   if (cut == std::string::npos) return std::nullopt;
   if (const auto name = name_of(text.substr(0, cut)))
     for (const auto& [unit, pattern] : compiled_units())
-      if (std::regex_match(text.substr(cut + 1), pattern)) return Meaning{name->field, unit, false};
+      if (std::regex_match(text.substr(cut + 1), pattern)) return Meaning{name->field, signed_as(*name, unit), false};
   return std::nullopt;
 }
 
@@ -150,6 +155,8 @@ std::size_t time_column(const TextTable& table, const std::vector<std::optional<
   for (std::size_t i = 0; i < meanings.size(); ++i)
     if (meanings[i] && meanings[i]->field == "t") return i;
   for (std::size_t i = 0; i < table.columns.size(); ++i)
+    if (table.columns[i].instants > table.columns[i].bad) return i;
+  for (std::size_t i = 0; i < table.columns.size(); ++i)
     if (increases(table.columns[i].values)) return i;
   return 0;
 }
@@ -166,6 +173,12 @@ void take_times(Channel& channel, const TextColumn& column, double scale, double
 
 }  // namespace
 
+Unit file_unit(const std::string& text) {
+  if (const auto unit = parse_unit(text)) return *unit;
+  const auto quantity = parse_quantity(text);
+  return {quantity->value, quantity->dimension};
+}
+
 Channel read_bare_file(const std::string& path, const std::string& name) {
   TextTable table = read_text_table(path);
   std::vector<std::optional<Meaning>> meanings;
@@ -179,12 +192,17 @@ Channel read_bare_file(const std::string& path, const std::string& name) {
   channel.path = path;
   channel.type = "csv";
   channel.delimiter = table.delimiter;
+  channel.comment = table.comment;
   channel.has_header = table.has_header;
+  channel.has_decimal_commas = table.has_decimal_commas;
   channel.cut_rows = table.cut_rows;
   channel.time_column = table.columns[time].name;
-  channel.time_unit = meanings[time] && !meanings[time]->is_guessed ? meanings[time]->unit : "s";
-  channel.time_is_guessed = !meanings[time] || meanings[time]->is_guessed;
-  take_times(channel, table.columns[time], parse_unit(channel.time_unit)->scale, 0);
+  channel.has_dates = table.columns[time].instants > 0;
+  channel.bad_labels = table.columns[time].bad + table.columns[time].empty;
+  const bool is_stated = meanings[time] && !meanings[time]->is_guessed;
+  channel.time_unit = is_stated && !channel.has_dates ? meanings[time]->unit : "s";
+  channel.time_is_guessed = !is_stated && !channel.has_dates;
+  take_times(channel, table.columns[time], file_unit(channel.time_unit).scale, 0);
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     if (i == time) continue;
     TextColumn& column = table.columns[i];
@@ -193,7 +211,7 @@ Channel read_bare_file(const std::string& path, const std::string& name) {
     field.name = meanings[i] && !channel.find(meanings[i]->field) ? meanings[i]->field : column.name;
     if (meanings[i]) field.unit = meanings[i]->unit;
     field.is_guessed = !meanings[i] || meanings[i]->is_guessed;
-    const Unit unit = field.unit.empty() ? Unit{} : *parse_unit(field.unit);
+    const Unit unit = field.unit.empty() ? Unit{} : file_unit(field.unit);
     field.scale = unit.scale;
     field.si = field.unit.empty() ? "" : si_unit(unit.dimension);
     field.kind = field.name[0] == 'w' || field.name[0] == 'f' ? FieldKind::rate : FieldKind::level;

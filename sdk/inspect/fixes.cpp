@@ -351,7 +351,11 @@ void ask_frozen(const Channel& channel, const Fixes& fixes, Findings& findings) 
     findings.push_back(std::move(found));
   };
   runs([&](std::size_t a, std::size_t b) { return fixes.v[a] == fixes.v[b]; },
-       [&](std::size_t a, std::size_t b) { return between(fixes.p[a], fixes.p[b]).head<2>().norm() > 5; },
+       [&](std::size_t a, std::size_t b) {
+         // A simulated velocity that stays is the way's own.
+         const Vector3d way = between(fixes.p[a], fixes.p[b]), steady = (fixes.t[b] - fixes.t[a]) * fixes.v[a];
+         return way.head<2>().norm() > 5 && (way - steady).head<2>().norm() > 1e-3 * way.head<2>().norm();
+       },
        "velocity_held", "vn, ve, vd", "the velocity is held while the position moves");
   runs([&](std::size_t a, std::size_t b) { return fixes.p[a].head<2>() == fixes.p[b].head<2>(); },
        [&](std::size_t a, std::size_t b) {

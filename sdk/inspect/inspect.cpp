@@ -27,6 +27,34 @@ Json column_patch(const Channel& channel, const std::vector<std::string>& fields
 
 namespace {
 
+void say_unknown(const Channel& channel, const char* kind, std::string text, Findings& findings) {
+  Finding found;
+  found.kind = kind;
+  found.channel = channel.name;
+  found.severity = Severity::unknown;
+  found.text = std::move(text);
+  findings.push_back(std::move(found));
+}
+
+/// What no question below is about.
+void ask_meaning(const Channel& channel, Findings& findings) {
+  if (channel.has_rows)
+    say_unknown(channel, "rows", channel.name + ": a row for each satellite, anchor or the like: not looked at",
+                findings);
+  else if (std::ranges::all_of(channel.fields, [](const Field& field) { return field.unit.empty(); }))
+    say_unknown(channel, "fields",
+                channel.name +
+                    ": no column has a name that is known (wx, gyro_x, lat, vel_n and the like): numbers and labels "
+                    "are looked at, what they mean is not",
+                findings);
+  else if (channel.is_inertial() && channel.is_fix())
+    say_unknown(channel, "fields",
+                channel.name +
+                    ": inertial samples and fixes in one channel are not compared with each other; with the fixes "
+                    "in a file of their own, at their own rate, they are",
+                findings);
+}
+
 /// Labels that no number of seconds can be are left where they are; the questions skip them.
 void ask_one(Channel& channel, Findings& findings) {
   if (!channel.fault.empty()) {
@@ -38,7 +66,8 @@ void ask_one(Channel& channel, Findings& findings) {
     found.evidence = "what the source reports";
     findings.push_back(std::move(found));
   }
-  if (channel.t.size() < 10) return;
+  ask_meaning(channel, findings);
+  if (channel.t.size() < 10 || channel.has_rows) return;
   if (const double factor = label_factor(channel, findings); factor != 1) {
     channel.first_label *= factor;
     for (double& label : channel.t) label *= factor;

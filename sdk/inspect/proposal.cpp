@@ -11,7 +11,8 @@ namespace binnacle::inspect {
 
 namespace {
 
-constexpr const char* fix_fields[] = {"lat", "lon", "height", "vn", "ve", "vd"};
+const std::vector<std::string> inertial_fields{"wx", "wy", "wz", "fx", "fy", "fz"};
+const std::vector<std::string> fix_fields{"lat", "lon", "height", "vn", "ve", "vd"};
 
 std::string relative(const std::string& path, const std::string& folder) {
   std::error_code error;
@@ -28,13 +29,26 @@ const char* kind_of(FieldKind kind) {
 Json text_source(const Channel& channel, const std::string& folder) {
   Json source = {{"type", "csv"}, {"path", relative(channel.path, folder)}};
   if (channel.delimiter != ',') source["delimiter"] = std::string(1, channel.delimiter);
+  if (channel.has_decimal_commas) source["decimal"] = ",";
+  if (channel.comment != "#") source["comment"] = channel.comment;
   if (!channel.has_header) source["header"] = false;
-  source["time"] = {{"column", channel.time_column}, {"unit", channel.time_unit}};
+  source["time"] = {{"column", channel.time_column}};
+  if (channel.has_dates)
+    source["time"]["format"] = "iso8601";
+  else
+    source["time"]["unit"] = channel.time_unit;
   for (const Field& field : channel.fields) {
     if (field.unit.empty()) continue;
     source["columns"][field.name] = {{"column", field.column}, {"unit", field.unit}, {"kind", kind_of(field.kind)}};
   }
   return source;
+}
+
+/// "walk" of the receiver's channel "walk.imu"; a source with one channel has its name.
+std::string source_name(const Channel& channel) {
+  const std::string_view sources = "/sources/";
+  if (channel.pointer.starts_with(sources)) return channel.pointer.substr(sources.size());
+  return channel.name.substr(0, channel.name.find('.'));
 }
 
 Json source_of(const Channel& channel, const std::string& folder) {
@@ -70,7 +84,29 @@ const Channel* first(const std::vector<Channel>& channels, bool (*is_it)(const C
 
 bool is_full_fix(const Channel& channel) {
   return !channel.is_inertial() &&
-         std::ranges::all_of(fix_fields, [&](const char* name) { return channel.find(name); });
+         std::ranges::all_of(fix_fields, [&](const auto& name) { return channel.find(name); });
+}
+
+/// Which of the fields no channel has together, and which of them the best one lacks.
+std::string lacking(const std::vector<Channel>& channels, const std::vector<std::string>& wanted) {
+  std::string reason = "no channel has";
+  for (const auto& field : wanted) reason += " " + field;
+  std::size_t most = 0;
+  std::string best;
+  for (const Channel& channel : channels) {
+    std::string missing;
+    std::size_t there = 0;
+    for (const auto& field : wanted) {
+      if (channel.find(field))
+        ++there;
+      else
+        missing += " " + field;
+    }
+    if (there <= most || missing.empty()) continue;
+    most = there;
+    best = fmt::format("; '{}' lacks{}", channel.name, missing);
+  }
+  return reason + best;
 }
 
 /// Deviations that a channel does not state: usual ones of a single receiver.
@@ -123,7 +159,7 @@ Json filter_of(const std::string& imu, const Channel& gnss) {
 Json whole_config(const Inspection& inspection, const Channel& imu, const Channel& gnss, const std::string& folder) {
   Json config = {{"binnacle", 1},
                  {"title", "Proposed by binnacle inspect; noises are usual of a MEMS sensor, not measured"}};
-  for (const Channel* channel : {&imu, &gnss}) config["sources"][channel->name] = source_of(*channel, folder);
+  for (const Channel* channel : {&imu, &gnss}) config["sources"][source_name(*channel)] = source_of(*channel, folder);
   apply(inspection.findings, config);
   std::string input = imu.name;
   for (const Finding& found : inspection.findings)
@@ -143,14 +179,14 @@ Json whole_config(const Inspection& inspection, const Channel& imu, const Channe
 Proposal propose(const Inspection& inspection, const std::string& folder, const std::string& base) {
   if (!base.empty()) {
     Json config = {{"extends", relative(base, folder)}};
-    for (const Channel& channel : inspection.channels) config["sources"][channel.name] = Json::object();
+    for (const Channel& channel : inspection.channels) config["sources"][source_name(channel)] = Json::object();
     apply(inspection.findings, config);
     return {config, ""};
   }
   const Channel* const imu = first(inspection.channels, [](const Channel& each) { return each.is_inertial(); });
   const Channel* const gnss = first(inspection.channels, is_full_fix);
-  if (!imu) return {nullptr, "no channel has wx wy wz fx fy fz"};
-  if (!gnss) return {nullptr, "no channel has lat lon height vn ve vd"};
+  if (!imu) return {nullptr, lacking(inspection.channels, inertial_fields)};
+  if (!gnss) return {nullptr, lacking(inspection.channels, fix_fields)};
   return {whole_config(inspection, *imu, *gnss, folder), ""};
 }
 

@@ -35,6 +35,7 @@ struct RestFigures {
   std::vector<Rest> spans;
   Vector3d mean_w, mean_f, sigma_w, sigma_f;  // over all of them
   double seconds = 0;
+  bool is_seen = false;  // by velocities; else a vehicle that moves evenly looks the same
 };
 /// The quietest seconds; where fixes are given (aligned), none at which they move.
 RestFigures find_rest(const Inertial& inertial, const Fixes* fixes = nullptr, double delay = 0);

@@ -16,6 +16,9 @@ namespace {
 constexpr const char* rate_names[] = {"wx", "wy", "wz"};
 constexpr const char* force_names[] = {"fx", "fy", "fz"};
 
+/// At rest with the engine on, specific force scatters by some tenths of this; on a foot that walks by more [m/s^2].
+constexpr double most_at_rest = 1;
+
 /// One second.
 struct Bin {
   std::size_t first, end;
@@ -71,7 +74,9 @@ void mark_moving(std::vector<Bin>& bins, const Inertial& inertial, const Fixes& 
 RestFigures find_rest(const Inertial& inertial, const Fixes* fixes, double delay) {
   RestFigures rest;
   std::vector<Bin> bins = bins_of(inertial);
-  if (fixes && fixes->has_velocity) mark_moving(bins, inertial, *fixes, delay);
+  rest.is_seen = fixes && fixes->has_velocity;
+  if (rest.is_seen) mark_moving(bins, inertial, *fixes, delay);
+  for (Bin& bin : bins) bin.moves |= bin.scatter_f > most_at_rest;
   std::vector<double> w, f;
   for (const Bin& bin : bins) {
     if (bin.moves) continue;
@@ -126,9 +131,11 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
   }
   found.from = rest.spans.front().from;
   found.to = rest.spans.back().to;
-  found.text =
-      fmt::format("at rest for {} s in {} span{}; the first from {} s to {} s", figure(rest.seconds), rest.spans.size(),
-                  rest.spans.size() == 1 ? "" : "s", figure(rest.spans.front().from), figure(rest.spans.front().to));
+  const char* const when = rest.is_seen ? "at rest" : "while quiet";
+  found.text = fmt::format("{} for {} s in {} span{}; the first from {} s to {} s",
+                           rest.is_seen ? "at rest" : "quiet, at rest or moving evenly,", figure(rest.seconds),
+                           rest.spans.size(), rest.spans.size() == 1 ? "" : "s", figure(rest.spans.front().from),
+                           figure(rest.spans.front().to));
   findings.push_back(found);
   const double root = std::sqrt(inertial.step);
   for (int k = 0; k < 3; ++k) {
@@ -137,9 +144,9 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
     bias.field = rate_names[k];
     bias.value = rest.mean_w[k];
     bias.unit = "rad/s";
-    bias.text = fmt::format("{} deg/s at rest, noise {} deg/s ({} deg/sqrt(h) if it is white)",
-                            figure(rest.mean_w[k] * 57.29578), figure(rest.sigma_w[k] * 57.29578),
-                            figure(rest.sigma_w[k] * root * 57.29578 * 60));
+    bias.text =
+        fmt::format("{} deg/s {}, noise {} deg/s ({} deg/sqrt(h) if it is white)", figure(rest.mean_w[k] * 57.29578),
+                    when, figure(rest.sigma_w[k] * 57.29578), figure(rest.sigma_w[k] * root * 57.29578 * 60));
     bias.evidence = fmt::format("mean over {} s of rest; what the noise is: binnacle allan", figure(rest.seconds));
     findings.push_back(std::move(bias));
   }
@@ -149,7 +156,7 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
     noise.field = force_names[k];
     noise.value = rest.sigma_f[k];
     noise.unit = "m/s^2";
-    noise.text = fmt::format("mean {} m/s^2 at rest, noise {} m/s^2", figure(rest.mean_f[k]), figure(rest.sigma_f[k]));
+    noise.text = fmt::format("mean {} m/s^2 {}, noise {} m/s^2", figure(rest.mean_f[k]), when, figure(rest.sigma_f[k]));
     noise.evidence = fmt::format("{} s of rest", figure(rest.seconds));
     findings.push_back(std::move(noise));
   }
@@ -160,7 +167,7 @@ void ask_rest(const Channel& channel, const Inertial& inertial, const RestFigure
   gravity.unit = "m/s^2";
   int up = 0;
   rest.mean_f.cwiseAbs().maxCoeff(&up);
-  gravity.text = fmt::format("|f| is {} m/s^2 at rest; up is {}{}, {} deg off that axis", figure(gravity.value),
+  gravity.text = fmt::format("|f| is {} m/s^2 {}; up is {}{}, {} deg off that axis", figure(gravity.value), when,
                              rest.mean_f[up] > 0 ? "+" : "-", "xyz"[up],
                              figure(57.29578 * std::acos(std::min(1.0, std::abs(rest.mean_f[up]) / gravity.value))));
   gravity.evidence = fmt::format("mean specific force over {} s of rest", figure(rest.seconds));

@@ -78,6 +78,17 @@ void report_gaps(const Channel& channel, const Worst& gaps, double step, Finding
 
 void ask_stamps(const Channel& channel, Findings& findings) {
   const auto& t = channel.t;
+  if (channel.bad_labels > 0) {
+    Finding found = finding(channel, "nan", static_cast<double>(channel.bad_labels), "", Severity::warning);
+    found.field = channel.time_column;
+    found.text = fmt::format(
+        "{} of {} labels are no number and no date with a time of day (ISO 8601); how the source 'csv' reads dates, "
+        "times "
+        "and weeks of columns of their own: binnacle describe csv",
+        channel.bad_labels, t.size());
+    found.evidence = "cells of the column of times";
+    findings.push_back(std::move(found));
+  }
   const double step = usual_step(t);
   if (!(step > 0)) return;
   ask_steps(channel, step, findings);
@@ -121,20 +132,21 @@ void ask_stamps(const Channel& channel, Findings& findings) {
 
 double label_factor(const Channel& channel, Findings& findings) {
   const double step = usual_step(channel.t);
+  if (!(step > 0)) return 1;
   // What is recorded of each kind of sensor: 4 Hz to 10 kHz, 0.02 Hz to 200 Hz. Units differ by thousands, the bands by less.
   const double longest = channel.is_inertial() ? 0.3 : 50, shortest = channel.is_inertial() ? 1e-4 : 5e-3;
   double factor = 1;
   while (step * factor > longest && factor > 1e-9) factor *= 1e-3;
   while (step * factor < shortest && factor < 1e9) factor *= 1e3;
   if (factor != 1 && (channel.is_inertial() || channel.is_fix())) {
-    const double unit = parse_unit(channel.time_unit)->scale * factor;
+    const double unit = file_unit(channel.time_unit).scale * factor;
     const char* const name = unit > 0.5 ? "s" : unit > 0.5e-3 ? "ms" : unit > 0.5e-6 ? "us" : "ns";
     Finding found =
         finding(channel, "time_unit", unit, "s", channel.time_is_guessed ? Severity::finding : Severity::warning);
     found.text = fmt::format("labels are in {}, not {}: {} samples a second otherwise", name, channel.time_unit,
                              figure(1 / step));
     found.evidence =
-        fmt::format("median step {} {}", figure(step / parse_unit(channel.time_unit)->scale), channel.time_unit);
+        fmt::format("median step {} {}", figure(step / file_unit(channel.time_unit).scale), channel.time_unit);
     found.confidence = 0.99;
     found.meaning = source_patch(channel, {{"time", {{"unit", name}}}});
     findings.push_back(std::move(found));
@@ -142,13 +154,15 @@ double label_factor(const Channel& channel, Findings& findings) {
   const double label = channel.first_label * factor;
   Finding base = finding(channel, "time_base", label, "s", Severity::finding);
   const bool is_receiver = !channel.type.empty() && channel.type != "csv";
-  base.text = is_receiver ? "labels are the time that the source gives: of GPS unless it is set otherwise"
-              : label > 1.4504e9
-                  ? "labels count from 1970 (Unix, UTC without leap seconds): GPS seconds are not that many yet"
-              : label > 3e8    ? "labels count from 1970 (Unix) or from 1980 (GPS): both are possible"
-              : label > 604800 ? "labels count from an epoch that no receiver uses"
-              : label > 20000  ? "labels may be seconds of the GPS week or of the day"
-                               : "labels count from the beginning of the record";
+  base.text =
+      channel.has_dates
+          ? "labels are dates and times of day (ISO 8601): UTC where they state no zone, counted as GPS time from 1980"
+      : is_receiver      ? "labels are the time that the source gives: of GPS unless it is set otherwise"
+      : label > 1.4504e9 ? "labels count from 1970 (Unix, UTC without leap seconds): GPS seconds are not that many yet"
+      : label > 3e8      ? "labels count from 1970 (Unix) or from 1980 (GPS): both are possible"
+      : label > 604800   ? "labels count from an epoch that no receiver uses"
+      : label > 20000    ? "labels may be seconds of the GPS week or of the day"
+                         : "labels count from the beginning of the record";
   base.evidence = fmt::format("first label {:.3f} s", label);
   base.from = base.to = 0;
   findings.push_back(std::move(base));

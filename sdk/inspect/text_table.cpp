@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "binnacle/diagnostic.hpp"
+#include "civil_time/utc_clock.hpp"
 
 namespace binnacle::inspect {
 
@@ -85,19 +86,44 @@ bool is_number(std::string_view cell, double& value) {
   return error == std::errc() && rest == cell.data() + cell.size();
 }
 
-/// The one that cuts most lines into the same number of cells, more than one.
+/// "1,5": a number once its comma is a point.
+bool is_number_with_comma(std::string_view cell, double& value) {
+  const std::size_t comma = cell.find(',');
+  if (comma == std::string_view::npos || comma + 1 == cell.size()) return false;
+  std::string text(cell);
+  text[comma] = '.';
+  return is_number(text, value);
+}
+
+/// GPS time since 1980-01-06 [s], as the `csv` source counts it.
+bool is_instant(std::string_view cell, double& value) {
+  if (cell.size() < 10 || cell[0] < '1' || cell[0] > '2') return false;
+  const auto utc = civil_time::parse_instant(cell);
+  if (!utc) return false;
+  static const auto clock = civil_time::UtcClock::from_week(0);
+  const civil_time::Day day{std::chrono::days(*utc / civil_time::day_length)};
+  value = seconds(clock.time({day, *utc % civil_time::day_length}));
+  return true;
+}
+
+/// The one that cuts most lines into the same number of cells, more than one, most of them numbers.
 char delimiter_of(const std::vector<std::string>& lines) {
   char best = ',';
-  double best_score = 0;
+  double best_score = 0, ignored = 0;
   std::vector<std::string_view> cells;
   for (const char delimiter : {',', ';', '\t', '|', ' '}) {
     std::map<std::size_t, int> counts;
+    double all = 0, numbers = 0;
     for (const auto& line : lines) {
       split(line, delimiter, cells);
       ++counts[cells.size()];
+      all += static_cast<double>(cells.size());
+      for (const auto& cell : cells)
+        numbers +=
+            cell.empty() || is_number(cell, ignored) || (delimiter != ',' && is_number_with_comma(cell, ignored));
     }
     for (const auto& [width, count] : counts)
-      if (const double score = width > 1 ? count + 1e-3 * static_cast<double>(width) : 0; score > best_score) {
+      if (const double score = width > 1 ? count * (0.01 + numbers / all) : 0; score > best_score) {
         best = delimiter;
         best_score = score;
       }
@@ -120,6 +146,7 @@ class Builder {
     for (const auto& [each, count] : widths)
       if (count >= (widths.count(width) ? widths[width] : 0)) width = each;
     table.columns.resize(width);
+    if (!format_.delimiter && table.delimiter != ',') table.has_decimal_commas = has_decimal_commas(first);
     split(first.front(), table.delimiter, cells_);
     table.has_header = format_.header >= 0 ? format_.header == 1 : cells_.size() == width && is_header();
     for (std::size_t i = 0; i < width; ++i)
@@ -137,7 +164,9 @@ class Builder {
       double value = std::numeric_limits<double>::quiet_NaN();
       if (cells_[i].empty()) {
         ++column.empty;
-      } else if (!is_number(cells_[i], value) || !std::isfinite(value)) {
+      } else if (!format_.delimiter && is_instant(cells_[i], value)) {
+        ++column.instants;
+      } else if (!is_value(cells_[i], value) || !std::isfinite(value)) {
         ++column.bad;
         value = std::numeric_limits<double>::quiet_NaN();
       }
@@ -147,10 +176,25 @@ class Builder {
   TextTable table;
 
  private:
+  bool is_value(std::string_view cell, double& value) const {
+    return is_number(cell, value) || (table.has_decimal_commas && is_number_with_comma(cell, value));
+  }
+  bool has_decimal_commas(const std::vector<std::string>& lines) {
+    double ignored = 0;
+    std::size_t commas = 0, points = 0;
+    for (const auto& line : lines) {
+      split(line, table.delimiter, cells_);
+      for (const auto& cell : cells_) {
+        commas += is_number_with_comma(cell, ignored);
+        points += is_number(cell, ignored) && cell.find('.') != std::string_view::npos;
+      }
+    }
+    return commas > points;
+  }
   bool is_header() const {
     double ignored = 0;
     int words = 0;
-    for (const auto& cell : cells_) words += !cell.empty() && !is_number(cell, ignored);
+    for (const auto& cell : cells_) words += !cell.empty() && !is_value(cell, ignored) && !is_instant(cell, ignored);
     return 2 * words > static_cast<int>(cells_.size());
   }
 
@@ -170,8 +214,10 @@ TextTable read_text_table(const std::string& path, const TextFormat& format) {
     builder.begin(first);
     has_begun = true;
   };
+  std::string comment = format.comment;
   while (lines.next(line)) {
-    if (line.empty() || (!format.comment.empty() && line.starts_with(format.comment))) continue;
+    if (!format.delimiter && !has_begun && first.empty() && line.starts_with('%')) comment = "%";
+    if (line.empty() || (!comment.empty() && line.starts_with(comment))) continue;
     if (has_begun) {
       builder.add(line);
     } else {
@@ -181,8 +227,11 @@ TextTable read_text_table(const std::string& path, const TextFormat& format) {
   }
   if (!has_begun && !first.empty()) begin();
   if (lines.is_damaged()) throw fault(path, "B061", "gzip data are damaged");
-  if (builder.table.columns.empty() || builder.table.columns.front().values.empty())
-    throw fault(path, "B066", "there are no rows of numbers");
+  const bool has_numbers = std::ranges::any_of(builder.table.columns, [](const TextColumn& column) {
+    return std::ranges::any_of(column.values, [](double value) { return std::isfinite(value); });
+  });
+  if (!has_numbers) throw fault(path, "B066", "there are no rows of numbers");
+  builder.table.comment = comment;
   return std::move(builder.table);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "binnacle/spec.hpp"
+#include "binnacle/unit.hpp"
 
 namespace binnacle::inspect {
 
@@ -30,7 +31,9 @@ struct Channel {
   std::string pointer;  // into the config, "/sources/imu"; empty: a bare file
   std::string type;     // of the source
   char delimiter = ',';
-  bool has_header = true;
+  std::string comment = "#";
+  bool has_header = true, has_decimal_commas = false;
+  bool has_dates = false;  // labels are dates with times of day (ISO 8601), counted as GPS time from 1980-01-06
   std::string time_column;
   std::string time_unit = "s";
   bool time_is_guessed = false;  // its unit was not stated
@@ -38,8 +41,10 @@ struct Channel {
   double first_label = 0;        // s
   std::vector<double> t;         // s since the first label
   std::vector<Field> fields;
-  std::int64_t cut_rows = 0;  // of another number of cells
-  std::string fault;          // why the source itself could not be read to its end
+  std::int64_t cut_rows = 0;    // of another number of cells
+  std::int64_t bad_labels = 0;  // cells of the time that are neither number nor date
+  std::string fault;            // why the source itself could not be read to its end
+  bool has_rows = false;        // a sample has a row for each satellite, anchor or the like: nothing in it is looked at
 
   const Field* find(std::string_view field) const {
     for (const Field& each : fields)
@@ -52,6 +57,9 @@ struct Channel {
 
 /// Reads a text file, plain or gzipped: delimiter, header, columns by name and by behaviour. Throws DataError (B060, B066).
 Channel read_bare_file(const std::string& path, const std::string& name);
+
+/// Of the numbers in a file: "deg", or a quantity that counts in others, "-1 g", "1e-7 deg". It must be one.
+Unit file_unit(const std::string& text);
 
 /// What a config says of a text file; the rows are read as they are, also those that the source would refuse.
 struct StatedColumn {
