@@ -55,10 +55,17 @@ json proposed(const Workbench& bench, const std::string& file) {
   return json::parse(read_file(bench.path("proposed.json"))).at("sources").at(file.substr(0, file.find('.')));
 }
 
-constexpr const char* sentences =
-    "$GPGGA,120000.00,4807.0380,N,01131.0000,E,1,08,0.9,545.4,M,46.9,M,,*60\n"
-    "$GPGGA,120001.00,4807.0380,N,01131.0000,E,1,08,0.9,545.4,M,46.9,M,,*61\n"
-    "$GPGGA,120002.00,4807.0380,N,01131.0000,E,1,08,0.9,545.4,M,46.9,M,,*62\n";
+/// One a second, each line after `stamp`.
+std::string sentences(const std::string& stamp) {
+  std::string text;
+  for (int i = 0; i < 20; ++i) {
+    const std::string body = fmt::format("GPRMC,1200{:02d}.00,A,4807.0380,N,01131.0000,E,2.0,84.4,230825,,,A", i);
+    unsigned sum = 0;
+    for (const char c : body) sum ^= static_cast<unsigned char>(c);
+    text += fmt::format("{}${}*{:02X}\r\n", stamp, body, sum);
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -145,10 +152,14 @@ TEST_CASE("inspect: comments that begin with a per cent sign") {
 
 TEST_CASE("inspect: a receiver's file is known by its content") {
   const Workbench bench;
-  bench.write("log.txt", sentences);
-  CHECK(has(inspect(bench, {"log.txt"}).out, "nmea"));
-  bench.write("stamped.log", "2025-08-28 12:00:00 " + std::string(sentences));
-  CHECK(has(inspect(bench, {"log.txt"}).out, "nmea"));
+  bench.write("log.txt", sentences(""));
+  bench.write("stamped.log", sentences("2025-08-23 12:00:00 "));
+  for (const char* file : {"log.txt", "stamped.log"}) {
+    const auto outcome = inspect(bench, {file});
+    INFO(outcome.err);
+    CHECK(has(outcome.out, "20 samples  lat [rad], lon [rad]"));
+    CHECK(has(outcome.out, "labels are the time that the source gives"));
+  }
 }
 
 TEST_CASE("inspect: files that it can not look at are refused, with what they are") {
