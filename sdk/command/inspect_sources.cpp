@@ -166,7 +166,7 @@ Json receiver_source(const std::string& path) {
   else if (kind == inspect::FileKind::nmea || stem.ends_with(".nmea"))
     type = "nmea";
   const auto refuse = [&](const char* why) {
-    throw DataError(Diagnostic{Severity::error, "B061", {path, 0, 0}, "", why});
+    throw DataError(Diagnostic{Severity::error, "B066", {path, 0, 0}, "", why});
   };
   if (!type && kind == inspect::FileKind::rinex)
     refuse("is a RINEX file, which inspect does not look at: the source 'rinex' reads it");
