@@ -24,8 +24,10 @@ int hand_over(const CLI::App& app) {
   arguments.push_back(nullptr);
   flush_stdout();
   ::execv(suite.c_str(), arguments.data());
-  throw UsageError(fmt::format("the conformance suite {} cannot be run ({}); it comes with the package binnacle",
-                               suite.string(), std::strerror(errno)));
+  throw UsageError(
+      fmt::format("the conformance suite {} cannot be run ({}); it comes with the package binnacle, and tests/run of a "
+                  "clone builds it",
+                  suite.string(), std::strerror(errno)));
 }
 
 }  // namespace

@@ -135,10 +135,39 @@ double steadiness(const TextTable& table, std::size_t first) {
   return centre / std::max(1e-12, robust_sigma(lengths));
 }
 
-/// Six columns beside time without names: the steadier triad has gravity in it.
+/// Latitude, longitude [deg] and height without names: two columns within their ranges that stay within 5 deg and creep, by less
+/// than 1e-3 deg (100 m) from row to row, away from zero. A sensor's have noise, are near zero, or have gravity in them: 1 g.
+bool is_geodetic(const TextTable& table, std::size_t first) {
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto& values = table.columns[first + k].values;
+    std::vector<double> steps;
+    double low = 1e300, high = -1e300;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(values[i])) return false;
+      low = std::min(low, values[i]);
+      high = std::max(high, values[i]);
+      if (i > 0) steps.push_back(std::abs(values[i] - values[i - 1]));
+    }
+    if (steps.empty() || low < (k == 0 ? -90 : -180) || high > (k == 0 ? 90 : 360) || high - low > 5) return false;
+    if (std::min(std::abs(low), std::abs(high)) < 0.5 || quantile(steps, 0.9) > 1e-3) return false;
+  }
+  const auto& c = table.columns;
+  const double g = std::hypot(c[first].values[0], c[first + 1].values[0], c[first + 2].values[0]);
+  return g < 0.9 || g > 1.1;
+}
+
+/// Columns beside time without names: a position, or two triads of which the steadier one has gravity in it. Where lines are of
+/// several kinds they say nothing.
 std::vector<std::optional<Meaning>> by_behaviour(const TextTable& table, std::size_t time) {
   std::vector<std::optional<Meaning>> meanings(table.columns.size());
   meanings[time] = Meaning{"t", "s", true};
+  if (10 * table.cut_rows > static_cast<std::int64_t>(table.columns[time].values.size())) return meanings;
+  if (table.columns.size() >= time + 4 && is_geodetic(table, time + 1)) {
+    meanings[time + 1] = Meaning{"lat", "deg", true};
+    meanings[time + 2] = Meaning{"lon", "deg", true};
+    meanings[time + 3] = Meaning{"height", "m", true};
+    return meanings;
+  }
   // After the time, or before it where it stands last.
   const std::size_t first = table.columns.size() >= time + 7 ? time + 1 : 0;
   if (table.columns.size() < first + 6 || (first == 0 && time < 6)) return meanings;

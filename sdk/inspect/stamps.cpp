@@ -125,7 +125,10 @@ void ask_stamps(const Channel& channel, Findings& findings) {
     Finding found = finding(channel, "cut_row", static_cast<double>(channel.cut_rows), "", Severity::warning);
     found.text = fmt::format("{} row{} of another number of cells", channel.cut_rows, channel.cut_rows == 1 ? "" : "s");
     found.evidence = "cells of a row against most rows";
-    found.meaning = source_patch(channel, {{"invalid_rows", "skip"}});
+    if (10 * channel.cut_rows > static_cast<std::int64_t>(t.size()))
+      found.text += ": if lines are of several kinds, \"where\" of the source 'csv' takes one of them";
+    else
+      found.meaning = source_patch(channel, {{"invalid_rows", "skip"}});
     findings.push_back(std::move(found));
   }
 }

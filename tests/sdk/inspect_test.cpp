@@ -202,3 +202,23 @@ TEST_CASE("inspect: columns whose names say nothing are named as such") {
   bench.write("other.csv", text);
   CHECK(has(inspect(bench, {"other.csv"}).out, "no column has a name that is known"));
 }
+
+TEST_CASE("inspect: a position without a header is none of a sensor's") {
+  const Workbench bench;
+  bench.write("kf.txt", fixes("", " ", point, seconds_of));
+  const auto outcome = inspect(bench, {"kf.txt"});
+  CHECK(has(outcome.out, "lat [deg?], lon [deg?], height [m?]"));
+  CHECK_FALSE(has(outcome.out, "wx ["));
+}
+
+TEST_CASE("inspect: of lines of several kinds none is taken for a sensor's") {
+  const Workbench bench;
+  std::string text;
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format("uwb {0:.2f} 1.5 {1} 0.1\nodo {0:.2f} 0.1 0.2 0.{1} 0.3 9.8 0.{1} 2\n", 0.1 * i, i % 9);
+  bench.write("robot.txt", text);
+  const auto outcome = inspect(bench, {"robot.txt"});
+  CHECK(has(outcome.out, "lines are of several kinds"));
+  CHECK_FALSE(has(outcome.out, "wx ["));
+  CHECK_FALSE(has(outcome.out, "invalid_rows"));
+}
