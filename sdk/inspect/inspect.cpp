@@ -17,7 +17,11 @@ std::string figure(double value) {
   return fmt::format("{:.4g}", value);
 }
 
-Json source_patch(const Channel& channel, const Json& of_source) { return {{"sources", {{channel.name, of_source}}}}; }
+Json source_patch(const Channel& channel, const Json& of_source) {
+  // Readers of receivers have none of the keys of a text file.
+  if (!channel.type.empty() && channel.type != "csv") return nullptr;
+  return {{"sources", {{channel.name, of_source}}}};
+}
 
 Json column_patch(const Channel& channel, const std::vector<std::string>& fields, const Json& what) {
   Json columns = Json::object();

@@ -55,11 +55,12 @@ json proposed(const Workbench& bench, const std::string& file) {
   return json::parse(read_file(bench.path("proposed.json"))).at("sources").at(file.substr(0, file.find('.')));
 }
 
-/// One a second, each line after `stamp`.
-std::string sentences(const std::string& stamp) {
+/// One a second, each line after `stamp`; up to `late` hundredths of a second behind.
+std::string sentences(const std::string& stamp, int late = 1) {
   std::string text;
   for (int i = 0; i < 20; ++i) {
-    const std::string body = fmt::format("GPRMC,1200{:02d}.00,A,4807.0380,N,01131.0000,E,2.0,84.4,230825,,,A", i);
+    const std::string body =
+        fmt::format("GPRMC,1200{:02d}.{:02d},A,4807.0380,N,01131.0000,E,2.0,84.4,230825,,,A", i, i * i % late);
     unsigned sum = 0;
     for (const char c : body) sum ^= static_cast<unsigned char>(c);
     text += fmt::format("{}${}*{:02X}\r\n", stamp, body, sum);
@@ -160,6 +161,15 @@ TEST_CASE("inspect: a receiver's file is known by its content") {
     CHECK(has(outcome.out, "20 samples  lat [rad], lon [rad]"));
     CHECK(has(outcome.out, "labels are the time that the source gives"));
   }
+}
+
+TEST_CASE("inspect: a receiver's file gets no remedy of a text file") {
+  const Workbench bench;
+  bench.write("log.nmea", sentences("", 60));
+  const auto outcome = inspect(bench, {"log.nmea"});
+  CHECK(has(outcome.out, "labels scatter"));
+  CHECK_FALSE(has(outcome.out, "No warnings"));
+  CHECK_FALSE(has(outcome.out, "config:"));
 }
 
 TEST_CASE("inspect: files that it can not look at are refused, with what they are") {
