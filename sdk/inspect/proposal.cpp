@@ -39,7 +39,7 @@ Json text_source(const Channel& channel, const std::string& folder) {
 
 Json source_of(const Channel& channel, const std::string& folder) {
   if (channel.type == "csv") return text_source(channel, folder);
-  // Receivers count from 1980-01-06 unless told otherwise. Stated, so that `export` finds it.
+  // Receivers count from 1980-01-06 unless the config says otherwise. Stated, so that `export` finds it.
   return {{"type", channel.type}, {"path", relative(channel.path, folder)}, {"week", 0}};
 }
 

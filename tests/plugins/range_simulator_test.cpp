@@ -129,11 +129,11 @@ TEST_CASE("aiding_simulator: differences of ranges by hand, anchor less referenc
   CHECK(std::abs(plain.ranges.at(7)[0] + 10) < 1e-8);
   CHECK(std::abs(plain.ranges.at(9)[0] - 60) < 1e-8);
   // 10 m ahead of a body that looks south: 40, 110 and hypot(40, 10).
-  const Json arm{{"anchors", anchors}, {"reference", 7}, {"lever_arm", {10, 0, 0}}};
-  const Read turned = differences(arm, 1, {0, 0, M_PI});
+  const Json ahead{{"anchors", anchors}, {"reference", 7}, {"lever_arm", {10, 0, 0}}};
+  const Read turned = differences(ahead, 1, {0, 0, M_PI});
   CHECK(std::abs(turned.ranges.at(9)[0] - 70) < 1e-4);
   CHECK(std::abs(turned.ranges.at(105)[0] - (std::hypot(40, 10) - 40)) < 1e-4);
-  Json near = arm;
+  Json near = ahead;
   near["reach"] = 100;
   CHECK(differences(near, 1, {0, 0, M_PI}).ranges.size() == 1);
   near["reference"] = 9;  // beyond reach: nothing to compare with
