@@ -55,10 +55,12 @@ class Course final : public Sensor {
   OutputField course_;
 };
 
-/// q = exp(n) q_nb, n about north, east, down.
+/// C = exp([n×]) C_nb Mᵀ, n about north, east, down; M turns the body's axes into the other system's.
 class Attitude final : public Sensor {
  public:
-  explicit Attitude(const Parameters& parameters) : noise_(parameters.vector("noise")) {}
+  explicit Attitude(const Parameters& parameters)
+      : noise_(parameters.vector("noise")),
+        M_(strapdown::dcm_from_quaternion(strapdown::quaternion_from_euler(parameters.vector("mounting")))) {}
   void declare(ChannelDeclaration& channel) override {
     angles_ = channel.carries(field::level("roll", "rad").about("right side down positive"),
                               field::level("pitch", "rad").about("nose up positive"),
@@ -68,12 +70,14 @@ class Attitude final : public Sensor {
   void measure(const Truth& truth, std::span<const double>, Noise& noise, SampleWriter& out) const override {
     const Vector3d n = noise.next3();
     const Vector3d turn = noise_.cwiseProduct(n);
+    const Eigen::Matrix3d C_ns = truth.C_nb * M_.transpose();
     out[angles_] =
-        strapdown::euler_from_quaternion(strapdown::attitude_plus(strapdown::quaternion_from_dcm(truth.C_nb), turn));
+        strapdown::euler_from_quaternion(strapdown::attitude_plus(strapdown::quaternion_from_dcm(C_ns), turn));
   }
 
  private:
   Vector3d noise_;
+  Eigen::Matrix3d M_;
   OutputFields<3> angles_;
 };
 
@@ -109,7 +113,11 @@ SensorKind attitude() {
                         {parameter::vector("noise", "rad", 3)
                              .at_least(0)
                              .defaults("0")
-                             .about("1-sigma of a reading, about north, east, down, white")},
+                             .about("1-sigma of a reading, about north, east, down, white"),
+                         parameter::vector("mounting", "rad", 3)
+                             .defaults("[0, 0, 0]")
+                             .about("roll, pitch, yaw of the turn that takes the body's components to the other "
+                                    "system's: Rz(yaw) Ry(pitch) Rx(roll)")},
                         "another system's attitude, on the channel NAME.attitude: roll, pitch, yaw"),
           [](const Parameters& parameters) { return std::make_unique<Attitude>(parameters); }};
 }

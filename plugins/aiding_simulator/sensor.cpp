@@ -13,7 +13,8 @@ namespace binnacle::aiding_simulator {
 
 std::vector<SensorKind> sensor_kinds() {
   std::vector<SensorKind> kinds;
-  for (SensorKind (*const kind)() : {magnetometer, height, body_velocity, heading, course, attitude, range})
+  for (SensorKind (*const kind)() :
+       {magnetometer, height, body_velocity, heading, course, attitude, range, range_difference})
     kinds.push_back(kind());
   return kinds;
 }

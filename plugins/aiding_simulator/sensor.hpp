@@ -83,6 +83,7 @@ SensorKind heading();
 SensorKind course();
 SensorKind attitude();
 SensorKind range();
+SensorKind range_difference();
 
 // ---- for those who write one
 

@@ -214,6 +214,10 @@ void PosSource::read_file(text_file::Faults& faults, Reporter& reporter) {
     reporter.warn(
         "B064", path_, 0,
         "heights are above the sea, so there is none above the ellipsoid; 'geoid_separation' gives the difference");
+  if (!layout_.is_height_above_sea && !std::isnan(place_.geoid_separation))
+    reporter.warn("B032", path_, 0,
+                  "'geoid_separation' has no effect: no header says that heights are above the sea (\"geodetic\"), so "
+                  "they are read as above the ellipsoid");
 }
 
 SourceStatus PosSource::next(const MemoryView& bytes, SourceOutput& output) const {

@@ -332,6 +332,15 @@ std::string filter_text(const std::string& name, const Json& filter, const Filte
   return text + innovation_table(filter.at("measurements"));
 }
 
+/// What "evaluate" asks for besides: of segments it stands nowhere else.
+std::string metric_table(const Json& metrics) {
+  Table table("lrl");
+  table.row({"metric", "value", "unit"});
+  for (const auto& [name, entry] : metrics.items())
+    table.row({name, figure(number_at(entry, "value")), entry.value("unit", "")});
+  return table.text() + "\n";
+}
+
 /// Of a run that goes by the clock.
 std::string live_text(const Json& live) {
   Table table("lrrrrr");
@@ -366,6 +375,7 @@ std::string summary_text(const Json& summary, const Composition& composition) {
   for (const auto& filter : score::filters_of(composition))
     text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
   if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));
+  if (summary.contains("metrics")) text += metric_table(summary.at("metrics"));
   if (summary.contains("live")) text += live_text(summary.at("live"));
   text += fmt::format("wall time {}\nverdict:", duration(number_at(summary, "wall_s")));
   for (const auto& [name, filter] : summary.at("filters").items())

@@ -53,7 +53,8 @@ std::string source_name(const Channel& channel) {
 
 Json source_of(const Channel& channel, const std::string& folder) {
   if (channel.type == "csv") return text_source(channel, folder);
-  return {{"type", channel.type}, {"path", relative(channel.path, folder)}};
+  // Receivers count from 1980-01-06 unless the config says otherwise. Stated, so that `export` finds it.
+  return {{"type", channel.type}, {"path", relative(channel.path, folder)}, {"week", 0}};
 }
 
 /// As RFC 7386 merges, but factors of one column multiply: a sign and a unit may both be wrong.

@@ -25,6 +25,7 @@ TEST_CASE("ten minutes without GNSS: errors are as the covariance analysis says,
   std::string options = "--runs " + std::to_string(runs) + " --jobs 2 --seed 1 --quiet";
   for (const char* sensor : {"magnetometer", "barometer", "DVL", "UWB", "UWB and barometer"})
     options += std::string(" --set '/study/variants/without ") + sensor + "=null'";
+  options += " --set '/study/variants/UWB by differences=null'";
   const auto drawn = papers::summary_of("study", "aiding/ins.json", options + " --set /study/table=null");
   const auto computed = papers::summary_of("covariance", "aiding/covariance.json", "--quiet");
   const auto sums = [&](const std::string& error) {

@@ -206,3 +206,12 @@ TEST_CASE("inspect: axes of a record too short for windows of 40 s") {
   CHECK(found->field == "wy");
   CHECK(found->evidence.find("windows of 20 s") != std::string::npos);
 }
+
+TEST_CASE("inspect: what is proposed for a receiver's file states where its time begins") {
+  Channel imu = imu_of(Matrix3d::Identity()), gnss = gnss_of(Vector3d::Zero());
+  imu.path = "/imu.csv", gnss.path = "/log.ubx";
+  gnss.type = "ublox";
+  const auto proposal = propose(inspect({imu, gnss}), "/", "");
+  CHECK(proposal.config.at("sources").at("gnss").at("week") == 0);
+  CHECK_FALSE(proposal.config.at("sources").at("imu").contains("week"));
+}

@@ -82,6 +82,19 @@ TEST_CASE("aiding_simulator: readings without errors, by hand", "[aiding_simulat
   for (const double error : all.at("truth")[0]) CHECK(error == 0);
 }
 
+TEST_CASE("aiding_simulator: the attitude of a system that is mounted at an angle", "[aiding_simulator]") {
+  Body body;
+  body.angles = {10 * degree, 0, 0};  // its right side is down
+  const auto mounted = [&](const Vector3d& mounting) {
+    const Json angles{mounting[0], mounting[1], mounting[2]};
+    return triple(readings({{"attitude", {{"mounting", angles}}}}, body, 1, 1).at("attitude")[0]);
+  };
+  // Components turned about z by +90 deg: a forward vector is along the system's y, so its x is the body's left.
+  CHECK((mounted({0, 0, 90 * degree}) - Vector3d(0, 10 * degree, -90 * degree)).norm() < 1e-14);
+  // By +10 deg about x: the system's y is 10 deg above the body's right side.
+  CHECK((mounted({10 * degree, 0, 0})).norm() < 1e-14);
+}
+
 TEST_CASE("aiding_simulator: lever arms of a vehicle that turns on its place", "[aiding_simulator]") {
   Body body;
   body.v_n.setZero();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plugin aiding_simulator, ranges: distances by hand, biases, noise and detours by their statistics, anchors out of reach.
+// Plugin aiding_simulator, ranges and their differences: distances by hand, biases, noise and detours by their statistics, anchors out of reach.
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -30,12 +30,14 @@ Json at(const Vector3d& way) {
 }
 
 struct Read {
-  std::map<int, std::vector<double>> ranges;  // by anchor
+  std::map<int, std::vector<double>> ranges;  // or differences, by anchor
   std::vector<double> errors;                 // of the truth
+  double reference = 0;                       // of differences
 };
 
-Read read(const Json& parameters, int samples, const Vector3d& angles = Vector3d::Zero(), std::uint64_t seed = 1) {
-  const auto simulator = bind<AidingSimulator>({{{"range", parameters}}, {}, {}});
+Read read(const Json& parameters, int samples, const Vector3d& angles = Vector3d::Zero(), std::uint64_t seed = 1,
+          const char* sensor = "range") {
+  const auto simulator = bind<AidingSimulator>({{{sensor, parameters}}, {}, {}});
   const ComponentSpec spec = AidingSimulator::spec();
   std::vector<std::byte> memory(simulator->declaration().memory_bytes);
   simulator->start(seed, memory.data());
@@ -50,8 +52,10 @@ Read read(const Json& parameters, int samples, const Vector3d& angles = Vector3d
       if (simulator->declaration().channels[static_cast<std::size_t>(emitted.channel)].name == "truth")
         all.errors = emitted.fields;
       for (int row = 0; row < emitted.rows; ++row) {
-        const auto i = static_cast<std::size_t>(2 * row);
-        all.ranges[static_cast<int>(emitted.row_fields[i])].push_back(emitted.row_fields[i + 1]);
+        const std::size_t width = emitted.row_fields.size() / static_cast<std::size_t>(emitted.rows);
+        const auto i = static_cast<std::size_t>(row) * width;
+        all.ranges[static_cast<int>(emitted.row_fields[i])].push_back(emitted.row_fields[i + width - 1]);
+        if (width == 3) all.reference = emitted.row_fields[i + 1];
       }
     }
   }
@@ -107,4 +111,55 @@ TEST_CASE("aiding_simulator: ranges have the noise, the biases and the detours t
     drawn += bias * bias / 2000;
   }
   CHECK(std::abs(drawn / 0.25 - 1) < 4 * std::sqrt(2.0 / 2000));
+}
+
+namespace {
+
+Read differences(const Json& parameters, int samples, const Vector3d& angles = Vector3d::Zero()) {
+  return read(parameters, samples, angles, 1, "range_difference");
+}
+
+}  // namespace
+
+TEST_CASE("aiding_simulator: differences of ranges by hand, anchor less reference", "[aiding_simulator]") {
+  const Json anchors{{"7", at({30, 0, 0})}, {"105", at({0, 0, -40})}, {"9", at({100, 0, 0})}};
+  const Read plain = differences({{"anchors", anchors}, {"reference", 105}}, 1);
+  CHECK(plain.ranges.size() == 2);
+  CHECK(plain.reference == 105);
+  CHECK(std::abs(plain.ranges.at(7)[0] + 10) < 1e-8);
+  CHECK(std::abs(plain.ranges.at(9)[0] - 60) < 1e-8);
+  // 10 m ahead of a body that looks south: 40, 110 and hypot(40, 10).
+  const Json ahead{{"anchors", anchors}, {"reference", 7}, {"lever_arm", {10, 0, 0}}};
+  const Read turned = differences(ahead, 1, {0, 0, M_PI});
+  CHECK(std::abs(turned.ranges.at(9)[0] - 70) < 1e-4);
+  CHECK(std::abs(turned.ranges.at(105)[0] - (std::hypot(40, 10) - 40)) < 1e-4);
+  Json near = ahead;
+  near["reach"] = 100;
+  CHECK(differences(near, 1, {0, 0, M_PI}).ranges.size() == 1);
+  near["reference"] = 9;  // beyond reach: nothing to compare with
+  CHECK(differences(near, 1, {0, 0, M_PI}).ranges.empty());
+  CHECK_THROWS_AS(differences({{"anchors", anchors}, {"reference", 8}}, 1), ComponentError);
+  CHECK_THROWS_AS(differences({{"anchors", {{"7", at({30, 0, 0})}}}, {"reference", 7}}, 1), ComponentError);
+}
+
+TEST_CASE("aiding_simulator: differences have the errors of two arrivals, and share the reference's",
+          "[aiding_simulator]") {
+  constexpr int samples = 20000;
+  const Read all = differences({{"anchors", {{"1", at({30, 0, 0})}, {"2", at({0, 30, 0})}, {"3", at({0, 0, 30})}}},
+                                {"reference", 2},
+                                {"noise", 0.1},
+                                {"bias", 0.5}},
+                               samples);
+  REQUIRE(all.errors.size() == 3);  // of the reference, 1, 3
+  const double mean_1 = all.errors[1] - all.errors[0], mean_3 = all.errors[2] - all.errors[0];
+  REQUIRE(std::abs(mean_1 - mean_3) > 0.01);
+  double square = 0, product = 0, sum = 0;
+  for (std::size_t i = 0; i < samples; ++i) {
+    const double a = all.ranges.at(1)[i] - mean_1, b = all.ranges.at(3)[i] - mean_3;
+    sum += a / samples, square += a * a / samples, product += a * b / samples;
+  }
+  // Variances 2 s^2 and covariance s^2; four of their deviations: sqrt(2) 2 s^2 and sqrt(4 + 1) s^2.
+  CHECK(std::abs(sum) < 4 * std::sqrt(0.02 / samples));
+  CHECK(std::abs(square / 0.02 - 1) < 4 * std::sqrt(2.0 / samples));
+  CHECK(std::abs(product - 0.01) < 4 * std::sqrt(5.0 / samples) * 0.01);
 }

@@ -49,7 +49,7 @@ void read_mutants(const std::string& name, const std::string& line, json paramet
       if (c == '?') c = digit;
     good += row + "\n";
   }
-  Mutator mutate(20260120);
+  Mutator mutate(mutation_seed());
   std::size_t read = 0, refused = 0, samples = 0, skipped = 0;
   const int count = mutations();
   for (int i = 0; i < count; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Readers under damage: bytes of good files are flipped, cut, repeated, swapped. Whatever comes of it, there is no crash, no
 // hang, no sample that goes back in time, and a message that is lost is one that was reported. BINNACLE_MUTATIONS=1000000 says how many for each
-// reader; the seed is fixed, so that each failure can be seen again.
+// reader; the seed is fixed, so that each failure can be seen again. BINNACLE_MUTATION_SEED is another one.
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -30,7 +30,7 @@ namespace {
 template <class SourceType>
 void read_mutants(const std::vector<std::string>& seeds, const std::string& name, const json& parameters,
                   bool with_checksums = false) {
-  Mutator mutate(20260120);
+  Mutator mutate(mutation_seed());
   const Folder folder;
   const std::string file = folder.file(name);
   json with_path = parameters;
@@ -158,7 +158,7 @@ struct OxtsMutants {
 
 TEST_CASE("mutations of OXTS folders") {
   const OxtsMutants good;
-  Mutator mutate(20260120);
+  Mutator mutate(mutation_seed());
   const Folder folder;
   std::size_t read = 0, refused = 0;
   const int count = mutations();
@@ -239,7 +239,7 @@ std::vector<std::pair<std::string, std::string>> rinex_seeds() {
 
 TEST_CASE("mutations of RINEX") {
   const auto seeds = rinex_seeds();
-  Mutator mutate(20260120);
+  Mutator mutate(mutation_seed());
   const Folder folder;
   std::size_t read = 0, refused = 0, reported = 0, samples = 0;
   const int count = mutations();

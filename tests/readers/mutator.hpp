@@ -17,6 +17,12 @@ inline int mutations() {
   return given ? std::atoi(given) : 10000;
 }
 
+/// Other damage than always: BINNACLE_MUTATION_SEED.
+inline std::uint64_t mutation_seed() {
+  const char* given = std::getenv("BINNACLE_MUTATION_SEED");
+  return given ? std::strtoull(given, nullptr, 10) : 20260120;
+}
+
 class Mutator {
  public:
   explicit Mutator(std::uint64_t seed) : random_(seed) {}

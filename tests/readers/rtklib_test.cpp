@@ -193,6 +193,12 @@ TEST_CASE("heights above the sea, another datum") {
   CHECK(r.has_reported("B064"));
   CHECK(std::abs(read(geodetic + row('d', 0, false), {{"geoid_separation", -17.5}}).samples.at(0)["height"] -
                  1583.935) < 1e-6);
+  CHECK(read(geodetic + row('d', 0, false), {{"geoid_separation", -17.5}}).reports.empty());
+  // Heights above the ellipsoid have nothing to add it to.
+  const Pos unused = read(header('d', 0) + row('d', 0, false), {{"geoid_separation", -17.5}});
+  CHECK(unused.samples.at(0)["height"] == read(header('d', 0) + row('d', 0, false)).samples.at(0)["height"]);
+  CHECK(unused.has_reported("B032 "));
+  CHECK(unused.has_reported("'geoid_separation' has no effect"));
   std::string tokyo = header('d', 0);
   tokyo.replace(tokyo.find("WGS84"), 5, "Tokyo");
   CHECK_THROWS_AS(read(tokyo + row('d', 0, false)), ComponentError);

@@ -107,6 +107,17 @@ TEST_CASE("segment errors: a span of evaluate, and units") {
   CHECK(figure(ran(bench, {"--set", "/evaluate/until=30 s"}), "translation") != whole);
   const json summary = ran(bench);
   CHECK(summary.at("metrics").at("ins/position.segments/translation").at("unit") == "%");
+  // The text has them too.
+  const std::string text = binnacle::test::binnacle(bench, {"run", "drive.json"}).out;
+  const auto line = text.find("ins/position.segments/translation");
+  INFO(text);
+  REQUIRE(line != std::string::npos);
+  std::istringstream rest(text.substr(line));
+  std::string name, unit;
+  double value = 0;
+  rest >> name >> value >> unit;
+  CHECK(std::abs(value / whole - 1) < 1e-3);
+  CHECK(unit == "%");
 }
 
 TEST_CASE("segment errors: what has none says so") {
