@@ -257,7 +257,12 @@ void Study::note_makings() {
   };
   note("program", [](Hash& hash) { hash.add_file("/proc/self/exe"); });
   for (const auto& plugin : variants_.front().composition->catalog().plugins())
-    note("plugin " + in_quotes(plugin.name), [&plugin](Hash& hash) { hash.add_file(plugin.file); });
+    note("plugin " + in_quotes(plugin.name), [&plugin](Hash& hash) {
+      if (plugin.file.empty())
+        hash.add(plugin.version);
+      else
+        hash.add_file(plugin.file);
+    });
   note("seed", [this](Hash& hash) { hash.add(seed_); });
   note("config", [this](Hash& hash) {
     for (const auto& variant : variants_) {

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -273,6 +275,78 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
         "warning[B040]: BINNACLE_PLUGIN_PATH: there is no folder '/nowhere/at/all'");
   CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
   CHECK(catalog.find(Role::state_block, "second/still") != nullptr);
+}
+
+TEST_CASE("folders that the program adds are searched after those of the environment, a missing one in silence",
+          "[catalog]") {
+  const Scratch scratch;
+  fs::copy_file(plugin_at("good"), scratch.path / "good.so");
+  Catalog catalog;
+  Diagnostics diagnostics;
+  catalog.load_search_path({}, diagnostics, {scratch.path, "/nowhere/at/all"});
+  CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
+  for (const auto& item : diagnostics.items()) CHECK(item.message.find("/nowhere") == std::string::npos);
+}
+
+namespace {
+
+/// Emits nothing; its spec says which of two it is.
+struct Idle final : Source {
+  explicit Idle(const Binding&) {}
+  SourceStatus next(const MemoryView&, SourceOutput&) const override { return SourceStatus::end; }
+  static ComponentSpec named(const std::string& type) {
+    ComponentSpec spec;
+    spec.type = type;
+    spec.summary = "emits nothing";
+    return spec;
+  }
+};
+
+std::shared_ptr<LinkedPlugin> linked(const std::string& name, const std::vector<std::string>& types) {
+  return std::make_shared<LinkedPlugin>(LinkedPlugin{name, "3", [types](Registry& registry) {
+                                                       for (const auto& type : types)
+                                                         registry.add<Idle>(Idle::named(type));
+                                                     }});
+}
+
+}  // namespace
+
+TEST_CASE("a plugin of the program brings types of run-time specs, and lives with them", "[catalog]") {
+  std::weak_ptr<const LinkedPlugin> watched;
+  ComponentType type;
+  {
+    Catalog catalog;
+    Diagnostics diagnostics;
+    auto plugin = linked("mine", {"one", "two"});
+    watched = plugin;
+    catalog.add(std::move(plugin), diagnostics);
+    CHECK(diagnostics.empty());
+    REQUIRE(catalog.plugins().size() == 1);
+    CHECK(catalog.plugins()[0].file.empty());
+    REQUIRE(catalog.find(Role::source, "mine/one") != nullptr);
+    type = *catalog.find(Role::source, "two");
+  }
+  CHECK_FALSE(watched.expired());
+  CHECK(type.spec.type == "two");
+  type = {};
+  CHECK(watched.expired());
+}
+
+TEST_CASE("what is wrong with a plugin of the program is told like that of a file", "[catalog]") {
+  const auto told = [](std::shared_ptr<const LinkedPlugin> plugin) {
+    Catalog catalog;
+    Diagnostics diagnostics;
+    catalog.add(linked("taken", {"x"}), diagnostics);
+    catalog.add(std::move(plugin), diagnostics);
+    CHECK(catalog.types().size() == 1);
+    return diagnostics.text();
+  };
+  CHECK(told(linked("Mine", {"x"})) == "error[B045]: the plugin's name 'Mine' is not in snake_case");
+  CHECK(told(linked("taken", {"y"})) == "error[B046]: plugin 'taken' is loaded already, from the program itself");
+  CHECK(told(linked("mine", {"x", "x"})) == "error[B046]: plugin 'mine' registers 'x' twice");
+  CHECK(told(std::make_shared<LinkedPlugin>(
+            LinkedPlugin{"mine", "3", [](Registry&) { throw std::runtime_error("no types today"); }})) ==
+        "error[B045]: plugin 'mine': add_types threw: no types today");
 }
 
 TEST_CASE("a stale library in a searched folder is a warning, until a type is wanted that it may have", "[catalog]") {

@@ -101,6 +101,14 @@ LoadOptions with_sets(std::initializer_list<std::string> sets) { return {{}, set
 
 }  // namespace
 
+TEST_CASE("the text of the options is read in the file's place", "[document]") {
+  LoadOptions options;
+  options.text = R"({"binnacle": 1, "title": "not of the file"})";
+  const Config config = Config::load("/nowhere/a.json", options);
+  CHECK(nlohmann::json::parse(config.text())["title"] == "not of the file");
+  CHECK(config.origin("/title").file == "/nowhere/a.json");
+}
+
 TEST_CASE("comments, a byte order mark and every kind of value are read", "[document]") {
   CHECK(resolved("\xEF\xBB\xBF{ // c\n \"a\": [1, -2.5e3, true, null, \"x\\u00e9\\ud83d\\ude00\\n\"], /* b "
                  "*/ \"o\": {} }") == "{\"a\":[1,-2500.0,true,null,\"x\u00e9\U0001F600\\n\"],\"o\":{}}");

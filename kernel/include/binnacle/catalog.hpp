@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "binnacle/config.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "binnacle/plugin_call.hpp"
 #include "binnacle/registry.hpp"
@@ -80,7 +81,7 @@ class ComponentType {
 struct PluginInfo {
   std::string name;
   std::string version;
-  std::filesystem::path file;
+  std::filesystem::path file;  // empty: it is linked into the program
 };
 
 /// An entry of the config's "plugins": a library, or a folder whose *.so are all loaded. Absolute.
@@ -98,11 +99,14 @@ class Catalog {
  public:
   /// Loads a plugin file; nothing happens if it is loaded already.
   void load(const std::filesystem::path& file, Diagnostics& diagnostics);
-  /// Loads the config's plugins, then those in the folders of BINNACLE_PLUGIN_PATH (separated by ':') and in lib/binnacle
+  /// Adds a plugin of the program.
+  void add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagnostics);
+  /// Loads the config's plugins, then those in the folders of BINNACLE_PLUGIN_PATH (separated by ':'), in `more_folders` and in lib/binnacle
   /// beside the folder of the running program, which is the installed and the build tree's. What is named and cannot be
   /// loaded is an error; what merely lies in a folder is a warning (B047), and an error once find() wants a type that it
   /// may have.
-  void load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics);
+  void load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics,
+                        const std::vector<std::filesystem::path>& more_folders = {});
 
   /// `name`: "vector" or "core/vector". Null where there is none, or several.
   const ComponentType* find(Role role, std::string_view name) const;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,9 +19,18 @@ namespace internal::config {
 class Document;
 struct JsonOf;
 }  // namespace internal::config
+class Registry;
 class Section;
 
-/// What the command line adds to a config.
+/// A plugin that is no file but part of the program; its types are found by name like those of any other. It lives as long as
+/// anything that is made of it.
+struct LinkedPlugin {
+  std::string name;     // "my_models", in snake_case
+  std::string version;  // part of what a snapshot is of: another version refuses it
+  std::function<void(Registry& registry)> add_types;
+};
+
+/// What the command line, or the program, adds to a config.
 struct LoadOptions {
   std::map<std::string, std::string> vars;  ///< --var name=value; replaces what the config's "vars" says
   std::vector<std::string> sets;            ///< --set PTR=V, in order
@@ -28,6 +39,11 @@ struct LoadOptions {
   /// Readers of the sections that are not the kernel's. With none, sections that the kernel does not know are left alone,
   /// unless one looks like a misspelt key of the kernel's; with some, a key that is nobody's is an error.
   std::vector<std::shared_ptr<const Section>> sections = {};
+  std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins = {};
+  /// Searched for plugins after those of BINNACLE_PLUGIN_PATH; where one is missing, nothing is said.
+  std::vector<std::filesystem::path> plugin_folders = {};
+  /// The config itself, where its file is not to be read: messages name the file, and relative paths start at its folder.
+  std::optional<std::string> text = {};
 };
 
 class Config {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "binnacle/derived_block.hpp"
 #include "binnacle/measurement_model.hpp"
@@ -60,9 +61,14 @@ class Registry {
 
   template <class Component>
   void add() {
+    add<Component>(Component::spec());
+  }
+  /// A type whose spec is known at run time only.
+  template <class Component>
+  void add(ComponentSpec spec) {
     constexpr Role role = role_of<Component>();
     const Factory<Interface<role>> factory = &make<Interface<role>, Component>;
-    add_component(role, Component::spec(), reinterpret_cast<AnyFactory>(factory));
+    add_component(role, std::move(spec), reinterpret_cast<AnyFactory>(factory));
   }
 
  protected:

@@ -229,6 +229,8 @@ class Composer {
 
   std::unique_ptr<CompositionPlan> plan_;
   std::vector<std::shared_ptr<const Section>> sections_;
+  std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins_;
+  std::vector<std::filesystem::path> plugin_folders_;
   Diagnostics& diagnostics_;
   std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
   std::vector<FilterComposer> filters_;

@@ -12,7 +12,11 @@
 namespace binnacle::internal::compose {
 
 Composer::Composer(Document document, const LoadOptions& options, Diagnostics& diagnostics)
-    : plan_(std::make_unique<CompositionPlan>()), sections_(options.sections), diagnostics_(diagnostics) {
+    : plan_(std::make_unique<CompositionPlan>()),
+      sections_(options.sections),
+      linked_plugins_(options.linked_plugins),
+      plugin_folders_(options.plugin_folders),
+      diagnostics_(diagnostics) {
   plan_->document = std::move(document);
 }
 
@@ -95,7 +99,8 @@ bool Composer::load_plugins() {
   for (const Reader& plugin : place("/plugins").elements("'plugins'"))
     if (const auto path = plugin.path()) paths.push_back({*path, plugin.origin(), plugin.pointer()});
   Diagnostics found;
-  plan_->catalog.load_search_path(paths, found);
+  for (const auto& plugin : linked_plugins_) plan_->catalog.add(plugin, found);
+  plan_->catalog.load_search_path(paths, found, plugin_folders_);
   diagnostics_.merge(found);
   return !found.has_errors();
 }

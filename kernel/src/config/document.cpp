@@ -108,6 +108,7 @@ void apply_patch(Node& root, const std::string& pointer, Diagnostics& diagnostic
 Document Document::load(const fs::path& path, const LoadOptions& options, Diagnostics& diagnostics,
                         std::optional<std::string_view> text) {
   Document document;
+  if (!text && options.text) text = *options.text;
   std::optional<Node> root = resolve_extends(path, text, diagnostics);
   if (!root) return document;
   std::vector<Tokens> patches;

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <system_error>
 #include <tuple>
+#include <utility>
 
 #define BOOST_DLL_USE_STD_FS
 #include <boost/dll/runtime_symbol_info.hpp>
@@ -47,6 +48,10 @@ void Catalog::load(const fs::path& file, Diagnostics& diagnostics) {
   if (seen_.insert(canonical).second) plugin::load_plugin(canonical, plugins_, components_, diagnostics);
 }
 
+void Catalog::add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagnostics) {
+  plugin::link_plugin(std::move(plugin), plugins_, components_, diagnostics);
+}
+
 void Catalog::load_folder(const fs::path& folder, Diagnostics& diagnostics) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -65,7 +70,8 @@ void Catalog::load_folder(const fs::path& folder, Diagnostics& diagnostics) {
   }
 }
 
-void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics) {
+void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics,
+                               const std::vector<fs::path>& more_folders) {
   std::error_code error;
   for (const auto& [path, origin, pointer] : from_config) {
     if (fs::is_directory(path, error))
@@ -83,6 +89,7 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
       diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: there is no folder '" + folder + "'");
     load_folder(folder, diagnostics);
   }
+  for (const auto& folder : more_folders) load_folder(folder, diagnostics);
   const auto load_beside = [&](const fs::path& binary) {
     load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
   };

@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -68,5 +69,8 @@ LibraryFile inspect_library(const std::filesystem::path& file);
 /// Nothing but errors in the diagnostics when it is refused.
 void load_plugin(const std::filesystem::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
                  Diagnostics& diagnostics);
+/// The same of one that is no file.
+void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,
+                 std::deque<ComponentType>& types, Diagnostics& diagnostics);
 
 }  // namespace binnacle::internal::plugin

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
+#include <functional>
 #include <iterator>
+#include <memory>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -40,36 +42,27 @@ std::string loader_message(const std::string& text) {
 /// say whether it is good.
 class PluginRegistry final : public Registry {
  public:
-  PluginRegistry(const fs::path& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+  PluginRegistry(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics)
+      : plugins_(plugins), all_types_(types), diagnostics_(diagnostics) {}
 
-  bool load(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types) {
+  bool load(const fs::path& file) {
+    info_.file = file;
     if (!check_file()) return false;
-    const LibraryFile inspected = inspect_library(file_);
+    const LibraryFile inspected = inspect_library(file);
     if (!check_exports(inspected) || !check_guard(*inspected.guard)) return false;
-    info_ = {abi::text_of(inspected.guard->name), abi::text_of(inspected.guard->version), file_};
-    if (!is_name(info_.name)) return refuse("B045", "the plugin's name '" + info_.name + "' is not in snake_case");
-    if (const auto other = std::ranges::find(plugins, info_.name, &PluginInfo::name); other != plugins.end())
-      return refuse("B046", "plugin '" + info_.name + "' is loaded already, from " + other->file.string());
-    CallSite site;
-    const std::string itself;
-    site.enter(&info_.name, itself, "loading it");
-    const CallScope scope(site);
-    try {
+    info_ = {abi::text_of(inspected.guard->name), abi::text_of(inspected.guard->version), file};
+    return take_types(register_symbol, [&] {
       using namespace boost::dll;
-      library_ = std::make_shared<shared_library>(file_, load_mode::rtld_now | load_mode::rtld_local);
-    } catch (const std::exception& error) {
-      return refuse("B045", "the plugin cannot be loaded: " + loader_message(error.what()));
-    }
-    try {
-      library_->get<void(Registry&)>(register_symbol)(*this);
-    } catch (...) {
-      // The message is made inside the handler and the exception gone at its end, before the library may be.
-      return refuse("B045", "plugin '" + info_.name + "': " + register_symbol + " threw: " + what_was_thrown());
-    }
-    if (!check_types()) return false;
-    plugins.push_back(info_);
-    std::ranges::move(types_, std::back_inserter(types));
-    return true;
+      auto library = std::make_shared<shared_library>(file, load_mode::rtld_now | load_mode::rtld_local);
+      library_ = library;
+      return [library](Registry& registry) { library->get<void(Registry&)>(register_symbol)(registry); };
+    });
+  }
+
+  bool link(std::shared_ptr<const LinkedPlugin> plugin) {
+    info_ = {plugin->name, plugin->version, {}};
+    library_ = plugin;
+    return take_types("add_types", [&] { return plugin->add_types; });
   }
 
  protected:
@@ -84,14 +77,43 @@ class PluginRegistry final : public Registry {
   }
 
  private:
+  /// open() gives what registers its types.
+  template <class Open>
+  bool take_types(const std::string& call, Open&& open) {
+    if (!is_name(info_.name)) return refuse("B045", "the plugin's name '" + info_.name + "' is not in snake_case");
+    if (const auto other = std::ranges::find(plugins_, info_.name, &PluginInfo::name); other != plugins_.end())
+      return refuse("B046", "plugin '" + info_.name + "' is loaded already, from " +
+                                (other->file.empty() ? "the program itself" : other->file.string()));
+    CallSite site;
+    const std::string itself;
+    site.enter(&info_.name, itself, "loading it");
+    const CallScope scope(site);
+    std::function<void(Registry&)> add_types;
+    try {
+      add_types = open();
+    } catch (const std::exception& error) {
+      return refuse("B045", "the plugin cannot be loaded: " + loader_message(error.what()));
+    }
+    try {
+      add_types(*this);
+    } catch (...) {
+      // The message is made inside the handler and the exception gone at its end, before the library may be.
+      return refuse("B045", "plugin '" + info_.name + "': " + call + " threw: " + what_was_thrown());
+    }
+    if (!check_types()) return false;
+    plugins_.push_back(info_);
+    std::ranges::move(types_, std::back_inserter(all_types_));
+    return true;
+  }
+
   bool refuse(const char* code, std::string text) {
-    diagnostics_.error(code, {file_.string(), 0, 0}, "", std::move(text));
+    diagnostics_.error(code, {info_.file.string(), 0, 0}, "", std::move(text));
     return false;
   }
 
   bool check_file() {
     std::error_code error;
-    const fs::file_status status = fs::status(file_, error);
+    const fs::file_status status = fs::status(info_.file, error);
     if (error) return refuse("B040", "the plugin cannot be opened: " + error.message());
     if (!fs::is_regular_file(status)) return refuse("B040", "the plugin is not a file");
     if ((status.permissions() & fs::perms::others_write) != fs::perms::none)
@@ -118,7 +140,7 @@ class PluginRegistry final : public Registry {
       if (difference.severity == abi::Severity::refused)
         is_good = refuse("B042", difference.text());
       else
-        diagnostics_.warning("B043", {file_.string(), 0, 0}, "", difference.text());
+        diagnostics_.warning("B043", {info_.file.string(), 0, 0}, "", difference.text());
     return is_good;
   }
 
@@ -136,16 +158,22 @@ class PluginRegistry final : public Registry {
     return is_good;
   }
 
-  const fs::path& file_;
+  std::vector<PluginInfo>& plugins_;
+  std::deque<ComponentType>& all_types_;
   Diagnostics& diagnostics_;
   PluginInfo info_;
-  std::shared_ptr<boost::dll::shared_library> library_;
+  std::shared_ptr<const void> library_;
   std::vector<ComponentType> types_;
 };
 
 void load_plugin(const fs::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
                  Diagnostics& diagnostics) {
-  PluginRegistry(file, diagnostics).load(plugins, types);
+  PluginRegistry(plugins, types, diagnostics).load(file);
+}
+
+void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,
+                 std::deque<ComponentType>& types, Diagnostics& diagnostics) {
+  PluginRegistry(plugins, types, diagnostics).link(std::move(plugin));
 }
 
 }  // namespace binnacle::internal::plugin
