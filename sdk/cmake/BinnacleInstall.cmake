@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` puts where, in two components: `runtime` runs filters, `dev` builds plugins and programs.
+# What `cmake --install` puts where, in components: `runtime` runs filters, `dev` builds plugins and programs,
+# `python` is the Python package.
 # The folders are fixed, not those of GNUInstallDirs: the command finds its plugins at ../lib/binnacle and its templates
 # at ../share/binnacle/sdk/template, so that the whole may be moved. Below share/binnacle documents and configs lie as in
 # the project, so that the links between them hold.
@@ -80,3 +81,20 @@ install(
     "${CMAKE_CURRENT_LIST_DIR}/BinnaclePlugin.cmake"
     "${CMAKE_CURRENT_LIST_DIR}/binnacle_plugin.map"
   DESTINATION ${package_folder} COMPONENT dev)
+
+# ---- python: the package, which finds its plugins at ../../../binnacle
+
+get_property(has_python GLOBAL PROPERTY BINNACLE_HAS_PYTHON_PACKAGE)
+if(has_python)
+  set(python_folder lib/python3/dist-packages/binnacle)
+  get_property(python_files GLOBAL PROPERTY BINNACLE_PYTHON_FILES)
+  install(TARGETS binnacle_python LIBRARY DESTINATION ${python_folder} COMPONENT python OPTIONAL)
+  # What is Python is of no use without what is C++.
+  install(CODE "
+    if(EXISTS \"$<TARGET_FILE:binnacle_python>\")
+      file(INSTALL ${python_files} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${python_folder}\")
+    else()
+      message(STATUS \"Left out, since it is not built: the Python package \"
+        \"(cmake --build ${PROJECT_BINARY_DIR} --target python)\")
+    endif()" COMPONENT python)
+endif()
