@@ -277,13 +277,14 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
   CHECK(catalog.find(Role::state_block, "second/still") != nullptr);
 }
 
-TEST_CASE("folders that the program adds are searched after those of the environment, a missing one in silence",
+TEST_CASE("folders that the program adds are searched in place of what lies beside it, a missing one in silence",
           "[catalog]") {
   const Scratch scratch;
   fs::copy_file(plugin_at("good"), scratch.path / "good.so");
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load_search_path({}, diagnostics, {scratch.path, "/nowhere/at/all"});
+  CHECK(catalog.plugins().size() == 1);
   CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
   for (const auto& item : diagnostics.items()) CHECK(item.message.find("/nowhere") == std::string::npos);
 }
