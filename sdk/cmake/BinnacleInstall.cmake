@@ -84,8 +84,7 @@ install(
 
 # ---- python: the package, which finds its plugins at ../../../binnacle
 
-get_property(has_python GLOBAL PROPERTY BINNACLE_HAS_PYTHON_PACKAGE)
-if(has_python)
+if(TARGET binnacle_python)
   set(python_folder lib/python3/dist-packages/binnacle)
   get_property(python_files GLOBAL PROPERTY BINNACLE_PYTHON_FILES)
   install(TARGETS binnacle_python LIBRARY DESTINATION ${python_folder} COMPONENT python OPTIONAL)

@@ -1,29 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""numpy, before anything else of the package wants it.
+"""numpy, also where python3 has none: another one than Debian's (pyenv's, conda's) often stands first in PATH.
 
-Debian's python3 has it. Another python3 of the same version that has none (pyenv's, say) borrows Debian's, and nothing else of Debian's.
+The module is made for one minor version of Python, as Debian's numpy is; of that version, any python3 may use both.
 """
 
-import importlib.machinery
-import importlib.util
 import sys
 
-DEBIANS = "/usr/lib/python3/dist-packages"
-
-
-def borrow():
-    """Debian's numpy as a module; ImportError where there is none that fits."""
-    spec = importlib.machinery.PathFinder.find_spec("numpy", [DEBIANS])
-    if spec is None or spec.loader is None:
-        raise ImportError(f"binnacle needs numpy, which {sys.executable or 'this python3'} does not have (Debian package python3-numpy)")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["numpy"] = module
+try:
+    import numpy as _  # noqa: F401
+except ImportError:
+    sys.path.append("/usr/lib/python3/dist-packages")
     try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules["numpy"]
-        raise
-
-
-if importlib.util.find_spec("numpy") is None:
-    borrow()
+        import numpy as _  # noqa: F401
+    except ImportError as error:
+        raise ImportError(
+            f"binnacle needs numpy, and {sys.executable} has none (Debian: python3-numpy, for /usr/bin/python3): {error}"
+        ) from None
