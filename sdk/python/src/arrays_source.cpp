@@ -101,7 +101,9 @@ void ArraysSource::read_columns(const Parameters& parameters, ChannelDeclaration
     const auto found = std::ranges::find(data_->names, name);
     if (found == data_->names.end())
       throw ComponentError(file_ + " has no field '" + name + "'; it has " + list_of(data_->names), pointer);
-    Column column{name, static_cast<std::size_t>(found - data_->names.begin())};
+    Column column;
+    column.name = name;
+    column.index = static_cast<std::size_t>(found - data_->names.begin());
     const ParameterValue& unit = *member(value, "unit");
     column.scale = unit.number;
     if (const auto* kind = member(value, "kind")) column.kind = kind_of(kind->text);

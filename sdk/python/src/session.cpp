@@ -172,7 +172,7 @@ std::vector<std::string> rows_of(const OpenSession& open, const std::string& fil
   std::vector<std::string> names;
   for (const auto& block : open.session.composition().filters()[static_cast<std::size_t>(id.index)].blocks)
     for (const int component : block.active)
-      names.push_back(block.name + "." + block.declaration->components[static_cast<std::size_t>(component)].name);
+      names.push_back(block.name + "." + block.declaration->error[static_cast<std::size_t>(component)].name);
   return names;
 }
 
