@@ -10,11 +10,14 @@ Numbers are in SI, angles in rad. Times are seconds (float), or numpy.timedelta6
 
 from . import _numpy  # before all that wants numpy
 from ._core import version as __version__
+from ._arrays import Arrays, Samples
 from ._composition import Composition, load, parse
 from ._errors import ConfigError, DataError, Diagnostic, Error, FilterError, LoadError
 from ._results import Errors, FilterResult, Innovations, Records, RunResult, Series
+from ._session import Session
 
 __all__ = [
+    "Arrays",
     "Composition",
     "ConfigError",
     "DataError",
@@ -27,7 +30,9 @@ __all__ = [
     "LoadError",
     "Records",
     "RunResult",
+    "Samples",
     "Series",
+    "Session",
     "load",
     "parse",
 ]

@@ -147,7 +147,7 @@ class Summary(dict):
 
 class RunResult(Names):
     """A run: filters by name. .summary, .verdict ("ok", "doubtful" or "lost": the worst of all), .doubts (why),
-    .failures (filters that broke or never started), .warnings: lists of Diagnostic."""
+    .failures (filters that broke or never started), .warnings: lists of Diagnostic. .channels: {name: Samples} of keep=."""
 
     _what = "filter"
 
@@ -156,6 +156,7 @@ class RunResult(Names):
         self.summary = Summary(run["summary"], run["text"])
         self.verdict, self.doubts = run["verdict"], run["doubts"]
         self.failures, self.warnings = run["failures"], run["warnings"]
+        self.channels = {}
 
     @property
     def errors(self):

@@ -18,6 +18,16 @@ namespace binnacle::python {
 
 namespace {
 
+/// The config with its extends, variables and settings, before it is composed.
+py::object resolved(const std::string& path, std::optional<std::string> text, std::map<std::string, std::string> vars,
+                    std::vector<std::string> sets) {
+  LoadOptions options;
+  options.vars = std::move(vars);
+  options.sets = std::move(sets);
+  options.text = std::move(text);
+  return to_python(Json::parse(Config::load(path, options).text()));
+}
+
 Loaded load(std::string path, std::optional<std::string> text, std::map<std::string, std::string> vars,
             std::vector<std::string> sets, const std::vector<std::string>& folders) {
   Loaded loaded{std::move(path), {}, nullptr};
@@ -45,12 +55,20 @@ void bind_composition(py::module_& module) {
                                for (const auto& filter : self.composition->filters()) names.push_back(filter.name);
                                return names;
                              })
+      .def("subscribers",
+           [](const Loaded& self, const std::string& channel) {
+             std::vector<std::string> pointers;
+             for (const auto& info : self.composition->channels())
+               if (info.name == channel) pointers = info.subscribers;
+             return pointers;
+           })
       .def_property_readonly("channels", [](const Loaded& self) {
         std::vector<std::string> names;
         for (const auto& channel : self.composition->channels()) names.push_back(channel.name);
         return names;
       });
   module.def("load", &load, py::arg("path"), py::arg("text"), py::arg("vars"), py::arg("sets"), py::arg("folders"));
+  module.def("resolved", &resolved, py::arg("path"), py::arg("text"), py::arg("vars"), py::arg("sets"));
 }
 
 }  // namespace binnacle::python

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linked.hpp"
 
+#include "arrays.hpp"
+#include "binnacle/version.hpp"
+
 namespace binnacle::python {
 
-std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins() { return {}; }
+std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins() {
+  static const auto arrays =
+      std::make_shared<const LinkedPlugin>(LinkedPlugin{"python", BINNACLE_VERSION, &add_array_types});
+  return {arrays};
+}
 
 }  // namespace binnacle::python
