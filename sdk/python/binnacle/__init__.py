@@ -9,11 +9,16 @@ Numbers are in SI, angles in rad. Times are seconds (float), or numpy.timedelta6
 """
 
 from ._core import version as __version__
-from ._composition import Composition, load, parse
+from ._composition import Composition, allan, inspect, load, parse
 from ._errors import ConfigError, DataError, Diagnostic, Error, FilterError, LoadError
-from ._results import Errors, FilterResult, Innovations, Records, RunResult, Series
+from ._core import Inflation, Step, Update
+from ._log import LoggedUpdate, StepLog
+from ._results import Errors, FilterResult, Innovations, Metrics, Records, RunResult, Series, StudyResult, open
+from ._verbs import AllanDeviation, Analysis, Tuning
 
 __all__ = [
+    "AllanDeviation",
+    "Analysis",
     "Composition",
     "ConfigError",
     "DataError",
@@ -22,11 +27,22 @@ __all__ = [
     "Errors",
     "FilterError",
     "FilterResult",
+    "Inflation",
     "Innovations",
     "LoadError",
+    "LoggedUpdate",
+    "Metrics",
     "Records",
     "RunResult",
     "Series",
+    "Step",
+    "StepLog",
+    "StudyResult",
+    "Tuning",
+    "Update",
+    "allan",
+    "inspect",
     "load",
+    "open",
     "parse",
 ]
