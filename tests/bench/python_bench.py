@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a run costs from Python, against the command: `tests/bench/python_bench.py [SECONDS] [PAIRS]`. Processor time of pairs of runs of
-at least so many seconds, one after the other, the import left out; the median of their ratios. Once where both keep figures alone,
-once where both keep everything: the command in a folder, the package in memory."""
+"""What a run costs from Python, against the command: `tests/bench/python_bench.py [SECONDS] [PAIRS]`. Processor time of pairs of
+runs of at least so many seconds, one after the other, the import left out; the median of their ratios. Once where both keep figures
+alone, once where both keep everything: the command in a folder, the package in memory."""
 import os
 import resource
 import statistics
@@ -20,7 +20,8 @@ def spent():
     usage = resource.getrusage(resource.RUSAGE_SELF)
     return usage.ru_utime + usage.ru_stime
 before = spent()
-result = bn.load(sys.argv[1], set={"/sources/drive/repeat": int(sys.argv[2])}).run(records=sys.argv[3] == "all", innovations=sys.argv[3] == "all")
+keeps = sys.argv[3] == "all"
+result = bn.load(sys.argv[1], set={"/sources/drive/repeat": int(sys.argv[2])}).run(records=keeps, innovations=keeps)
 steps = result.summary["filters"]["ins"]["steps"]
 print(spent() - before, steps, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
@@ -53,8 +54,8 @@ def compare(what, repeat, pairs, kept, *more):
         if not pair % 2:
             theirs.append(command(repeat, *more))
         ratios.append(ours[-1] / theirs[-1])
-    print(f"{what}: {steps} steps, Python {statistics.median(ours):.2f} s, command {statistics.median(theirs):.2f} s, "
-          f"ratio {statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f}, {pairs} pairs), {memory / 1024:.0f} MB")
+    print(f"{what}: {steps} steps, Python {statistics.median(ours):.2f} s, command {statistics.median(theirs):.2f} s, ratio "
+          f"{statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f}, {pairs} pairs), {memory / 1024:.0f} MB")
 
 
 def main():

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every config of the project gives the same bits by the package as by the command: figures, estimates, errors, innovations.
 
-run, study and covariance of each, as tests/compare/plan.json has them. By default those are compared whose command takes no more
-than BINNACLE_EXACT_SECONDS (0.4) of processor time; the others are skipped, and the skip says so. With 10000 it is all of them.
+run, study and covariance of each, as tests/compare/plan.json has them. By default those are compared whose command takes no
+more than BINNACLE_EXACT_SECONDS (0.4) of processor time; the others are skipped, and the skip says so. With 10000 it is all of
+them.
 """
 
 import json
@@ -46,7 +47,8 @@ class Case:
         (scratch / "data").mkdir(parents=True)
         for first in PLAN.before(name):
             words = [word.replace("{scratch}", str(scratch)) for word in PLAN.words("run", first)]
-            subprocess.run([os.environ["BINNACLE_COMMAND"], "run", CONFIGS / first, *words, "--quiet"], cwd=PROJECT, check=True)
+            line = [os.environ["BINNACLE_COMMAND"], "run", CONFIGS / first, *words, "--quiet"]
+            subprocess.run(line, cwd=PROJECT, check=True)
 
     def option(self, name):
         return [after for word, after in zip(self.words, self.words[1:]) if word == name]
@@ -83,7 +85,8 @@ class Case:
 def figures(value):
     """What does not tell the time."""
     if isinstance(value, dict):
-        return {key: figures(each) for key, each in value.items() if key not in ("wall_s", "filter_s", "live", "longest_lag_s")}
+        times = ("wall_s", "filter_s", "live", "longest_lag_s")
+        return {key: figures(each) for key, each in value.items() if key not in times}
     return [figures(each) for each in value] if isinstance(value, list) else value
 
 

@@ -99,7 +99,8 @@ class Watch:
 def test_an_observer_sees_what_the_log_keeps(quickstart, logged):
     watch, log = Watch(), logged["ins"].log
     quickstart.run(seed=3, observers={"ins": watch})
-    assert np.array_equal([step[0] for step in watch.steps], log.t0) and np.array_equal([step[1] for step in watch.steps], log.t1)
+    assert np.array_equal([step[0] for step in watch.steps], log.t0)
+    assert np.array_equal([step[1] for step in watch.steps], log.t1)
     assert np.array_equal([step[2] for step in watch.steps], log.Phi)
     assert all(step[3] is None for step in watch.steps)
     assert watch.starts[0][0] == log.starts["t"][0] and np.array_equal(watch.starts[0][2], log.starts["P"][0])
@@ -148,7 +149,10 @@ def test_what_late_samples_void_is_taken_out_of_the_log(project):
         "/filters/ins/history": "2 s",
         "/sources/drive/latency": {"uniform": [0, "1.9 s"]},
         "/evaluate/estimates": "live",
-        "/sources/drive/segments": [{"do": "still", "duration": "5 s"}, {"do": "accelerate", "to": "14 m/s", "acceleration": "2 m/s^2"}],
+        "/sources/drive/segments": [
+            {"do": "still", "duration": "5 s"},
+            {"do": "accelerate", "to": "14 m/s", "acceleration": "2 m/s^2"},
+        ],
     }
     rewound = []
 

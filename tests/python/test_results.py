@@ -16,7 +16,7 @@ SETS = {
 
 def same(a, b):
     """To the last bit, with their times, 1-sigma, names and units."""
-    assert np.array_equal(np.asarray(a).view(np.int64) if a.dtype == float else a, np.asarray(b).view(np.int64) if b.dtype == float else b)
+    assert np.array_equal(np.ascontiguousarray(a).view(np.int64), np.ascontiguousarray(b).view(np.int64))
     assert np.array_equal(a.t, b.t) and (a.names, a.units, a.display_units) == (b.names, b.units, b.display_units)
     assert (a.sigma is None) == (b.sigma is None) and (a.sigma is None or np.array_equal(a.sigma, b.sigma, equal_nan=True))
 

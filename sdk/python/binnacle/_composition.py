@@ -81,15 +81,15 @@ class Composition(Verbs):
         samples are kept; both are held in memory, as float64. The GIL is released; Ctrl-C stops the run
         (KeyboardInterrupt). Raises DataError where data turn out unusable.
 
-        log: True, a filter's name, or a list of them: their whole step log is kept, r["ins"].log, a StepLog. A step takes 8 bytes
-        × (4 n² + 2 × stored size) for n rows of P, 7 kB for 15, and a sample about as much. {"ins": ("transition", …)} keeps what
-        is named alone: of "step_covariance" (P0, P1 of steps), "transition" (Phi, Qd), "update_covariance" (P0, P1 of
-        samples), "jacobian" (H), "reset"; the rest is always kept.
+        log: True, a filter's name, or a list of them: their whole step log is kept, r["ins"].log, a StepLog. A step takes 8
+        bytes × (4 n² + 2 × stored size) for n rows of P, 7 kB for 15, and a sample about as much. {"ins": ("transition", …)}
+        keeps what is named alone: of "step_covariance" (P0, P1 of steps), "transition" (Phi, Qd), "update_covariance" (P0, P1
+        of samples), "jacobian" (H), "reset"; the rest is always kept.
 
         observers: {filter: observer}. An observer is called with each Step and each Update; or it has some of the methods
-        stepped(step), offered(update), inflated(inflation), started(t, x, P), restored(t, x, P), rewound(t), which are called. Its
-        attribute `wants` (names as above) says what is computed for it; by default all. Records are there during the call only,
-        and each array that is read of them is a copy, made then. An exception ends the run and is raised here as it is.
+        stepped(step), offered(update), inflated(inflation), started(t, x, P), restored(t, x, P), rewound(t), which are called.
+        Its attribute `wants` (names as above) says what is computed for it; by default all. Records are there during the call
+        only, and each array that is read of them is a copy, made then. An exception ends the run and is raised here as it is.
 
         out: a folder for what `binnacle run --out` leaves there.
         """
@@ -98,7 +98,8 @@ class Composition(Verbs):
 
     def _known_filter(self, name, argument):
         if name not in self.filters:
-            raise KeyError(f"{argument}: there is no filter {name!r}; there are {', '.join(map(repr, self.filters)) or 'none'}")
+            known = ", ".join(map(repr, self.filters)) or "none"
+            raise KeyError(f"{argument}: there is no filter {name!r}; there are {known}")
         return name
 
     def _logs(self, log):

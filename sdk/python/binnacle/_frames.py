@@ -115,7 +115,8 @@ def _estimates(filter):
     for name, series in filter.others.items():
         variables[names.take(name)] = ("time", np.asarray(series), _attributes(series.units, "", column=name))
         if series.sigma is not None:
-            variables[names.take(name + "_sigma")] = ("time", series.sigma, _attributes(series.units, "", column=name + ".sigma"))
+            attributes = _attributes(series.units, "", column=name + ".sigma")
+            variables[names.take(name + "_sigma")] = ("time", series.sigma, attributes)
     return _imported("xarray").Dataset(variables, coordinates, {"filter": filter.name})
 
 
@@ -174,7 +175,7 @@ def _slots(innovations, mask):
 
 
 def _rows(innovations, g, suffix):
-    """Of one group: (time, row), as wide as the largest sample; NaN, or NetCDF's fill value of keys, where a sample has none."""
+    """Of one group: (time, row), as wide as the largest sample; where a sample has none NaN, or NetCDF's fill value."""
     (group, unit), mask = innovations.groups[g], innovations.group == g
     sample, slot = _slots(innovations, mask)
     shape, dimensions = (len(innovations.t), int(slot.max()) + 1 if len(slot) else 0), ("time", "row" + suffix)
@@ -186,7 +187,8 @@ def _rows(innovations, g, suffix):
 
 
 def _measurement(innovations):
-    flags = {"flag_values": np.arange(len(innovations.outcomes), dtype=np.int8), "flag_meanings": " ".join(innovations.outcomes)}
+    outcomes = innovations.outcomes
+    flags = {"flag_values": np.arange(len(outcomes), dtype=np.int8), "flag_meanings": " ".join(outcomes)}
     texts, reason = innovations.reason_texts()
     variables = {
         "outcome": ("time", innovations.outcome_code, flags),

@@ -8,7 +8,7 @@ KINDS = ("start", "step", "update", "inflation")
 
 
 class _Ragged:
-    """Numbers of several records one behind the other: those of record i, or None where it has none."""
+    """Numbers of several records, one behind the other: those of record i, or None where it has none."""
 
     def __init__(self, numbers, ends):
         self._numbers, self._begins, self._ends = numbers, np.concatenate(([0], ends[:-1])), ends
@@ -24,7 +24,8 @@ class _Ragged:
 class LoggedUpdate:
     """What became of one sample. Matrices are (rows, columns) and views of the log; None where the record does not have them.
 
-    .t [s]; .measurement, .outcome, .reason as text; .rows; .nis; .residual (rows,); .S, .R (rows, rows); .H (rows, n); .K (n, rows);
+    .t [s]; .measurement, .outcome, .reason as text; .rows; .nis; .residual (rows,); .S, .R (rows, rows); .H (rows, n); 
+    .K (n, rows);
     .delta (n,), the injected error; .update_residual, .update_S; .x0, .x1 stored states before and after; .P0, .P1 (n, n);
     .reset (n, n), None: the identity. n: as many as rows_of_P.
     """
@@ -46,7 +47,8 @@ class LoggedUpdate:
 
 
 class LoggedUpdates:
-    """Every sample: a sequence of LoggedUpdate, made when asked for. .t (m,) [s], .rows (m,), .nis (m,), .outcome (m,) as text."""
+    """Every sample: a sequence of LoggedUpdate, each made when asked for. .t (m,) [s], .rows (m,), .nis (m,); .outcome,
+    .measurement (m,) as text."""
 
     def __init__(self, log, t):
         self.t, self.rows, self.nis = t, log["rows"], log["nis"]
@@ -75,9 +77,10 @@ class LoggedUpdates:
 class StepLog:
     """All that a filter did, in memory.
 
-    s steps: .t0, .t1 (s,) [s]; .x0, .x1 (s, stored), stored states at the beginning and, a priori, at the end; .P0, .P1, .Phi, .Qd
-    (s, n, n). m samples: .updates. .starts: t (k,), x (k, stored), P (k, n, n), where the filter started, anew as well. .inflations:
-    where P was opened: t, measurement, and a list each of variances (n,), scales (n,), P0, P1. What was not wanted is None.
+    s steps: .t0, .t1 (s,) [s]; .x0, .x1 (s, stored), stored states at the beginning and, a priori, at the end; .P0, .P1, .Phi,
+    .Qd (s, n, n). m samples: .updates. .starts: t (k,), x (k, stored), P (k, n, n), where the filter started, anew as well.
+    .inflations: where P was opened: t, measurement, and a list each of variances (n,), scales (n,), P0, P1. What was not
+    wanted is None.
     .kinds: of all records in the order in which they came, "start", "step", "update", "inflation". .rows_of_P: names of the n
     rows of P. With `history`, what a late sample voids is not there.
 

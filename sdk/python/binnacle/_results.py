@@ -17,8 +17,8 @@ OUTCOMES = ("accepted", "gated", "late", "unsupported", "invalid", "withheld", "
 
 class Series(np.ndarray):
     """Numbers over time, (n,) or (n, outputs), SI: an array that also knows .t (n,) [s], .sigma (like itself, 1-sigma;
-    None where it is not known), .names, .units and .display_units (a text each per output; one text where it has one dimension). display_units are what
-    tables show; the numbers are SI.
+    None where it is not known), .names, .units and .display_units (a text each per output; one text where it has one
+    dimension). display_units are what tables show; the numbers are SI.
 
     What is computed or cut from it is a plain array.
     """
@@ -51,7 +51,8 @@ class Names(Mapping):
         try:
             return self._items[name]
         except KeyError:
-            raise KeyError(f"there is no {self._what} {name!r}; there are {', '.join(map(repr, self._items)) or 'none'}") from None
+            known = ", ".join(map(repr, self._items)) or "none"
+            raise KeyError(f"there is no {self._what} {name!r}; there are {known}") from None
 
     def __iter__(self):
         return iter(self._items)
@@ -142,9 +143,10 @@ def _error_series(error):
 class Innovations:
     """The fate of every sample that was offered to a measurement.
 
-    .t (n,) [s]; .outcome (n,) as text, .outcome_code (n,) as index in .outcomes; .reason (n,) as text, "" where it was accepted; .nis (n,), NaN where it was not
-    linearized; .rows (n,). Row by row through all samples: .sample (index of the sample), .group (index in .groups,
-    (name, unit) each), .key (satellite, say), .residual, .sigma (root of the diagonal of H P H' + R), .noise (of R).
+    .t (n,) [s]; .outcome (n,) as text, .outcome_code (n,) as index in .outcomes; .reason (n,) as text, "" where it was
+    accepted; .nis (n,), NaN where it was not linearized; .rows (n,). Row by row through all samples: .sample (index of the
+    sample), .group (index in .groups, (name, unit) each), .key (satellite, say), .residual, .sigma (root of the diagonal of H
+    P H' + R), .noise (of R).
     """
 
     def __init__(self, updates):
@@ -227,7 +229,8 @@ class RunResult(Names):
         self.config, self.provenance = config, run.get("provenance")
 
     def __repr__(self):
-        return f"<RunResult {self.verdict}: {', '.join(f'{name} ({len(f.t)} estimates)' for name, f in self.items()) or 'none'}>"
+        filters = ", ".join(f"{name} ({len(filter.t)} estimates)" for name, filter in self.items())
+        return f"<RunResult {self.verdict}: {filters or 'no filter'}>"
 
     def _repr_pretty_(self, printer, cycle):
         printer.text(str(self.summary))

@@ -6,8 +6,8 @@ from ._results import Figures, StudyResult
 
 
 class Analysis(Figures):
-    """Figures of a verb as the command prints them with --json; str() is what it prints for people. .warnings, .failures: lists of
-    Diagnostic."""
+    """Figures of a verb as the command prints them with --json; str() is what it prints for people. .warnings, .failures:
+    lists of Diagnostic."""
 
     def __init__(self, result):
         super().__init__(result["figures"], result["text"])
@@ -55,13 +55,13 @@ def _count(value, name, least):
 
 
 class Verbs:
-    """Mixed into Composition. Each composes the config anew, as the command does; all release the GIL, and Ctrl-C stops them."""
+    """Mixed into Composition. Each composes the config anew, as the command does, and releases the GIL; Ctrl-C stops it."""
 
     def study(self, runs=None, jobs=None, *, seed=None):
         """Runs the variants of the config's "study" many times, as `binnacle study` does: a StudyResult.
 
-        runs: of each variant, instead of the config's. jobs: at work at one time, all processors by default; the figures do not
-        depend on it. Raises ConfigError where there is no "study".
+        runs: of each variant, instead of the config's. jobs: at work at one time, all processors by default; the figures do
+        not depend on it. Raises ConfigError where there is no "study".
         """
         jobs = _count(jobs, "jobs", 1) or 0
         return StudyResult(_core.study(self._loaded, _count(runs, "runs", 1), seed, jobs))
@@ -92,8 +92,8 @@ class Verbs:
     def allan(self, channel, *, overlap=1.0, seed=1):
         """The noise of a channel by its Allan deviation, as `binnacle allan` has it: an AllanDeviation.
 
-        overlap: averages overlap fully up to so many seconds. Raises ValueError where there is no such channel, DataError where no
-        sample came.
+        overlap: averages overlap fully up to so many seconds. Raises ValueError where there is no such channel, DataError
+        where no sample came.
         """
         return AllanDeviation(_core.allan(self._loaded, channel, overlap, seed))
 
