@@ -83,7 +83,7 @@ class Case:
 
 
 def figures(value):
-    """What does not tell the time."""
+    """Without times of the clock."""
     if isinstance(value, dict):
         times = ("wall_s", "filter_s", "live", "longest_lag_s")
         return {key: figures(each) for key, each in value.items() if key not in times}

@@ -16,7 +16,7 @@ LONG = {"/sources/drive/repeat": 1000}
 
 
 def untimed(text):
-    """Without what tells the time."""
+    """Without times of the clock."""
     return [re.sub(r"wall time.*|, [^,]* per step", "", line) for line in text.splitlines()]
 
 

@@ -157,9 +157,11 @@ py::dict allan_of(const Loaded& loaded, const std::string& channel_name, double 
   interruptibly([&](const GoesOn& goes_on) {
     channel = command::allan_channel(loaded.path.string(), loaded.options, channel_name, overlap, seed, goes_on);
   });
-  if (channel.samples == 0)
-    throw DataError(
-        Diagnostic{Severity::error, "", {loaded.path.string(), 0, 0}, "", "no sample came on '" + channel_name + "'"});
+  if (channel.samples == 0) {
+    Diagnostics diagnostics;
+    diagnostics.error("", {loaded.path.string(), 0, 0}, "", "no sample came on '" + channel_name + "'");
+    throw DataError(diagnostics);
+  }
   py::dict dict = figures_and_text(command::allan_json(channel), command::allan_text(channel));
   dict["svg"] = command::allan_svg(channel);
   dict["warnings"] = to_python(channel.warnings);

@@ -76,7 +76,7 @@ void Collector::scored(int filter, const score::ErrorSeries& errors) {
 }
 
 bool Collector::progress(Time) {
-  failure_.tell();
+  failure_.raise();
   check_();
   return true;
 }

@@ -43,8 +43,8 @@ class Collector : public score::RunObserver {
   void record(int filter, Time t, std::span<const double> values) override;
   StepObserver* step_observer(int filter) override;
   void scored(int filter, const score::ErrorSeries& errors) override;
-  void after_instant() override { failure_.tell(); }
-  void finished() override { failure_.tell(); }
+  void after_instant() override { failure_.raise(); }
+  void finished() override { failure_.raise(); }
   bool progress(Time t) override;
 
   /// All that was kept, by filter. The GIL is held.

@@ -17,7 +17,7 @@ class Failure {
     if (!exception_) exception_ = std::move(exception);
   }
   /// Throws it, if there is one.
-  void tell() {
+  void raise() {
     if (exception_) std::rethrow_exception(exception_);
   }
 

@@ -119,7 +119,7 @@ Records records_of(results::FilterResults& filter) {
   return records;
 }
 
-py::dict taken(results::RunResults&& run) {
+py::dict run_of(results::RunResults&& run) {
   py::list filters;
   for (auto& of_file : run.filters) {
     py::dict filter = taken(records_of(of_file));
@@ -153,7 +153,7 @@ py::tuple open(const std::string& folder) {
       throw py::error_already_set();
     }
   }
-  return py::make_tuple(all.run ? py::object(taken(std::move(*all.run))) : py::none(),
+  return py::make_tuple(all.run ? py::object(run_of(std::move(*all.run))) : py::none(),
                         all.study ? py::object(taken(std::move(*all.study))) : py::none());
 }
 
