@@ -36,7 +36,7 @@ def command(project):
 
 
 def without_wall_time(summary):
-    """The figures that do not tell the time."""
+    """The figures without times of the clock."""
     if isinstance(summary, dict):
         return {key: without_wall_time(value) for key, value in summary.items() if key not in ("wall_s", "filter_s")}
     if isinstance(summary, list):

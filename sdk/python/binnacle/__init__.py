@@ -11,12 +11,17 @@ Numbers are in SI, angles in rad. Times are seconds (float), or numpy.timedelta6
 from . import _numpy  # before all that wants numpy
 from ._core import version as __version__
 from ._arrays import Arrays, Samples
-from ._composition import Composition, load, parse
+from ._composition import Composition, allan, inspect, load, parse
+from ._core import Inflation, Step, Update
 from ._errors import ConfigError, DataError, Diagnostic, Error, FilterError, LoadError
-from ._results import Errors, FilterResult, Innovations, Records, RunResult, Series
+from ._log import LoggedUpdate, StepLog
+from ._results import Errors, FilterResult, Innovations, Metrics, Records, RunResult, Series, StudyResult, open
 from ._session import Session
+from ._verbs import AllanDeviation, Analysis, Tuning
 
 __all__ = [
+    "AllanDeviation",
+    "Analysis",
     "Arrays",
     "Composition",
     "ConfigError",
@@ -26,13 +31,24 @@ __all__ = [
     "Errors",
     "FilterError",
     "FilterResult",
+    "Inflation",
     "Innovations",
     "LoadError",
+    "LoggedUpdate",
+    "Metrics",
     "Records",
     "RunResult",
     "Samples",
     "Series",
     "Session",
+    "Step",
+    "StepLog",
+    "StudyResult",
+    "Tuning",
+    "Update",
+    "allan",
+    "inspect",
     "load",
+    "open",
     "parse",
 ]

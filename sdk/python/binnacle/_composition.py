@@ -8,6 +8,7 @@ from . import _core
 from ._arrays import Keeper, refuse_unused, settings_of
 from ._results import RunResult
 from ._session import Session
+from ._verbs import AllanDeviation, Analysis, Verbs
 
 
 def _plugin_folders():
@@ -59,11 +60,11 @@ def _composed(path, text, variables, settings, data):
     return Composition(loaded, lambda more: load({**settings, **more}))
 
 
-class Composition:
+class Composition(Verbs):
     """A checked config, ready to run any number of times, in any number of threads. Made by load() and parse()."""
 
     def __init__(self, loaded, load):
-        self._loaded, self._keeper = loaded, Keeper(loaded, load)
+        self._loaded, self._load, self._keeper = loaded, load, Keeper(loaded, load)
 
     def __repr__(self):
         return f"<binnacle.Composition {self._loaded.path!r}: {', '.join(self.filters) or 'no filter'}>"
@@ -91,15 +92,28 @@ class Composition:
         """What is suspicious but no error: a list of Diagnostic. (What is an error, load() and parse() raise.)"""
         return self._loaded.warnings()
 
-    def run(self, seed=1, *, run=0, records=True, innovations=True, keep=()):
+    def run(self, seed=1, *, run=0, records=True, innovations=True, keep=(), log=None, observers=None, out=None):
         """Runs it over its sources, as `binnacle run` does, with the same numbers to the last bit: a RunResult.
 
         seed, run: which random streams simulators draw from. records, innovations: whether estimates and the fate of
         samples are kept; both are held in memory, as float64. keep: names of channels, ["detector.stops"], whose samples
         are kept too, in .channels; the config is composed anew for them, with a sink each. The GIL is released; Ctrl-C stops the run
         (KeyboardInterrupt). Raises DataError where data turn out unusable.
+
+        log: True, a filter's name, or a list of them: their whole step log is kept, r["ins"].log, a StepLog. A step takes 8
+        bytes × (4 n² + 2 × stored size) for n rows of P, 7 kB for 15, and a sample about as much. {"ins": ("transition", …)}
+        keeps what is named alone: of "step_covariance" (P0, P1 of steps), "transition" (Phi, Qd), "update_covariance" (P0, P1
+        of samples), "jacobian" (H), "reset"; the rest is always kept.
+
+        observers: {filter: observer}. An observer is called with each Step and each Update; or it has some of the methods
+        stepped(step), offered(update), inflated(inflation), started(t, x, P), restored(t, x, P), rewound(t), which are called.
+        Its attribute `wants` (names as above) says what is computed for it; by default all. Records are there during the call
+        only, and each array that is read of them is a copy, made then. An exception ends the run and is raised here as it is.
+
+        out: a folder for what `binnacle run --out` leaves there.
         """
-        run_one = lambda loaded: RunResult(_core.run(loaded, seed, run, records, innovations))  # noqa: E731
+        arguments = (seed, run, records, innovations, self._logs(log), self._observers(observers), None if out is None else os.fspath(out))
+        run_one = lambda loaded: RunResult(_core.run(loaded, *arguments), self.config)  # noqa: E731
         if not keep:
             return run_one(self._loaded)
         result, result.channels = self._keeper.run(keep, run_one)
@@ -112,3 +126,50 @@ class Composition:
         is of: "live", with all that has come so far, or "settled", once no sample can change it any more.
         """
         return Session(self._loaded, seed, run, estimates)
+
+    def _known_filter(self, name, argument):
+        if name not in self.filters:
+            known = ", ".join(map(repr, self.filters)) or "none"
+            raise KeyError(f"{argument}: there is no filter {name!r}; there are {known}")
+        return name
+
+    def _logs(self, log):
+        if not log:
+            return {}
+        if log is True:
+            log = self.filters
+        elif isinstance(log, str):
+            log = [log]
+        everything = ("step_covariance", "transition", "update_covariance", "jacobian", "reset")
+        wants = dict(log) if isinstance(log, dict) else dict.fromkeys(log, everything)
+        return {self._known_filter(name, "log"): list(names) for name, names in wants.items()}
+
+    def _observers(self, observers):
+        return {self._known_filter(name, "observers"): observer for name, observer in (observers or {}).items()}
+
+
+def inspect(*files, vars=None, set=None):
+    """Looks at data before a filter does, as `binnacle inspect` does: units, signs, axes, clocks, mounting. An Analysis.
+
+    files: data files, a config's file, or one Composition.
+    """
+    if len(files) == 1 and isinstance(files[0], Composition):
+        return files[0].inspect()
+    if not files:
+        raise TypeError("inspect() takes data files, a config's file, or a Composition; found nothing")
+    names = [os.fspath(file) for file in files]
+    return Analysis(_core.inspect_files(names, _described(names[0], vars, set)))
+
+
+def allan(config, channel, *, overlap=1.0, seed=1, vars=None, set=None):
+    """The noise of a channel by its Allan deviation, as `binnacle allan` has it: an AllanDeviation.
+
+    config: a Composition, or a config's file, of which nothing but the sources and transforms has to be right.
+    """
+    if isinstance(config, Composition):
+        return config.allan(channel, overlap=overlap, seed=seed)
+    return AllanDeviation(_core.allan(_described(config, vars, set), channel, overlap, seed))
+
+
+def _described(path, variables, settings):
+    return _core.described(os.fspath(path), None, _vars(variables), _sets(settings), _plugin_folders())

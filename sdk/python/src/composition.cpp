@@ -28,14 +28,21 @@ py::object resolved(const std::string& path, std::optional<std::string> text, st
   return to_python(Json::parse(Config::load(path, options).text()));
 }
 
-Loaded load(std::string path, std::optional<std::string> text, std::map<std::string, std::string> vars,
-            std::vector<std::string> sets, const std::vector<std::string>& folders) {
+/// With how it is to be loaded, and not loaded yet: for what composes a config in its own way.
+Loaded described(std::string path, std::optional<std::string> text, std::map<std::string, std::string> vars,
+                 std::vector<std::string> sets, const std::vector<std::string>& folders) {
   Loaded loaded{std::move(path), {}, nullptr};
   loaded.options.vars = std::move(vars);
   loaded.options.sets = std::move(sets);
   loaded.options.text = std::move(text);
   loaded.options.linked_plugins = linked_plugins();
   for (const auto& folder : folders) loaded.options.plugin_folders.emplace_back(folder);
+  return loaded;
+}
+
+Loaded load(std::string path, std::optional<std::string> text, std::map<std::string, std::string> vars,
+            std::vector<std::string> sets, const std::vector<std::string>& folders) {
+  Loaded loaded = described(std::move(path), std::move(text), std::move(vars), std::move(sets), folders);
   const py::gil_scoped_release unlocked;
   loaded.composition = score::load(loaded.path, loaded.options);
   return loaded;
@@ -69,6 +76,8 @@ void bind_composition(py::module_& module) {
       });
   module.def("load", &load, py::arg("path"), py::arg("text"), py::arg("vars"), py::arg("sets"), py::arg("folders"));
   module.def("resolved", &resolved, py::arg("path"), py::arg("text"), py::arg("vars"), py::arg("sets"));
+  module.def("described", &described, py::arg("path"), py::arg("text"), py::arg("vars"), py::arg("sets"),
+             py::arg("folders"));
 }
 
 }  // namespace binnacle::python
