@@ -11,7 +11,7 @@
 #include "errors.hpp"
 #include "linked.hpp"
 #include "loaded.hpp"
-#include "score/sections.hpp"
+#include "models.hpp"
 #include "wording/diagnostics_json.hpp"
 
 namespace binnacle::python {
@@ -26,8 +26,7 @@ Loaded load(std::string path, std::optional<std::string> text, std::map<std::str
   loaded.options.text = std::move(text);
   loaded.options.linked_plugins = linked_plugins();
   for (const auto& folder : folders) loaded.options.plugin_folders.emplace_back(folder);
-  const py::gil_scoped_release unlocked;
-  loaded.composition = score::load(loaded.path, loaded.options);
+  loaded.composition = load_with_models(loaded.path, loaded.options);
   return loaded;
 }
 

@@ -5,6 +5,7 @@
 #include "binnacle/version.hpp"
 #include "errors.hpp"
 #include "loaded.hpp"
+#include "models.hpp"
 #include "run.hpp"
 
 PYBIND11_MODULE(_core, module) {
@@ -12,4 +13,5 @@ PYBIND11_MODULE(_core, module) {
   binnacle::python::bind_errors(module);
   binnacle::python::bind_composition(module);
   binnacle::python::bind_run(module);
+  binnacle::python::bind_models(module);
 }
