@@ -8,6 +8,7 @@
 Numbers are in SI, angles in rad. Times are seconds (float), or numpy.timedelta64 where they have to be exact.
 """
 
+from . import _numpy  # before all that wants numpy
 from ._core import version as __version__
 from ._composition import Composition, load, parse
 from ._errors import ConfigError, DataError, Diagnostic, Error, FilterError, LoadError

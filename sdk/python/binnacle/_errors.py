@@ -58,5 +58,9 @@ class DataError(Error):
 _KINDS = {kind.exit_status: kind for kind in (FilterError, ConfigError, LoadError, DataError)}
 
 
+for _kind in (Diagnostic, Error, *_KINDS.values()):
+    _kind.__module__ = "binnacle"  # as users know them
+
+
 def error_of(exit_status, text, diagnostics):
     return _KINDS.get(exit_status, Error)(text, diagnostics)

@@ -50,7 +50,6 @@ void bind_composition(py::module_& module) {
         return names;
       });
   module.def("load", &load, py::arg("path"), py::arg("text"), py::arg("vars"), py::arg("sets"), py::arg("folders"));
-  module.attr("built_plugin_folder") = BINNACLE_BUILT_PLUGIN_FOLDER;
 }
 
 }  // namespace binnacle::python

@@ -16,7 +16,7 @@ namespace binnacle::python {
 
 namespace {
 
-py::dict to_python(Records&& records) {
+py::dict moved(Records&& records) {
   py::list columns;
   for (const auto& column : records.columns) columns.append(py::make_tuple(column.name, column.unit));
   py::dict dict;
@@ -28,7 +28,7 @@ py::dict to_python(Records&& records) {
   return dict;
 }
 
-py::dict to_python(results::Error&& error) {
+py::dict moved(results::Error&& error) {
   py::dict dict;
   dict["name"] = error.name;
   dict["unit"] = error.unit;
@@ -39,7 +39,7 @@ py::dict to_python(results::Error&& error) {
   return dict;
 }
 
-py::dict to_python(results::Updates&& updates) {
+py::dict moved(results::Updates&& updates) {
   std::vector<std::int8_t> outcomes;
   for (const Outcome outcome : updates.outcome) outcomes.push_back(static_cast<std::int8_t>(outcome));
   py::list groups, reasons;
@@ -64,10 +64,10 @@ py::dict to_python(results::Updates&& updates) {
 py::list filters_of(Collector& collector) {
   py::list filters;
   for (std::size_t f = 0; f < collector.records().size(); ++f) {
-    py::dict filter = to_python(std::move(collector.records()[f]));
+    py::dict filter = moved(std::move(collector.records()[f]));
     py::list errors, updates;
-    for (auto& error : collector.errors()[f]) errors.append(to_python(std::move(error)));
-    for (auto& of_one : collector.updates()[f]) updates.append(to_python(std::move(of_one)));
+    for (auto& error : collector.errors()[f]) errors.append(moved(std::move(error)));
+    for (auto& of_one : collector.updates()[f]) updates.append(moved(std::move(of_one)));
     filter["errors"] = errors;
     filter["updates"] = updates;
     filters.append(filter);
