@@ -67,12 +67,6 @@ void add(Registry& registry, const ModelClass& model) {
   }
 }
 
-ModelClasses all_models() {
-  ModelClasses all;
-  for (const auto& [name, model] : registered()) all.push_back(model);
-  return all;
-}
-
 /// Those whose name stands in the config as a text.
 ModelClasses named_in(const std::string& config_text, const ModelClasses& all) {
   ModelClasses named;
@@ -118,6 +112,12 @@ ModelClass::ModelClass(Role role_, ComponentSpec spec_, std::string code_, py::o
 ModelClass::~ModelClass() { places[static_cast<std::size_t>(place)].store(nullptr); }
 
 const ModelClass& ModelClass::at(int place) { return *places[static_cast<std::size_t>(place)].load(); }
+
+ModelClasses all_models() {
+  ModelClasses all;
+  for (const auto& [name, model] : registered()) all.push_back(model);
+  return all;
+}
 
 std::shared_ptr<const LinkedPlugin> plugin_of(ModelClasses classes) {
   std::string version = version_of(classes);

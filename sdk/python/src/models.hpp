@@ -64,6 +64,9 @@ class ModelClass {
 
 using ModelClasses = std::vector<std::shared_ptr<const ModelClass>>;
 
+/// What is registered now. Holds the GIL.
+ModelClasses all_models();
+
 /// The plugin of these classes. Its version is a hash of their code.
 std::shared_ptr<const LinkedPlugin> plugin_of(ModelClasses classes);
 

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include "binnacle/version.hpp"
+#include "conformance.hpp"
 #include "errors.hpp"
 #include "loaded.hpp"
 #include "models.hpp"
@@ -14,4 +15,5 @@ PYBIND11_MODULE(_core, module) {
   binnacle::python::bind_composition(module);
   binnacle::python::bind_run(module);
   binnacle::python::bind_models(module);
+  binnacle::python::bind_conform(module);
 }
