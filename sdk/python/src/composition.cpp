@@ -11,7 +11,7 @@
 #include "errors.hpp"
 #include "linked.hpp"
 #include "loaded.hpp"
-#include "score/sections.hpp"
+#include "models.hpp"
 #include "wording/diagnostics_json.hpp"
 
 namespace binnacle::python {
@@ -43,8 +43,7 @@ Loaded described(std::string path, std::optional<std::string> text, std::map<std
 Loaded load(std::string path, std::optional<std::string> text, std::map<std::string, std::string> vars,
             std::vector<std::string> sets, const std::vector<std::string>& folders) {
   Loaded loaded = described(std::move(path), std::move(text), std::move(vars), std::move(sets), folders);
-  const py::gil_scoped_release unlocked;
-  loaded.composition = score::load(loaded.path, loaded.options);
+  loaded.composition = load_with_models(loaded.path, loaded.options);
   return loaded;
 }
 

@@ -5,8 +5,10 @@
 #include "analyses.hpp"
 #include "arrays.hpp"
 #include "binnacle/version.hpp"
+#include "conformance.hpp"
 #include "errors.hpp"
 #include "loaded.hpp"
+#include "models.hpp"
 #include "observers.hpp"
 #include "results.hpp"
 #include "run.hpp"
@@ -22,4 +24,6 @@ PYBIND11_MODULE(_core, module) {
   binnacle::python::bind_session(module);
   binnacle::python::bind_arrays(module);
   binnacle::python::bind_analyses(module);
+  binnacle::python::bind_models(module);
+  binnacle::python::bind_conform(module);
 }
