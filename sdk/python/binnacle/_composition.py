@@ -3,12 +3,18 @@
 
 import json
 import os
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from . import _core
 from ._arrays import Keeper, refuse_unused, settings_of
+from ._errors import Diagnostic
 from ._results import RunResult
 from ._session import Session
 from ._verbs import AllanDeviation, Analysis, Verbs
+
+
+Path = str | os.PathLike[str]
 
 
 def _plugin_folders():
@@ -29,7 +35,13 @@ def _vars(variables):
     return {name: str(value) for name, value in (variables or {}).items()}
 
 
-def load(path, *, set=None, vars=None, data=None):
+def load(
+    path: Path,
+    *,
+    set: Mapping[str, Any] | None = None,
+    vars: Mapping[str, object] | None = None,
+    data: Mapping[str, Any] | None = None,
+) -> "Composition":
     """A config from a file, checked and composed.
 
     set: {"/json/pointer": value}, as --set of the command takes them; vars: {"name": text}, as --var does.
@@ -40,7 +52,14 @@ def load(path, *, set=None, vars=None, data=None):
     return _composed(os.fspath(path), None, vars, set, data)
 
 
-def parse(config, *, name="config.json", set=None, vars=None, data=None):
+def parse(
+    config: Mapping[str, Any] | str,
+    *,
+    name: Path = "config.json",
+    set: Mapping[str, Any] | None = None,
+    vars: Mapping[str, object] | None = None,
+    data: Mapping[str, Any] | None = None,
+) -> "Composition":
     """The same of a dict, or of JSON text. Messages call it `name`; relative paths in it start at the folder of `name`."""
     text = config if isinstance(config, str) else json.dumps(config, indent=2)
     return _composed(os.fspath(name), text, vars, set, data)
@@ -66,33 +85,44 @@ class Composition(Verbs):
     def __init__(self, loaded, load):
         self._loaded, self._load, self._keeper = loaded, load, Keeper(loaded, load)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<binnacle.Composition {self._loaded.path!r}: {', '.join(self.filters) or 'no filter'}>"
 
     @property
-    def title(self):
+    def title(self) -> str:
         return self._loaded.title
 
     @property
-    def filters(self):
+    def filters(self) -> list[str]:
         """Names, in the order of the config."""
         return self._loaded.filters
 
     @property
-    def channels(self):
+    def channels(self) -> list[str]:
         """Names of all channels, of sources and of transforms."""
         return self._loaded.channels
 
     @property
-    def config(self):
+    def config(self) -> dict[str, Any]:
         """The config as resolved: a dict, extends merged, variables and settings applied."""
         return self._loaded.config()
 
-    def check(self):
+    def check(self) -> list[Diagnostic]:
         """What is suspicious but no error: a list of Diagnostic. (What is an error, load() and parse() raise.)"""
         return self._loaded.warnings()
 
-    def run(self, seed=1, *, run=0, records=True, innovations=True, keep=(), log=None, observers=None, out=None):
+    def run(
+        self,
+        seed: int = 1,
+        *,
+        run: int = 0,
+        records: bool = True,
+        innovations: bool = True,
+        keep: str | Iterable[str] = (),
+        log: bool | str | Iterable[str] | Mapping[str, Iterable[str]] | None = None,
+        observers: Mapping[str, Any] | None = None,
+        out: Path | None = None,
+    ) -> RunResult:
         """Runs it over its sources, as `binnacle run` does, with the same numbers to the last bit: a RunResult.
 
         seed, run: which random streams simulators draw from. records, innovations: whether estimates and the fate of
@@ -112,14 +142,15 @@ class Composition(Verbs):
 
         out: a folder for what `binnacle run --out` leaves there.
         """
-        arguments = (seed, run, records, innovations, self._logs(log), self._observers(observers), None if out is None else os.fspath(out))
+        kept = (records, innovations, self._logs(log), self._observers(observers))
+        arguments: tuple[Any, ...] = (seed, run, *kept, None if out is None else os.fspath(out))
         run_one = lambda loaded: RunResult(_core.run(loaded, *arguments), self.config)  # noqa: E731
         if not keep:
             return run_one(self._loaded)
         result, result.channels = self._keeper.run(keep, run_one)
         return result
 
-    def session(self, seed=0, *, run=0, estimates="live"):
+    def session(self, seed: int = 0, *, run: int = 0, estimates: str = "live") -> Session:
         """A Session: this composition inside your program, without its sources.
 
         seed, run: of the random streams of its models. estimates: where a filter has `history`, what all that is asked for
@@ -148,7 +179,9 @@ class Composition(Verbs):
         return {self._known_filter(name, "observers"): observer for name, observer in (observers or {}).items()}
 
 
-def inspect(*files, vars=None, set=None):
+def inspect(
+    *files: "Path | Composition", vars: Mapping[str, object] | None = None, set: Mapping[str, Any] | None = None
+) -> Analysis:
     """Looks at data before a filter does, as `binnacle inspect` does: units, signs, axes, clocks, mounting. An Analysis.
 
     files: data files, a config's file, or one Composition.
@@ -157,11 +190,19 @@ def inspect(*files, vars=None, set=None):
         return files[0].inspect()
     if not files:
         raise TypeError("inspect() takes data files, a config's file, or a Composition; found nothing")
-    names = [os.fspath(file) for file in files]
+    names = [os.fspath(file) for file in files]  # type: ignore[arg-type]  # a Composition among them is a TypeError
     return Analysis(_core.inspect_files(names, _described(names[0], vars, set)))
 
 
-def allan(config, channel, *, overlap=1.0, seed=1, vars=None, set=None):
+def allan(
+    config: "Path | Composition",
+    channel: str,
+    *,
+    overlap: float = 1.0,
+    seed: int = 1,
+    vars: Mapping[str, object] | None = None,
+    set: Mapping[str, Any] | None = None,
+) -> AllanDeviation:
     """The noise of a channel by its Allan deviation, as `binnacle allan` has it: an AllanDeviation.
 
     config: a Composition, or a config's file, of which nothing but the sources and transforms has to be right.

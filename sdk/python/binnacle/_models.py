@@ -18,12 +18,12 @@ value, and its error components, (name, unit) each."""
 Driving = namedtuple("Driving", "t_ns rates bridges")
 Driving.__doc__ = """The driving input: time of the state [ns], its mean rates by name over the last interval (None until one
 has ended), and whether that bridged a hole in the input."""
-Driving.t = property(lambda self: None if self.t_ns is None else self.t_ns * 1e-9, doc="[s]")
+Driving.t = property(lambda self: None if self.t_ns is None else self.t_ns * 1e-9, doc="[s]")  # type: ignore[attr-defined]
 
 Innovation = namedtuple("Innovation", "t_ns dt keys groups residual HPHt R")
 Innovation.__doc__ = """One innovation: time [ns]; dt since this measurement's last accepted sample [s], 0 at the first; who
 each row is (m,), its group's index (m,), residual before the update (m,), H P⁻ Hᵀ (m, m), and nominal R (m, m)."""
-Innovation.t = property(lambda self: self.t_ns * 1e-9, doc="[s]")
+Innovation.t = property(lambda self: self.t_ns * 1e-9, doc="[s]")  # type: ignore[attr-defined]
 
 AfterUpdate = namedtuple("AfterUpdate", "outcome residual HPHt")
 AfterUpdate.__doc__ = """What an update left: outcome ("accepted", "gated" …), residual r - H δ (m,), H P⁺ Hᵀ (m, m)."""
@@ -89,8 +89,8 @@ class Sample:
 Step = namedtuple("Step", "t0_ns t1_ns dt samples bridges")
 Step.__doc__ = """One propagation: from, to [ns]; dt [s]; the samples of the driving input that fill it, in order (none where
 the spec has no fields); whether it bridges a hole in the input."""
-Step.t0 = property(lambda self: self.t0_ns * 1e-9, doc="[s]")
-Step.t1 = property(lambda self: self.t1_ns * 1e-9, doc="[s]")
+Step.t0 = property(lambda self: self.t0_ns * 1e-9, doc="[s]")  # type: ignore[attr-defined]
+Step.t1 = property(lambda self: self.t1_ns * 1e-9, doc="[s]")  # type: ignore[attr-defined]
 
 
 class Spec:

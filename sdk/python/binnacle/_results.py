@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """What came of a run, as arrays."""
 
-from collections.abc import Mapping
-
 import json
+import os
 import re
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeVar
 
 import numpy as np
 
 from . import _core, _frames
 from ._errors import DataError, Diagnostic
 from ._log import StepLog
+
+_Thing = TypeVar("_Thing")
 
 OUTCOMES = ("accepted", "gated", "late", "unsupported", "invalid", "withheld", "rejected")
 
@@ -22,6 +25,12 @@ class Series(np.ndarray):
 
     What is computed or cut from it is a plain array.
     """
+
+    t: np.ndarray
+    sigma: np.ndarray | None
+    names: Any  # list[str], or str of one output
+    units: Any
+    display_units: Any
 
     def __new__(cls, values, t, sigma, names, units, display_units=None):
         series = np.asarray(values).view(cls)
@@ -39,7 +48,7 @@ class Series(np.ndarray):
         return self.view(np.ndarray)[key]
 
 
-class Names(Mapping):
+class Names(Mapping[str, _Thing]):
     """Things by name, in order; a name that is not there raises KeyError that lists those that are."""
 
     _what = "name"
@@ -47,29 +56,32 @@ class Names(Mapping):
     def __init__(self, items):
         self._items = dict(items)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> _Thing:
         try:
             return self._items[name]
         except KeyError:
             known = ", ".join(map(repr, self._items)) or "none"
             raise KeyError(f"there is no {self._what} {name!r}; there are {known}") from None
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._items)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._items)
 
     def __repr__(self):
         return f"<{type(self).__name__}: {', '.join(self._items) or 'none'}>"
 
 
-class Records(Names):
+class Records(Names[Series]):
     """Estimates of a filter by block: ["position"], or by output: ["position.lat"]. .t (n,) [s]; .t_ns (n,) [ns], exact
     (of results of a file: the nearest to their seconds). .others: what is recorded beside blocks, by name (adapted noise,
     implied states, local coordinates); ["match.velocity.noise"] finds it too."""
 
     _what = "block"
+    t: np.ndarray
+    t_ns: np.ndarray
+    others: "Others"
 
     def __init__(self, filter):
         self.t, self.t_ns = filter["t"], filter["t_ns"]
@@ -98,7 +110,7 @@ class Records(Names):
             sigma = None if sigma is None else self._values[:, sigma]
             yield name, Series(self._values[:, columns[name]], self.t, sigma, name, unit)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Series:
         if name in self.others:
             return self.others[name]
         block, _, output = name.partition(".")
@@ -107,8 +119,8 @@ class Records(Names):
             return series
         if output not in series.names:
             raise KeyError(f"block {block!r} has no output {output!r}; it has {', '.join(map(repr, series.names))}")
-        i = series.names.index(output)
-        return Series(series[:, i], self.t, series.sigma[:, i], output, series.units[i], series.display_units[i])
+        i, sigma = series.names.index(output), np.asarray(series.sigma)
+        return Series(series[:, i], self.t, sigma[:, i], output, series.units[i], series.display_units[i])
 
     def to_pandas(self):
         """A DataFrame with the columns of FILTER.csv ("position.lat", …, "position.lat.sigma", …) over t [s]; units in .attrs.
@@ -118,11 +130,11 @@ class Records(Names):
         return _frames.records_frame(self.t, self._values, self._columns)
 
 
-class Others(Names):
+class Others(Names[Series]):
     _what = "other column"
 
 
-class Errors(Names):
+class Errors(Names[Series]):
     """Errors against references and withheld samples, truth - estimate, by name: ["position.horizontal"]."""
 
     _what = "error"
@@ -149,6 +161,21 @@ class Innovations:
     P H' + R), .noise (of R).
     """
 
+    name: str
+    t: np.ndarray
+    outcome: np.ndarray
+    outcome_code: np.ndarray
+    reason: np.ndarray
+    nis: np.ndarray
+    rows: np.ndarray
+    groups: list[tuple[str, str]]
+    sample: np.ndarray
+    group: np.ndarray
+    key: np.ndarray
+    residual: np.ndarray
+    sigma: np.ndarray
+    noise: np.ndarray
+
     def __init__(self, updates):
         self.name = updates["measurement"]
         self.t = updates["t"]
@@ -162,7 +189,7 @@ class Innovations:
         self.sample = np.repeat(np.arange(len(self.t)), self.rows)
 
     @property
-    def accepted(self):
+    def accepted(self) -> np.ndarray:
         """Of samples, a mask."""
         return self.outcome == "accepted"
 
@@ -187,6 +214,11 @@ class FilterResult(Records):
     """Estimates of one filter as Records has them; .errors; .innovations by measurement; .log, a StepLog where the run
     kept one."""
 
+    name: str
+    errors: Errors
+    innovations: dict[str, Innovations]
+    log: StepLog | None
+
     def __init__(self, filter):
         super().__init__(filter)
         self.name = filter["name"]
@@ -200,7 +232,7 @@ class FilterResult(Records):
         return _frames.filter_datasets(self)
 
 
-class Figures(dict):
+class Figures(dict[str, Any]):
     """Figures as the command prints them with --json; str() is what it prints for people."""
 
     def __init__(self, figures, text):
@@ -214,12 +246,20 @@ class Figures(dict):
         printer.text(str(self))
 
 
-class RunResult(Names):
+class RunResult(Names[FilterResult]):
     """A run: filters by name. .summary, .verdict ("ok", "doubtful" or "lost": the worst of all), .doubts (why),
     .failures (filters that broke or never started), .warnings: lists of Diagnostic. .config: as it was run. .provenance: where
     results of a folder come from (version, command, seed, plugins); None of a run. .channels: {name: Samples} of keep=."""
 
     _what = "filter"
+    summary: Figures
+    verdict: str
+    doubts: list[Diagnostic]
+    failures: list[Diagnostic]
+    warnings: list[Diagnostic]
+    channels: dict[str, Any]  # of Samples
+    config: dict[str, Any] | None
+    provenance: dict[str, Any] | None
 
     def __init__(self, run, config=None):
         super().__init__((filter["name"], FilterResult(filter)) for filter in run["filters"])
@@ -237,12 +277,12 @@ class RunResult(Names):
         printer.text(str(self.summary))
 
     @property
-    def errors(self):
+    def errors(self) -> dict[str, Errors]:
         """{filter: Errors}"""
         return {name: filter.errors for name, filter in self.items()}
 
     @property
-    def innovations(self):
+    def innovations(self) -> dict[str, dict[str, Innovations]]:
         """{filter: {measurement: Innovations}}"""
         return {name: filter.innovations for name, filter in self.items()}
 
@@ -261,21 +301,30 @@ class RunResult(Names):
         return datasets
 
 
-class Metrics(Names):
+class Metrics(Names[np.ndarray]):
     """Values of every run by metric, (runs,) in SI, NaN where the run broke. .units and .display_units by metric."""
 
     _what = "metric"
+    units: dict[str, str]
+    display_units: dict[str, str]
 
     def __init__(self, values, units, display_units):
         super().__init__(values)
         self.units, self.display_units = units, display_units
 
 
-class StudyResult(Names):
+class StudyResult(Names[Metrics]):
     """A study: Metrics by variant. .summary: its figures; .tables: those of the config, as dicts; .failures: {variant: [(run,
     reason)]}; .warnings; .runs, .seed, .config."""
 
     _what = "variant"
+    summary: Figures
+    tables: list[dict[str, Any]]
+    runs: int
+    seed: int
+    config: dict[str, Any]
+    provenance: dict[str, Any]
+    warnings: list[Diagnostic]
 
     def __init__(self, study):
         figures = study["figures"]
@@ -290,7 +339,7 @@ class StudyResult(Names):
         self.config, self.provenance, self.warnings = study["config"], study["provenance"], study["warnings"]
 
     @property
-    def failures(self):
+    def failures(self) -> dict[str, list[tuple[int, str]]]:
         failures = {name: of.get("failures", []) for name, of in self.summary["variants"].items()}
         return {name: [(failed["run"], failed["reason"]) for failed in of] for name, of in failures.items() if of}
 
@@ -340,7 +389,7 @@ def _opened_study(study):
     return StudyResult(study)
 
 
-def open(folder):
+def open(folder: str | os.PathLike[str]) -> Any:
     """What `binnacle run --out`, `binnacle study --out` or run(out=…) left in the folder: a RunResult or a StudyResult, the
     numbers to the last bit (a tuple of both where the folder has both).
 

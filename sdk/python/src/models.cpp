@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdio>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <pybind11/stl.h>
 
