@@ -41,6 +41,17 @@ def parse(config, *, name="config.json", set=None, vars=None):
     return Composition(_core.load(os.fspath(name), text, _vars(vars), _sets(set), _plugin_folders()))
 
 
+class Explanation(dict):
+    """As `binnacle explain --json` gives it; str() is the text."""
+
+    def __init__(self, explained, text):
+        super().__init__(explained)
+        self._text = text
+
+    def __str__(self):
+        return self._text
+
+
 class Composition:
     """A checked config, ready to run any number of times, in any number of threads. Made by load() and parse()."""
 
@@ -68,6 +79,16 @@ class Composition:
     def config(self):
         """The config as resolved: a dict, extends merged, variables and settings applied."""
         return self._loaded.config()
+
+    @property
+    def plugins(self):
+        """Versions of the plugins that are loaded, by name; "python" is that of models in Python."""
+        return self._loaded.plugins
+
+    def explain(self):
+        """A dry run: layout of the state, who moves and reads what, what is written in Python. A dict; str() is what
+        `binnacle explain` prints."""
+        return Explanation(*self._loaded.explain())
 
     def check(self):
         """What is suspicious but no error: a list of Diagnostic. (What is an error, load() and parse() raise.)"""

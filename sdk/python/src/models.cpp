@@ -159,7 +159,8 @@ void bind_models(py::module_& module) {
   bind_model_bindings(module);
   module.def(
       "register_model",
-      [](const std::string& name, int role, py::object spec, const std::string& code, py::object type, py::dict extras) {
+      [](const std::string& name, int role, py::object spec, const std::string& code, py::object type,
+         py::dict extras) {
         registered()[name] = std::make_shared<const ModelClass>(static_cast<Role>(role), spec_of(name, spec), code,
                                                                 std::move(type), std::move(extras));
       },
@@ -167,8 +168,8 @@ void bind_models(py::module_& module) {
   module.def("library_at", &library_at, py::arg("address"));
   module.def("unregister_model", [](const std::string& name) { return registered().erase(name) > 0; });
   py::dict roles;
-  for (const Role role : {Role::measurement_model, Role::process_model, Role::noise_estimator, Role::derived_block,
-                          Role::transform})
+  for (const Role role :
+       {Role::measurement_model, Role::process_model, Role::noise_estimator, Role::derived_block, Role::transform})
     roles[role_name(role)] = static_cast<int>(role);
   module.attr("roles") = roles;
 }
