@@ -87,8 +87,9 @@ int run_check(const Check& check, Trial& trial, const Wire& wire) {
 
 TEST_CASE("conformance") {
   using namespace binnacle::conform;
-  attempt(*current.check, *current.trial, [] { return std::string(current.wire.stage); },
-          [](const Skip& skip) { send(current.wire, skip.applies ? "skip" : "not applicable", skip.reason); });
+  attempt(
+      *current.check, *current.trial, [] { return std::string(current.wire.stage); },
+      [](const Skip& skip) { send(current.wire, skip.applies ? "skip" : "not applicable", skip.reason); });
   SUCCEED();
   send(current.wire, "done", "");
 }

@@ -9,7 +9,7 @@ from typing import Any
 from . import _core
 from ._arrays import Keeper, refuse_unused, settings_of
 from ._errors import Diagnostic
-from ._results import RunResult
+from ._results import Figures, RunResult
 from ._session import Session
 from ._verbs import AllanDeviation, Analysis, Verbs
 
@@ -106,6 +106,16 @@ class Composition(Verbs):
     def config(self) -> dict[str, Any]:
         """The config as resolved: a dict, extends merged, variables and settings applied."""
         return self._loaded.config()
+
+    @property
+    def plugins(self) -> dict[str, str]:
+        """Versions of the plugins that are loaded, by name; "python" is that of models in Python."""
+        return self._loaded.plugins
+
+    def explain(self) -> Figures:
+        """A dry run: layout of the state, who moves and reads what, what is written in Python. A dict; str() is what
+        `binnacle explain` prints."""
+        return Figures(*self._loaded.explain())
 
     def check(self) -> list[Diagnostic]:
         """What is suspicious but no error: a list of Diagnostic. (What is an error, load() and parse() raise.)"""

@@ -3,6 +3,7 @@
 
 import hashlib
 import inspect
+import pickle
 import traceback
 import types
 from collections import namedtuple
@@ -295,6 +296,23 @@ def bound(model):
         if isinstance(value, np.ndarray):
             value.setflags(write=False)
     object.__setattr__(model, "_is_bound", True)
+
+
+def state_of(model):
+    """What the attributes of a model are, as bytes by name."""
+
+    def bytes_of(value):
+        try:
+            return pickle.dumps(value)
+        except Exception:
+            return repr(value).encode()
+
+    return {name: bytes_of(value) for name, value in vars(model).items()}
+
+
+def changed(before, after):
+    """Names of the attributes that are not what they were."""
+    return sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
 
 
 # ---- what a class's code is

@@ -8,7 +8,9 @@
 
 #include <pybind11/stl.h>
 
+#include "document/document.hpp"
 #include "errors.hpp"
+#include "explain_text.hpp"
 #include "linked.hpp"
 #include "loaded.hpp"
 #include "models.hpp"
@@ -55,6 +57,19 @@ void bind_composition(py::module_& module) {
       .def_property_readonly("path", [](const Loaded& self) { return self.path.string(); })
       .def("config", [](const Loaded& self) { return to_python(Json::parse(self.composition->config())); })
       .def("warnings", [](const Loaded& self) { return to_python(self.composition->warnings()); })
+      .def("explain",
+           [](const Loaded& self) {
+             const Json explained = document::explain(*self.composition);
+             return py::make_tuple(to_python(explained),
+                                   command::explanation_text(explained, Json::parse(self.composition->config())));
+           })
+      .def_property_readonly("plugins",
+                             [](const Loaded& self) {
+                               std::map<std::string, std::string> versions;
+                               for (const auto& plugin : self.composition->catalog().plugins())
+                                 versions[plugin.name] = plugin.version;
+                               return versions;
+                             })
       .def_property_readonly("filters",
                              [](const Loaded& self) {
                                std::vector<std::string> names;

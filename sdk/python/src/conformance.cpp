@@ -14,7 +14,9 @@
 
 #include "allocations.hpp"
 #include "attempt.hpp"
-#include "models.hpp"
+#include "fixture.hpp"
+#include "miniature.hpp"
+#include "models_adapters.hpp"
 
 namespace binnacle::conform {
 
@@ -64,6 +66,62 @@ class Messages final : public conform::Report {
   std::string stage_;
 };
 
+// ---- what only a model in Python can do wrong
+
+/// The object of the class under test in a composition made of its example.
+const PythonModel* object_under_test(const Composition& composition, const std::string& type) {
+  const PythonModel* found = nullptr;
+  const auto look_at = [&](const auto& info) {
+    if (info.type && info.type->full_name() == type) found = dynamic_cast<const PythonModel*>(info.object.get());
+  };
+  for (const auto& filter : composition.filters()) {
+    for (const auto& process : filter.processes) look_at(process);
+    for (const auto& derived : filter.derived) look_at(derived);
+    for (const auto& measurement : filter.measurements) {
+      for (const auto& part : measurement.parts) look_at(part);
+      look_at(measurement.noise);
+    }
+  }
+  for (const auto& transform : composition.transforms()) look_at(transform);
+  return found;
+}
+
+py::dict state_of(const PythonModel& model) {
+  return py::module_::import("binnacle._models").attr("state_of")(model.object());
+}
+
+/// Attributes are what they were before it was called, also where nothing that it gives shows it yet.
+void unchanged(conform::Trial& trial) {
+  const auto composition = conform::compose_example(trial);
+  const auto subject = conform::fixture(trial, composition);
+  const PythonModel* const model = object_under_test(*composition, trial.type);
+  if (!model) conform::Trial::skip("its object was not found");
+  const auto before = in_python([&] { return Held(state_of(*model)); });
+  auto memory = subject->fresh_memory();
+  for (std::uint64_t k = 0; k < 5; ++k) subject->turn(k, memory.data(), testing::unwritten());
+  const auto names = in_python([&] {
+    return py::module_::import("binnacle._models")
+        .attr("changed")(before.get(), state_of(*model))
+        .cast<std::vector<std::string>>();
+  });
+  for (const auto& name : names)
+    trial.fail("self.", name,
+               " is changed by calls: what a model remembers is declared, binding.keeps({…}), or does not "
+               "come back with a snapshot");
+}
+
+std::vector<conform::Check> checks() {
+  auto all = conform::all_checks();
+  all.push_back(
+      {"python.unchanged",
+       2,
+       {Role::measurement_model, Role::process_model, Role::noise_estimator, Role::derived_block, Role::transform},
+       {"life.calls"},
+       "calls leave the object's attributes as they are",
+       unchanged});
+  return all;
+}
+
 struct Outcome {
   std::string check, status, message;
 };
@@ -76,10 +134,12 @@ bool applies(const conform::Check& check, Role role) {
 
 Outcome run(const conform::Check& check, conform::Trial& trial, Messages& messages) {
   Outcome outcome{check.id, "pass", ""};
-  conform::attempt(check, trial, [&] { return messages.stage(); }, [&](const conform::Skip& skip) {
-    outcome.status = skip.applies ? "skip" : "not applicable";
-    messages.lines.push_back(skip.reason);
-  });
+  conform::attempt(
+      check, trial, [&] { return messages.stage(); },
+      [&](const conform::Skip& skip) {
+        outcome.status = skip.applies ? "skip" : "not applicable";
+        messages.lines.push_back(skip.reason);
+      });
   if (messages.has_warned) outcome.status = "warn";
   if (messages.has_failed) outcome.status = "fail";
   for (const auto& line : messages.lines) outcome.message += (outcome.message.empty() ? "" : "\n") + line;
@@ -87,12 +147,14 @@ Outcome run(const conform::Check& check, conform::Trial& trial, Messages& messag
 }
 
 /// Without the GIL, but between two checks.
-std::vector<Outcome> run_all(const std::string& type, Role role, int level, std::uint64_t seed, const LoadOptions& options) {
+std::vector<Outcome> run_all(const std::string& type, Role role, int level, std::uint64_t seed,
+                             const LoadOptions& options) {
   std::vector<Outcome> outcomes;
   std::set<std::string> failed;
-  for (const auto& check : conform::all_checks()) {
+  for (const auto& check : checks()) {
     if (check.level > level || !applies(check, role)) continue;
-    const auto blocked = std::find_if(check.needs.begin(), check.needs.end(), [&](const auto& id) { return failed.contains(id); });
+    const auto blocked =
+        std::find_if(check.needs.begin(), check.needs.end(), [&](const auto& id) { return failed.contains(id); });
     if (blocked != check.needs.end()) {
       outcomes.push_back({check.id, "skip", "prerequisite " + *blocked + " failed"});
       failed.insert(check.id);
@@ -111,7 +173,8 @@ std::vector<Outcome> run_all(const std::string& type, Role role, int level, std:
   return outcomes;
 }
 
-py::list conform_model(const std::string& name, int level, std::uint64_t seed, const std::vector<std::string>& folders) {
+py::list conform_model(const std::string& name, int level, std::uint64_t seed,
+                       const std::vector<std::string>& folders) {
   const ModelClasses all = all_models();
   const auto found = std::find_if(all.begin(), all.end(), [&](const auto& model) { return model->spec.type == name; });
   if (found == all.end()) throw py::key_error("no model is registered as '" + name + "'");

@@ -19,6 +19,8 @@ namespace binnacle::python {
 class PythonModel : public OnManifolds {
  public:
   PythonModel(const ModelClass& model, const Binding& binding, const NoiseBinding* noise = nullptr);
+  /// The Python object. Holds the GIL.
+  const py::object& object() const { return object_.get(); }
 
  protected:
   /// The method, with the arguments that it takes by name.
@@ -57,7 +59,8 @@ class PythonMeasurement : public PythonModel, public MeasurementModel {
  private:
   struct Answer;
   void declare();
-  Answer ask(const MeasurementInput& in, const double* const* x, std::byte* memory, bool wants_H, bool leaves_notes) const;
+  Answer ask(const MeasurementInput& in, const double* const* x, std::byte* memory, bool wants_H,
+             bool leaves_notes) const;
   Result linearize_in_python(const MeasurementInput& in, MeasurementOutput& out) const;
   py::dict extras(const MeasurementInput& in, py::dict& memory, py::list& notes, bool wants_H) const;
   Result write_H(const Answer& answer, MeasurementOutput& out) const;
@@ -89,7 +92,8 @@ class PythonProcess : public PythonModel, public ProcessModel {
   };
   void declare();
   Result propagate_in_python(const ProcessInput& in, ProcessOutput& out) const;
-  Answer ask(const ProcessInput& in, const double* const* x, std::byte* memory, bool wants_Phi, bool leaves_notes) const;
+  Answer ask(const ProcessInput& in, const double* const* x, std::byte* memory, bool wants_Phi,
+             bool leaves_notes) const;
   void write_Phi(const Answer& answer, ProcessOutput& out) const;
   void write_Qd(const Answer& answer, ProcessOutput& out) const;
   void differentiate(const ProcessInput& in, const std::vector<const double*>& x, const std::byte* before,

@@ -39,9 +39,11 @@ void MemoryLayout::store(const Item& item, const py::handle& value, std::uint64_
     throw py::value_error("memory '" + item.name + "' has become " + py::repr(value).cast<std::string>() + ": " + what);
   };
   if (item.is_scalar && item.is_integer) {
-    words[item.first] = std::bit_cast<std::uint64_t>(py::int_(py::reinterpret_borrow<py::object>(value)).cast<std::int64_t>());
+    words[item.first] =
+        std::bit_cast<std::uint64_t>(py::int_(py::reinterpret_borrow<py::object>(value)).cast<std::int64_t>());
   } else if (item.is_scalar) {
-    words[item.first] = std::bit_cast<std::uint64_t>(py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>());
+    words[item.first] =
+        std::bit_cast<std::uint64_t>(py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>());
   } else {
     const auto copy = [&](const auto& array) {
       if (!array) throw py::error_already_set();
@@ -149,7 +151,8 @@ bool ModelBinding::is_bound(const std::string& name) const {
   throw py::key_error("the spec declares neither a port nor a field nor an input '" + name + "'");
 }
 
-std::vector<std::pair<std::string, std::string>> ModelBinding::covariance(const std::optional<std::string>& input) const {
+std::vector<std::pair<std::string, std::string>> ModelBinding::covariance(
+    const std::optional<std::string>& input) const {
   std::vector<std::pair<std::string, std::string>> components;
   const auto& all = input ? binding().covariance(binding().input(*input)) : binding().covariance();
   for (const auto& component : all) components.emplace_back(component.name, component.unit);
@@ -206,33 +209,50 @@ void bind_model_bindings(py::module_& module) {
       .def_property_readonly("samples_per_step", [](const B& self) { return self.binding().samples_per_step(); })
       .def_readonly("max_rows", &B::max_rows)
       .def_readonly("groups", &B::noise_groups)
-      .def("figure", [](const B& self, std::string name, double value, std::string unit) {
-             self.binding().figure(std::move(name), value, std::move(unit));
-           }, py::arg("name"), py::arg("value"), py::arg("unit"))
-      .def("note", [](const B& self, std::string text) { self.binding().note(std::move(text)); }, py::arg("message"))
-      .def("rows", [](B& self, int most) { self.binding(), self.rows = most; }, py::arg("most"))
+      .def(
+          "figure",
+          [](const B& self, std::string name, double value, std::string unit) {
+            self.binding().figure(std::move(name), value, std::move(unit));
+          },
+          py::arg("name"), py::arg("value"), py::arg("unit"))
+      .def(
+          "note", [](const B& self, std::string text) { self.binding().note(std::move(text)); }, py::arg("message"))
+      .def(
+          "rows", [](B& self, int most) { self.binding(), self.rows = most; }, py::arg("most"))
       .def("group", &group, py::arg("name"), py::arg("port") = py::none(), py::arg("rows") = 0, py::arg("unit") = "")
-      .def("reads", [](B& self, const py::args& ports) {
+      .def("reads",
+           [](B& self, const py::args& ports) {
              self.reads.emplace();
              for (const auto& port : ports) self.port(self.reads->emplace_back(port.cast<std::string>()));
            })
       .def("wants_covariance", [](B& self) { self.binding(), self.wants_covariance = true; })
       .def("judged_by_nominal", [](B& self) { self.binding(), self.is_judged_by_nominal = true; })
-      .def("couples", [](B& self, const std::string& to, const std::string& from) { add_pair(self, self.couples, to, from); },
-           py::arg("to"), py::arg("from_"))
-      .def("adds_noise", [](B& self, const std::string& a, const std::string& b) { add_pair(self, self.adds_noise, a, b); },
-           py::arg("to"), py::arg("from_"))
-      .def("step", [](B& self, const std::string& port, double size) {
-             self.port(port);
-             if (!(size > 0)) throw py::value_error("the step on port '" + port + "' is not above 0");
-             self.steps[port] = size;
-           }, py::arg("port"), py::arg("size"))
-      .def("constants", [](B& self, std::vector<double> numbers) { self.binding(), self.constants = std::move(numbers); },
-           py::arg("numbers"))
-      .def("keeps", [](B& self, const py::dict& items) { self.binding(), self.memory.add(items); }, py::arg("items"))
+      .def(
+          "couples",
+          [](B& self, const std::string& to, const std::string& from) { add_pair(self, self.couples, to, from); },
+          py::arg("to"), py::arg("from_"))
+      .def(
+          "adds_noise",
+          [](B& self, const std::string& a, const std::string& b) { add_pair(self, self.adds_noise, a, b); },
+          py::arg("to"), py::arg("from_"))
+      .def(
+          "step",
+          [](B& self, const std::string& port, double size) {
+            self.port(port);
+            if (!(size > 0)) throw py::value_error("the step on port '" + port + "' is not above 0");
+            self.steps[port] = size;
+          },
+          py::arg("port"), py::arg("size"))
+      .def(
+          "constants",
+          [](B& self, std::vector<double> numbers) { self.binding(), self.constants = std::move(numbers); },
+          py::arg("numbers"))
+      .def(
+          "keeps", [](B& self, const py::dict& items) { self.binding(), self.memory.add(items); }, py::arg("items"))
       .def("yields", &yields, py::arg("kind"), py::arg("stored_size"), py::arg("components"))
-      .def("yields_like", [](B& self, const std::string& port) { self.yields = self.binding().block(port); },
-           py::arg("port"))
+      .def(
+          "yields_like", [](B& self, const std::string& port) { self.yields = self.binding().block(port); },
+          py::arg("port"))
       .def("emits", &emits, py::arg("name"), py::arg("fields"), py::arg("max_rows") = 0,
            py::arg("covariance") = std::vector<Pair>());
 }

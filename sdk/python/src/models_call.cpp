@@ -113,7 +113,8 @@ const char* kept_for_good(const std::string& reason) {
   static auto& reasons = *new std::set<std::string>;
   constexpr std::size_t most = 4096;
   const std::lock_guard lock(mutex);
-  if (reasons.size() >= most && !reasons.contains(reason)) return "one of more reasons than are kept: leave numbers out of them";
+  if (reasons.size() >= most && !reasons.contains(reason))
+    return "one of more reasons than are kept: leave numbers out of them";
   return reasons.insert(reason).first->c_str();
 }
 

@@ -20,7 +20,8 @@ PythonDerived::PythonDerived(const ModelClass& model, const Binding& binding) : 
   in_python([&] {
     const auto& yields = declared().yields;
     if (!yields)
-      throw py::value_error("the model does not say what it yields: binding.yields_like(\"port\"), or binding.yields(…)");
+      throw py::value_error(
+          "the model does not say what it yields: binding.yields_like(\"port\"), or binding.yields(…)");
     declaration_.yields_like(*yields);
     add_manifold(*yields);
     reads_ = read_ports();

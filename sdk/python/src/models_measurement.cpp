@@ -107,7 +107,8 @@ void PythonMeasurement::declare() {
   }
   if (declared().rows > 0) rows = declared().rows;
   if (rows < 1)
-    throw py::value_error("the model declares no rows: binding.rows(1), or binding.group(\"range\", rows=1, unit=\"m\")");
+    throw py::value_error(
+        "the model declares no rows: binding.rows(1), or binding.group(\"range\", rows=1, unit=\"m\")");
   declaration_.rows(rows);
   for (const Port port : reads_) declaration_.reads(port);
   if (declared().wants_covariance) declaration_.wants_covariance();
@@ -137,8 +138,8 @@ PythonMeasurement::Answer PythonMeasurement::ask(const MeasurementInput& in, con
                                                  bool wants_H, bool leaves_notes) const {
   py::dict kept = layout().read(memory);
   py::list notes;
-  const py::object answer = linearize_(extras(in, kept, notes, wants_H),
-                                       sample_(names_, in.sample, covariance_dof_), values(x));
+  const py::object answer =
+      linearize_(extras(in, kept, notes, wants_H), sample_(names_, in.sample, covariance_dof_), values(x));
   layout().write(kept, memory);
   if (leaves_notes) leave(in.notes, notes);
   if (const auto refused = refusal_of(names_, answer)) return {*refused, {}, {}, {}, {}};
@@ -155,7 +156,8 @@ PythonMeasurement::Answer PythonMeasurement::ask(const MeasurementInput& in, con
   Answer made{Result::ok(), Eigen::VectorXd(residual.size()), parts[1], parts[2], {}};
   copy_vector(residual, "the residual", static_cast<int>(residual.size()), made.residual.data());
   if (parts.size() == 4) {
-    for (const auto& key : parts[3]) made.keys.push_back(py::int_(py::reinterpret_borrow<py::object>(key)).cast<std::int64_t>());
+    for (const auto& key : parts[3])
+      made.keys.push_back(py::int_(py::reinterpret_borrow<py::object>(key)).cast<std::int64_t>());
     if (made.keys.size() != static_cast<std::size_t>(residual.size()))
       throw py::value_error("linearize gives " + std::to_string(made.keys.size()) + " keys for " +
                             std::to_string(residual.size()) + " rows");
@@ -189,7 +191,8 @@ Result PythonMeasurement::write_H(const Answer& answer, MeasurementOutput& out) 
     const std::string& name = model().spec.ports[as_size(read.index())].name;
     const MatrixView to = out.H[read];
     if (!H.contains(name.c_str()))
-      throw py::key_error("H has no block of port '" + name + "', which the model reads; where it has none, declare "
+      throw py::key_error("H has no block of port '" + name +
+                          "', which the model reads; where it has none, declare "
                           "the others: binding.reads(…)");
     ++found;
     copy_matrix(H[name.c_str()], "H of '" + name + "'", out.rows, read.dof(), to.data, to.stride);

@@ -19,7 +19,9 @@ const char* name_of(Outcome outcome) {
   return "";
 }
 
-py::array_t<double> array_of(ConstVectorView v) { return sealed(copy_of(v.data(), static_cast<py::ssize_t>(v.size()))); }
+py::array_t<double> array_of(ConstVectorView v) {
+  return sealed(copy_of(v.data(), static_cast<py::ssize_t>(v.size())));
+}
 py::array_t<double> array_of(ConstMatrixView m) { return sealed(copy_of(m.data, m.rows, m.cols, m.stride)); }
 
 template <class T>
@@ -52,8 +54,9 @@ void PythonNoise::estimate(const Innovation& in, MatrixView R) const {
     py::list notes;
     if (estimate_.takes("memory")) extras["memory"] = memory;
     if (estimate_.takes("notes")) extras["notes"] = notes;
-    const py::object innovation = names_.innovation.get()(in.t, in.dt, tuple_of(in.row_keys), tuple_of(in.row_groups),
-                                                          array_of(in.residual), array_of(in.HPHt), array_of(in.R_nominal));
+    const py::object innovation =
+        names_.innovation.get()(in.t, in.dt, tuple_of(in.row_keys), tuple_of(in.row_groups), array_of(in.residual),
+                                array_of(in.HPHt), array_of(in.R_nominal));
     const py::object answer = estimate_(extras, innovation);
     layout().write(memory, in.memory.data());
     leave(in.notes, notes);

@@ -115,8 +115,7 @@ Result PythonProcess::propagate_in_python(const ProcessInput& in, ProcessOutput&
   else if (wants_Phi)
     write_Phi(answer, out);
   if (out.Qd) write_Qd(answer, out);
-  for (std::size_t i = 0; i < advanced_.size(); ++i)
-    std::ranges::copy(answer.x[i], out.x[advanced_[i]].data());
+  for (std::size_t i = 0; i < advanced_.size(); ++i) std::ranges::copy(answer.x[i], out.x[advanced_[i]].data());
   return Result::ok();
 }
 
@@ -186,8 +185,7 @@ void PythonProcess::differentiate(const ProcessInput& in, const std::vector<cons
       if (block.to == block.from) to.set_identity();
       continue;
     }
-    const auto advanced =
-        static_cast<std::size_t>(std::ranges::find(advanced_, block.to) - advanced_.begin());
+    const auto advanced = static_cast<std::size_t>(std::ranges::find(advanced_, block.to) - advanced_.begin());
     const double* const from = x[as_size(block.from.index())];
     std::vector<double> moved(as_size(from_manifold.stored_size()));
     const auto value_at = [&](int component, double size) {

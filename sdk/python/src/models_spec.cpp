@@ -30,27 +30,35 @@ template <class Spec>
 py::class_<Spec> bind_fluent(py::module_& module, const char* name) {
   return py::class_<Spec>(module, name)
       .def_readonly("name", &Spec::name)
-      .def("about", [](Spec self, std::string line) -> Spec { return std::move(self).about(std::move(line)); },
-           py::arg("line"));
+      .def(
+          "about", [](Spec self, std::string line) -> Spec { return std::move(self).about(std::move(line)); },
+          py::arg("line"));
 }
 
 void bind_parameter(py::module_& module) {
   using P = ParameterSpec;
   bind_fluent<P>(module, "ParameterSpec")
       .def("required", [](P self) -> P { return std::move(self).required(); })
-      .def("defaults", [](P self, py::handle value) -> P { return std::move(self).defaults(json_of(value)); },
-           py::arg("value"))
-      .def("above", [](P self, double bound) -> P { return std::move(self).above(bound); }, py::arg("bound"))
-      .def("at_least", [](P self, double bound) -> P { return std::move(self).at_least(bound); }, py::arg("bound"))
-      .def("below", [](P self, double bound) -> P { return std::move(self).below(bound); }, py::arg("bound"))
-      .def("at_most", [](P self, double bound) -> P { return std::move(self).at_most(bound); }, py::arg("bound"))
-      .def("plausible",
-           [](P self, double least, double most) -> P { return std::move(self).plausible(least, most); },
-           py::arg("least"), py::arg("most"))
-      .def("sized_by", [](P self, std::string port) -> P { return std::move(self).sized_by(std::move(port)); },
-           py::arg("port"))
-      .def("formerly", [](P self, std::string key) -> P { return std::move(self).formerly(std::move(key)); },
-           py::arg("key"));
+      .def(
+          "defaults", [](P self, py::handle value) -> P { return std::move(self).defaults(json_of(value)); },
+          py::arg("value"))
+      .def(
+          "above", [](P self, double bound) -> P { return std::move(self).above(bound); }, py::arg("bound"))
+      .def(
+          "at_least", [](P self, double bound) -> P { return std::move(self).at_least(bound); }, py::arg("bound"))
+      .def(
+          "below", [](P self, double bound) -> P { return std::move(self).below(bound); }, py::arg("bound"))
+      .def(
+          "at_most", [](P self, double bound) -> P { return std::move(self).at_most(bound); }, py::arg("bound"))
+      .def(
+          "plausible", [](P self, double least, double most) -> P { return std::move(self).plausible(least, most); },
+          py::arg("least"), py::arg("most"))
+      .def(
+          "sized_by", [](P self, std::string port) -> P { return std::move(self).sized_by(std::move(port)); },
+          py::arg("port"))
+      .def(
+          "formerly", [](P self, std::string key) -> P { return std::move(self).formerly(std::move(key)); },
+          py::arg("key"));
   module.def("number", &parameter::number, py::arg("name"), py::arg("unit"));
   module.def("integer", &parameter::integer, py::arg("name"));
   module.def("boolean", &parameter::boolean, py::arg("name"));
@@ -69,8 +77,10 @@ void bind_parameter(py::module_& module) {
 void bind_ports_and_fields(py::module_& module) {
   bind_fluent<PortSpec>(module, "PortSpec")
       .def("optional", [](PortSpec self) -> PortSpec { return std::move(self).optional(); })
-      .def("formerly", [](PortSpec self, std::string port) -> PortSpec { return std::move(self).formerly(std::move(port)); },
-           py::arg("port"));
+      .def(
+          "formerly",
+          [](PortSpec self, std::string port) -> PortSpec { return std::move(self).formerly(std::move(port)); },
+          py::arg("port"));
   module.def("reads", &reads, py::arg("name"), py::arg("kind"), py::arg("text") = "");
   module.def("advances", &advances, py::arg("name"), py::arg("kind"), py::arg("text") = "");
   bind_fluent<FieldSpec>(module, "FieldSpec")

@@ -66,15 +66,15 @@ void PythonTransform::emit(const py::handle& emitted, const SampleView& from, Em
   writer.t0 = parts[3].is_none() ? from.t0 : to_time(parts[3], "t0");
   write_fields(py::reinterpret_borrow<py::dict>(parts[1]), declaration_.channels[channel], writer);
   if (!parts[4].is_none()) {
-    if (writer.covariance_dof == 0)
-      throw py::value_error("channel '" + name + "' is declared without covariance");
+    if (writer.covariance_dof == 0) throw py::value_error("channel '" + name + "' is declared without covariance");
     const MatrixView P = writer.attach_covariance();
     copy_covariance(parts[4], "the covariance", P.rows, P.data, P.stride);
   }
   out.emit(handle);
 }
 
-void PythonTransform::write_fields(const py::dict& fields, const ChannelDeclaration& channel, SampleWriter& writer) const {
+void PythonTransform::write_fields(const py::dict& fields, const ChannelDeclaration& channel,
+                                   SampleWriter& writer) const {
   std::size_t found = 0;
   int epoch = 0, row_field = 0;
   writer.rows = -1;
@@ -91,15 +91,17 @@ void PythonTransform::write_fields(const py::dict& fields, const ChannelDeclarat
     const auto rows = static_cast<int>(column.size());
     if (column.ndim() != 1 || rows > writer.max_rows || (writer.rows >= 0 && rows != writer.rows))
       throw py::value_error("field '" + field.name + "' is of shape " +
-                            py::str(column.attr("shape")).cast<std::string>() + "; fields per row are (rows,), all of the "
-                            "same length, of at most " + std::to_string(writer.max_rows));
+                            py::str(column.attr("shape")).cast<std::string>() +
+                            "; fields per row are (rows,), all of the "
+                            "same length, of at most " +
+                            std::to_string(writer.max_rows));
     writer.rows = rows;
     for (int row = 0; row < rows; ++row) writer.row_view(row)[index] = column.at(row);
   }
   writer.rows = std::max(writer.rows, 0);
   if (found != fields.size())
-    throw py::key_error("the model emits fields " + listed(fields) + ", and some are not those of channel '" + channel.name +
-                        "'");
+    throw py::key_error("the model emits fields " + listed(fields) + ", and some are not those of channel '" +
+                        channel.name + "'");
 }
 
 }  // namespace binnacle::python
