@@ -14,9 +14,9 @@ folder = CONFIGS / "tutorial"
 
 # 1. Look at the data: units, signs, clocks, axes, each finding with its evidence.
 inspection = bn.inspect(folder / "imu.csv", folder / "gnss.csv")
-findings = {finding["kind"]: finding for finding in inspection["findings"]}
-for kind in ("delay", "mounting", "lever_arm"):
-    print(f"{kind:10} {findings[kind]['text']}")
+findings = {finding["kind"]: finding for finding in inspection["findings"] if finding["meaning"]}
+for kind, finding in findings.items():
+    print(f"{kind:10} {finding['text']}")
 
 # 2. Put what was found into the config. A finding's "meaning" is a piece of a config.
 offset = findings["delay"]["meaning"]["sources"]["gnss"]["time"]["offset"]
@@ -43,7 +43,7 @@ track.legend()
 speed = np.hypot(gnss["vn_mps"], gnss["ve_mps"])
 clock.plot(gnss["utc_s"], speed, ".", label="GNSS, by its own clock")
 clock.plot(ins.t, np.hypot(ins["velocity.vn"], ins["velocity.ve"]), label="filter, by the IMU's clock")
-clock.set(title=findings["delay"]["text"][:40], xlabel="t [s]", ylabel="speed [m/s]")
+clock.set(title=findings["delay"]["text"].split(" (")[0], xlabel="t [s]", ylabel="speed [m/s]")
 clock.legend()
 for color, name in zip(("C0", "C1"), ("north", "east")):
     draw_error(position, ins.errors[f"position.{name}"], name, color=color)
