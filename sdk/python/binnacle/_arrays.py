@@ -71,8 +71,7 @@ def refuse_unused(data, resolved, loaded):
     for name in data:
         if name in sources or loaded.subscribers(name):
             continue
-        near = difflib.get_close_matches(name, [*sources, *loaded.channels], 1)
-        near = [other for other in near if other != name]
+        near = difflib.get_close_matches(name, {*sources, *loaded.channels} - {name}, 1)
         raise ValueError(f"data[{name!r}]: the config has no such source, and nothing in it takes channel {name!r}"
                          + (f"; did you mean {near[0]!r}?" if near else f"; it has the sources {_list(sources)}"))
 
@@ -206,17 +205,18 @@ class Samples(Names):
     """Samples of a channel that a run kept: ["wx"] (n,) in SI; of a field per row (m,), through all samples.
 
     .t, .t0 (n,) [s], t0 NaN where a sample is an instant; .t_ns (n,), exact. .units {field: unit}. .rows (n,): how many rows
-    a sample has; .sample (m,): which sample a row is of. .covariance (n, d, d), in the order of .covariance_of, NaN where a
+    a sample has; .sample (m,): which sample a row is of. .kinds {field: "level", "rate" or "increment"}. .covariance (n, d, d), in the order of .covariance_of, NaN where a
     sample had none; None where the channel attaches none.
     """
 
     _what = "field"
 
     def __init__(self, kept):
-        fields = [(name, kept["values"][:, i]) for i, (name, _) in enumerate(kept["fields"])]
-        fields += [(name, kept["row_values"][:, i]) for i, (name, _) in enumerate(kept["row_fields"])]
+        fields = [(field[0], kept["values"][:, i]) for i, field in enumerate(kept["fields"])]
+        fields += [(field[0], kept["row_values"][:, i]) for i, field in enumerate(kept["row_fields"])]
         super().__init__(fields)
-        self.units = dict(kept["fields"] + kept["row_fields"])
+        self.units = {name: unit for name, unit, _ in kept["fields"] + kept["row_fields"]}
+        self.kinds = {name: kind for name, _, kind in kept["fields"] + kept["row_fields"]}
         self.t_ns = kept["t"]
         self.t = self.t_ns * 1e-9
         none = kept["t0"] == np.iinfo(np.int64).min
