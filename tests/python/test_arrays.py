@@ -72,7 +72,7 @@ def test_no_file_is_needed(tmp_path, folder, from_files, data):
 def test_a_config_may_say_what_its_arrays_are(tmp_path, from_files, folder, data):
     config = from_files.config
     columns = config["sources"]["raw_imu"]["columns"]
-    config["sources"]["raw_imu"] = {"type": "python/arrays", "max_gap": "50 ms",
+    config["sources"]["raw_imu"] = {"type": "numpy/arrays", "max_gap": "50 ms",
                                     "columns": {name: {"unit": column["unit"], "kind": "rate"} for name, column in columns.items()}}
     bare = bn.Arrays(data["raw_imu"].t, {name: array for name, (_, array) in data["raw_imu"].fields.items()})
     same_bits(from_files.run(), bn.parse(config, name=folder / "mine.json", data={**data, "raw_imu": bare}).run())
@@ -254,5 +254,5 @@ def test_channels_are_kept_and_the_figures_stay(project, figures_of):
 
 def test_the_config_shows_what_was_given(folder, data):
     config = bn.load(folder / "drive.json", vars={"data": folder}, data=data).config
-    assert config["sources"]["raw_imu"]["type"] == "python/arrays" and len(config["sources"]["raw_imu"]["content"]) == 32
+    assert config["sources"]["raw_imu"]["type"] == "numpy/arrays" and len(config["sources"]["raw_imu"]["content"]) == 32
     assert json.dumps(config)

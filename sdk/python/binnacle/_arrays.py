@@ -11,7 +11,7 @@ import numpy as np
 from . import _core
 from ._results import Names
 
-_TYPES = ("arrays", "python/arrays")
+_TYPES = ("arrays", "numpy/arrays")
 _LIKE_CSV = _TYPES + ("csv", "csv/csv")
 _KINDS = ("level", "rate", "increment")
 # Fields that mean the same in every plugin: unit and kind.
@@ -35,7 +35,7 @@ class Arrays:
     name nor its own standard name (wx, fx, lat, vn, roll, speed, position_sd_n …) tells needs one, "1" where it has none.
 
     kind: "level", "rate" (mean over the interval that ends at t) or "increment" (integral over it), of all fields or by name.
-    Default: what the config says of the field where it has a source of that name with "columns" (csv, python/arrays); else
+    Default: what the config says of the field where it has a source of that name with "columns" (csv, numpy/arrays); else
     "rate" for wx wy wz fx fy fz, and for others with t0 or interval; "level" for what remains.
     t0: (n,) begins of the intervals, NaN or NaT where there is none; interval: their fixed length. Without either they reach
     from time to time, and max_gap (default: ten times the median step) leaves the sample after a longer step without one.
@@ -148,7 +148,7 @@ class _Given:
 
     def _section(self, content, has_t0):
         arrays = self.arrays
-        section = {"type": "python/arrays", "content": content,
+        section = {"type": "numpy/arrays", "content": content,
                    "columns": {field: self._column(field, has_t0 or arrays.interval is not None) for field in self.numbers}}
         for key in ("interval", "max_gap"):
             value = getattr(arrays, key)
@@ -251,6 +251,6 @@ class Keeper:
                 raise KeyError(f"there is no channel {name!r}"
                                + (f"; did you mean {near[0]!r}?" if near else f"; there are {_list(known)}"))
         kept = [_core.KeptSamples() for _ in names]
-        sinks = {f"/sinks/python_keep_{i}": {"type": "python/keep", "input": name, "into": kept[i].place()}
+        sinks = {f"/sinks/python_keep_{i}": {"type": "numpy/keep", "input": name, "into": kept[i].place()}
                  for i, name in enumerate(names)}
         return self._load(sinks), kept

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sink python/keep: samples of a channel in memory, for run(keep=…).
+// The sink numpy/keep: samples of a channel in memory, for run(keep=…).
 #pragma once
 
 #include <cstdint>
