@@ -11,7 +11,7 @@ import numpy as np
 from . import _core
 from ._results import Names
 
-_TYPES = ("arrays", "python/arrays")
+_TYPES = ("arrays", "numpy/arrays")
 _LIKE_CSV = _TYPES + ("csv", "csv/csv")
 _KINDS = ("level", "rate", "increment")
 # Fields that mean the same in every plugin: unit and kind.
@@ -35,7 +35,7 @@ class Arrays:
     name nor its own standard name (wx, fx, lat, vn, roll, speed, position_sd_n …) tells needs one, "1" where it has none.
 
     kind: "level", "rate" (mean over the interval that ends at t) or "increment" (integral over it), of all fields or by name.
-    Default: what the config says of the field where it has a source of that name with "columns" (csv, python/arrays); else
+    Default: what the config says of the field where it has a source of that name with "columns" (csv, numpy/arrays); else
     "rate" for wx wy wz fx fy fz, and for others with t0 or interval; "level" for what remains.
     t0: (n,) begins of the intervals, NaN or NaT where there is none; interval: their fixed length. Without either they reach
     from time to time, and max_gap (default: ten times the median step) leaves the sample after a longer step without one.
@@ -71,8 +71,7 @@ def refuse_unused(data, resolved, loaded):
     for name in data:
         if name in sources or loaded.subscribers(name):
             continue
-        near = difflib.get_close_matches(name, [*sources, *loaded.channels], 1)
-        near = [other for other in near if other != name]
+        near = difflib.get_close_matches(name, {*sources, *loaded.channels} - {name}, 1)
         raise ValueError(f"data[{name!r}]: the config has no such source, and nothing in it takes channel {name!r}"
                          + (f"; did you mean {near[0]!r}?" if near else f"; it has the sources {_list(sources)}"))
 
@@ -149,7 +148,7 @@ class _Given:
 
     def _section(self, content, has_t0):
         arrays = self.arrays
-        section = {"type": "python/arrays", "content": content,
+        section = {"type": "numpy/arrays", "content": content,
                    "columns": {field: self._column(field, has_t0 or arrays.interval is not None) for field in self.numbers}}
         for key in ("interval", "max_gap"):
             value = getattr(arrays, key)
@@ -206,17 +205,18 @@ class Samples(Names):
     """Samples of a channel that a run kept: ["wx"] (n,) in SI; of a field per row (m,), through all samples.
 
     .t, .t0 (n,) [s], t0 NaN where a sample is an instant; .t_ns (n,), exact. .units {field: unit}. .rows (n,): how many rows
-    a sample has; .sample (m,): which sample a row is of. .covariance (n, d, d), in the order of .covariance_of, NaN where a
+    a sample has; .sample (m,): which sample a row is of. .kinds {field: "level", "rate" or "increment"}. .covariance (n, d, d), in the order of .covariance_of, NaN where a
     sample had none; None where the channel attaches none.
     """
 
     _what = "field"
 
     def __init__(self, kept):
-        fields = [(name, kept["values"][:, i]) for i, (name, _) in enumerate(kept["fields"])]
-        fields += [(name, kept["row_values"][:, i]) for i, (name, _) in enumerate(kept["row_fields"])]
+        fields = [(field[0], kept["values"][:, i]) for i, field in enumerate(kept["fields"])]
+        fields += [(field[0], kept["row_values"][:, i]) for i, field in enumerate(kept["row_fields"])]
         super().__init__(fields)
-        self.units = dict(kept["fields"] + kept["row_fields"])
+        self.units = {name: unit for name, unit, _ in kept["fields"] + kept["row_fields"]}
+        self.kinds = {name: kind for name, _, kind in kept["fields"] + kept["row_fields"]}
         self.t_ns = kept["t"]
         self.t = self.t_ns * 1e-9
         none = kept["t0"] == np.iinfo(np.int64).min
@@ -251,6 +251,6 @@ class Keeper:
                 raise KeyError(f"there is no channel {name!r}"
                                + (f"; did you mean {near[0]!r}?" if near else f"; there are {_list(known)}"))
         kept = [_core.KeptSamples() for _ in names]
-        sinks = {f"/sinks/python_keep_{i}": {"type": "python/keep", "input": name, "into": kept[i].place()}
+        sinks = {f"/sinks/python_keep_{i}": {"type": "numpy/keep", "input": name, "into": kept[i].place()}
                  for i, name in enumerate(names)}
         return self._load(sinks), kept

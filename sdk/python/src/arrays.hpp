@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays as sources: samples that Python gave, under the type python/arrays. And as sinks: python/keep.
+// Arrays as sources: samples that Python gave, under the type numpy/arrays. And as sinks: numpy/keep.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,7 @@ struct ArrayData {
 /// Those that some config still holds; null: there are none of this content.
 std::shared_ptr<const ArrayData> find_arrays(const std::string& content);
 
-/// Adds the type python/arrays, and python/keep.
+/// Adds the type numpy/arrays, and numpy/keep.
 void add_array_types(Registry& registry);
 
 void bind_arrays(py::module_& module);

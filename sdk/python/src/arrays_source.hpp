@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The source python/arrays: samples that Python gave as arrays.
+// The source numpy/arrays: samples that Python gave as arrays.
 #pragma once
 
 #include <cstdint>

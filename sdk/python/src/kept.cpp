@@ -49,7 +49,7 @@ KeepSink::KeepSink(const Binding& binding) : into_(find(binding.parameters().int
   if (!into_) throw ComponentError("there is no such place: run(keep=[…]) makes this sink, and nothing else", "/into");
   const Input input = binding.input("input");
   for (const FieldSpec& field : binding.channel(input).fields)
-    (field.is_per_row ? shape_.row_fields : shape_.fields).push_back({field.name, field.unit});
+    (field.is_per_row ? shape_.row_fields : shape_.fields).push_back(field);
   for (const NamedUnit& component : binding.covariance(input)) shape_.covariance_of.push_back(component.name);
 }
 
@@ -73,9 +73,12 @@ void KeepSink::on(Input, const SampleView& sample) {
 
 namespace {
 
-py::list named(const std::vector<NamedUnit>& fields) {
+py::list named(const std::vector<FieldSpec>& fields) {
+  const auto kind = [](FieldKind of) {
+    return of == FieldKind::rate ? "rate" : of == FieldKind::increment ? "increment" : "level";
+  };
   py::list list;
-  for (const auto& field : fields) list.append(py::make_tuple(field.name, field.unit));
+  for (const auto& field : fields) list.append(py::make_tuple(field.name, field.unit, kind(field.kind)));
   return list;
 }
 

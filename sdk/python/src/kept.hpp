@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sink python/keep: samples of a channel in memory, for run(keep=…).
+// The sink numpy/keep: samples of a channel in memory, for run(keep=…).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace binnacle::python {
 
 /// Samples of one channel, as a run left them.
 struct KeptSamples {
-  std::vector<NamedUnit> fields, row_fields;
+  std::vector<FieldSpec> fields, row_fields;
   std::vector<std::string> covariance_of;
   std::vector<Time> t, t0;                              // no_time: an instant
   std::vector<std::int64_t> rows;                       // by sample

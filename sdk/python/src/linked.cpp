@@ -7,8 +7,9 @@
 namespace binnacle::python {
 
 std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins() {
+  // Not "python", which models written in Python are of: these are compiled.
   static const auto arrays =
-      std::make_shared<const LinkedPlugin>(LinkedPlugin{"python", BINNACLE_VERSION, &add_array_types});
+      std::make_shared<const LinkedPlugin>(LinkedPlugin{"numpy", BINNACLE_VERSION, &add_array_types});
   return {arrays};
 }
 

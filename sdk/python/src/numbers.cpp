@@ -106,6 +106,14 @@ void check_time(bool is_good, const std::string& what, py::ssize_t i, const std:
 
 }  // namespace
 
+Time to_instant(py::handle time, const char* name, bool is_optional) {
+  const Time t = to_time(time, name);
+  if (t == no_time && !is_optional) throw py::value_error(std::string(name) + " is NaT: a sample has a time");
+  if (t != no_time && (t < -last_time || t > last_time))
+    throw py::value_error(std::string(name) + " is " + std::to_string(t) + " ns: times are within 146 years of 0");
+  return t;
+}
+
 std::vector<Time> to_times(py::handle given, const std::string& what, bool is_optional) {
   const py::object array = as_array(given);
   const std::string kind = kind_of(array);

@@ -56,6 +56,9 @@ class Room {
   Py_buffer view_;
 };
 
+/// As to_time(), of a sample: NaT is none (no_time) where it `is_optional`, else ValueError.
+Time to_instant(py::handle time, const char* name, bool is_optional);
+
 /// Times of many samples: numbers of seconds, or numpy.timedelta64. `is_optional`: NaN and NaT stand for none (no_time).
 /// Throws TypeError or ValueError with `what` and the index.
 std::vector<Time> to_times(py::handle times, const std::string& what, bool is_optional);

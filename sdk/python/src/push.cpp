@@ -26,13 +26,6 @@ std::string count_text(const std::vector<std::string>& names, const char* what) 
   return std::to_string(names.size()) + " " + what + (names.empty() ? "" : " (" + joined(names) + ")");
 }
 
-Time checked_time(PyObject* given, const char* name) {
-  const Time t = to_time(given, name);
-  if (t != no_time && (t < -last_time || t > last_time))
-    throw py::value_error(std::string(name) + " is " + std::to_string(t) + " ns: times are within 146 years of 0");
-  return t;
-}
-
 /// What Python gave for a sample, held for the time of a call.
 class GivenSample {
  public:
@@ -51,9 +44,8 @@ class GivenSample {
  private:
   void take_times(PyObject* t0, PyObject* t) {
     if (!t) throw py::type_error("t is None: a sample has a time (t0 is None for an instant)");
-    view_.t = checked_time(t, "t");
-    if (view_.t == no_time) throw py::value_error("t is NaT: a sample has a time");
-    if (t0) view_.t0 = checked_time(t0, "t0");
+    view_.t = to_instant(t, "t", false);
+    if (t0) view_.t0 = to_instant(t0, "t0", true);
     if (view_.t0 != no_time && view_.t0 >= view_.t)
       throw py::value_error("a sample on " + channel_text(shape_) + " begins at t0 = " + std::to_string(view_.t0) +
                             " ns and ends at t = " + std::to_string(view_.t) + " ns: t0 < t, or None for an instant");

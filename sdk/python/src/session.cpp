@@ -147,6 +147,7 @@ py::class_<Channel> bind_channel(py::module_& module) {
       .def(
           "counts",
           [](const Channel& self) {
+            const Busy busy(*self.open);
             const auto counts = self.open->session.counts(ChannelId{self.index});
             py::dict dict;
             dict["pushed"] = counts.pushed;
@@ -270,7 +271,7 @@ void bind_session(py::module_& module) {
       .def("_commit",
            [](OpenSession& open, py::handle t) {
              const Busy busy(open);
-             open.session.commit(to_time(t, "t"));
+             open.session.commit(to_instant(t, "t", false));
            })
       .def("_reset",
            [](OpenSession& open, std::uint64_t seed, int run) {
