@@ -395,8 +395,8 @@ def _add_c_function(digest, function, module, seen):
             digest.update(file.read())
 
 
-def traceback_of(error):
+def traceback_of(error, trace):
     """What goes into a message: the error, and where it was raised, the innermost last."""
     head = "".join(traceback.format_exception_only(type(error), error)).strip()
-    frames = "".join(traceback.format_tb(error.__traceback__)).rstrip()
+    frames = "".join(traceback.format_tb(trace)).rstrip()
     return f"{head}\nTraceback (most recent call last):\n{frames}" if frames else head

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models.hpp"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdio>
@@ -129,28 +128,9 @@ std::shared_ptr<const LinkedPlugin> plugin_of(ModelClasses classes) {
   return std::make_shared<const LinkedPlugin>(LinkedPlugin{plugin_of_models, std::move(version), add_types});
 }
 
-namespace {
-
-/// Of two plugins of one name: one with the types of both.
-std::shared_ptr<const LinkedPlugin> together(std::shared_ptr<const LinkedPlugin> a,
-                                             std::shared_ptr<const LinkedPlugin> b) {
-  const auto add_types = [a, b](Registry& registry) {
-    a->add_types(registry);
-    b->add_types(registry);
-  };
-  return std::make_shared<const LinkedPlugin>(LinkedPlugin{a->name, a->version + " " + b->version, add_types});
-}
-
-}  // namespace
-
 void link_models(LoadOptions& options, ModelClasses classes) {
   if (classes.empty()) return;
-  auto models = plugin_of(std::move(classes));
-  const auto same = std::ranges::find(options.linked_plugins, models->name, [](const auto& it) { return it->name; });
-  if (same == options.linked_plugins.end())
-    options.linked_plugins.push_back(std::move(models));
-  else
-    *same = together(*same, std::move(models));
+  options.linked_plugins.push_back(plugin_of(std::move(classes)));
   options.sections.push_back(manifolds_section());
 }
 

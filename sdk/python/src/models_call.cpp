@@ -22,7 +22,8 @@ void rethrow(py::error_already_set& raised) {
     const py::object error = raised.value();
     throw ComponentError(py::str(error).cast<std::string>(), error.attr("pointer").cast<std::string>());
   }
-  throw std::runtime_error(models.attr("traceback_of")(raised.value()).cast<std::string>());
+  const py::object trace = raised.trace() ? raised.trace() : py::object(py::none());
+  throw std::runtime_error(models.attr("traceback_of")(raised.value(), trace).cast<std::string>());
 }
 
 PythonNames::PythonNames() {
