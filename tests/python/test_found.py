@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import sysconfig
 
 import binnacle as bn
 import pytest
@@ -66,11 +67,16 @@ def test_where_packages_of_the_user_are_off_it_states_what_to_type(project, home
     assert not file_of(home).exists()
 
 
-def test_a_python_of_another_version_is_named(project, home):
-    (home / "bin" / "python3").unlink()
+def pretend(home, script):
+    """Another `python3`."""
     other = home / "bin" / "python3"
-    other.write_text('#!/bin/sh\ncase $1 in -c) echo .cpython-399-none.so;; --version) echo Python 3.99.0;; esac\n')
+    other.unlink()
+    other.write_text("#!/bin/sh\ncase $1 in " + script + " esac\n")
     other.chmod(0o755)
+
+
+def test_a_python_of_another_version_is_named(project, home):
+    pretend(home, "-c) echo .cpython-399-none.so;; --version) echo Python 3.99.0;;")
     assert "Python 3.99.0, for which the package is not built" in show(project, home)
     assert not file_of(home).exists()
 
@@ -81,5 +87,6 @@ def test_without_a_package_nothing_happens(project, home):
 
 
 def test_an_empty_home_is_none(project, home):
-    printed = show(project, home, HOME="", PYTHONUSERBASE=str(home / "base"))
-    assert str(home / "base") in printed
+    suffix = sysconfig.get_config_var("EXT_SUFFIX")
+    pretend(home, f"-c) echo {suffix};; -m) echo {home}/${{HOME-unset}};;")
+    assert f"{home}/unset/binnacle.pth" in show(project, home, HOME="")
