@@ -9,8 +9,8 @@ import pytest
 
 # Adapted noise and local coordinates are recorded beside the blocks.
 SETS = {
-    "/filters/ins/measurements/fix/stack/position/noise": {"type": "innovation_noise", "window": 20},
-    "/evaluate/origin": {"lat": "48.137 deg", "lon": "11.575 deg", "height": "520 m"},
+    "/filters/ins/measurements/fix/noise": {"type": "beta_adapter", "hold": True},
+    "/origin": {"lat": "48.137 deg", "lon": "11.575 deg", "height": "520 m"},
 }
 
 

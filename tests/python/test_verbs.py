@@ -80,13 +80,17 @@ def test_smooth(project, command, figures_of):
     assert smoothed["ins.smoothed"]["position"].sigma.mean() < smoothed["ins"]["position"].sigma.mean()
 
 
-def test_tune(project, command, figures_of):
-    line = ("tests/tune/ins.json", "--set", "/sources/drive/repeat=1")
-    tuning = bn.load(project / line[0], set={"/sources/drive/repeat": 1}).tune(jobs=2)
-    printed = command("tune", *line, "--json", "--quiet", status=(0, 1))
-    assert figures_of(dict(tuning)) == figures_of(printed)
-    assert str(tuning) == command("tune", *line, status=(0, 1))
-    assert tuning.patch == json.loads(printed)["patch"]
+def test_tune(project, command, figures_of, tmp_path):
+    sets = {
+        "/sources/drive/repeat": 1,
+        "/tune/parameters": {"/filters/ins/measurements/fix/stack/position/scale": {}},
+    }
+    line = [word for pointer, value in sets.items() for word in ("--set", f"{pointer}={json.dumps(value)}")]
+    tuning = bn.load(project / "tests" / "tune" / "ins.json", set=sets).tune(jobs=2)
+    printed = command("tune", "tests/tune/ins.json", *line, "--summary", tmp_path / "tune.json", status=(0, 1))
+    written = (tmp_path / "tune.json").read_text()
+    assert figures_of(dict(tuning)) == figures_of(written) and str(tuning) == printed
+    assert tuning.patch == json.loads(written)["patch"]
 
 
 def test_observe(project, command, figures_of):

@@ -183,7 +183,9 @@ def _rows(innovations, g, suffix):
     for name, numbers in {**fields, "key": innovations.key}.items():
         wide = np.full(shape, FILL_OF_KEYS) if name == "key" else np.full(shape, np.nan)
         wide[sample, slot] = numbers[mask]
-        yield name + suffix, (dimensions, wide, _attributes("" if name == "key" else unit, "", row_group=group))
+        beside = f"residual_sigma{suffix} noise{suffix} key{suffix}" if name == "residual" else ""
+        attributes = _attributes("" if name == "key" else unit, "", row_group=group, ancillary_variables=beside)
+        yield name + suffix, (dimensions, wide, attributes)
 
 
 def _measurement(innovations):

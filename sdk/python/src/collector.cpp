@@ -67,7 +67,7 @@ void Collector::scored(int filter, const score::ErrorSeries& errors) {
   auto& error = own.errors.emplace_back();
   error.name = errors.name;
   error.unit = errors.unit;
-  error.display_unit = errors.display_unit;
+  error.display_unit = errors.display_unit.empty() ? errors.unit : errors.display_unit;
   error.is_component = results::component_of(own.info, errors).first != nullptr;
   error.t.reserve(errors.t.size());
   for (const Time t : errors.t) error.t.push_back(results::nearest_seconds(t));

@@ -16,7 +16,7 @@ namespace {
 template <class Record>
 class View {
  public:
-  View(const Record& record, Sizes sizes) : record_(&record), sizes_(sizes) {}
+  View(const Record& record, Sizes sizes, Wants wants) : record_(&record), sizes_(sizes), wants_(wants) {}
   void close() { record_ = nullptr; }
   const Record& record() const {
     if (!record_)
@@ -25,11 +25,12 @@ class View {
           "array is a copy)");
     return *record_;
   }
-  const Sizes& sizes() const { return sizes_; }
+  ConstMatrixView at(const Field<Record>& field) const { return field.wanted(record(), sizes_, wants_); }
 
  private:
   const Record* record_;
   Sizes sizes_;
+  Wants wants_;
 };
 
 template <class Record>
@@ -41,8 +42,7 @@ Class<Record> bind_record(py::module_& module, const char* name, const char* tex
   Class<Record> type(module, name, text);
   for (const Field<Record>& field : fields)
     type.def_property_readonly(
-        field.name,
-        [field](const View<Record>& view) { return copied(field.of(view.record(), view.sizes()), field.is_vector); },
+        field.name, [field](const View<Record>& view) { return copied(view.at(field), field.is_vector); },
         field.is_vector ? "A copy, (n,); None where there is none."
                         : "A copy, (rows, columns); None where there is none.");
   return type;
@@ -97,7 +97,7 @@ void PythonObserver::guarded(const py::object& method, Call&& call) {
 template <class Record>
 void PythonObserver::call_with(const py::object& method, const Record& record) {
   guarded(method, [&] {
-    const auto view = std::make_shared<View<Record>>(record, sizes_);
+    const auto view = std::make_shared<View<Record>>(record, sizes_, wants_);
     const py::object of_python = py::cast(view);
     try {
       method(of_python);

@@ -14,33 +14,33 @@ ConstMatrixView column(const double* numbers, int rows) {
 constexpr Field<StepRecord> of_steps[] = {
     {"x0", true, [](const StepRecord& r, const Sizes& s) { return column(r.x0, s.stored); }},
     {"x1", true, [](const StepRecord& r, const Sizes& s) { return column(r.x1, s.stored); }},
-    {"P0", false, [](const StepRecord& r, const Sizes&) { return r.P0; }},
-    {"P1", false, [](const StepRecord& r, const Sizes&) { return r.P1; }},
-    {"Phi", false, [](const StepRecord& r, const Sizes&) { return r.Phi; }},
-    {"Qd", false, [](const StepRecord& r, const Sizes&) { return r.Qd; }},
+    {"P0", false, [](const StepRecord& r, const Sizes&) { return r.P0; }, Wants::step_covariance},
+    {"P1", false, [](const StepRecord& r, const Sizes&) { return r.P1; }, Wants::step_covariance},
+    {"Phi", false, [](const StepRecord& r, const Sizes&) { return r.Phi; }, Wants::transition},
+    {"Qd", false, [](const StepRecord& r, const Sizes&) { return r.Qd; }, Wants::transition},
 };
 
 constexpr Field<UpdateRecord> of_updates[] = {
     {"residual", true, [](const UpdateRecord& r, const Sizes&) { return column(r.residual, r.rows); }},
     {"S", false, [](const UpdateRecord& r, const Sizes&) { return r.S; }},
     {"R", false, [](const UpdateRecord& r, const Sizes&) { return r.R; }},
-    {"H", false, [](const UpdateRecord& r, const Sizes&) { return r.H; }},
+    {"H", false, [](const UpdateRecord& r, const Sizes&) { return r.H; }, Wants::jacobian},
     {"K", false, [](const UpdateRecord& r, const Sizes&) { return r.K; }},
     {"delta", true, [](const UpdateRecord& r, const Sizes& s) { return column(r.delta, s.rows_of_P); }},
     {"update_residual", true, [](const UpdateRecord& r, const Sizes&) { return column(r.update_residual, r.rows); }},
     {"update_S", false, [](const UpdateRecord& r, const Sizes&) { return r.update_S; }},
     {"x0", true, [](const UpdateRecord& r, const Sizes& s) { return column(r.x0, s.stored); }},
     {"x1", true, [](const UpdateRecord& r, const Sizes& s) { return column(r.x1, s.stored); }},
-    {"P0", false, [](const UpdateRecord& r, const Sizes&) { return r.P0; }},
-    {"P1", false, [](const UpdateRecord& r, const Sizes&) { return r.P1; }},
-    {"reset", false, [](const UpdateRecord& r, const Sizes&) { return r.reset; }},
+    {"P0", false, [](const UpdateRecord& r, const Sizes&) { return r.P0; }, Wants::update_covariance},
+    {"P1", false, [](const UpdateRecord& r, const Sizes&) { return r.P1; }, Wants::update_covariance},
+    {"reset", false, [](const UpdateRecord& r, const Sizes&) { return r.reset; }, Wants::reset},
 };
 
 constexpr Field<InflationRecord> of_inflations[] = {
     {"variances", true, [](const InflationRecord& r, const Sizes& s) { return column(r.variances, s.rows_of_P); }},
     {"scales", true, [](const InflationRecord& r, const Sizes& s) { return column(r.scales, s.rows_of_P); }},
-    {"P0", false, [](const InflationRecord& r, const Sizes&) { return r.P0; }},
-    {"P1", false, [](const InflationRecord& r, const Sizes&) { return r.P1; }},
+    {"P0", false, [](const InflationRecord& r, const Sizes&) { return r.P0; }, Wants::update_covariance},
+    {"P1", false, [](const InflationRecord& r, const Sizes&) { return r.P1; }, Wants::update_covariance},
 };
 
 constexpr std::pair<const char*, Wants> wanted[] = {{"step_covariance", Wants::step_covariance},

@@ -24,6 +24,12 @@ struct Field {
   bool is_vector;
   /// Null where the record does not have it. A vector is one column.
   ConstMatrixView (*of)(const Record& record, const Sizes& sizes);
+  Wants wants = Wants::nothing;  // what it is computed for
+
+  /// Null where it is not among what was wanted: for another observer of the filter it may have been computed all the same.
+  ConstMatrixView wanted(const Record& record, const Sizes& sizes, Wants all) const {
+    return includes(all, wants) ? of(record, sizes) : ConstMatrixView{};
+  }
 };
 
 std::span<const Field<StepRecord>> step_fields();

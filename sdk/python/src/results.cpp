@@ -17,7 +17,8 @@ Records Records::of(const FilterInfo& filter) {
   records.name = filter.name;
   for (const auto& block : filter.blocks)
     for (const auto& output : block.declaration->outputs)
-      records.outputs.push_back({block.name, output.name, output.unit, output.display_unit});
+      records.outputs.push_back(
+          {block.name, output.name, output.unit, output.display_unit.empty() ? output.unit : output.display_unit});
   return records;
 }
 

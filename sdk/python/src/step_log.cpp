@@ -26,8 +26,9 @@ std::vector<const char*> names_of(const Fields& fields) {
 }
 
 template <class Record>
-void add(std::vector<Ragged>& all, std::span<const Field<Record>> fields, const Record& record, const Sizes& sizes) {
-  for (std::size_t i = 0; i < fields.size(); ++i) all[i].add(fields[i].of(record, sizes));
+void add(std::vector<Ragged>& all, std::span<const Field<Record>> fields, const Record& record, const Sizes& sizes,
+         Wants wants) {
+  for (std::size_t i = 0; i < fields.size(); ++i) all[i].add(fields[i].wanted(record, sizes, wants));
 }
 
 void pop(std::vector<Ragged>& all) {
@@ -56,7 +57,7 @@ void StepLog::stepped(const StepRecord& record) {
   kinds_.push_back(static_cast<std::int8_t>(Kind::step));
   times_.push_back(record.t1);
   t0_.push_back(record.t0);
-  add(steps_, step_fields(), record, sizes_);
+  add(steps_, step_fields(), record, sizes_, wants_);
 }
 
 void StepLog::offered(const UpdateRecord& record) {
@@ -67,14 +68,14 @@ void StepLog::offered(const UpdateRecord& record) {
   reason_.emplace_back(record.reason);
   rows_.push_back(record.residual ? record.rows : 0);
   nis_.push_back(record.residual ? record.nis : std::numeric_limits<double>::quiet_NaN());
-  add(updates_, update_fields(), record, sizes_);
+  add(updates_, update_fields(), record, sizes_, wants_);
 }
 
 void StepLog::inflated(const InflationRecord& record) {
   kinds_.push_back(static_cast<std::int8_t>(Kind::inflation));
   times_.push_back(record.t);
   opened_by_.push_back(record.measurement);
-  add(inflations_, inflation_fields(), record, sizes_);
+  add(inflations_, inflation_fields(), record, sizes_, wants_);
 }
 
 void StepLog::pop() {
