@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types of the package: a checker accepts the package, and sees in a user's program what is what."""
 
+import ast
 import importlib.util
+import pathlib
 import re
 import subprocess
 import sys
 
+import binnacle as bn
 import pytest
 
-pytestmark = pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="no mypy (Debian package mypy)")
+needs_mypy = pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="no mypy (Debian package mypy)")
 
 PROGRAM = """
 import binnacle as bn
@@ -43,10 +46,12 @@ def check(project, folder, *arguments):
     return done.stdout.splitlines()
 
 
+@needs_mypy
 def test_package_is_typed_right(project, tmp_path):
     assert check(project, tmp_path, "-p", "binnacle") == []
 
 
+@needs_mypy
 def test_a_program_sees_types(project, tmp_path):
     (tmp_path / "program.py").write_text(PROGRAM)
     printed = check(project, tmp_path, tmp_path / "program.py")
@@ -55,3 +60,26 @@ def test_a_program_sees_types(project, tmp_path):
         assert f'is "{type_name}"' in by_line[line], printed
     for line, code in WRONG.items():
         assert f"[{code}]" in by_line[line], printed
+
+
+def arguments_of(function):
+    """Their names, as pybind11 has them in the first line of the docstring."""
+    inside = re.search(r"\((.*)\) ->", function.__doc__.splitlines()[0])[1]
+    return re.findall(r"(?:^|, )(\w+): ", inside)
+
+
+def described(tree, module):
+    """(name, what it is in the module, arguments that the description has) of each function and method."""
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            yield from described(node, getattr(module, node.name))
+        elif isinstance(node, ast.FunctionDef) and node.name != "__getattr__":
+            yield node.name, getattr(module, node.name), [argument.arg for argument in node.args.args]
+
+
+def test_module_in_cpp_is_as_it_is_described():
+    tree = ast.parse(pathlib.Path(bn.__file__).with_name("_core.pyi").read_text())
+    found = list(described(tree, bn._core))
+    assert len(found) > 40
+    for name, thing, arguments in found:
+        assert isinstance(thing, property) or arguments_of(thing) == arguments, name
