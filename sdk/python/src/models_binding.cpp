@@ -200,7 +200,7 @@ void yields(ModelBinding& self, const std::string& kind, int stored_size, const 
 
 void bind_model_bindings(py::module_& module) {
   using B = ModelBinding;
-  py::class_<B>(module, "Binding")
+  py::class_<B, std::shared_ptr<B>>(module, "Binding")
       .def_property_readonly("name", [](const B& self) { return self.binding().name(); })
       .def_property_readonly("parameters", &B::parameters)
       .def_property_readonly("ports", &B::ports)

@@ -27,6 +27,7 @@ void rethrow(py::error_already_set& raised) {
 }
 
 PythonNames::PythonNames() {
+  const py::gil_scoped_acquire locked;
   const py::module_ models = py::module_::import("binnacle._models");
   const auto get = [&](const char* name) { return Held(models.attr(name)); };
   sample = get("Sample");

@@ -17,7 +17,6 @@ std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
 PythonModel::PythonModel(const ModelClass& model, const Binding& binding, const NoiseBinding* noise) {
   in_python([&] {
-    names_ = PythonNames();
     declared_ = std::make_shared<ModelBinding>(binding, model, noise);
     object_ = Held(model.type.get()(declared_));
     declared_->close();
