@@ -204,7 +204,7 @@ study::Study load(const std::filesystem::path& path, const LoadOptions& options)
   Diagnostics diagnostics;
   for (const auto& variant : study.variants()) {
     Diagnostics own;
-    read_plan(score::load_config(path, options_of(options, variant)), path, variant.composition, own);
+    read_plan(score::load_config(path, options_of(options, variant)), path, options, variant.composition, own);
     if (own.has_errors()) {
       diagnostics.merge(own);
       break;  // the others would mostly say the same
@@ -222,8 +222,8 @@ Json analyse(const study::Study& study, const std::filesystem::path& path, const
   for (std::size_t v = 0; v < study.variants().size(); ++v) {
     const auto& variant = study.variants()[v];
     Diagnostics diagnostics;
-    Plan plan =
-        read_plan(score::load_config(path, options_of(options, variant)), path, variant.composition, diagnostics);
+    Plan plan = read_plan(score::load_config(path, options_of(options, variant)), path, options, variant.composition,
+                          diagnostics);
     if (diagnostics.has_errors()) throw ConfigError(diagnostics);
     VariantAnalysis analysis(study, variant, std::move(plan));
     for (std::size_t run = 0; run < runs; ++run)

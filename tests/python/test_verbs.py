@@ -133,10 +133,12 @@ def stopped(call):
         signal.raise_signal(signal.SIGINT)
 
     timer = threading.Timer(0.5, send)
-    with pytest.raises(KeyboardInterrupt):
-        timer.start()
-        call()
-    timer.cancel()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            timer.start()
+            call()
+    finally:
+        timer.cancel()
     return time.monotonic() - sent[0]
 
 
@@ -144,7 +146,7 @@ def stopped(call):
     "call",
     [
         lambda p: bn.load(p / "configs" / "transfer_alignment" / "table3.json").study(runs=10_000, jobs=2),
-        lambda p: bn.load(p / "configs" / "aiding" / "covariance.json", set={"/covariance/duration": "1000 h"}).covariance(),
+        lambda p: bn.load(p / "configs" / "aiding" / "covariance.json", set={"/covariance/runs": 100000}).covariance(),
         lambda p: bn.load(p / "tests" / "tune" / "ins.json", set={"/sources/drive/repeat": 100}).tune(jobs=2),
         lambda p: bn.load(p / "configs" / "quickstart.json", set=LONG).observe(),
         lambda p: bn.load(p / "configs" / "quickstart.json", set=LONG).allan("drive.imu"),
