@@ -32,7 +32,7 @@ class Arrays:
     t: (n,) times, seconds or numpy.timedelta64, increasing; the end of the interval of a rate or increment. fields:
     {name: array} (n,) in SI, or {name: ("deg/s", array)}; a pandas.DataFrame is such a mapping. Short for Arrays(t, fields) is
     (t, fields), for Arrays(t, fields, t0=t0) it is (t0, t, fields). A field whose unit neither the config's source of that
-    name nor its own standard name (wx, fx, lat, vn, roll, speed, position_sd_n …) tells needs one, "1" where it has none.
+    name nor its own standard name (wx, fx, lat, vn, roll, speed, position_sd_n …) gives needs one, "1" where it has none.
 
     kind: "level", "rate" (mean over the interval that ends at t) or "increment" (integral over it), of all fields or by name.
     Default: what the config says of the field where it has a source of that name with "columns" (csv, numpy/arrays); else
