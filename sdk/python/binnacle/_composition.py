@@ -96,8 +96,8 @@ class Composition:
 
         seed, run: which random streams simulators draw from. records, innovations: whether estimates and the fate of
         samples are kept; both are held in memory, as float64. keep: names of channels, ["detector.stops"], whose samples
-        are kept too, in .channels; the config is composed anew for them, with a sink each. The GIL is released; Ctrl-C stops the run
-        (KeyboardInterrupt). Raises DataError where data turn out unusable.
+        are kept too, in .channels; the config is composed anew for them, with a sink each. The GIL is released; Ctrl-C
+        stops the run (KeyboardInterrupt). Raises DataError where data turn out unusable.
         """
         run_one = lambda loaded: RunResult(_core.run(loaded, seed, run, records, innovations))  # noqa: E731
         if not keep:
