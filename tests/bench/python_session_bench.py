@@ -16,6 +16,7 @@ import numpy as np
 
 PROJECT = os.path.abspath(os.environ.get("PROJECT", "."))
 BUILD = os.path.abspath(os.environ.get("BUILD", os.path.join(PROJECT, "build", "release")))
+PLUGINS = os.path.join(BUILD, "lib", "binnacle")
 CONFIG = os.path.join(PROJECT, "configs", "quickstart.json")
 
 
@@ -47,8 +48,8 @@ class Bench:
         state = np.zeros_like(self.session().state())
         pointer = lambda array: array.ctypes.data_as(ctypes.c_void_p)  # noqa: E731
         seconds = self.library.cpp_pushes(
-            CONFIG.encode(), os.path.join(BUILD, "lib", "binnacle").encode(), b"drive.initial", pointer(self.first), pointer(self.P),
-            b"drive.imu", ctypes.c_size_t(len(self.ts)), ctypes.c_size_t(self.fields.shape[1]), pointer(self.t0s), pointer(self.ts),
+            CONFIG.encode(), PLUGINS.encode(), b"drive.initial", pointer(self.first), pointer(self.P), b"drive.imu",
+            ctypes.c_size_t(len(self.ts)), ctypes.c_size_t(self.fields.shape[1]), pointer(self.t0s), pointer(self.ts),
             pointer(self.fields), pointer(state))
         if seconds < 0:
             sys.exit("cpp_pushes failed")
@@ -104,10 +105,12 @@ def main():
     print(f"C++                 {1e6 * np.median(cpp) / count:7.3f} us a sample")
     print(f"push_many           {1e6 * np.median(of['many']) / count:7.3f} us, {np.median(of['many'] / cpp):.3f} x C++")
     for way, what in (("by_channel", "imu.push(t0, t, f)"), ("by_name", 's.push("imu", …)  ')):
-        print(f"{what}  {1e6 * np.median(of[way]) / count:7.3f} us, {1e6 * np.median(of[way] - cpp) / count:.3f} us more than C++")
+        each, more = (1e6 * np.median(times) / count for times in (of[way], of[way] - cpp))
+        print(f"{what}  {each:7.3f} us, {more:.3f} us more than C++")
     for push, what in ((bench.many, "push_many"), (bench.by_channel, "imu.push, one by one,")):
         one, two = (np.median([bench.wall(push, threads) for _ in range(max(1, rounds // 2))]) for threads in (1, 2))
-        print(f"{what} in two threads, each into its session: {two / one:.2f} x the wall clock of one ({os.cpu_count()} processors)")
+        print(f"{what} in two threads, each into its session: {two / one:.2f} x the wall clock of one, "
+              f"of {os.cpu_count()} processors")
 
 
 if __name__ == "__main__":

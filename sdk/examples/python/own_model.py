@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A measurement model of your own, in Python: a walker in the plane sees its distances to three beacons, and to no other thing.
+"""A measurement model of your own, in Python: a walker in the plane sees its distances to three beacons.
 
 The model is a class; a config names it like any other. Data are arrays, so no file is needed.
 """

@@ -136,10 +136,13 @@ class _Given:
             raise ValueError(f"{self.what} has no field")
         for field, numbers in self.numbers.items():
             if numbers.shape != (count,):
-                raise ValueError(f"{self.what}: field {field!r} has the shape {numbers.shape}; with {count} times expected ({count},)")
+                raise ValueError(
+                    f"{self.what}: field {field!r} has the shape {numbers.shape}; with {count} times expected ({count},)"
+                )
         lacking = [field for field in self.columns if field not in self.numbers]
         if lacking:
-            raise ValueError(f"{self.what} lacks the field {lacking[0]!r}, which the config's source has; it has {_list(self.numbers)}")
+            has = _list(self.numbers)
+            raise ValueError(f"{self.what} lacks the field {lacking[0]!r}, which the config's source has; it has {has}")
         for what in ("units", "kind", "missing"):
             by_name = getattr(self.arrays, what)
             unknown = [field for field in by_name if field not in self.numbers] if isinstance(by_name, Mapping) else []
@@ -162,11 +165,14 @@ class _Given:
         return section
 
     def _column(self, field, has_intervals):
-        stated, (unit, kind) = self.columns.get(field) or {}, _STANDARD.get(field, (None, "rate" if has_intervals else "level"))
+        stated = self.columns.get(field) or {}
+        unit, kind = _STANDARD.get(field, (None, "rate" if has_intervals else "level"))
         column = {"unit": self.units[field] or self._stated_unit(stated) or unit,
                   "kind": _of(self.arrays.kind, field) or (stated.get("kind", "level") if stated else kind)}
         if column["unit"] is None:
-            raise ValueError(f"{self.what}: field {field!r} needs a unit: {field!r}: (\"m/s\", array), or \"1\" where it has none")
+            raise ValueError(
+                f"{self.what}: field {field!r} needs a unit: {field!r}: (\"m/s\", array), or \"1\" where it has none"
+            )
         if column["kind"] not in _KINDS:
             raise ValueError(f"{self.what}: kind of {field!r} is {column['kind']!r}; expected one of {_list(_KINDS)}")
         missing = _of(self.arrays.missing, field)
@@ -204,9 +210,9 @@ def _list(names):
 class Samples(Names):
     """Samples of a channel that a run kept: ["wx"] (n,) in SI; of a field per row (m,), through all samples.
 
-    .t, .t0 (n,) [s], t0 NaN where a sample is an instant; .t_ns (n,), exact. .units {field: unit}. .rows (n,): how many rows
-    a sample has; .sample (m,): which sample a row is of. .kinds {field: "level", "rate" or "increment"}. .covariance (n, d, d), in the order of .covariance_of, NaN where a
-    sample had none; None where the channel attaches none.
+    .t, .t0 (n,) [s], t0 NaN where a sample is an instant; .t_ns (n,), exact. .units {field: unit}. .kinds {field: "level",
+    "rate" or "increment"}. .rows (n,): how many rows a sample has; .sample (m,): which sample a row is of. .covariance
+    (n, d, d), in the order of .covariance_of, NaN where a sample had none; None where the channel attaches none.
     """
 
     _what = "field"

@@ -137,8 +137,8 @@ class Composition(Verbs):
 
         seed, run: which random streams simulators draw from. records, innovations: whether estimates and the fate of
         samples are kept; both are held in memory, as float64. keep: names of channels, ["detector.stops"], whose samples
-        are kept too, in .channels; the config is composed anew for them, with a sink each. The GIL is released; Ctrl-C stops the run
-        (KeyboardInterrupt). Raises DataError where data turn out unusable.
+        are kept too, in .channels; the config is composed anew for them, with a sink each. The GIL is released; Ctrl-C
+        stops the run (KeyboardInterrupt). Raises DataError where data turn out unusable.
 
         log: True, a filter's name, or a list of them: their whole step log is kept, r["ins"].log, a StepLog. A step takes 8
         bytes × (4 n² + 2 × stored size) for n rows of P, 7 kB for 15, and a sample about as much. {"ins": ("transition", …)}
