@@ -20,7 +20,7 @@ int32_t linearize(double t, const double *constants, const double *fields, const
                   const double *x, double *memory, double *residual, double *H, double *R) {
   for (int i = 0; i < 2; ++i) {
     residual[i] = fields[i] - x[i];
-    if (H) H[i + 2 * i] = 1;
+    H[i + 2 * i] = 1;
     R[i + 2 * i] = constants[0];
   }
   return 2;

@@ -44,6 +44,7 @@ from ._models import (
     cfunc,
     failed,
     invalid,
+    last_exception,
     register,
     unsupported,
 )
@@ -83,6 +84,7 @@ __all__ = [
     "input",
     "integer",
     "invalid",
+    "last_exception",
     "list_of",
     "load",
     "map_of",
