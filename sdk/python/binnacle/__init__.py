@@ -47,6 +47,7 @@ from ._models import (
     cfunc,
     failed,
     invalid,
+    last_exception,
     register,
     unsupported,
 )
@@ -103,6 +104,7 @@ __all__ = [
     "inspect",
     "integer",
     "invalid",
+    "last_exception",
     "list_of",
     "load",
     "map_of",

@@ -3,6 +3,7 @@
 
 import hashlib
 import inspect
+import os
 import pickle
 import traceback
 import types
@@ -118,10 +119,10 @@ class _Model:
 
     def __setattr__(self, name, value):
         if "_is_bound" in self.__dict__:
+            # In few words: a filter keeps the beginning of a diagnosis.
             raise AttributeError(
-                f"{type(self).__name__}.{name} is set after the model is bound: it would not come back with a snapshot, a "
-                "replay or a sample that is refused. Declare in __init__ what it remembers, binding.keeps({"
-                f'"{name}": 0.0}}), and take the argument memory'
+                f"{type(self).__name__}.{name} is set after the model is bound; declare what it remembers: "
+                f'binding.keeps({{"{name}": 0.0}}), argument memory'
             )
         object.__setattr__(self, name, value)
 
@@ -226,7 +227,7 @@ def cfunc(function, version=""):
                           double *memory,             // binding.keeps({…}), 8 bytes each, in its order
                           double *residual,           // (max_rows)
                           double *H,                  // max_rows × dof, column-major, of each port that is read, one after
-                                                      // the other; zero on entry. NULL: not wanted
+                                                      // the other; zero on entry
                           double *R);                 // max_rows × max_rows, column-major, zero on entry
     It gives the number of rows that it wrote, or -1 (unsupported), -2 (invalid), -3 (failed).
     """
@@ -396,7 +397,22 @@ def _add_c_function(digest, function, module, seen):
 
 
 def traceback_of(error, trace):
-    """What goes into a message: the error, and where it was raised, the innermost last."""
-    head = "".join(traceback.format_exception_only(type(error), error)).strip()
-    frames = "".join(traceback.format_tb(trace)).rstrip()
-    return f"{head}\nTraceback (most recent call last):\n{frames}" if frames else head
+    """What goes into a message, in one line: the error, and where it was raised, the innermost call first, for a filter keeps the
+    beginning of a long diagnosis. The exception itself is kept for last_exception()."""
+    global _last
+    _last = error.with_traceback(trace)
+    frames = [
+        f"{os.path.basename(frame.filename)}:{frame.lineno} in {frame.name}: {frame.line}"
+        for frame in reversed(traceback.extract_tb(trace))
+    ]
+    head = "".join(traceback.format_exception_only(type(error), error)).strip().replace("\n", " ")
+    return "; from ".join([head, *frames])
+
+
+_last = None
+
+
+def last_exception():
+    """What a model raised last, in any thread, with its __traceback__; None: nothing yet. `raise binnacle.last_exception()` or
+    traceback.print_exception() show all of it, pdb.post_mortem() goes there."""
+    return _last

@@ -68,13 +68,22 @@ void add(Registry& registry, const ModelClass& model) {
   }
 }
 
-/// Those whose name stands in the config as a text.
+/// Whether the name, in quotes, is the value of a member.
+bool is_value_in(const std::string& config_text, const std::string& name) {
+  const std::string quoted = '"' + name + '"';
+  for (auto at = config_text.find(quoted); at != std::string::npos; at = config_text.find(quoted, at + 1)) {
+    const auto before = at == 0 ? std::string::npos : config_text.find_last_not_of(" \n", at - 1);
+    if (before != std::string::npos && config_text[before] == ':') return true;
+  }
+  return false;
+}
+
+/// Those that the config may mean by a type.
 ModelClasses named_in(const std::string& config_text, const ModelClasses& all) {
   ModelClasses named;
   for (const auto& model : all)
     if (const std::string& name = model->spec.type;
-        config_text.find('"' + name + '"') != std::string::npos ||
-        config_text.find(std::string(plugin_of_models) + "/" + name + '"') != std::string::npos)
+        is_value_in(config_text, name) || is_value_in(config_text, std::string(plugin_of_models) + "/" + name))
       named.push_back(model);
   return named;
 }

@@ -62,9 +62,9 @@ Result FastMeasurement::linearize(const MeasurementInput& in, MeasurementOutput&
   const bool wants_H = static_cast<bool>(out.H);
   if (wants_H) std::fill_n(H.data(), max_rows_ * dof_, 0.0);
   std::fill_n(R.data(), max_rows_ * max_rows_, 0.0);
-  const std::int32_t rows = function_(seconds(in.sample.t), constants_.data(), in.sample.fields, in.sample.row_fields,
-                                      in.sample.rows, x.data(), reinterpret_cast<double*>(in.memory.data()),
-                                      out.residual.data(), wants_H ? H.data() : nullptr, R.data());
+  const std::int32_t rows =
+      function_(seconds(in.sample.t), constants_.data(), in.sample.fields, in.sample.row_fields, in.sample.rows,
+                x.data(), reinterpret_cast<double*>(in.memory.data()), out.residual.data(), H.data(), R.data());
   if (rows < 0) return result_of(rows);
   out.rows = rows;
   if (rows > max_rows_) return Result::ok();  // the kernel says so
