@@ -83,11 +83,13 @@ class Case:
 
 
 def figures(value):
-    """Without times of the clock."""
+    """Without times of the clock, and without what sinks had to say of the network."""
     if isinstance(value, dict):
         times = ("wall_s", "filter_s", "live", "longest_lag_s")
         return {key: figures(each) for key, each in value.items() if key not in times}
-    return [figures(each) for each in value] if isinstance(value, list) else value
+    if isinstance(value, list):
+        return [figures(each) for each in value if not (isinstance(each, str) and "://" in each)]
+    return value
 
 
 def bits(array):

@@ -66,8 +66,8 @@ def test_tables_of_a_study_in_pandas_and_xarray(study):
 
 
 def test_covariance(project, command, figures_of):
-    analysis = bn.load(project / "configs" / "aiding" / "covariance.json").covariance(budget=True)
-    line = ("covariance", "configs/aiding/covariance.json", "--budget")
+    analysis = bn.load(project / "configs" / "ship_motion" / "table1.json").covariance(budget=True)
+    line = ("covariance", "configs/ship_motion/table1.json", "--budget")
     assert figures_of(dict(analysis)) == figures_of(command(*line, "--json", "--quiet"))
     assert str(analysis) == command(*line)
 
@@ -146,7 +146,7 @@ def stopped(call):
     "call",
     [
         lambda p: bn.load(p / "configs" / "transfer_alignment" / "table3.json").study(runs=10_000, jobs=2),
-        lambda p: bn.load(p / "configs" / "aiding" / "covariance.json", set={"/covariance/runs": 100000}).covariance(),
+        lambda p: bn.load(p / "configs" / "aiding" / "covariance.json", set={"/covariance/runs": 1000}).covariance(),
         lambda p: bn.load(p / "tests" / "tune" / "ins.json", set={"/sources/drive/repeat": 100}).tune(jobs=2),
         lambda p: bn.load(p / "configs" / "quickstart.json", set=LONG).observe(),
         lambda p: bn.load(p / "configs" / "quickstart.json", set=LONG).allan("drive.imu"),
