@@ -3,6 +3,7 @@
 
 import gc
 import resource
+import signal
 import threading
 
 import binnacle as bn
@@ -331,3 +332,18 @@ def test_handles_keep_their_session(drive, instants):
     gc.collect()
     imu.push(0, 0.01, [0, 0, 0, 0.01, 0, -0.09])
     assert not np.array_equal(position.read(), before)
+
+
+def test_ctrl_c_stops_many_samples_between_two_of_them(drive, recorded, instants):
+    imu = recorded.channels["drive.imu"]
+    count = 3_000_000
+    ns = np.arange(count + 1, dtype="m8[ns]") * 10_000_000
+    fields = np.resize(np.stack(list(imu.values()), axis=1), (count, 6))
+    s = started(drive, instants)
+    with pytest.raises(KeyboardInterrupt):
+        threading.Timer(0.3, lambda: signal.raise_signal(signal.SIGINT)).start()
+        s.push_many("drive.imu", ns[:-1], ns[1:], fields)
+    done = s.channel("drive.imu").counts()["pushed"]
+    assert 0 < done < count and s.healthy() and s.time_ns() == done * 10_000_000
+    s.push("drive.imu", ns[done], ns[done + 1], fields[done])
+    assert s.time_ns() == (done + 1) * 10_000_000
