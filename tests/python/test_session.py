@@ -3,6 +3,7 @@
 
 import gc
 import resource
+import signal
 import threading
 
 import binnacle as bn
@@ -70,6 +71,40 @@ def test_pushed_samples_give_what_the_run_gives_to_the_bit(drive, recorded, inst
     assert counts["accepted"] == figures["accepted"] > 100 and counts["nis_mean"] > 0
     assert s.filter_counts()["steps"] > 10_000
     assert s.channel("drive.imu").counts()["pushed"] == len(recorded.channels["drive.imu"].t)
+
+
+def test_rows_are_pushed_as_a_run_has_them(project):
+    """Ranges to several anchors, a row each, beside an IMU, a compass, a barometer and a velocity log."""
+    composition = bn.load(project / "configs" / "aiding" / "ins.json")
+    channels = [name for name in composition.channels if name.startswith("aiding.") and name != "aiding.truth"]
+    run = composition.run(seed=1, keep=["drive.initial", "drive.imu", "drive.gnss", *channels])
+    s, ranges = composition.session(seed=1), run.channels["aiding.range"]
+    rows_of = np.stack([ranges[name] for name in s.channel("aiding.range").row_fields], axis=1)
+    assert len(rows_of) > len(ranges.t) > 100
+    by_time = {}
+    for name, samples in run.channels.items():
+        fields = [samples[field] for field in s.channel(name).fields]
+        for i, t in enumerate(samples.t_ns):
+            rows = rows_of[ranges.sample == i] if name == "aiding.range" else None
+            P = None if samples.covariance is None else samples.covariance[i]
+            t0 = None if np.isnan(samples.t0[i]) else samples.t0[i]
+            by_time.setdefault(t, []).append((name, t0, [numbers[i] for numbers in fields], rows, P))
+    records, compared = {t: i for i, t in enumerate(run["ins"].t_ns)}, 0
+    for t in sorted(by_time)[:6000]:
+        with s.instant(np.timedelta64(t, "ns")) as instant:
+            for name, t0, fields, rows, P in by_time[t]:
+                instant.push(name, t0, fields or None, rows=rows, covariance=P)
+        if t in records and s.time_ns() == t:
+            assert np.array_equal(s.read("position"), np.asarray(run["ins"]["position"])[records[t]])
+            compared += 1
+    assert compared > 50 and s.counts("uwb")["accepted"] > 50
+    before = s.snapshot()
+    for wrong in (np.zeros((1, 3)), np.zeros(2), np.zeros((1000, 2))):
+        with pytest.raises(ValueError, match="channel 'aiding.range' takes up to .* rows of 2 fields"):
+            s.push("aiding.range", None, 1e4, None, rows=wrong)
+    with pytest.raises(ValueError, match="has rows, which push\\(\\) takes, sample by sample"):
+        s.push_many("aiding.range", None, [1e4], np.zeros((1, 2)))
+    assert s.snapshot() == before
 
 
 def test_another_number_gives_other_bits(drive, instants):
@@ -331,3 +366,18 @@ def test_handles_keep_their_session(drive, instants):
     gc.collect()
     imu.push(0, 0.01, [0, 0, 0, 0.01, 0, -0.09])
     assert not np.array_equal(position.read(), before)
+
+
+def test_ctrl_c_stops_many_samples_between_two_of_them(drive, recorded, instants):
+    imu = recorded.channels["drive.imu"]
+    count = 3_000_000
+    ns = np.arange(count + 1, dtype="m8[ns]") * 10_000_000
+    fields = np.resize(np.stack(list(imu.values()), axis=1), (count, 6))
+    s = started(drive, instants)
+    with pytest.raises(KeyboardInterrupt):
+        threading.Timer(0.3, lambda: signal.raise_signal(signal.SIGINT)).start()
+        s.push_many("drive.imu", ns[:-1], ns[1:], fields)
+    done = s.channel("drive.imu").counts()["pushed"]
+    assert 0 < done < count and s.healthy() and s.time_ns() == done * 10_000_000
+    s.push("drive.imu", ns[done], ns[done + 1], fields[done])
+    assert s.time_ns() == (done + 1) * 10_000_000
