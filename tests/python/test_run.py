@@ -66,7 +66,7 @@ def test_a_dict_is_the_config(project, figures_of, quickstart):
 def test_settings_are_those_of_the_command(project, command, figures_of):
     pointer = "/filters/ins/measurements/fix/gate"
     set_here = bn.load(project / "configs" / "quickstart.json", set={pointer: 0.5}).run()
-    printed = command("run", "configs/quickstart.json", "--json", "--quiet", "--set", f"{pointer}=0.5", status=(1,))  # a gate so tight loses it
+    printed = command("run", project / "configs/quickstart.json", "--json", "--quiet", "--set", f"{pointer}=0.5", status=(1,))  # a gate so tight loses it
     assert figures_of(dict(set_here.summary)) == figures_of(printed)
     assert not set_here["ins"].innovations["fix"].accepted.all()
 
