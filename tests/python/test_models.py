@@ -159,17 +159,17 @@ def test_explain_marks_what_is_written_in_python(world):
 
 
 def test_others_that_are_registered_are_no_part_of_what_is_loaded(world):
-    plain = bn.parse(config(measured("core/linear_measurement", **LINEAR)), name=world / "mine.json")
-    assert "python" not in plain.plugins
-    mine = bn.parse(config(three("my_range")), name=world / "mine.json")
-    before = mine.plugins["python"]
+    def versions(measurements):
+        return bn.parse(config(measurements), name=world / "mine.json").plugins
+
+    plain, mine = versions(measured("core/linear_measurement", **LINEAR)), versions(three("my_range"))
+    assert plain != mine != versions(three("my_numeric_range"))
 
     @bn.register(name="not_used")
     class NotUsed(MyRange):
         pass
 
-    assert bn.parse(config(three("my_range")), name=world / "mine.json").plugins["python"] == before
-    assert before != bn.parse(config(three("my_numeric_range")), name=world / "mine.json").plugins["python"]
+    assert versions(measured("core/linear_measurement", **LINEAR)) == plain and versions(three("my_range")) == mine
 
 
 def test_version_changes_with_the_code(world):
