@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Models in Python: registered, composed, run, against the plugins of the same equations."""
 
-import ctypes
-import subprocess
 import threading
 import traceback
 
@@ -161,17 +159,17 @@ def test_explain_marks_what_is_written_in_python(world):
 
 
 def test_others_that_are_registered_are_no_part_of_what_is_loaded(world):
-    plain = bn.parse(config(measured("core/linear_measurement", **LINEAR)), name=world / "mine.json")
-    assert "python" not in plain.plugins
-    mine = bn.parse(config(three("my_range")), name=world / "mine.json")
-    before = mine.plugins["python"]
+    def versions(measurements):
+        return bn.parse(config(measurements), name=world / "mine.json").plugins
+
+    plain, mine = versions(measured("core/linear_measurement", **LINEAR)), versions(three("my_range"))
+    assert plain != mine != versions(three("my_numeric_range"))
 
     @bn.register(name="not_used")
     class NotUsed(MyRange):
         pass
 
-    assert bn.parse(config(three("my_range")), name=world / "mine.json").plugins["python"] == before
-    assert before != bn.parse(config(three("my_numeric_range")), name=world / "mine.json").plugins["python"]
+    assert versions(measured("core/linear_measurement", **LINEAR)) == plain and versions(three("my_range")) == mine
 
 
 def test_version_changes_with_the_code(world):
@@ -515,73 +513,6 @@ def test_two_runs_at_once_give_what_one_gives(world):
         thread.join()
     for each in found:
         assert np.array_equal(each["place"], alone["place"]) and np.array_equal(each["place"].sigma, alone["place"].sigma)
-
-
-# ---- C functions
-
-C_RANGE = r"""
-#include <math.h>
-#include <stdint.h>
-int32_t linearize(double t, const double *constants, const double *fields, const double *row_fields, int32_t rows,
-                  const double *x, double *memory, double *residual, double *H, double *R) {
-  const double dx = x[0] - constants[1], dy = x[1] - constants[2], length = sqrt(dx * dx + dy * dy);
-  if (length < 1e-3) return -1;
-  residual[0] = fields[0] - length;
-  H[0] = dx / length;
-  H[1] = dy / length;
-  R[0] = constants[0];
-  memory[0] += 1;
-  return 1;
-}
-"""
-
-
-@pytest.fixture(scope="module")
-def c_range(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("c")
-    (folder / "range.c").write_text(C_RANGE)
-    subprocess.run(["cc", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-o", folder / "range.so", folder / "range.c", "-lm"], check=True)
-    return ctypes.CDLL(str(folder / "range.so")).linearize
-
-
-def fast(function, name):
-    class Fast(_Range):
-        linearize = bn.cfunc(function)
-
-        def __init__(self, binding):
-            super().__init__(binding)
-            binding.constants([self.variance, *self.anchor])
-            binding.keeps({"count": 0.0})
-
-    return bn.register(Fast, name=name)
-
-
-def test_a_c_function_gives_what_python_gives(world, c_range):
-    fast(c_range, "c_range")
-    python, c = run(world, three("my_range"))["point"], run(world, three("c_range"))["point"]
-    assert c.innovations["r0"].accepted.all()
-    np.testing.assert_allclose(c["place"], python["place"], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(c["place"].sigma, python["place"].sigma, rtol=1e-12)
-
-
-def test_a_numba_function_gives_what_python_gives(world):
-    numba = pytest.importorskip("numba", reason="numba (Debian: python3-numba) is not installed")
-    types = numba.types
-    pointer = types.CPointer(types.float64)
-    signature = types.int32(types.float64, pointer, pointer, pointer, types.int32, pointer, pointer, pointer, pointer, pointer)
-
-    @numba.cfunc(signature)
-    def linearize(t, constants, fields, row_fields, rows, x, memory, residual, H, R):
-        dx, dy = x[0] - constants[1], x[1] - constants[2]
-        length = (dx * dx + dy * dy) ** 0.5
-        residual[0] = fields[0] - length
-        H[0], H[1] = dx / length, dy / length
-        R[0] = constants[0]
-        return 1
-
-    fast(linearize, "numba_range")
-    python, c = run(world, three("my_range"))["point"], run(world, three("numba_range"))["point"]
-    np.testing.assert_allclose(c["place"], python["place"], rtol=0, atol=1e-12)
 
 
 def test_registering_says_what_is_wrong():

@@ -63,7 +63,7 @@ class Registry {
   void add() {
     add<Component>(Component::spec());
   }
-  /// A type whose spec is known at run time only: the constructor finds in Binding::spec() which one it is of.
+  /// A type whose spec is known at run time only.
   template <class Component>
   void add(ComponentSpec spec) {
     constexpr Role role = role_of<Component>();
