@@ -83,7 +83,7 @@ class Case:
 
 
 def figures(value):
-    """Without times of the clock, and without what sinks reported of the network."""
+    """Without times of the clock, and without what sinks report of the network."""
     if isinstance(value, dict):
         times = ("wall_s", "filter_s", "live", "longest_lag_s")
         return {key: figures(each) for key, each in value.items() if key not in times}

@@ -80,17 +80,31 @@ def test_smooth(project, command, figures_of):
     assert smoothed["ins.smoothed"]["position"].sigma.mean() < smoothed["ins"]["position"].sigma.mean()
 
 
+TUNED = {
+    "/sources/drive/repeat": 1,
+    "/tune/parameters": {"/filters/ins/measurements/fix/stack/position/scale": {}},
+}
+
+
 def test_tune(project, command, figures_of, tmp_path):
-    sets = {
-        "/sources/drive/repeat": 1,
-        "/tune/parameters": {"/filters/ins/measurements/fix/stack/position/scale": {}},
-    }
-    line = [word for pointer, value in sets.items() for word in ("--set", f"{pointer}={json.dumps(value)}")]
-    tuning = bn.load(project / "tests" / "tune" / "ins.json", set=sets).tune(jobs=2)
+    line = [word for pointer, value in TUNED.items() for word in ("--set", f"{pointer}={json.dumps(value)}")]
+    tuning = bn.load(project / "tests" / "tune" / "ins.json", set=TUNED).tune(jobs=2)
     printed = command("tune", "tests/tune/ins.json", *line, "--summary", tmp_path / "tune.json", status=(0, 1))
     written = (tmp_path / "tune.json").read_text()
     assert figures_of(dict(tuning)) == figures_of(written) and str(tuning) == printed
     assert tuning.patch == json.loads(written)["patch"]
+
+
+def test_configs_that_are_tuned_over_are_those_of_their_files(project):
+    """The text of parse() is of the config alone, and not of the configs that it names."""
+    path = project / "tests" / "tune" / "ins.json"
+    config = bn.load(path, set=TUNED).config
+    config["tune"]["over"] = ["ins.json"]
+    other = json.loads(json.dumps(config))
+    other["sources"]["drive"]["gnss"]["position_sigma"] = "5 m"
+    repeat = {"/sources/drive/repeat": 1}
+    a, b = (bn.parse(each, name=path.with_name("mine.json"), set=repeat).tune() for each in (config, other))
+    assert a["parameters"] == b["parameters"]
 
 
 def test_observe(project, command, figures_of):
