@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` puts where, in two components: `runtime` runs filters, `dev` builds plugins and programs.
+# What `cmake --install` puts where, in components: `runtime` runs filters, `dev` builds plugins and programs,
+# `python` is the Python package.
 # The folders are fixed, not those of GNUInstallDirs: the command finds its plugins at ../lib/binnacle and its templates
 # at ../share/binnacle/sdk/template, so that the whole may be moved. Below share/binnacle documents and configs lie as in
 # the project, so that the links between them hold.
@@ -26,7 +27,7 @@ install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/examples" "${PROJECT_SOURCE_DIR}/sdk/docs"
-  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE)
+  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE)
 
 file(GLOB documents RELATIVE "${PROJECT_SOURCE_DIR}" CONFIGURE_DEPENDS
   LICENSE *.md CITATION.cff kernel/*.md sdk/packages.txt plugins/*/README.md)
@@ -80,3 +81,19 @@ install(
     "${CMAKE_CURRENT_LIST_DIR}/BinnaclePlugin.cmake"
     "${CMAKE_CURRENT_LIST_DIR}/binnacle_plugin.map"
   DESTINATION ${package_folder} COMPONENT dev)
+
+# ---- python: the package, which finds its plugins at ../../../binnacle
+
+if(TARGET binnacle_python)
+  set(python_folder lib/python3/dist-packages/binnacle)
+  get_property(python_files GLOBAL PROPERTY BINNACLE_PYTHON_FILES)
+  install(TARGETS binnacle_python LIBRARY DESTINATION ${python_folder} COMPONENT python OPTIONAL)
+  # What is Python is of no use without what is C++.
+  install(CODE "
+    if(EXISTS \"$<TARGET_FILE:binnacle_python>\")
+      file(INSTALL ${python_files} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${python_folder}\")
+    else()
+      message(STATUS \"Left out, since it is not built: the Python package \"
+        \"(cmake --build ${PROJECT_BINARY_DIR} --target python)\")
+    endif()" COMPONENT python)
+endif()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages, made by `cpack -G DEB` in the build folder: binnacle (component runtime), binnacle-dev (dev) and, where
-# there is an MPI, binnacle-mpi (mpi).
+# Debian packages, made by `cpack -G DEB` in the build folder: binnacle (component runtime), binnacle-dev (dev); where there
+# is an MPI, binnacle-mpi (mpi); where the Python package is built, python3-binnacle (python).
 include_guard(GLOBAL)
 
 set(CPACK_GENERATOR DEB)
@@ -33,6 +33,23 @@ if(TARGET binnacle_mpi)
   set(CPACK_DEBIAN_MPI_PACKAGE_NAME binnacle-mpi)
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "binnacle (= ${PROJECT_VERSION})")
   set(CPACK_DEBIAN_MPI_PACKAGE_RECOMMENDS "openmpi-bin")
+endif()
+
+if(TARGET binnacle_python)
+  get_property(python_version GLOBAL PROPERTY BINNACLE_PYTHON_VERSION)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  string(REGEX MATCH "[0-9]+$" minor "${python_version}")
+  math(EXPR minor "${minor} + 1")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The same filters in Python: runs, sessions and results as numpy arrays.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-binnacle)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  # The module is of one version of Python.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "binnacle (= ${PROJECT_VERSION}), python3 (>= ${python_version}), python3 (<< 3.${minor}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-pandas, python3-xarray, python3-matplotlib")
+  # Byte code is made when it is installed, and leaves with it.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_CURRENT_LIST_DIR}/debian/postinst" "${CMAKE_CURRENT_LIST_DIR}/debian/prerm")
 endif()
 
 include(CPack)

@@ -10,7 +10,6 @@
 #include "binnacle/run.hpp"
 #include "binnacle/section.hpp"
 #include "binnacle/unit.hpp"
-#include "interrupt.hpp"
 #include "output.hpp"
 #include "table.hpp"
 
@@ -62,7 +61,8 @@ int channel_of(const Composition& composition, const std::string& name) {
 
 class Collector final : public RunObserver {
  public:
-  Collector(const ChannelInfo& info, double full) : full_(full) {
+  Collector(const ChannelInfo& info, double full, const std::function<bool()>& goes_on)
+      : full_(full), goes_on_(goes_on) {
     channel.name = info.name;
     for (std::size_t f = 0; f < info.declaration->fields.size(); ++f) {
       const FieldSpec& field = info.declaration->fields[f];
@@ -84,7 +84,7 @@ class Collector final : public RunObserver {
       take(row);
     }
   }
-  bool progress(Time) override { return interrupted_by() == 0; }
+  bool progress(Time) override { return goes_on_(); }
   void finished() override {
     if (variances_.empty() && first_.size() > 2) begin_variances();
     for (std::size_t f = 0; f < variances_.size(); ++f) {
@@ -144,6 +144,7 @@ class Collector final : public RunObserver {
   }
 
   double full_;
+  const std::function<bool()>& goes_on_;
   Time interval_ = 0, begin_ = no_time, last_ = no_time;
   std::vector<Row> first_;
   std::vector<int> position_;
@@ -154,18 +155,17 @@ class Collector final : public RunObserver {
 }  // namespace
 
 AllanChannel allan_channel(const std::string& config, const LoadOptions& options, const std::string& channel,
-                           double full, std::uint64_t seed) {
+                           double full, std::uint64_t seed, const std::function<bool()>& goes_on) {
   const auto composition = composition_with(config, options, channel);
   const int index = channel_of(*composition, channel);
-  Collector collector(composition->channels()[static_cast<std::size_t>(index)], full);
+  Collector collector(composition->channels()[static_cast<std::size_t>(index)], full, goes_on);
   if (collector.channel.fields.empty())
     throw UsageError("--channel: '" + channel + "' has no fields of its samples as a whole, only of their rows");
   RunOptions run_options;
   run_options.seed = seed;
   run_options.observer = &collector;
   run_options.feeds_sinks = false;
-  const RunResult result = run(composition, run_options);
-  print_abridged(result.warnings, "binnacle run has all");
+  collector.channel.warnings = run(composition, run_options).warnings;
   return std::move(collector.channel);
 }
 

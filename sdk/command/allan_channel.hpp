@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 
 #include "allan/allan.hpp"
 #include "binnacle/config.hpp"
+#include "binnacle/diagnostic.hpp"
 
 namespace binnacle::command {
 
@@ -32,12 +34,14 @@ struct AllanChannel {
   double missing = 0;         // s, in gaps
   std::int64_t repeated = 0;  // labels less than half an interval after the one before, or not after it: left out
   std::vector<AllanField> fields;
+  Diagnostics warnings;  // of the run
 };
 
 /// Runs the sources and transforms of a config, without its filters where these give nothing to it, and takes the channel.
-/// full: up to this averaging time [s] differences overlap fully. Throws UsageError where there is no such channel.
+/// full: up to this averaging time [s] differences overlap fully. goes_on: asked now and then;
+/// false: it stops. Throws UsageError where there is no such channel.
 AllanChannel allan_channel(const std::string& config, const LoadOptions& options, const std::string& channel,
-                           double full, std::uint64_t seed);
+                           double full, std::uint64_t seed, const std::function<bool()>& goes_on);
 
 nlohmann::ordered_json allan_json(const AllanChannel& channel);
 std::string allan_text(const AllanChannel& channel);

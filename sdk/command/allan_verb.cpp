@@ -27,8 +27,10 @@ int allan_of(const Options& options) {
   watch_signals("nothing was written");
   std::unique_ptr<AtomicFile> picture;
   if (!options.picture.empty()) picture = std::make_unique<AtomicFile>(options.picture);
-  const AllanChannel channel = allan_channel(options.config_path, options.config.load_options(options.config_path),
-                                             options.channel, options.full, options.seed);
+  const AllanChannel channel =
+      allan_channel(options.config_path, options.config.load_options(options.config_path), options.channel,
+                    options.full, options.seed, [] { return interrupted_by() == 0; });
+  print_abridged(channel.warnings, "binnacle run has all");
   stand_down();
   if (interrupted_by() != 0) {
     picture.reset();

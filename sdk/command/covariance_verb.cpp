@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // covariance: a composition run on covariances alone, with a truth that may differ from the filter.
 #include <chrono>
-#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
 #include "covariance/analysis.hpp"
+#include "covariance_text.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
 #include "sentinel.hpp"
-#include "study_text.hpp"
-#include "table.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -25,35 +23,6 @@ struct Options {
   std::string summary;
   bool json = false, quiet = false, budget = false;
 };
-
-std::string metrics_text(const Json& summary, const study::Study& study) {
-  std::string text;
-  for (const auto& metric : study.metrics()) {
-    Table table("lr");
-    table.row({metric.name + (metric.unit == "1" ? "" : " [" + metric.unit + "]"), ""});
-    for (const auto& [name, variant] : summary.at("variants").items()) {
-      if (!variant.at("metrics").contains(metric.name)) continue;
-      const Json& value = variant.at("metrics").at(metric.name).at("mean");
-      table.row({name, value.is_number() ? fmt::format("{:.4f}", value.get<double>()) : "-"});
-    }
-    text += table.text() + "\n";
-  }
-  return text;
-}
-
-/// Shares of the variance, in percent.
-std::string budget_text(const Json& summary) {
-  std::string text;
-  for (const auto& [name, variant] : summary.at("variants").items())
-    for (const auto& [output, shares] : variant.at("budget").items()) {
-      Table table("lr");
-      table.row({name + ": " + output + ", share of the final variance", "%"});
-      for (const auto& [source, share] : shares.items())
-        table.row({source, share.is_number() ? fmt::format("{:.2f}", 100 * share.get<double>()) : "-"});
-      text += table.text() + "\n";
-    }
-  return text;
-}
 
 int tell_failures(const Json& summary) {
   int failures = 0;
@@ -74,7 +43,11 @@ int analyse(const Options& options) {
   std::unique_ptr<AtomicFile> file;
   if (!options.summary.empty()) file = std::make_unique<AtomicFile>(options.summary);
   watch_exit();  // again, now that the plugins are loaded
-  Json summary = covariance::analyse(study, options.config_path, load);
+  Json summary;
+  try {
+    summary = covariance::analyse(study, options.config_path, load, [] { return interrupted_by() == 0; });
+  } catch (const covariance::Interrupted&) {
+  }
   stand_down();
   if (interrupted_by() != 0) {
     file.reset();
@@ -90,9 +63,7 @@ int analyse(const Options& options) {
   if (options.json) {
     print_json(summary);
   } else if (!options.quiet) {
-    const std::string title = study.title().empty() ? "" : study.title() + "\n\n";
-    print(title + metrics_text(summary, study) + tables_text(summary, study) +
-          (options.budget ? budget_text(summary) : ""));
+    print(covariance_text(summary, study, options.budget));
   }
   return tell_failures(summary) == 0 ? ok : failed;
 }

@@ -4,6 +4,7 @@
 
 #include "binnacle/unit.hpp"
 #include "document/document.hpp"
+#include "explain_text.hpp"
 #include "output.hpp"
 #include "score/sections.hpp"
 #include "table.hpp"
@@ -215,13 +216,22 @@ std::string history_text(const Json& filter) {
       history.at("snapshot_bytes").get<double>() / 1e3, budget);
 }
 
+/// Models that Python brings: the command can not run them.
+std::string python_text(const Json& filter) {
+  Table table("lll");
+  for (const auto& mark : filter.value("written_in_python", Json::array()))
+    table.row({mark.at("component"), mark.at("role"), mark.at("type")});
+  return section("Written in Python: slower, and unknown to the command", table);
+}
+
 std::string filter_text(const Json& filter, const Json& filter_config) {
   const std::string name = filter.at("name");
   const std::string form = filter.at("covariance");
   return fmt::format("\nFILTER {}: {} in the covariance{}\n", name, counted(filter.at("dof"), "row"),
                      form == "joseph" ? "" : ", kept as " + form) +
          layout_text(filter, filter_config) + blocks_text(filter) + processes_text(filter) + couplings_text(filter) +
-         measurements_text(filter) + implied_states_text(filter) + start_text(filter) + history_text(filter);
+         measurements_text(filter) + implied_states_text(filter) + start_text(filter) + history_text(filter) +
+         python_text(filter);
 }
 
 /// Figures that components found out while they were bound; angles in degrees, as everywhere in print.
@@ -243,6 +253,8 @@ std::string found_text(const Json& found) {
   return section("Found", table);
 }
 
+}  // namespace
+
 std::string explanation_text(const Json& explained, const Json& config) {
   const std::string title = explained.at("title");
   std::string text = title.empty() ? "" : title + "\n";
@@ -258,6 +270,8 @@ std::string explanation_text(const Json& explained, const Json& config) {
   text.erase(0, text.find_first_not_of('\n'));
   return text;
 }
+
+namespace {
 
 struct Options {
   std::string config_path;

@@ -36,7 +36,7 @@ class AllSources final : public Section {
 
 class Collector final : public RunObserver {
  public:
-  explicit Collector(const Composition& composition) {
+  Collector(const Composition& composition, const GoesOn& goes_on) : goes_on_(goes_on) {
     for (const ChannelInfo& info : composition.channels()) {
       inspect::Channel& channel = channels.emplace_back();
       channel.name = info.name;
@@ -66,9 +66,11 @@ class Collector final : public RunObserver {
     for (std::size_t f = 0; f < places_[i].size(); ++f)
       channel.fields[f].values.push_back(sample.fields[places_[i][f]]);
   }
+  bool progress(Time) override { return goes_on_(); }
   std::vector<inspect::Channel> channels;
 
  private:
+  const GoesOn& goes_on_;
   std::vector<std::vector<int>> places_;
 };
 
@@ -115,8 +117,8 @@ inspect::StatedFile stated_file(const Json& source) {
 }
 
 /// What sources emit, other than text files.
-std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& composition) {
-  Collector collector(*composition);
+std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& composition, const GoesOn& goes_on) {
+  Collector collector(*composition, goes_on);
   RunOptions run_options;
   run_options.observer = &collector;
   run_options.feeds_sinks = false;
@@ -128,27 +130,6 @@ std::vector<inspect::Channel> emitted(const std::shared_ptr<const Composition>& 
   }
   auto channels = std::move(collector.channels);
   for (auto& channel : channels) channel.fault = fault;
-  return channels;
-}
-
-std::vector<inspect::Channel> channels_of_config(const std::string& path, const ConfigOptions& options) {
-  LoadOptions load = options.load_options(path);
-  load.sections = {std::make_shared<AllSources>()};
-  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks={}", "/transforms={}"});
-  const auto composition = Composition::load(path, load);
-  const Json config = Json::parse(composition->config());
-  std::vector<inspect::Channel> channels;
-  std::set<std::string> read;
-  for (const auto& [name, source] : config.at("sources").items()) {
-    if (!is_text(source)) continue;
-    channels.push_back(inspect::read_stated_file(stated_file(source), name));
-    channels.back().pointer = "/sources/" + name;
-    read.insert(channels.back().pointer);
-  }
-  if (read.size() == config.at("sources").size()) return channels;
-  for (auto& channel : emitted(composition))
-    if (channel.pointer.starts_with("/sources/") && !read.contains(channel.pointer))
-      channels.push_back(std::move(channel));
   return channels;
 }
 
@@ -175,13 +156,12 @@ Json receiver_source(const std::string& path) {
   return {{"type", type}, {"path", std::filesystem::absolute(path).string()}};
 }
 
-void add_receiver(const std::string& path, const Json& source, const std::string& name, const ConfigOptions& options,
-                  std::vector<inspect::Channel>& channels) {
-  LoadOptions load = options.load_options(path);
+void add_receiver(const std::string& path, const Json& source, const std::string& name, LoadOptions load,
+                  const GoesOn& goes_on, std::vector<inspect::Channel>& channels) {
   load.sections = {std::make_shared<AllSources>()};
   const Json config = {{"binnacle", 1}, {"sources", {{name, source}}}, {"filters", Json::object()}};
   const std::string type = source.at("type");
-  for (auto& channel : emitted(Composition::parse(config.dump(), path, load))) {
+  for (auto& channel : emitted(Composition::parse(config.dump(), path, load), goes_on)) {
     if (channel.t.empty()) continue;
     channel.path = path;
     channel.type = type;
@@ -206,13 +186,34 @@ std::string name_of(const std::string& path, const std::vector<inspect::Channel>
 
 bool is_config(const std::string& file) { return file.ends_with(".json"); }
 
-std::vector<inspect::Channel> channels_of(const std::vector<std::string>& files, const ConfigOptions& options) {
-  if (files.size() == 1 && is_config(files.front())) return channels_of_config(files.front(), options);
+std::vector<inspect::Channel> channels_of_config(const std::string& path, LoadOptions load, const GoesOn& goes_on) {
+  load.sections = {std::make_shared<AllSources>()};
+  load.sets.insert(load.sets.end(), {"/filters={}", "/sinks={}", "/transforms={}"});
+  const auto composition = Composition::load(path, load);
+  const Json config = Json::parse(composition->config());
+  std::vector<inspect::Channel> channels;
+  std::set<std::string> read;
+  for (const auto& [name, source] : config.at("sources").items()) {
+    if (!is_text(source)) continue;
+    channels.push_back(inspect::read_stated_file(stated_file(source), name));
+    channels.back().pointer = "/sources/" + name;
+    read.insert(channels.back().pointer);
+  }
+  if (read.size() == config.at("sources").size()) return channels;
+  for (auto& channel : emitted(composition, goes_on))
+    if (channel.pointer.starts_with("/sources/") && !read.contains(channel.pointer))
+      channels.push_back(std::move(channel));
+  return channels;
+}
+
+std::vector<inspect::Channel> channels_of(const std::vector<std::string>& files, const LoadOptions& options,
+                                          const GoesOn& goes_on) {
+  if (files.size() == 1 && is_config(files.front())) return channels_of_config(files.front(), options, goes_on);
   std::vector<inspect::Channel> channels;
   for (const auto& file : files) {
     if (is_config(file)) throw UsageError("inspect takes one config, or data files");
     if (const Json source = receiver_source(file); !source.is_null())
-      add_receiver(file, source, name_of(file, channels), options, channels);
+      add_receiver(file, source, name_of(file, channels), options, goes_on, channels);
     else
       channels.push_back(inspect::read_bare_file(file, name_of(file, channels)));
   }

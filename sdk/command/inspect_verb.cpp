@@ -30,7 +30,8 @@ void write_whole(const std::string& path, const std::string& text) {
 }
 
 int inspect_files(const Options& options) {
-  const auto inspection = inspect::inspect(channels_of(options.files, options.config));
+  const auto inspection =
+      inspect::inspect(channels_of(options.files, options.config.load_options(), [] { return true; }));
   bool has_warnings = false;
   for (const auto& found : inspection.findings) has_warnings |= found.severity == inspect::Severity::warning;
   if (!options.page.empty()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // observe: what the measurements of a run say about the state, and what they do not.
+#include <deque>
 #include <memory>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "run_recorder.hpp"
 #include "score/run.hpp"
 #include "sentinel.hpp"
+#include "step_observers.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -30,31 +32,6 @@ struct Options {
   bool json = false, quiet = false;
 };
 
-/// The step log for two.
-class Both final : public StepObserver {
- public:
-  Both(StepObserver& first, StepObserver& second) : both_{&first, &second} {}
-  Wants wants() const override { return both_[0]->wants() | both_[1]->wants(); }
-  void started(Time t, const double* x, ConstMatrixView P) override {
-    for (auto* observer : both_) observer->started(t, x, P);
-  }
-  void restored(Time t, const double* x, ConstMatrixView P) override {
-    for (auto* observer : both_) observer->restored(t, x, P);
-  }
-  void stepped(const StepRecord& record) override {
-    for (auto* observer : both_) observer->stepped(record);
-  }
-  void offered(const UpdateRecord& record) override {
-    for (auto* observer : both_) observer->offered(record);
-  }
-  void inflated(const InflationRecord& record) override {
-    for (auto* observer : both_) observer->inflated(record);
-  }
-
- private:
-  StepObserver* both_[2];
-};
-
 class Watch final : public score::RunObserver {
  public:
   Watch(const observe::Observability& observability, RunRecorder* recorder)
@@ -67,18 +44,17 @@ class Watch final : public score::RunObserver {
   void record(int filter, Time t, std::span<const double> values) override { recorder_->record(filter, t, values); }
   void scored(int filter, const score::ErrorSeries& errors) override { recorder_->scored(filter, errors); }
   StepObserver* step_observer(int filter) override {
-    StepObserver* const own = observability_.step_observer(filter);
-    if (!recorder_) return own;
-    StepObserver* const records = recorder_->step_observer(filter);
-    if (!own || !records) return own ? own : records;
-    return both_.emplace_back(std::make_unique<Both>(*own, *records)).get();
+    StepObservers& both = both_.emplace_back();
+    both.add(observability_.step_observer(filter));
+    if (recorder_) both.add(recorder_->step_observer(filter));
+    return both.joined();
   }
   bool progress(Time) override { return interrupted_by() == 0; }
 
  private:
   const observe::Observability& observability_;
   RunRecorder* recorder_;
-  std::vector<std::unique_ptr<Both>> both_;
+  std::deque<StepObservers> both_;
 };
 
 Json provenance_of(const Options& options, const Composition& composition) {

@@ -21,6 +21,7 @@
 #include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "sentinel.hpp"
+#include "smoothers.hpp"
 #include "study/study.hpp"
 #include "summary_text.hpp"
 #include "verbs.hpp"
@@ -244,20 +245,11 @@ void tell_warnings(const Composition& composition, const score::RunResult& resul
   print_abridged(warnings, "--summary has all that came of the data");
 }
 
-/// Each filter gets a smoother that has none.
-void add_smoothers(const Options& options, LoadOptions& load_options) {
-  const Json filters =
-      Json::parse(score::load_config(options.config_path, load_options).text()).value("filters", Json());
-  for (const auto& [name, filter] : filters.items())
-    if (filter.is_object() && !filter.contains("smoother"))
-      load_options.sets.push_back("/filters/" + name + "/smoother=\"fixed_interval\"");
-}
-
 int run_config(Options& options) {
   options.checkpoints.open();
   watch_signals("nothing was written" + options.checkpoints.advice());
   LoadOptions load_options = options.config.load_options(options.config_path);
-  if (options.smooth) add_smoothers(options, load_options);
+  if (options.smooth) add_smoothers(options.config_path, load_options);
   const auto composition = score::load(options.config_path, load_options);
   watch_exit();  // again, now that the plugins are loaded
   refuse_pace_of_live(options, *composition);

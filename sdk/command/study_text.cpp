@@ -141,6 +141,12 @@ std::string study_text(const Json& summary, const study::Study& study) {
   return text + verdicts_text(summary.at("variants")) + tables_text(summary, study);
 }
 
+std::string study_end_text(const Json& timed, const study::Study& study) {
+  const std::size_t runs = study.variants().size() * static_cast<std::size_t>(study.runs());
+  return fmt::format("{}, seed {}, wall time {}\n", counted(runs, "run"), study.seed(),
+                     duration(timed.at("wall_s").get<double>()));
+}
+
 std::string tables_text(const Json& summary, const study::Study& study) {
   std::string text;
   for (std::size_t t = 0; t < study.tables().size(); ++t)

@@ -24,6 +24,7 @@
 #include "study/study.hpp"
 #include "study/summary.hpp"
 #include "study/workers.hpp"
+#include "study_results.hpp"
 #include "study_text.hpp"
 #include "table.hpp"
 #include "verbs.hpp"
@@ -86,28 +87,6 @@ class ProgressLine {
   std::size_t done_, first_, all_, failed_ = 0;
   Clock::time_point begin_ = Clock::now(), drawn_;
 };
-
-/// What study.nc holds. Nothing of it depends on when, where to, or by how many workers it was made.
-results::StudyResults study_results(const study::Study& study, const study::Results& results, const Json& figures,
-                                    const Json& config, const std::string& command) {
-  results::StudyResults all;
-  all.figures = figures;
-  all.config = config;
-  all.provenance = provenance(study.variants().front().composition->catalog(), command);
-  all.provenance["seed"] = study.seed();
-  all.runs = results.runs();
-  for (const auto& metric : study.metrics()) all.metrics.push_back({metric.name, metric.unit, metric.si_unit});
-  for (std::size_t v = 0; v < study.variants().size(); ++v) {
-    all.variants.push_back(study.variants()[v].name);
-    for (std::size_t m = 0; m < study.metrics().size(); ++m)
-      for (std::size_t run = 0; run < results.runs(); ++run) {
-        const auto& of_run = results.at(v, run);
-        const bool is_there = of_run.state == study::Figures::State::finished;
-        all.values.push_back(is_there ? of_run.values[m].value : std::nan(""));
-      }
-  }
-  return all;
-}
 
 /// What a study leaves behind. Places are looked at before the first run, so that a bad name is reported at once.
 struct Outputs {
@@ -290,9 +269,7 @@ int run_study(const Options& options) {
   if (options.json)
     print_json(timed);
   else if (!options.quiet)
-    print(study_text(figures, study) + fmt::format("{}, seed {}, wall time {}\n",
-                                                   counted(study.variants().size() * results.runs(), "run"),
-                                                   study.seed(), duration(timed["wall_s"].get<double>())));
+    print(study_text(timed, study) + study_end_text(timed, study));
   const bool is_lost = options.strict && any_lost(study, results);
   return tell_failures(options, study, results) == 0 && !is_lost ? ok : failed;
 }

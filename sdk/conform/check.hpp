@@ -43,14 +43,16 @@ class OpenRefused : public std::runtime_error {
 /// One check of one component (or of the library, where `type` is empty), in a process of its own.
 class Trial {
  public:
+  /// of_library: "" where the component is of a plugin of the program, which the options name.
   Trial(std::filesystem::path of_library, std::string of_type, Role of_role, int at_level, std::uint64_t with_seed,
-        std::filesystem::path in_scratch, Report& report)
+        std::filesystem::path in_scratch, Report& report, LoadOptions with_options = {})
       : library(std::move(of_library)),
         type(std::move(of_type)),
         role(of_role),
         level(at_level),
         seed(with_seed),
         scratch(std::move(in_scratch)),
+        options(std::move(with_options)),
         report_(report) {}
 
   const std::filesystem::path library;
@@ -59,6 +61,7 @@ class Trial {
   const int level;
   const std::uint64_t seed;
   const std::filesystem::path scratch;  // an empty folder that is removed afterwards
+  const LoadOptions options;
 
   /// How often something random is tried: more on higher levels.
   int repeats(int at_level_5) const { return at_level_5 * level / 5 > 0 ? at_level_5 * level / 5 : 1; }

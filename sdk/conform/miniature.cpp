@@ -32,7 +32,8 @@ class Builder {
   Builder(const Trial& trial, const ComponentType& type, const Catalog& catalog, const Json& settings)
       : trial_(trial), type_(type), catalog_(catalog), settings_(settings), around_(Json::object()) {
     if (!type.spec.surroundings.empty()) around_ = Json::parse(type.spec.surroundings, nullptr, true, true);
-    config_ = {{"binnacle", 1}, {"plugins", Json::array({trial.library.string()})}};
+    config_ = {{"binnacle", 1}};
+    if (!trial.library.empty()) config_["plugins"] = Json::array({trial.library.string()});
     for (const auto& section : {"sources", "transforms", "filters"}) config_[section] = Json::object();
     if (around_.contains("sources")) config_["sources"] = around_.at("sources");
     for (const char* key : {"channel", "input"})
@@ -251,7 +252,10 @@ class Builder {
 Catalog load_catalog(const Trial& trial) {
   Catalog catalog;
   Diagnostics diagnostics;
-  catalog.load_search_path({PluginPath{trial.library, {}, "/plugins/0"}}, diagnostics);
+  for (const auto& plugin : trial.options.linked_plugins) catalog.add(plugin, diagnostics);
+  std::vector<PluginPath> libraries;
+  if (!trial.library.empty()) libraries.push_back({trial.library, {}, "/plugins/0"});
+  catalog.load_search_path(libraries, diagnostics, trial.options.plugin_folders);
   if (diagnostics.has_errors()) throw LoadError(diagnostics);
   return catalog;
 }
@@ -288,7 +292,7 @@ std::string component_pointer(Role role) {
 }
 
 std::shared_ptr<const Composition> compose(const Trial& trial, const Json& config) {
-  return Composition::parse(config.dump(), trial.scratch / "miniature.json");
+  return Composition::parse(config.dump(), trial.scratch / "miniature.json", trial.options);
 }
 
 std::shared_ptr<const Composition> compose_example(const Trial& trial) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "catch.hpp"
 
+#include "attempt.hpp"
+
 #include <dlfcn.h>
 #include <unistd.h>
 
@@ -85,28 +87,9 @@ int run_check(const Check& check, Trial& trial, const Wire& wire) {
 
 TEST_CASE("conformance") {
   using namespace binnacle::conform;
-  const auto during = [] {
-    return current.wire.stage[0] ? std::string(" in ") + current.wire.stage + "()" : std::string();
-  };
-  try {
-    current.check->run(*current.trial);
-    SUCCEED();
-  } catch (const Skip& skip) {
-    send(current.wire, skip.applies ? "skip" : "not applicable", skip.reason);
-    SUCCEED();
-  } catch (const OpenRefused& refusal) {
-    const std::string text = refusal.what();
-    if (text.find(" threw: ") == std::string::npos)
-      send(current.wire, "skip", "open() refuses its example: " + text);
-    else
-      current.trial->fail(text, "; throw ComponentError for what is refused");
-    SUCCEED();
-  } catch (const binnacle::testing::CallThrew& thrown) {
-    current.trial->fail(thrown.what());
-  } catch (const std::exception& error) {
-    current.trial->fail("an exception crosses", during(), ": ", error.what());
-  } catch (...) {
-    current.trial->fail("something that is no std::exception crosses", during());
-  }
+  attempt(
+      *current.check, *current.trial, [] { return std::string(current.wire.stage); },
+      [](const Skip& skip) { send(current.wire, skip.applies ? "skip" : "not applicable", skip.reason); });
+  SUCCEED();
   send(current.wire, "done", "");
 }

@@ -16,18 +16,20 @@ namespace binnacle::covariance {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using GoesOn = std::function<bool()>;
 
 constexpr double settled_within = 0.01;  // of the final value
 constexpr double settled_before = 0.9;   // of the duration; what comes to rest later has not been seen to
 
 /// Channels fed the same values at fixed rates, as a program would push them.
-void feed(const Plan& plan, Follower& follower) {
+void feed(const Plan& plan, Follower& follower, const GoesOn& goes_on) {
   Session filter(plan.composition);
   filter.attach({plan.filter}, follower.model_log());
   if (follower.true_log()) filter.attach({plan.truth}, follower.true_log());
   std::vector<Time> next;
   for (const auto& feed : plan.feeds) next.push_back(feed.is_of_intervals ? feed.interval : 0);
   while (!follower.is_over()) {
+    if (!goes_on()) throw Interrupted();
     const Time t = *std::min_element(next.begin(), next.end());
     if (t > plan.duration) break;
     for (std::size_t i = 0; i < next.size(); ++i) {
@@ -49,20 +51,25 @@ void feed(const Plan& plan, Follower& follower) {
 /// The composition's sources, from beginning to end.
 class Watch final : public RunObserver {
  public:
-  Watch(const Plan& plan, Follower& follower) : plan_(plan), follower_(follower) {}
+  Watch(const Plan& plan, Follower& follower, const GoesOn& goes_on)
+      : plan_(plan), follower_(follower), goes_on_(goes_on) {}
   void begin(Session& session) override {
     if (follower_.true_log()) session.attach({plan_.truth}, follower_.true_log());
     session.attach({plan_.filter}, follower_.model_log());
   }
-  bool progress(Time /*t*/) override { return !follower_.is_over(); }
+  bool progress(Time /*t*/) override {
+    if (!goes_on_()) throw Interrupted();
+    return !follower_.is_over();
+  }
 
  private:
   const Plan& plan_;
   Follower& follower_;
+  const GoesOn& goes_on_;
 };
 
-void run_sources(const Plan& plan, Follower& follower, std::uint64_t seed, int run) {
-  Watch watch(plan, follower);
+void run_sources(const Plan& plan, Follower& follower, std::uint64_t seed, int run, const GoesOn& goes_on) {
+  Watch watch(plan, follower, goes_on);
   RunOptions options;
   options.seed = seed;
   options.run = run;
@@ -140,15 +147,15 @@ class VariantAnalysis {
     }
   }
 
-  study::Figures carry_out(int run) {
+  study::Figures carry_out(int run, const GoesOn& goes_on) {
     study::Figures figures;
     figures.values.assign(study_.metrics().size(), score::MetricValue{std::nan(""), 0, 0});
     try {
       Follower follower(plan_, names_, times_);
       if (plan_.feeds.empty())
-        run_sources(plan_, follower, study_.seed(), run);
+        run_sources(plan_, follower, study_.seed(), run, goes_on);
       else
-        feed(plan_, follower);
+        feed(plan_, follower, goes_on);
       follower.finish();
       for (std::size_t m = 0; m < study_.metrics().size(); ++m) {
         if (variant_.position[m] < 0) continue;
@@ -197,7 +204,7 @@ study::Study load(const std::filesystem::path& path, const LoadOptions& options)
   Diagnostics diagnostics;
   for (const auto& variant : study.variants()) {
     Diagnostics own;
-    read_plan(score::load_config(path, options_of(options, variant)), path, variant.composition, own);
+    read_plan(score::load_config(path, options_of(options, variant)), path, options, variant.composition, own);
     if (own.has_errors()) {
       diagnostics.merge(own);
       break;  // the others would mostly say the same
@@ -207,18 +214,20 @@ study::Study load(const std::filesystem::path& path, const LoadOptions& options)
   return study;
 }
 
-Json analyse(const study::Study& study, const std::filesystem::path& path, const LoadOptions& options) {
+Json analyse(const study::Study& study, const std::filesystem::path& path, const LoadOptions& options,
+             const GoesOn& goes_on) {
   const auto runs = static_cast<std::size_t>(study.runs());
   study::Results results(study.variants().size(), runs);
   std::vector<Json> budgets;
   for (std::size_t v = 0; v < study.variants().size(); ++v) {
     const auto& variant = study.variants()[v];
     Diagnostics diagnostics;
-    Plan plan =
-        read_plan(score::load_config(path, options_of(options, variant)), path, variant.composition, diagnostics);
+    Plan plan = read_plan(score::load_config(path, options_of(options, variant)), path, options, variant.composition,
+                          diagnostics);
     if (diagnostics.has_errors()) throw ConfigError(diagnostics);
     VariantAnalysis analysis(study, variant, std::move(plan));
-    for (std::size_t run = 0; run < runs; ++run) results.at(v, run) = analysis.carry_out(static_cast<int>(run));
+    for (std::size_t run = 0; run < runs; ++run)
+      results.at(v, run) = analysis.carry_out(static_cast<int>(run), goes_on);
     budgets.push_back(analysis.budget());
   }
   Json summary = study::summarize(study, results);

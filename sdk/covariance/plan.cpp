@@ -323,10 +323,13 @@ namespace {
 
 /// The analysed composition, with the truth's filter beside its own; null with an error where it cannot be composed.
 std::shared_ptr<const Composition> compose_error_free(const Section& section, const Config& config,
-                                                      const std::filesystem::path& path, const std::string& name,
-                                                      const std::string& truth) {
+                                                      const std::filesystem::path& path, const LoadOptions& options,
+                                                      const std::string& name, const std::string& truth) {
+  LoadOptions plugins;  // the config is resolved: no more of the options
+  plugins.linked_plugins = options.linked_plugins;
+  plugins.plugin_folders = options.plugin_folders;
   try {
-    return score::parse(error_free_root(section, Json::parse(config.text()), name, truth).dump(), path);
+    return score::parse(error_free_root(section, Json::parse(config.text()), name, truth).dump(), path, plugins);
   } catch (const Error& error) {
     const bool has_truth = section.at(under("truth")) != nullptr;
     for (const auto& item : error.diagnostics().items()) {
@@ -342,7 +345,7 @@ std::shared_ptr<const Composition> compose_error_free(const Section& section, co
 
 }  // namespace
 
-Plan read_plan(const Config& config, const std::filesystem::path& path,
+Plan read_plan(const Config& config, const std::filesystem::path& path, const LoadOptions& options,
                const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics) {
   const Section section(config, diagnostics);
   Plan plan;
@@ -384,7 +387,7 @@ Plan read_plan(const Config& config, const std::filesystem::path& path,
   const bool has_truth = section.object(under("truth")) != nullptr;
   if (diagnostics.has_errors()) return plan;
   const std::string truth = name + " (truth)";
-  const auto error_free = compose_error_free(section, config, path, name, truth);
+  const auto error_free = compose_error_free(section, config, path, options, name, truth);
   if (!error_free) return plan;
   plan.composition = error_free;
   const auto& filters = plan.composition->filters();

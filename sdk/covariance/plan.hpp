@@ -50,7 +50,7 @@ struct Plan {
 };
 
 /// Reports what is wrong in `diagnostics`.
-Plan read_plan(const Config& config, const std::filesystem::path& path,
+Plan read_plan(const Config& config, const std::filesystem::path& path, const LoadOptions& options,
                const std::shared_ptr<const Composition>& composition, Diagnostics& diagnostics);
 
 /// "runs" of the section, 1 where it says nothing of use.

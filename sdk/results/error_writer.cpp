@@ -6,6 +6,7 @@
 
 #include "attributes.hpp"
 #include "frames.hpp"
+#include "results/run_writer.hpp"
 
 namespace binnacle::results {
 
@@ -26,9 +27,22 @@ std::string describe_error(const std::string& name) {
 
 }  // namespace
 
+std::pair<const BlockInfo*, int> component_of(const FilterInfo& filter, const score::ErrorSeries& errors) {
+  for (const auto& block : filter.blocks) {
+    const auto& components = block.declaration->error;
+    const bool is_one_unit = std::all_of(components.begin(), components.end(),
+                                         [&](const NamedUnit& other) { return other.unit == components[0].unit; });
+    if (components.size() < 2 || !is_one_unit) continue;
+    for (std::size_t i = 0; i < components.size(); ++i)
+      if (errors.name == block.name + "." + components[i].name && errors.unit == components[i].unit)
+        return {&block, static_cast<int>(i)};
+  }
+  return {nullptr, -1};
+}
+
 void ErrorWriter::add(const score::ErrorSeries& errors) {
   const auto base = time_base(errors);
-  const auto [block, component] = component_of(errors);
+  const auto [block, component] = component_of(info_, errors);
   if (block)
     write_component(errors, *block, component, base);
   else
@@ -59,20 +73,6 @@ std::size_t ErrorWriter::time_base(const score::ErrorSeries& errors) {
   }
   bases_.push_back(std::move(base));
   return bases_.size() - 1;
-}
-
-/// The block whose error component it is, and which.
-std::pair<const BlockInfo*, int> ErrorWriter::component_of(const score::ErrorSeries& errors) const {
-  for (const auto& block : info_.blocks) {
-    const auto& components = block.declaration->error;
-    const bool is_one_unit = std::all_of(components.begin(), components.end(),
-                                         [&](const NamedUnit& other) { return other.unit == components[0].unit; });
-    if (components.size() < 2 || !is_one_unit) continue;
-    for (std::size_t i = 0; i < components.size(); ++i)
-      if (errors.name == block.name + "." + components[i].name && errors.unit == components[i].unit)
-        return {&block, static_cast<int>(i)};
-  }
-  return {nullptr, -1};
 }
 
 bool ErrorWriter::is_norm(const std::string& series) const {

@@ -34,7 +34,6 @@ class ErrorWriter {
   };
 
   std::size_t time_base(const score::ErrorSeries& errors);
-  std::pair<const BlockInfo*, int> component_of(const score::ErrorSeries& errors) const;
   bool is_norm(const std::string& series) const;
   int add_variable(const std::string& name, const std::vector<int>& dimensions, const score::ErrorSeries& errors,
                    const std::string& long_name);

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "binnacle/time.hpp"
+#include "results/results.hpp"
 
 namespace binnacle::results {
 
@@ -21,8 +21,5 @@ class Names {
  private:
   std::set<std::string> taken_;
 };
-
-/// The double nearest to the time, so that it equals what is read from a CSV of the same run.
-double nearest_seconds(Time t);
 
 }  // namespace binnacle::results

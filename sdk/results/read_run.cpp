@@ -64,7 +64,7 @@ void read_errors(nc::Group group, FilterResults& filter) {
            display_unit_of(group, variable), read_time(group, group.dimension_name(dimensions[0])),
            values_of(group, variable, column),
            sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column),
-           group.has(variable, "norm")});
+           group.has(variable, "norm"), !is_single});
     }
   }
 }
@@ -142,6 +142,9 @@ FilterResults read_filter(nc::Group group) {
   for (int variable = 0; variable < group.variables(); ++variable)
     if (group.has(variable, "block") && group.has(variable, "ancillary_variables"))
       read_estimates(group, variable, filter);
+    else if (group.has(variable, "column"))
+      filter.others.push_back(
+          {group.text(variable, "column"), group.text(variable, "units"), group.read<double>(variable)});
   if (const auto errors = group.group("errors")) read_errors(*errors, filter);
   if (const auto measurements = group.group("measurements"))
     for (const nc::Group measurement : measurements->groups()) filter.updates.push_back(read_updates(measurement));

@@ -71,6 +71,7 @@ class RunWriter::Filter : public StepObserver {
     for (std::size_t i = columns_.size(); i < columns.size(); ++i) {
       const int id = group_.add_variable(names_.take(columns[i].name), NC_DOUBLE, {time_dimension_}, growing_chunks(1));
       group_.put_text(id, "long_name", describe_column(columns[i].name));
+      group_.put_text(id, "column", columns[i].name);
       put_units(group_, id, {columns[i].unit, ""});
       columns_.emplace_back(group_, id);
     }

@@ -245,6 +245,7 @@ std::vector<Member> members_of(const Section& section, const std::string& pointe
                                const LoadOptions& load) {
   std::vector<Member> members;
   LoadOptions own = load;
+  own.text.reset();                                                                           // of this config, too
   std::erase_if(own.sets, [](const std::string& set) { return set.starts_with("/tune/"); });  // of this config alone
   const Json* list = section.list(pointer);
   for (std::size_t i = 0; list && i < list->size(); ++i)

@@ -49,6 +49,16 @@ if [ -e "$build/lib/binnacle/mpi/binnacle_mpi.so" ]; then
 fi
 [[ $(field binnacle Depends) != *libopenmpi* ]] || fail "binnacle alone depends on an MPI"
 
+if ls "$build"/python/binnacle/_core*.so >/dev/null 2>&1; then
+  packages+=(python3-binnacle)
+  holds python3-binnacle lib/python3/dist-packages/binnacle/{__init__.py,_composition.py,_core.pyi,py.typed}
+  dpkg-deb -c "$scratch/python3-binnacle_${version}_$architecture.deb" | grep -q '/dist-packages/binnacle/_core[.]cpython.*[.]so$' ||
+    fail "python3-binnacle lacks its module"
+  for needed in "binnacle (= $version)" 'python3 (>= 3.' 'python3 (<< 3.' python3-numpy; do
+    [[ $(field python3-binnacle Depends) == *"$needed"* ]] || fail "python3-binnacle depends on $(field python3-binnacle Depends)"
+  done
+fi
+
 # The packages hold the same as an installation does.
 count() { dpkg-deb -c "$scratch/$1_${version}_$architecture.deb" | grep -c '^-'; }
 "$(dirname -- "$cpack")/cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
@@ -65,3 +75,15 @@ unpacked=$scratch/unpacked/usr/bin/binnacle
 "$unpacked" conform "$scratch/unpacked/usr/lib/binnacle/gnss_fix.so" --level 2 >/dev/null ||
   fail "the packaged suite does not pass the packaged gnss_fix"
 (cd "$scratch" && "$unpacked" new plugin packaged >/dev/null) || fail "the packaged command writes no plugin"
+
+# The Python package runs the packaged configs by the packaged plugins, and prints what the packaged command prints.
+if [[ " ${packages[*]} " == *" python3-binnacle "* ]]; then
+  cd "$scratch/unpacked/usr/share/binnacle"
+  without_times() { sed -e '/ per step$/d' -e '/^wall time /d'; }
+  PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages /usr/bin/python3 -B -s -c \
+    "import binnacle; print(binnacle.load('configs/quickstart.json').run().summary)" >"$scratch/python" ||
+    fail "the packaged Python package does not run"
+  "$unpacked" run configs/quickstart.json >"$scratch/command"
+  diff <(without_times <"$scratch/python") <(without_times <"$scratch/command") >&2 || fail "Python prints something else than the command"
+  grep -q '^verdict: ins ok' "$scratch/python" || fail "Python prints no summary"
+fi

@@ -277,13 +277,14 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
   CHECK(catalog.find(Role::state_block, "second/still") != nullptr);
 }
 
-TEST_CASE("folders that the program adds are searched after those of the environment, a missing one in silence",
+TEST_CASE("folders that the program adds are searched in place of what lies beside it, a missing one in silence",
           "[catalog]") {
   const Scratch scratch;
   fs::copy_file(plugin_at("good"), scratch.path / "good.so");
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load_search_path({}, diagnostics, {scratch.path, "/nowhere/at/all"});
+  CHECK(catalog.plugins().size() == 1);
   CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
   for (const auto& item : diagnostics.items()) CHECK(item.message.find("/nowhere") == std::string::npos);
 }
@@ -332,8 +333,8 @@ TEST_CASE("a plugin of the program brings types of run-time specs, and lives wit
   CHECK(watched.expired());
 }
 
-TEST_CASE("what is wrong with a plugin of the program is told like that of a file", "[catalog]") {
-  const auto told = [](std::shared_ptr<const LinkedPlugin> plugin) {
+TEST_CASE("what is wrong with a plugin of the program is refused like that of a file", "[catalog]") {
+  const auto refusal = [](std::shared_ptr<const LinkedPlugin> plugin) {
     Catalog catalog;
     Diagnostics diagnostics;
     catalog.add(linked("taken", {"x"}), diagnostics);
@@ -341,10 +342,10 @@ TEST_CASE("what is wrong with a plugin of the program is told like that of a fil
     CHECK(catalog.types().size() == 1);
     return diagnostics.text();
   };
-  CHECK(told(linked("Mine", {"x"})) == "error[B045]: the plugin's name 'Mine' is not in snake_case");
-  CHECK(told(linked("taken", {"y"})) == "error[B046]: plugin 'taken' is loaded already, from the program itself");
-  CHECK(told(linked("mine", {"x", "x"})) == "error[B046]: plugin 'mine' registers 'x' twice");
-  CHECK(told(std::make_shared<LinkedPlugin>(
+  CHECK(refusal(linked("Mine", {"x"})) == "error[B045]: the plugin's name 'Mine' is not in snake_case");
+  CHECK(refusal(linked("taken", {"y"})) == "error[B046]: plugin 'taken' is loaded already, from the program itself");
+  CHECK(refusal(linked("mine", {"x", "x"})) == "error[B046]: plugin 'mine' registers 'x' twice");
+  CHECK(refusal(std::make_shared<LinkedPlugin>(
             LinkedPlugin{"mine", "3", [](Registry&) { throw std::runtime_error("no types today"); }})) ==
         "error[B045]: plugin 'mine': add_types threw: no types today");
 }

@@ -101,7 +101,7 @@ class Catalog {
   void load(const std::filesystem::path& file, Diagnostics& diagnostics);
   /// Adds a plugin of the program.
   void add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagnostics);
-  /// Loads the config's plugins, then those in the folders of BINNACLE_PLUGIN_PATH (separated by ':'), in `more_folders` and in lib/binnacle
+  /// Loads the config's plugins, then those in the folders of BINNACLE_PLUGIN_PATH (separated by ':'), and in `more_folders`; where these are none, in lib/binnacle
   /// beside the folder of the running program, which is the installed and the build tree's. What is named and cannot be
   /// loaded is an error; what merely lies in a folder is a warning (B047), and an error once find() wants a type that it
   /// may have.

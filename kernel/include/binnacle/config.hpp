@@ -40,7 +40,7 @@ struct LoadOptions {
   /// unless one looks like a misspelt key of the kernel's; with some, a key that is nobody's is an error.
   std::vector<std::shared_ptr<const Section>> sections = {};
   std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins = {};
-  /// Searched for plugins after those of BINNACLE_PLUGIN_PATH; where one is missing, nothing is said.
+  /// Searched for plugins after those of BINNACLE_PLUGIN_PATH, in place of what lies beside the program; one may be missing.
   std::vector<std::filesystem::path> plugin_folders = {};
   /// The config itself, where its file is not to be read: messages name the file, and relative paths start at its folder.
   std::optional<std::string> text = {};

@@ -90,6 +90,7 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
     load_folder(folder, diagnostics);
   }
   for (const auto& folder : more_folders) load_folder(folder, diagnostics);
+  if (!more_folders.empty()) return;  // the program may be an interpreter, beside which another installation lies
   const auto load_beside = [&](const fs::path& binary) {
     load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
   };

@@ -48,11 +48,11 @@ std::pair<int, int> find_in_filters(const Composition& composition, List FilterI
   std::vector<std::string> names;
   std::vector<std::pair<int, int>> places;
   const auto& filters = composition.filters();
+  const bool is_alone = filters.size() == 1 && name.find('/') == name.npos;
   for (std::size_t f = 0; f < filters.size(); ++f)
     for (const auto& item : filters[f].*list) {
-      names.push_back(filters[f].name + "/" + item.name);
+      names.push_back(is_alone ? item.name : filters[f].name + "/" + item.name);
       places.emplace_back(static_cast<int>(f), static_cast<int>(&item - (filters[f].*list).data()));
-      if (filters.size() == 1 && item.name == name) return places.back();
     }
   return places[as_size(find(names, name, code, what))];
 }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is wrong, and the exceptions that carry it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -25,8 +26,9 @@ class Error(Exception):
     """Base of all that Binnacle raises. str() is one line for each of .diagnostics."""
 
     exit_status = 1
+    diagnostics: list[Diagnostic]
 
-    def __init__(self, text, diagnostics=()):
+    def __init__(self, text: str, diagnostics: Iterable[Diagnostic] = ()):
         super().__init__(text)
         self.diagnostics = list(diagnostics)
 

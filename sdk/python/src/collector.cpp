@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <pybind11/stl.h>
+
 namespace binnacle::python {
 
 namespace {
@@ -13,53 +15,91 @@ std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-Collector::Collector(const Composition& composition, bool keeps_records, bool keeps_updates, GoesOn goes_on)
-    : keeps_records_(keeps_records), keeps_updates_(keeps_updates), goes_on_(std::move(goes_on)) {
-  for (const auto& filter : score::filters_of(composition)) {
-    records_.push_back({filter.name, {}, {}, {}});
-    errors_.emplace_back();
-    auto& of_filter = updates_.emplace_back();
-    for (const auto& measurement : filter.measurements) {
-      of_filter.emplace_back().measurement = measurement.name;
-      for (const auto& group : measurement.groups) of_filter.back().groups.push_back({group.name, group.unit});
-    }
+Collector::Filter::Filter(const FilterInfo& info_of) : info(info_of), records(Records::of(info_of)) {
+  for (const auto& measurement : info.measurements) {
+    updates.emplace_back().measurement = measurement.name;
+    for (const auto& group : measurement.groups) updates.back().groups.push_back({group.name, group.unit});
   }
-  for (auto& of_filter : updates_) observers_.emplace_back(of_filter);
+}
+
+Collector::Collector(const Composition& composition, const Kept& kept, Check check, command::RunRecorder* recorder)
+    : kept_(kept), check_(std::move(check)), recorder_(recorder) {
+  for (const auto& filter : score::filters_of(composition)) {
+    Filter& own = filters_.emplace_back(filter);
+    if (const auto wants = kept_.logs.find(filter.name); wants != kept_.logs.end())
+      own.log = std::make_unique<StepLog>(filter, wants->second);
+  }
+}
+
+void Collector::observe(std::size_t filter, const py::object& observer) {
+  Filter& own = filters_[filter];
+  own.observer =
+      std::make_unique<PythonObserver>(own.info.name, observer, Sizes{own.info.dof, own.info.stored_size}, failure_);
 }
 
 void Collector::begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) {
-  records_[as_size(filter)].name = name;
-  records_[as_size(filter)].columns = columns;
+  if (recorder_) recorder_->begin(filter, name, columns);
+  Records& records = filters_[as_size(filter)].records;
+  for (std::size_t i = records.columns(); i < columns.size(); ++i) records.others.push_back(columns[i]);
 }
 
 void Collector::record(int filter, Time t, std::span<const double> values) {
-  auto& records = records_[as_size(filter)];
+  if (recorder_) recorder_->record(filter, t, values);
+  if (!kept_.records) return;
+  Records& records = filters_[as_size(filter)].records;
   records.t.push_back(t);
   records.values.insert(records.values.end(), values.begin(), values.end());
 }
 
-StepObserver* Collector::step_observer(int filter) { return keeps_updates_ ? &observers_[as_size(filter)] : nullptr; }
+StepObserver* Collector::step_observer(int filter) {
+  Filter& own = filters_[as_size(filter)];
+  if (recorder_) own.all.add(recorder_->step_observer(filter));
+  if (kept_.updates) own.all.add(&own.update_log);
+  own.all.add(own.log.get());
+  own.all.add(own.observer.get());
+  return own.all.joined();
+}
 
 void Collector::scored(int filter, const score::ErrorSeries& errors) {
-  auto& error = errors_[as_size(filter)].emplace_back();
+  if (recorder_) recorder_->scored(filter, errors);
+  if (!kept_.records) return;
+  Filter& own = filters_[as_size(filter)];
+  auto& error = own.errors.emplace_back();
   error.name = errors.name;
   error.unit = errors.unit;
-  error.display_unit = errors.display_unit;
+  error.display_unit = errors.display_unit.empty() ? errors.unit : errors.display_unit;
+  error.is_component = results::component_of(own.info, errors).first != nullptr;
   error.t.reserve(errors.t.size());
-  for (const Time t : errors.t) error.t.push_back(seconds(t));
+  for (const Time t : errors.t) error.t.push_back(results::nearest_seconds(t));
   error.values.assign(errors.values.begin(), errors.values.end());
   error.sigma.assign(errors.sigma.begin(), errors.sigma.end());
 }
 
 bool Collector::progress(Time) {
-  goes_on_();
+  failure_.raise();
+  check_();
   return true;
 }
 
-void Collector::Updates::offered(const UpdateRecord& record) {
-  auto& updates = (*into_)[as_size(record.measurement)];
+py::list Collector::taken() {
+  py::list filters;
+  for (Filter& own : filters_) {
+    py::dict filter = python::taken(std::move(own.records));
+    py::list errors, updates;
+    for (auto& error : own.errors) errors.append(python::taken(std::move(error)));
+    for (auto& of_one : own.updates) updates.append(python::taken(std::move(of_one)));
+    filter["errors"] = errors;
+    filter["updates"] = updates;
+    filter["log"] = own.log ? py::object(own.log->taken()) : py::none();
+    filters.append(filter);
+  }
+  return filters;
+}
+
+void Collector::UpdateLog::offered(const UpdateRecord& record) {
+  auto& updates = into_[as_size(record.measurement)];
   const bool is_linearized = record.residual != nullptr;
-  updates.t.push_back(seconds(record.t));
+  updates.t.push_back(results::nearest_seconds(record.t));
   updates.outcome.push_back(record.outcome);
   updates.reason.emplace_back(record.reason);
   updates.nis.push_back(is_linearized ? record.nis : std::numeric_limits<double>::quiet_NaN());

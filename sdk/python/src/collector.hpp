@@ -6,59 +6,76 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "results/results.hpp"
+#include "observers.hpp"
+#include "results.hpp"
+#include "results/run_writer.hpp"
+#include "run_recorder.hpp"
 #include "score/run.hpp"
+#include "step_log.hpp"
+#include "step_observers.hpp"
 
 namespace binnacle::python {
 
-/// Estimates of one filter: a row per record.
-struct Records {
-  std::string name;
-  std::vector<score::RecordColumn> columns;  // outputs, then their 1-sigma
-  std::vector<Time> t;
-  std::vector<double> values;  // row by row
-};
-
 /// Asked now and then whether the run goes on; throws where it does not.
-using GoesOn = std::function<void()>;
+using Check = std::function<void()>;
+
+/// What is kept of a run, by filter, and who looks on.
+struct Kept {
+  bool records = true;  // reading estimates costs more than a filter step
+  bool updates = true;
+  std::map<std::string, Wants> logs = {};  // by filter: its step log, with what is wanted of it
+};
 
 class Collector : public score::RunObserver {
  public:
-  /// keeps_records: reading estimates costs more than a filter step.
-  Collector(const Composition& composition, bool keeps_records, bool keeps_updates, GoesOn goes_on);
+  /// check: asked at progress. recorder: where it is all written as well; null: nowhere.
+  Collector(const Composition& composition, const Kept& kept, Check check, command::RunRecorder* recorder);
+  /// Calls it from now on. Throws TypeError. The GIL is held.
+  void observe(std::size_t filter, const py::object& observer);
 
-  bool wants_records() const override { return keeps_records_; }
+  bool wants_records() const override { return kept_.records || recorder_; }
   void begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) override;
   void record(int filter, Time t, std::span<const double> values) override;
   StepObserver* step_observer(int filter) override;
   void scored(int filter, const score::ErrorSeries& errors) override;
+  void after_instant() override { failure_.raise(); }
+  void finished() override { failure_.raise(); }
   bool progress(Time t) override;
 
-  std::vector<Records>& records() { return records_; }
-  /// By filter.
-  std::vector<std::vector<results::Error>>& errors() { return errors_; }
-  /// By filter and measurement.
-  std::vector<std::vector<results::Updates>>& updates() { return updates_; }
+  /// All that was kept, by filter. The GIL is held.
+  py::list taken();
 
  private:
-  class Updates : public StepObserver {
+  class UpdateLog : public StepObserver {
    public:
-    explicit Updates(std::vector<results::Updates>& into) : into_(&into) {}
+    explicit UpdateLog(std::vector<results::Updates>& into) : into_(into) {}
     void offered(const UpdateRecord& record) override;
 
    private:
-    std::vector<results::Updates>* into_;
+    std::vector<results::Updates>& into_;
+  };
+  struct Filter {
+    explicit Filter(const FilterInfo& info);
+    const FilterInfo& info;
+    Records records;
+    std::vector<results::Error> errors;
+    std::vector<results::Updates> updates;  // by measurement
+    UpdateLog update_log{updates};
+    std::unique_ptr<StepLog> log;
+    std::unique_ptr<PythonObserver> observer;
+    command::StepObservers all;
   };
 
-  bool keeps_records_, keeps_updates_;
-  GoesOn goes_on_;
-  std::vector<Records> records_;
-  std::vector<std::vector<results::Error>> errors_;
-  std::vector<std::vector<results::Updates>> updates_;
-  std::deque<Updates> observers_;
+  Kept kept_;
+  Check check_;
+  command::RunRecorder* recorder_;
+  Failure failure_;
+  std::deque<Filter> filters_;
 };
 
 }  // namespace binnacle::python

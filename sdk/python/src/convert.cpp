@@ -33,8 +33,6 @@ py::object to_python(const Json& json) {
 
 namespace {
 
-constexpr Time last_time = Time{1} << 62;  // so that differences are exact: 146 years
-
 Time checked(double s, const char* name) {
   if (!(std::abs(s) <= static_cast<double>(last_time) * 1e-9))
     throw py::value_error(std::string(name) + " is " + std::to_string(s) +

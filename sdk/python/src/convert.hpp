@@ -35,6 +35,8 @@ py::array_t<T> to_array(std::vector<T>&& numbers) {
   return to_array(std::move(numbers), {size});
 }
 
+inline constexpr Time last_time = Time{1} << 62;  // so that differences are exact: 146 years
+
 /// Seconds (float, int) or numpy.timedelta64, which is exact. Throws py::type_error that names what was found, ValueError
 /// for what is not finite or beyond ±146 years.
 Time to_time(py::handle time, const char* name);

@@ -14,15 +14,11 @@ py::list to_python(const Diagnostics& diagnostics) {
   return list;
 }
 
-namespace {
-
 void raise(const Error& error) {
   const py::object make = py::module_::import("binnacle._errors").attr("error_of");
   const py::object exception = make(error.exit_status(), error.what(), to_python(error.diagnostics()));
   PyErr_SetObject(py::type::of(exception).ptr(), exception.ptr());
 }
-
-}  // namespace
 
 void bind_errors(py::module_&) {
   py::register_exception_translator([](std::exception_ptr thrown) {

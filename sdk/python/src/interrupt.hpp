@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 
 #include <pybind11/pybind11.h>
 
@@ -22,5 +23,13 @@ class SignalWatch {
  private:
   std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
 };
+
+/// Any thread may ask; false: stop soon.
+using GoesOn = std::function<bool()>;
+
+/// Does the work in a thread of its own, which may have threads as well and holds no GIL, while this one looks out for signals:
+/// after one, `goes_on` says false, and once the work has ended the handler's exception (KeyboardInterrupt) is thrown.
+/// Else what the work throws is. Called with the GIL, returns with it.
+void interruptibly(const std::function<void(const GoesOn& goes_on)>& work);
 
 }  // namespace binnacle::python

@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linked.hpp"
 
+#include "arrays.hpp"
+#include "binnacle/version.hpp"
+
 namespace binnacle::python {
 
-std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins() { return {}; }
+std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins() {
+  // Not "python", which models written in Python are of: these are compiled.
+  static const auto arrays =
+      std::make_shared<const LinkedPlugin>(LinkedPlugin{"numpy", BINNACLE_VERSION, &add_array_types});
+  return {arrays};
+}
 
 }  // namespace binnacle::python

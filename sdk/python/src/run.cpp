@@ -1,92 +1,91 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run.hpp"
 
-#include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <utility>
+
+#include <pybind11/stl.h>
 
 #include "collector.hpp"
 #include "errors.hpp"
 #include "interrupt.hpp"
 #include "loaded.hpp"
+#include "provenance.hpp"
+#include "report_file.hpp"
 #include "study/study.hpp"
 #include "summary_text.hpp"
+#include "verbs.hpp"
 
 namespace binnacle::python {
 
 namespace {
 
-py::dict moved(Records&& records) {
-  py::list columns;
-  for (const auto& column : records.columns) columns.append(py::make_tuple(column.name, column.unit));
-  py::dict dict;
-  dict["name"] = records.name;
-  dict["columns"] = columns;
-  const auto rows = static_cast<py::ssize_t>(records.t.size());
-  dict["t"] = to_array(std::move(records.t));
-  dict["values"] = to_array(std::move(records.values), {rows, static_cast<py::ssize_t>(records.columns.size())});
-  return dict;
+struct RunArguments {
+  std::uint64_t seed;
+  int run;
+  bool keeps_records, keeps_updates;
+  std::map<std::string, std::vector<std::string>> logs;  // by filter: wants
+  std::map<std::string, py::object> observers;           // by filter
+  std::optional<std::string> out;
+};
+
+/// What makes the results again: the command's line, where the config is a file.
+std::string origin_of(const Loaded& loaded, const RunArguments& arguments) {
+  const std::string which = " --seed " + std::to_string(arguments.seed) + " --run " + std::to_string(arguments.run);
+  if (loaded.options.text) return "binnacle.parse(…, name='" + loaded.path.string() + "') in Python," + which;
+  std::string line = "binnacle run " + command::shell_quoted(loaded.path.string());
+  for (const auto& [name, value] : loaded.options.vars) line += " --var " + command::shell_quoted(name + "=" + value);
+  for (const auto& set : loaded.options.sets) line += " --set " + command::shell_quoted(set);
+  return line + which;
 }
 
-py::dict moved(results::Error&& error) {
-  py::dict dict;
-  dict["name"] = error.name;
-  dict["unit"] = error.unit;
-  dict["display_unit"] = error.display_unit;
-  dict["t"] = to_array(std::move(error.t));
-  dict["values"] = to_array(std::move(error.values));
-  dict["sigma"] = error.sigma.empty() ? py::object(py::none()) : to_array(std::move(error.sigma));
-  return dict;
+Json provenance_of(const Loaded& loaded, const RunArguments& arguments) {
+  Json all = command::provenance(loaded.composition->catalog(), origin_of(loaded, arguments));
+  all["seed"] = arguments.seed;
+  all["run"] = arguments.run;
+  all["created"] = command::now_in_words();
+  return all;
 }
 
-py::dict moved(results::Updates&& updates) {
-  std::vector<std::int8_t> outcomes;
-  for (const Outcome outcome : updates.outcome) outcomes.push_back(static_cast<std::int8_t>(outcome));
-  py::list groups, reasons;
-  for (const auto& group : updates.groups) groups.append(py::make_tuple(group.name, group.unit));
-  for (const auto& reason : updates.reason) reasons.append(reason);
-  py::dict dict;
-  dict["measurement"] = updates.measurement;
-  dict["groups"] = groups;
-  dict["t"] = to_array(std::move(updates.t));
-  dict["outcome"] = to_array(std::move(outcomes));
-  dict["reason"] = reasons;
-  dict["nis"] = to_array(std::move(updates.nis));
-  dict["rows"] = to_array(std::move(updates.rows));
-  dict["group"] = to_array(std::move(updates.group));
-  dict["key"] = to_array(std::move(updates.key));
-  dict["residual"] = to_array(std::move(updates.residual));
-  dict["sigma"] = to_array(std::move(updates.sigma));
-  dict["noise"] = to_array(std::move(updates.noise));
-  return dict;
+Kept kept_by(const RunArguments& arguments) {
+  Kept kept{arguments.keeps_records, arguments.keeps_updates, {}};
+  for (const auto& [filter, wants] : arguments.logs) kept.logs[filter] = wants_of(wants);
+  return kept;
 }
 
-py::list filters_of(Collector& collector) {
-  py::list filters;
-  for (std::size_t f = 0; f < collector.records().size(); ++f) {
-    py::dict filter = moved(std::move(collector.records()[f]));
-    py::list errors, updates;
-    for (auto& error : collector.errors()[f]) errors.append(moved(std::move(error)));
-    for (auto& of_one : collector.updates()[f]) updates.append(moved(std::move(of_one)));
-    filter["errors"] = errors;
-    filter["updates"] = updates;
-    filters.append(filter);
-  }
-  return filters;
+void add_observers(const Loaded& loaded, const RunArguments& arguments, Collector& collector) {
+  const auto& filters = loaded.composition->filters();
+  for (std::size_t f = 0; f < filters.size(); ++f)
+    if (const auto observer = arguments.observers.find(filters[f].name); observer != arguments.observers.end())
+      collector.observe(f, observer->second);
 }
 
-py::dict run(const Loaded& loaded, std::uint64_t seed, int run_number, bool keeps_records, bool keeps_updates) {
-  Collector collector(*loaded.composition, keeps_records, keeps_updates, SignalWatch());
+score::RunResult carried_out(const Loaded& loaded, const RunArguments& arguments, Collector& collector,
+                             command::RunRecorder* recorder) {
+  const py::gil_scoped_release unlocked;
+  study::refuse_misspelt_metrics(*loaded.composition, loaded.path, loaded.options);
   score::RunOptions options;
-  options.seed = seed;
-  options.run = run_number;
+  options.seed = arguments.seed;
+  options.run = arguments.run;
   options.observer = &collector;
-  score::RunResult result;
-  {
-    const py::gil_scoped_release unlocked;
-    study::refuse_misspelt_metrics(*loaded.composition, loaded.path, loaded.options);
-    result = score::run(loaded.composition, options);
+  score::RunResult result = score::run(loaded.composition, options);
+  if (recorder) {
+    recorder->commit(result.summary, Json::parse(loaded.composition->config()));
+    command::write_report(*arguments.out, command::report_in(*arguments.out));
   }
+  return result;
+}
+
+py::dict run(const Loaded& loaded, const RunArguments& arguments) {
+  std::unique_ptr<command::RunRecorder> recorder;
+  if (arguments.out)
+    recorder =
+        std::make_unique<command::RunRecorder>(*arguments.out, *loaded.composition, provenance_of(loaded, arguments));
+  Collector collector(*loaded.composition, kept_by(arguments), SignalWatch(), recorder.get());
+  add_observers(loaded, arguments, collector);
+  const score::RunResult result = carried_out(loaded, arguments, collector, recorder.get());
   py::dict dict;
   dict["summary"] = to_python(result.summary);
   dict["text"] = command::summary_text(result.summary, *loaded.composition);
@@ -94,15 +93,23 @@ py::dict run(const Loaded& loaded, std::uint64_t seed, int run_number, bool keep
   dict["warnings"] = to_python(result.warnings);
   dict["failures"] = to_python(result.failures);
   dict["doubts"] = to_python(result.doubts);
-  dict["filters"] = filters_of(collector);
+  dict["filters"] = collector.taken();
   return dict;
 }
 
 }  // namespace
 
 void bind_run(py::module_& module) {
-  module.def("run", &run, py::arg("loaded"), py::arg("seed"), py::arg("run"), py::arg("keeps_records"),
-             py::arg("keeps_updates"));
+  module.def(
+      "run",
+      [](const Loaded& loaded, std::uint64_t seed, int run_number, bool records, bool innovations,
+         std::map<std::string, std::vector<std::string>> logs, std::map<std::string, py::object> observers,
+         std::optional<std::string> out) {
+        return run(loaded,
+                   {seed, run_number, records, innovations, std::move(logs), std::move(observers), std::move(out)});
+      },
+      py::arg("loaded"), py::arg("seed"), py::arg("run"), py::arg("records"), py::arg("innovations"), py::arg("logs"),
+      py::arg("observers"), py::arg("out"));
 }
 
 }  // namespace binnacle::python

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "binnacle/noise_estimator.hpp"
+#include "binnacle/time.hpp"
 
 namespace binnacle::results {
 
@@ -41,6 +42,13 @@ struct Estimate {
   std::string kind = {};  // of the block: "position"; empty where it is not known
 };
 
+/// What is recorded beside the outputs of blocks: adapted noise, an implied state, a local coordinate.
+struct Other {
+  std::string name;  // "match.velocity.noise"
+  std::string unit;
+  std::vector<double> values;  // as long as FilterResults::t
+};
+
 /// An error against a reference or a withheld sample, truth − estimate (a norm: its length); also a NEES, an adapted √R.
 struct Error {
   std::string name;  // "position.horizontal", "position.nees", "match.velocity.noise"
@@ -50,6 +58,7 @@ struct Error {
   std::vector<double> values;
   std::vector<double> sigma;  // what the filter thought of it; empty where that is not known
   bool is_length = false;     // a norm, never negative
+  bool is_component = false;  // of a block's error, a column of one variable in run.nc
 };
 
 /// The fate of every sample offered to one measurement, and of its rows.
@@ -77,6 +86,7 @@ struct FilterResults {
   std::string name;
   std::vector<double> t;  // s, of the estimates
   std::vector<Estimate> estimates;
+  std::vector<Other> others;  // empty where an older version wrote the file
   std::vector<Error> errors;
   std::vector<Updates> updates;
 };
@@ -110,5 +120,8 @@ struct Results {
   std::optional<StudyResults> study;
 };
 Results read(const std::filesystem::path& folder);
+
+/// The double nearest to the time, so that it equals what is read from a CSV of the same run.
+double nearest_seconds(Time t);
 
 }  // namespace binnacle::results

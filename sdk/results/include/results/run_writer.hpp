@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "binnacle/composition.hpp"
@@ -13,6 +14,10 @@
 #include "score/run.hpp"
 
 namespace binnacle::results {
+
+/// The block whose error component an error is and which, where all of them share a unit and are columns of one variable; else
+/// null and −1.
+std::pair<const BlockInfo*, int> component_of(const FilterInfo& filter, const score::ErrorSeries& errors);
 
 /// Takes what a RunObserver gets. Holds no more than a chunk of each variable in memory. Throws WriteError from any
 /// of its calls but those of the step observer, whose failure the next call reports.
