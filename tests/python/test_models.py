@@ -328,6 +328,70 @@ def test_a_gated_sample_leaves_no_trace_in_memory(world):
     assert seen[-1] == np.count_nonzero(innovations.accepted[:-1]) + 1
 
 
+@bn.register
+class Doubting(_Range):
+    """Trusts each sample less than the one before, so that what it remembers shows."""
+
+    def __init__(self, binding):
+        super().__init__(binding)
+        binding.keeps({"count": 0})
+
+    def linearize(self, sample, x, memory):
+        memory["count"] += 1
+        residual, H, R = MyRange.linearize(self, sample, x)
+        return residual, H, R * memory["count"]
+
+
+def pushes(session, samples):
+    """push(i): the i-th of the samples."""
+    channel = session.channel("seen")
+    fields = np.stack([samples[name] for name in channel.fields], axis=1)
+    return lambda i: channel.push(None, samples.t[i], fields[i])
+
+
+def estimate(session):
+    return session.state().tobytes() + session.covariance().tobytes()
+
+
+def test_a_snapshot_has_what_a_model_remembers(world):
+    composition = bn.parse(config({"r0": three("doubting")["r0"]}), name=world / "mine.json")
+    samples = composition.run(keep="seen").channels["seen"]
+
+    def after(session, first, last):
+        push = pushes(session, samples)
+        for i in range(first, last):
+            push(i)
+        return estimate(session)
+
+    session = composition.session()
+    after(session, 0, 100)
+    snapshot = session.snapshot()
+    expected = after(session, 100, 200)
+    session.restore(snapshot)
+    assert after(session, 100, 200) == expected
+    other = composition.session()
+    other.restore(snapshot)
+    assert after(other, 100, 200) == expected
+
+    forgetful = composition.session()  # the same estimate at that time would not be enough
+    after(forgetful, 0, 99)
+    assert after(forgetful, 100, 200) != expected
+
+
+def test_a_late_sample_finds_what_a_model_remembered_then(world):
+    composition = bn.parse(config({"r0": three("doubting")["r0"]}, history="2 s"), name=world / "mine.json")
+    samples = composition.run(keep="seen").channels["seen"]
+    in_order, late = composition.session(), composition.session()
+    push = pushes(in_order, samples)
+    for i in range(60):
+        push(i)
+    push = pushes(late, samples)
+    for i in (*range(40), *range(41, 50), 40, *range(50, 60)):
+        push(i)
+    assert late.counts("r0")["replayed"] == 1
+    assert estimate(late) == estimate(in_order)
+
+
 # ---- other roles
 
 

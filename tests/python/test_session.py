@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sessions: the numbers of a run, refusals that change nothing, snapshots, threads, no leaks."""
 
+import ctypes
 import gc
+import os
 import resource
 import signal
 import threading
@@ -50,6 +52,22 @@ def push_instant(session, samples):
 def everything(session):
     """All that can be read, as bytes."""
     return session.state().tobytes() + session.covariance().tobytes() + repr(session.time_ns()).encode()
+
+
+def test_a_snapshot_is_that_of_the_c_library(project):
+    """A composition of no Python is that of any program: snapshots pass between them."""
+    c = ctypes.CDLL(os.environ["BINNACLE_C_LIBRARY"])
+    path = str(project / "configs" / "quickstart.json").encode()
+    composition, session, size = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_uint64()
+    assert c.binnacle_load(path, None, ctypes.byref(composition)) == 0
+    assert c.binnacle_open(composition, ctypes.c_uint64(1), 0, ctypes.byref(session)) == 0
+    assert c.binnacle_snapshot_size(session, ctypes.byref(size)) == 0
+    snapshot = ctypes.create_string_buffer(size.value)
+    assert c.binnacle_snapshot(session, snapshot, size) == 0
+    here = bn.load(project / "configs" / "quickstart.json").session(seed=1)
+    assert here.snapshot() == snapshot.raw
+    here.restore(snapshot.raw)
+    assert c.binnacle_close(session) == 0 and c.binnacle_release(composition) == 0
 
 
 def test_pushed_samples_give_what_the_run_gives_to_the_bit(drive, recorded, instants):

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plugins that Python itself brings to every config: models written in Python, arrays as sources and sinks.
+// The plugin that Python itself brings: arrays as sources and sinks.
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "binnacle/config.hpp"
 
 namespace binnacle::python {
 
-/// As they are now: what is registered later is not in them. Holds the GIL.
+/// Its types are in the config's text by name only where it wants them: without them a composition is that of the command, and
+/// takes the command's snapshots and checkpoints.
+bool wants_arrays(const std::string& config_text);
 std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins();
 
 }  // namespace binnacle::python

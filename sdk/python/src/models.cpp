@@ -10,6 +10,7 @@
 
 #include <pybind11/stl.h>
 
+#include "linked.hpp"
 #include "models_adapters.hpp"
 #include "models_manifolds.hpp"
 #include "models_spec.hpp"
@@ -146,6 +147,8 @@ void link_models(LoadOptions& options, ModelClasses classes) {
 std::shared_ptr<const Composition> load_with_models(const std::filesystem::path& path, LoadOptions& options) {
   const ModelClasses all = all_models();
   const py::gil_scoped_release unlocked;
+  const std::string text = score::load_config(path, options).text();
+  if (!wants_arrays(text)) options.linked_plugins.clear();
   if (all.empty()) return score::load(path, options);
   const auto load = [&](const ModelClasses& classes) {
     LoadOptions with = options;
@@ -154,7 +157,7 @@ std::shared_ptr<const Composition> load_with_models(const std::filesystem::path&
     options = std::move(with);
     return composition;
   };
-  const ModelClasses named = named_in(score::load_config(path, options).text(), all);
+  const ModelClasses named = named_in(text, all);
   try {
     return load(named);
   } catch (const Error&) {
