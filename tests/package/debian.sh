@@ -52,8 +52,8 @@ fi
 if ls "$build"/python/binnacle/_core*.so >/dev/null 2>&1; then
   packages+=(python3-binnacle)
   holds python3-binnacle lib/python3/dist-packages/binnacle/{__init__.py,_composition.py,_core.pyi,py.typed}
-  dpkg-deb -c "$scratch/python3-binnacle_${version}_$architecture.deb" | grep -q '/dist-packages/binnacle/_core[.]cpython.*[.]so$' ||
-    fail "python3-binnacle lacks its module"
+  listing=$(dpkg-deb -c "$scratch/python3-binnacle_${version}_$architecture.deb")  # whole: grep -q would break the pipe
+  grep -q '/dist-packages/binnacle/_core[.]cpython.*[.]so$' <<<"$listing" || fail "python3-binnacle lacks its module"
   for needed in "binnacle (= $version)" 'python3 (>= 3.' 'python3 (<< 3.' python3-numpy; do
     [[ $(field python3-binnacle Depends) == *"$needed"* ]] || fail "python3-binnacle depends on $(field python3-binnacle Depends)"
   done
@@ -81,7 +81,7 @@ if [[ " ${packages[*]} " == *" python3-binnacle "* ]]; then
   cd "$scratch/unpacked/usr/share/binnacle"
   without_times() { sed -e '/ per step$/d' -e '/^wall time /d'; }
   PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages /usr/bin/python3 -B -s -c \
-    "import binnacle; print(binnacle.load('configs/quickstart.json').run().summary)" >"$scratch/python" ||
+    "import binnacle; print(binnacle.load('configs/quickstart.json').run().summary, end='')" >"$scratch/python" ||
     fail "the packaged Python package does not run"
   "$unpacked" run configs/quickstart.json >"$scratch/command"
   diff <(without_times <"$scratch/python") <(without_times <"$scratch/command") >&2 || fail "Python prints something else than the command"
