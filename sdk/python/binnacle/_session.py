@@ -15,8 +15,8 @@ class Session(_core.Session):
 
     Times are seconds or numpy.timedelta64, numbers are in SI. What is wrong in a call is refused before anything changes:
     KeyError for names (with the nearest), ValueError and TypeError for sizes, times and types, FilterError where a plugin
-    fails. One thread at a time uses a session; a second one is refused (RuntimeError). push() and the readers hold the GIL,
-    push_many() releases it. Where a filter is meant and there is only one, its name may be left out.
+    fails. One thread at a time uses a session; a second one is refused (RuntimeError). push() and push_many()
+    release the GIL, the readers hold it. Where a filter is meant and there is only one, its name may be left out.
     """
 
     __slots__ = ()

@@ -40,8 +40,8 @@ struct OpenSession {
   std::unordered_map<std::string, BlockId> blocks_;
 };
 
-/// For the time of a call. A session that is in a call refuses another (RuntimeError): of a thread, while push_many() has
-/// released the GIL, or of a model in Python that the call came to.
+/// For the time of a call. A session that is in a call refuses another (RuntimeError): of a thread, while the GIL is
+/// released, or of a model in Python that the call came to.
 class Busy {
  public:
   explicit Busy(OpenSession& session) : session_(session) {

@@ -109,12 +109,26 @@ constexpr std::array of_session{"channel", "t0", "t", "fields", "rows", "covaria
 
 enum class Way { push, add };
 
+/// The GIL is released for a scope, so that threads with sessions of their own work side by side.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked() { PyEval_RestoreThread(state_); }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
 template <Way way>
 void give(OpenSession& open, int channel, const GivenSample& sample) {
-  if constexpr (way == Way::push)
+  if constexpr (way == Way::push) {
+    const Unlocked unlocked;
     open.session.push({channel}, sample.view());
-  else
+  } else {
     open.session.add({channel}, sample.view());
+  }
 }
 
 template <Way way>
