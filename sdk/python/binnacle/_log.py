@@ -3,7 +3,8 @@
 
 import numpy as np
 
-OUTCOMES = ("accepted", "gated", "late", "unsupported", "invalid", "withheld", "rejected")
+from ._core import outcomes as OUTCOMES
+
 KINDS = ("start", "step", "update", "inflation")
 
 

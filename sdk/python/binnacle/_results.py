@@ -10,12 +10,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from . import _core, _frames
+from ._core import outcomes as OUTCOMES
 from ._errors import DataError, Diagnostic
 from ._log import StepLog
 
 _Thing = TypeVar("_Thing")
-
-OUTCOMES = ("accepted", "gated", "late", "unsupported", "invalid", "withheld", "rejected")
 
 
 class Series(np.ndarray):

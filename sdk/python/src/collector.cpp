@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collector.hpp"
+#include "wording/wording.hpp"
 
 #include <cmath>
 #include <limits>
@@ -9,11 +10,7 @@
 
 namespace binnacle::python {
 
-namespace {
-
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+using wording::as_size;
 
 Collector::Filter::Filter(const FilterInfo& info_of) : info(info_of), records(Records::of(info_of)) {
   for (const auto& measurement : info.measurements) {

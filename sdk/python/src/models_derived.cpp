@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models_adapters.hpp"
 #include "models_spec.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::python {
 
-namespace {
-
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+using wording::as_size;
 
 struct PythonDerived::Answer {
   Result result;
@@ -99,13 +96,9 @@ Result PythonDerived::differentiate(const DerivedInput& in, const std::vector<co
     };
     const MatrixView to = out.J[read];
     for (int j = 0; j < read.dof() && refused; ++j) {
-      const double h = step_of(read, from, j);
-      const auto central = [&](double by) -> Eigen::VectorXd {
-        const Eigen::VectorXd above = value_at(j, by), below = value_at(j, -by);
-        return (above - below) / (2 * by);
-      };
-      const Eigen::VectorXd at_half = central(0.5 * h), at_whole = central(h);
-      for (int i = 0; i < yields.dof(); ++i) to(i, j) = (4 * at_half[i] - at_whole[i]) / 3;
+      const Eigen::VectorXd column =
+          by_differences([&](double delta) { return value_at(j, delta); }, step_of(read, from, j));
+      for (int i = 0; i < yields.dof(); ++i) to(i, j) = column[i];
     }
   }
   return refused;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "binnacle/binding.hpp"
 #include "binnacle/section.hpp"
 #include "binnacle/state_block.hpp"
@@ -38,6 +40,18 @@ class Manifold {
   std::vector<std::string> units_;
   std::shared_ptr<const StateBlock> block_;
 };
+
+/// ∂/∂δ of one component by central differences at `step` and at half of it, as jacobian::by_differences takes them, of values
+/// whose size is known at run time only. value_at(δ): Eigen::VectorXd, already as a difference where it is on a manifold.
+template <class ValueAt>
+Eigen::VectorXd by_differences(const ValueAt& value_at, double step) {
+  const auto central = [&](double h) -> Eigen::VectorXd {
+    const Eigen::VectorXd above = value_at(h), below = value_at(-h);
+    return (above - below) / (2 * h);
+  };
+  const Eigen::VectorXd at_half = central(0.5 * step), at_whole = central(step);
+  return (4 * at_half - at_whole) / 3;
+}
 
 /// A component whose manifolds are bound after it is made, while its filter is composed, and never again.
 class OnManifolds {

@@ -4,16 +4,13 @@
 
 #include "models_adapters.hpp"
 #include "models_spec.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::python {
 
 // ---- what all roles have in common
 
-namespace {
-
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+using wording::as_size;
 
 PythonModel::PythonModel(const ModelClass& model, const Binding& binding, const NoiseBinding* noise) {
   in_python([&] {
@@ -226,13 +223,10 @@ Result PythonMeasurement::differentiate(const MeasurementInput& in, const std::b
     };
     const MatrixView to = out.H[read];
     for (int j = 0; j < read.dof() && refused; ++j) {
-      const double h = step_of(read, in.x[read].data(), j);
-      const auto central = [&](double by) -> Eigen::VectorXd {
-        const Eigen::VectorXd above = residual_at(j, by), below = residual_at(j, -by);
-        return (below - above) / (2 * by);
-      };
-      const Eigen::VectorXd at_half = central(0.5 * h), at_whole = central(h);
-      for (int i = 0; i < out.rows; ++i) to(i, j) = (4 * at_half[i] - at_whole[i]) / 3;
+      // H is of the prediction, the opposite of the residual.
+      const Eigen::VectorXd column =
+          by_differences([&](double delta) { return residual_at(j, -delta); }, step_of(read, in.x[read].data(), j));
+      for (int i = 0; i < out.rows; ++i) to(i, j) = column[i];
     }
   }
   return refused;

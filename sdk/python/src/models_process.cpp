@@ -3,12 +3,13 @@
 
 #include "models_adapters.hpp"
 #include "models_spec.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::python {
 
 namespace {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using wording::as_size;
 
 std::string text_of(const py::handle& value) { return py::str(value).cast<std::string>(); }
 
@@ -202,13 +203,9 @@ void PythonProcess::differentiate(const ProcessInput& in, const std::vector<cons
       return delta;
     };
     for (int j = 0; j < to.cols(); ++j) {
-      const double h = step_of(block.from, from, j);
-      const auto central = [&](double by) -> Eigen::VectorXd {
-        const Eigen::VectorXd above = value_at(j, by), below = value_at(j, -by);
-        return (above - below) / (2 * by);
-      };
-      const Eigen::VectorXd at_half = central(0.5 * h), at_whole = central(h);
-      for (int i = 0; i < to.rows(); ++i) to.data()[i + j * to.rows()] = (4 * at_half[i] - at_whole[i]) / 3;
+      const Eigen::VectorXd column =
+          by_differences([&](double delta) { return value_at(j, delta); }, step_of(block.from, from, j));
+      for (int i = 0; i < to.rows(); ++i) to.data()[i + j * to.rows()] = column[i];
     }
   }
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models_adapters.hpp"
 #include "models_spec.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::python {
 
 namespace {
 
-std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
+using wording::as_size;
 
 std::string listed(const py::dict& dict) { return py::str(py::list(dict)).cast<std::string>(); }
 

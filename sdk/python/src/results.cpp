@@ -160,6 +160,9 @@ py::tuple open(const std::string& folder) {
 
 }  // namespace
 
-void bind_results(py::module_& module) { module.def("open", &open, py::arg("folder")); }
+void bind_results(py::module_& module) {
+  module.def("open", &open, py::arg("folder"));
+  module.attr("outcomes") = py::tuple(py::cast(results::outcome_names));
+}
 
 }  // namespace binnacle::python
