@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // check: every error of every config, or nothing.
-#include "binnacle/composition.hpp"
-#include "covariance/analysis.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
-#include "score/sections.hpp"
-#include "study/study.hpp"
-#include "tune/plan.hpp"
 #include "verbs.hpp"
+#include "warnings.hpp"
 
 namespace binnacle::command {
 
@@ -24,21 +20,6 @@ struct Options {
 int heavier(int a, int b) {
   const auto weight = [](int status) { return status == load ? 3 : status == config ? 2 : status == data ? 1 : 0; };
   return weight(b) > weight(a) ? b : a;
-}
-
-/// Of a study or a covariance analysis: every variant with its metrics and tables.
-Diagnostics warnings_of(const std::string& path, const LoadOptions& options) {
-  const Config config = score::load_config(path, options);
-  study::StudyOptions study_options;
-  study_options.load = options;
-  if (tune::is_in(config)) tune::read_plan(path, options);
-  if (covariance::is_in(config)) {
-    const auto warnings = covariance::load(path, options).warnings();
-    const bool is_study = Json::parse(config.text()).contains(Json::json_pointer("/study/metrics"));
-    return is_study ? study::Study::load(path, study_options).warnings() : warnings;
-  }
-  if (study::Study::is_in(config)) return study::Study::load(path, study_options).warnings();
-  return score::load(path, options)->warnings();
 }
 
 int check(const Options& options) {

@@ -131,7 +131,7 @@ def test_run(name, tmp_path, monkeypatch):
     case = Case("run", name, tmp_path)
     if case.command("--out", str(tmp_path / "out")) is None:
         with pytest.raises(bn.ConfigError):
-            case.load()
+            case.load().run()
         return
     ours, theirs = case.with_stdin(lambda: case.load().run()), bn.open(tmp_path / "out")
     assert figures(ours.summary) == figures(theirs.summary)

@@ -56,6 +56,29 @@ def test_a_study_that_is_not_there_is_a_config_error(project):
         bn.load(project / "configs" / "quickstart.json").study(jobs=0)
 
 
+def test_a_config_that_is_complete_only_as_a_variant(project):
+    config = bn.load(project / "configs" / "ins_gps" / "turns.json")
+    assert config.variants == ["lc low", "lc high", "tc low", "tc high"]
+    assert config.title == "INS/GPS, large turns" and "as a variant" in repr(config)
+    assert config.study(runs=1).summary["runs"] == 1
+    with pytest.raises(bn.ConfigError, match="gyro_noise") as caught:
+        config.run()
+    assert "'tc low'" in str(caught.value)
+    # Of the variants, too, everything is checked at once.
+    with pytest.raises(bn.ConfigError, match="initial_sigma"):
+        bn.load(project / "configs" / "ins_gps" / "turns.json", set={"/sources/drive/initial_sigmas": 1})
+
+
+def test_one_variant(project, command, figures_of, tmp_path):
+    path = project / "configs" / "ins_gps" / "turns.json"
+    command("run", path, "--variant", "lc low", "--summary", tmp_path / "summary.json", "--quiet", status=(0, 1))
+    expected = figures_of(json.loads((tmp_path / "summary.json").read_text()))
+    for variant in (bn.load(path, variant="lc low"), bn.load(path).variant("lc low")):
+        assert figures_of(variant.run().summary) == expected
+    with pytest.raises(bn.ConfigError, match="did you mean 'lc low'"):
+        bn.load(path, variant="lc lo")
+
+
 def test_tables_of_a_study_in_pandas_and_xarray(study):
     frame = study.to_pandas()
     variant, metric = next((v, m) for v in study for m in study[v])

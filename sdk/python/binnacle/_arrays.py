@@ -68,6 +68,8 @@ def settings_of(data, resolved):
 def refuse_unused(data, resolved, loaded):
     """A name that is no source of the config, and whose channel nobody takes, is a slip."""
     sources = resolved.get("sources") or {}
+    if not loaded.is_complete:
+        return
     for name in data:
         if name in sources or loaded.subscribers(name):
             continue

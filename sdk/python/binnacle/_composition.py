@@ -41,15 +41,18 @@ def load(
     set: Mapping[str, Any] | None = None,
     vars: Mapping[str, object] | None = None,
     data: Mapping[str, Any] | None = None,
+    variant: str | None = None,
 ) -> "Composition":
     """A config from a file, checked and composed.
 
     set: {"/json/pointer": value}, as --set of the command takes them; vars: {"name": text}, as --var does.
     data: {"imu": (t, {"wx": array})}: arrays in the place of that source, or as one of that name where there is none; see
-    Arrays for kinds, units and intervals. They are copied once.
+    Arrays for kinds, units and intervals. They are copied once. variant: the name of one of the config's study, as --variant.
+    A config that is complete only as a variant of its study loads without variant, too: study() and covariance() work, run()
+    raises what is missing.
     Raises ConfigError, LoadError or DataError, each with .diagnostics: all that is wrong at once.
     """
-    return _composed(os.fspath(path), None, vars, set, data)
+    return _composed(os.fspath(path), None, vars, set, data, variant)
 
 
 def parse(
@@ -59,24 +62,31 @@ def parse(
     set: Mapping[str, Any] | None = None,
     vars: Mapping[str, object] | None = None,
     data: Mapping[str, Any] | None = None,
+    variant: str | None = None,
 ) -> "Composition":
     """The same of a dict, or of JSON text. Messages call it `name`; relative paths in it start at the folder of `name`."""
     text = config if isinstance(config, str) else json.dumps(config, indent=2)
-    return _composed(os.fspath(name), text, vars, set, data)
+    return _composed(os.fspath(name), text, vars, set, data, variant)
 
 
-def _composed(path, text, variables, settings, data):
+def _composed(path, text, variables, settings, data, variant):
     variables, settings = _vars(variables), dict(settings or {})
-    load = lambda more: _core.load(path, text, variables, _sets(more), _plugin_folders())  # noqa: E731
+
+    def load(settings, variant=variant or ""):
+        return _core.load(path, text, variables, _sets(settings), _plugin_folders(), variant)
+
+    def load_with(more, *variant):
+        return load({**settings, **more}, *variant)
+
     if not data:
-        return Composition(load(settings), lambda more: load({**settings, **more}))
+        return Composition(load(settings), load_with)
     resolved = _core.resolved(path, text, variables, _sets(settings))
     of_data, held = settings_of(data, resolved)
     settings.update(of_data)
     loaded = load(settings)
     refuse_unused(data, resolved, loaded)
     del held  # the sources of the composition have them now
-    return Composition(loaded, lambda more: load({**settings, **more}))
+    return Composition(loaded, load_with)
 
 
 class Composition(Verbs):
@@ -86,11 +96,21 @@ class Composition(Verbs):
         self._loaded, self._load, self._keeper = loaded, load, Keeper(loaded, load)
 
     def __repr__(self) -> str:
-        return f"<binnacle.Composition {self._loaded.path!r}: {', '.join(self.filters) or 'no filter'}>"
+        of = ", ".join(self.filters) or "no filter" if self._loaded.is_complete else "complete only as a variant of its study"
+        return f"<binnacle.Composition {self._loaded.path!r}: {of}>"
 
     @property
     def title(self) -> str:
-        return self._loaded.title
+        return str(self.config.get("title", ""))
+
+    @property
+    def variants(self) -> list[str]:
+        """Names of the variants of the config's study; none where it has no study."""
+        return self._loaded.variants
+
+    def variant(self, name: str) -> "Composition":
+        """One variant of the config's study, as --variant of the command: a Composition of its own."""
+        return Composition(self._load({}, name), lambda more: self._load(more, name))
 
     @property
     def filters(self) -> list[str]:
@@ -118,7 +138,10 @@ class Composition(Verbs):
         return Figures(*self._loaded.explain())
 
     def check(self) -> list[Diagnostic]:
-        """What is suspicious but no error: a list of Diagnostic. (What is an error, load() and parse() raise.)"""
+        """What `binnacle check` says: a list of Diagnostic, what is suspicious but no error.
+
+        What is an error of the config itself, load() and parse() raise; of a variant of its study, or of "tune", this raises.
+        """
         return self._loaded.warnings()
 
     def run(

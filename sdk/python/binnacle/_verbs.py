@@ -95,7 +95,7 @@ class Verbs:
         """run(), with every filter smoothed once it is over, as `binnacle run --smooth` does: r["ins.smoothed"] beside
         r["ins"]. arguments: those of run()."""
         made: Any = type(self)
-        smoothed = made(_core.smoothed(self._loaded), lambda more: _core.smoothed(self._load(more)))
+        smoothed = made(_core.smoothed(self._loaded), lambda *more: _core.smoothed(self._load(*more)))
         return smoothed.run(seed, **arguments)
 
     def allan(self, channel: str, *, overlap: float = 1.0, seed: int = 1) -> AllanDeviation:

@@ -130,21 +130,21 @@ std::vector<observe::Window> windows_of(const Composition& composition, const st
 }
 
 py::dict observed(const Loaded& loaded, const std::vector<std::string>& texts, std::uint64_t seed, int run) {
-  const auto windows = windows_of(*loaded.composition, texts);
+  const auto windows = windows_of(*loaded.composed(), texts);
   Json filters;
   score::RunResult result;
   interruptibly([&](const GoesOn& goes_on) {
-    const observe::Observability observability(*loaded.composition, windows);
+    const observe::Observability observability(*loaded.composed(), windows);
     ObservabilityWatch watch(observability, goes_on);
     score::RunOptions options;
     options.seed = seed;
     options.run = run;
     options.observer = &watch;
     options.feeds_sinks = false;
-    result = score::run(loaded.composition, options);
+    result = score::run(loaded.composed(), options);
     if (goes_on()) filters = observability.figures(loaded.path, loaded.options, {seed, run, goes_on});
   });
-  const std::string title = loaded.composition->title();
+  const std::string title = loaded.composed()->title();
   py::dict dict = figures_and_text({{"filters", filters}},
                                    (title.empty() ? "" : title + "\n\n") + command::observability_text(filters));
   dict["warnings"] = to_python(result.warnings);

@@ -150,12 +150,11 @@ std::shared_ptr<const Composition> load_with_models(const std::filesystem::path&
   const std::string text = score::load_config(path, options).text();
   if (!wants_arrays(text)) options.linked_plugins.clear();
   if (all.empty()) return score::load(path, options);
+  const LoadOptions without = options;
   const auto load = [&](const ModelClasses& classes) {
-    LoadOptions with = options;
-    link_models(with, classes);
-    auto composition = score::load(path, with);
-    options = std::move(with);
-    return composition;
+    options = without;
+    link_models(options, classes);
+    return score::load(path, options);
   };
   const ModelClasses named = named_in(text, all);
   try {

@@ -42,7 +42,7 @@ std::string origin_of(const Loaded& loaded, const RunArguments& arguments) {
 }
 
 Json provenance_of(const Loaded& loaded, const RunArguments& arguments) {
-  Json all = command::provenance(loaded.composition->catalog(), origin_of(loaded, arguments));
+  Json all = command::provenance(loaded.composed()->catalog(), origin_of(loaded, arguments));
   all["seed"] = arguments.seed;
   all["run"] = arguments.run;
   all["created"] = command::now_in_words();
@@ -56,7 +56,7 @@ Kept kept_by(const RunArguments& arguments) {
 }
 
 void add_observers(const Loaded& loaded, const RunArguments& arguments, Collector& collector) {
-  const auto& filters = loaded.composition->filters();
+  const auto& filters = loaded.composed()->filters();
   for (std::size_t f = 0; f < filters.size(); ++f)
     if (const auto observer = arguments.observers.find(filters[f].name); observer != arguments.observers.end())
       collector.observe(f, observer->second);
@@ -65,14 +65,14 @@ void add_observers(const Loaded& loaded, const RunArguments& arguments, Collecto
 score::RunResult carried_out(const Loaded& loaded, const RunArguments& arguments, Collector& collector,
                              command::RunRecorder* recorder) {
   const py::gil_scoped_release unlocked;
-  study::refuse_misspelt_metrics(*loaded.composition, loaded.path, loaded.options);
+  study::refuse_misspelt_metrics(*loaded.composed(), loaded.path, loaded.options);
   score::RunOptions options;
   options.seed = arguments.seed;
   options.run = arguments.run;
   options.observer = &collector;
-  score::RunResult result = score::run(loaded.composition, options);
+  score::RunResult result = score::run(loaded.composed(), options);
   if (recorder) {
-    recorder->commit(result.summary, Json::parse(loaded.composition->config()));
+    recorder->commit(result.summary, Json::parse(loaded.composed()->config()));
     command::write_report(*arguments.out, command::report_in(*arguments.out));
   }
   return result;
@@ -82,13 +82,13 @@ py::dict run(const Loaded& loaded, const RunArguments& arguments) {
   std::unique_ptr<command::RunRecorder> recorder;
   if (arguments.out)
     recorder =
-        std::make_unique<command::RunRecorder>(*arguments.out, *loaded.composition, provenance_of(loaded, arguments));
-  Collector collector(*loaded.composition, kept_by(arguments), SignalWatch(), recorder.get());
+        std::make_unique<command::RunRecorder>(*arguments.out, *loaded.composed(), provenance_of(loaded, arguments));
+  Collector collector(*loaded.composed(), kept_by(arguments), SignalWatch(), recorder.get());
   add_observers(loaded, arguments, collector);
   const score::RunResult result = carried_out(loaded, arguments, collector, recorder.get());
   py::dict dict;
   dict["summary"] = to_python(result.summary);
-  dict["text"] = command::summary_text(result.summary, *loaded.composition);
+  dict["text"] = command::summary_text(result.summary, *loaded.composed());
   dict["verdict"] = verdict_name(result.verdict);
   dict["warnings"] = to_python(result.warnings);
   dict["failures"] = to_python(result.failures);

@@ -32,7 +32,7 @@ void check_run(int run) {
 
 Handle open(const Loaded& loaded, std::uint64_t seed, int run, const std::string& estimates) {
   check_run(run);
-  return std::make_shared<OpenSession>(loaded.composition, seed, run, estimates_of(estimates));
+  return std::make_shared<OpenSession>(loaded.composed(), seed, run, estimates_of(estimates));
 }
 
 const BlockInfo& info_of(const OpenSession& open, BlockId id) {
