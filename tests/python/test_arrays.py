@@ -192,6 +192,11 @@ WALK = {"binnacle": 1,
                                                  "fields": {"z0": "z"}, "sigma": [1]}}}}}
 
 
+def test_a_misspelt_type_is_near_that_of_arrays(folder):
+    with pytest.raises(bn.ConfigError, match="did you mean '(numpy/)?arrays'"):
+        bn.load(folder / "drive.json", vars={"data": folder}, set={"/sources/raw_imu/type": "array"})
+
+
 def test_missing_numbers_are_no_data(tmp_path):
     """As in csv: NaN and stated numbers become "no data", which a measurement cannot use."""
     config = WALK

@@ -71,6 +71,15 @@ def test_settings_are_those_of_the_command(project, command, figures_of):
     assert not set_here["ins"].innovations["fix"].accepted.all()
 
 
+@pytest.mark.parametrize("value", [-1, 1.5, True, "1"])
+def test_a_seed_that_is_none_is_told_as_such(project, value):
+    config = bn.load(project / "configs" / "quickstart.json")
+    for name in ("seed", "run"):
+        for call in (config.run, config.session, config.observe):
+            with pytest.raises(ValueError, match=f"{name} is {value!r}: expected a whole number from 0 up"):
+                call(**{name: value})
+
+
 def test_ctrl_c_stops_a_run(project):
     composition = bn.load(project / "configs" / "quickstart.json")
     stop = threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGINT))

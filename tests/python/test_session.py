@@ -271,7 +271,7 @@ ZEROS = np.zeros(6)
         (lambda s: s.read("position", out=[0, 0, 0]), TypeError, "out is no writable array"),
         (lambda s: s.commit(np.timedelta64("NaT")), ValueError, "t is NaT"),
         (lambda s: s.commit("now"), TypeError, "a time is a number of seconds"),
-        (lambda s: s.reset(run=-1), ValueError, "runs count from 0"),
+        (lambda s: s.reset(run=-1), ValueError, "run is -1: expected a whole number from 0"),
     ],
 )
 def test_what_is_wrong_is_refused_and_changes_nothing(drive, recorded, instants, call, error, message):
@@ -285,7 +285,7 @@ def test_what_is_wrong_is_refused_and_changes_nothing(drive, recorded, instants,
 def test_what_a_session_is_made_with_is_checked(drive):
     with pytest.raises(ValueError, match="estimates is 'late'; expected 'live' or 'settled'"):
         drive.session(estimates="late")
-    with pytest.raises(ValueError, match="runs count from 0"):
+    with pytest.raises(ValueError, match="run is -1: expected a whole number from 0"):
         drive.session(run=-1)
 
 

@@ -11,7 +11,7 @@ from ._arrays import Keeper, refuse_unused, settings_of
 from ._errors import Diagnostic
 from ._results import Figures, RunResult
 from ._session import Session
-from ._verbs import AllanDeviation, Analysis, Verbs
+from ._verbs import AllanDeviation, Analysis, Verbs, _count, _streams
 
 
 Path = str | os.PathLike[str]
@@ -176,7 +176,7 @@ class Composition(Verbs):
         out: a folder for what `binnacle run --out` leaves there.
         """
         kept = (records, innovations, self._logs(log), self._observers(observers))
-        arguments: tuple[Any, ...] = (seed, run, *kept, None if out is None else os.fspath(out))
+        arguments: tuple[Any, ...] = (*_streams(seed, run), *kept, None if out is None else os.fspath(out))
         run_one = lambda loaded: RunResult(_core.run(loaded, *arguments), self.config)  # noqa: E731
         if not keep:
             return run_one(self._loaded)
@@ -242,7 +242,7 @@ def allan(
     """
     if isinstance(config, Composition):
         return config.allan(channel, overlap=overlap, seed=seed)
-    return AllanDeviation(_core.allan(_described(config, vars, set), channel, overlap, seed))
+    return AllanDeviation(_core.allan(_described(config, vars, set), channel, overlap, _count(seed, "seed", 0)))
 
 
 def _described(path, variables, settings):

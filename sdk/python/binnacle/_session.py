@@ -4,6 +4,7 @@
 import numpy as np
 
 from . import _core
+from ._verbs import _streams
 
 
 class Session(_core.Session):
@@ -22,7 +23,7 @@ class Session(_core.Session):
     __slots__ = ()
 
     def __init__(self, loaded, seed=0, run=0, estimates="live"):
-        super().__init__(loaded, seed, run, estimates)
+        super().__init__(loaded, *_streams(seed, run), estimates)
 
     # ---- samples
 
@@ -142,7 +143,7 @@ class Session(_core.Session):
 
     def reset(self, seed=0, run=0):
         """Back to before the first sample."""
-        self._reset(seed, run)
+        self._reset(*_streams(seed, run))
 
 
 class Instant:

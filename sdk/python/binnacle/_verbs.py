@@ -54,7 +54,11 @@ class AllanDeviation(Analysis):
 def _count(value, name, least):
     if value is not None and (isinstance(value, bool) or int(value) != value or value < least):
         raise ValueError(f"{name} is {value!r}: expected a whole number from {least} up")
-    return value
+    return None if value is None else int(value)
+
+
+def _streams(seed, run=0):
+    return _count(seed, "seed", 0), _count(run, "run", 0)
 
 
 class Verbs:
@@ -71,7 +75,7 @@ class Verbs:
         not depend on it. Raises ConfigError where there is no "study".
         """
         jobs = _count(jobs, "jobs", 1) or 0
-        return StudyResult(_core.study(self._loaded, _count(runs, "runs", 1), seed, jobs))
+        return StudyResult(_core.study(self._loaded, _count(runs, "runs", 1), _count(seed, "seed", 0), jobs))
 
     def covariance(self, *, budget: bool = False) -> Analysis:
         """What the errors will be, from covariances alone, as `binnacle covariance` has it: an Analysis.
@@ -82,14 +86,14 @@ class Verbs:
 
     def tune(self, *, seed: int = 1, run: int = 0, jobs: int | None = None) -> Tuning:
         """Parameters of the config's "tune" by what the data say of them, as `binnacle tune` does: a Tuning."""
-        return Tuning(_core.tune(self._loaded, seed, run, _count(jobs, "jobs", 1) or 0))
+        return Tuning(_core.tune(self._loaded, *_streams(seed, run), _count(jobs, "jobs", 1) or 0))
 
     def observe(self, *windows: str, seed: int = 1, run: int = 0) -> Analysis:
         """What the measurements of a run show of the state, and what not, as `binnacle observe` has it: an Analysis.
 
         windows: texts as --window takes them, "60:90" or the name of one; by default the whole run.
         """
-        return Analysis(_core.observe(self._loaded, list(windows), seed, run))
+        return Analysis(_core.observe(self._loaded, list(windows), *_streams(seed, run)))
 
     def smooth(self, seed: int = 1, **arguments: Any) -> RunResult:
         """run(), with every filter smoothed once it is over, as `binnacle run --smooth` does: r["ins.smoothed"] beside
@@ -104,7 +108,7 @@ class Verbs:
         overlap: averages overlap fully up to so many seconds. Raises ValueError where there is no such channel, DataError
         where no sample came.
         """
-        return AllanDeviation(_core.allan(self._loaded, channel, overlap, seed))
+        return AllanDeviation(_core.allan(self._loaded, channel, overlap, _count(seed, "seed", 0)))
 
     def inspect(self) -> Analysis:
         """Looks at the data of the config before a filter does, as `binnacle inspect` does: an Analysis with "findings"."""

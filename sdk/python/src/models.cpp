@@ -147,23 +147,18 @@ void link_models(LoadOptions& options, ModelClasses classes) {
 std::shared_ptr<const Composition> load_with_models(const std::filesystem::path& path, LoadOptions& options) {
   const ModelClasses all = all_models();
   const py::gil_scoped_release unlocked;
+  const LoadOptions given = options;
   const std::string text = score::load_config(path, options).text();
   if (!wants_arrays(text)) options.linked_plugins.clear();
-  if (all.empty()) return score::load(path, options);
-  const LoadOptions without = options;
-  const auto load = [&](const ModelClasses& classes) {
-    options = without;
-    link_models(options, classes);
-    return score::load(path, options);
-  };
-  const ModelClasses named = named_in(text, all);
+  link_models(options, named_in(text, all));
   try {
-    return load(named);
+    return score::load(path, options);
   } catch (const Error&) {
-    // A misspelt name is near one that is registered: with all of them the message says so.
-    if (named.size() == all.size()) throw;
+    // A misspelt name is near one that is there: with all of them the message says so.
   }
-  return load(all);
+  options = given;
+  link_models(options, all);
+  return score::load(path, options);
 }
 
 void bind_models(py::module_& module) {
