@@ -98,6 +98,9 @@ class PythonProcess : public PythonModel, public ProcessModel {
   void write_Qd(const Answer& answer, ProcessOutput& out) const;
   void differentiate(const ProcessInput& in, const std::vector<const double*>& x, const std::byte* before,
                      const Answer& nominal, ProcessOutput& out) const;
+  void differentiate_by(Port from, const std::vector<const Block*>& blocks, const ProcessInput& in,
+                        const std::vector<const double*>& x, const std::byte* before, const Answer& nominal,
+                        ProcessOutput& out) const;
   void refuse_others(const py::dict& blocks, std::size_t found, const char* what, const char* how) const;
   py::tuple key_of(const Block& block) const;
 

@@ -175,37 +175,57 @@ py::tuple PythonProcess::key_of(const Block& block) const {
 /// Φ = ∂(x⁺(x ⊞ δ) ⊟ x⁺(x))/∂δ by central differences at a step and at half of it (Richardson).
 void PythonProcess::differentiate(const ProcessInput& in, const std::vector<const double*>& x, const std::byte* before,
                                   const Answer& nominal, ProcessOutput& out) const {
-  const std::size_t bytes = layout().words() * sizeof(std::uint64_t);
-  for (const Block& block : transition_) {
-    const Manifold& to_manifold = manifold_of(block.to);
-    const Manifold& from_manifold = manifold_of(block.from);
-    const BlockView to = out.phi[block.phi];
-    if (!to) continue;
-    if (in.step.dt == 0) {
-      to.set_zero();
-      if (block.to == block.from) to.set_identity();
+  for (const Port from : ports_) {
+    std::vector<const Block*> blocks;
+    for (const Block& block : transition_)
+      if (block.from.index() == from.index() && out.phi[block.phi]) blocks.push_back(&block);
+    if (in.step.dt != 0) {
+      differentiate_by(from, blocks, in, x, before, nominal, out);
       continue;
     }
-    const auto advanced = static_cast<std::size_t>(std::ranges::find(advanced_, block.to) - advanced_.begin());
-    const double* const from = x[as_size(block.from.index())];
-    std::vector<double> moved(as_size(from_manifold.stored_size()));
-    const auto value_at = [&](int component, double size) {
-      from_manifold.move(from, component, size, moved.data());
-      auto at = x;
-      at[as_size(block.from.index())] = moved.data();
-      std::vector<std::byte> memory(before, before + bytes);
-      const Answer answer = ask(in, at.data(), memory.data(), false, false);
-      if (!answer.result)
-        throw py::value_error(std::string("Phi is made of differences, and at a state near by the model refuses: ") +
-                              answer.result.reason);
-      Eigen::VectorXd delta(to_manifold.dof());
-      to_manifold.minus(answer.x[advanced].data(), nominal.x[advanced].data(), delta.data());
-      return delta;
-    };
-    for (int j = 0; j < to.cols(); ++j) {
-      const Eigen::VectorXd column =
-          by_differences([&](double delta) { return value_at(j, delta); }, step_of(block.from, from, j));
-      for (int i = 0; i < to.rows(); ++i) to.data()[i + j * to.rows()] = column[i];
+    for (const Block* block : blocks) {
+      out.phi[block->phi].set_zero();
+      if (block->to == block->from) out.phi[block->phi].set_identity();
+    }
+  }
+}
+
+/// All blocks of one column of blocks: the model is asked once for each value of the port that they depend on.
+void PythonProcess::differentiate_by(Port from, const std::vector<const Block*>& blocks, const ProcessInput& in,
+                                     const std::vector<const double*>& x, const std::byte* before,
+                                     const Answer& nominal, ProcessOutput& out) const {
+  if (blocks.empty()) return;
+  const std::size_t bytes = layout().words() * sizeof(std::uint64_t);
+  const double* const nominal_from = x[as_size(from.index())];
+  int rows = 0;
+  for (const Block* block : blocks) rows += manifold_of(block->to).dof();
+  std::vector<double> moved(as_size(manifold_of(from).stored_size()));
+  const auto value_at = [&](int component, double size) {
+    manifold_of(from).move(nominal_from, component, size, moved.data());
+    auto at = x;
+    at[as_size(from.index())] = moved.data();
+    std::vector<std::byte> memory(before, before + bytes);
+    const Answer answer = ask(in, at.data(), memory.data(), false, false);
+    if (!answer.result)
+      throw py::value_error(std::string("Phi is made of differences, and at a state near by the model refuses: ") +
+                            answer.result.reason);
+    Eigen::VectorXd delta(rows);
+    double* part = delta.data();
+    for (const Block* block : blocks) {
+      const auto advanced = static_cast<std::size_t>(std::ranges::find(advanced_, block->to) - advanced_.begin());
+      manifold_of(block->to).minus(answer.x[advanced].data(), nominal.x[advanced].data(), part);
+      part += manifold_of(block->to).dof();
+    }
+    return delta;
+  };
+  for (int j = 0; j < manifold_of(from).dof(); ++j) {
+    const Eigen::VectorXd column =
+        by_differences([&](double delta) { return value_at(j, delta); }, step_of(from, nominal_from, j));
+    const double* part = column.data();
+    for (const Block* block : blocks) {
+      const BlockView to = out.phi[block->phi];
+      std::copy_n(part, to.rows(), to.data() + j * to.rows());
+      part += to.rows();
     }
   }
 }
