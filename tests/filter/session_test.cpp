@@ -2,6 +2,7 @@
 // Session's calls are checked: ids, sizes of spans, times; what is refused changes nothing.
 #include "binnacle/session.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -96,6 +97,22 @@ TEST_CASE("a span of another size than the block's outputs is refused and not wr
   CHECK(std::abs(values[0] - 0.25) < 1e-12);  // half way: both variances are 1
   CHECK(std::abs(values[2] - std::sqrt(0.5)) < 1e-7);
   CHECK(std::abs(values[3] - 1) < 1e-7);
+}
+
+TEST_CASE("before the start there is no estimate: NaN, not zeros") {
+  Session session = session_of();
+  const BlockId x = session.block("x");
+  std::vector<double> values(4, 7.0);
+  const auto read = [&] {
+    session.read(x, {values.data(), 2});
+    session.read_sigma(x, {values.data() + 2, 2});
+    return std::ranges::count_if(values, [](double value) { return std::isnan(value); });
+  };
+  CHECK(read() == 4);
+  session.push(session.channel("z"), no_time, second, one);
+  CHECK(read() == 0);
+  session.reset();
+  CHECK(read() == 4);
 }
 
 TEST_CASE("an interval that does not end after it began is refused, and changes nothing") {

@@ -197,6 +197,17 @@ def test_a_misspelt_type_is_near_that_of_arrays(folder):
         bn.load(folder / "drive.json", vars={"data": folder}, set={"/sources/raw_imu/type": "array"})
 
 
+def test_what_is_masked_is_missing_and_a_masked_time_is_refused():
+    z = np.ma.masked_array([100, 150, -9999, 200], [False, True, True, False])
+    run = bn.parse(WALK, data={"z": bn.Arrays([1, 2, 3, 4], {"z": ("cm", z)})}).run(keep="z")
+    np.testing.assert_array_equal(run.channels["z"]["z"], [1, np.nan, np.nan, 2])
+    t = np.ma.masked_equal([1.0, 2, 3, 4], 3)
+    with pytest.raises(ValueError, match=r"t is a masked array, 1 masked: .*filled\(numpy.nan\)"):
+        bn.parse(WALK, data={"z": bn.Arrays(t, {"z": ("cm", z)})})
+    nothing_masked = np.ma.masked_array([1.0, 2, 3, 4])
+    same_bits(bn.parse(WALK, data={"z": bn.Arrays(nothing_masked, {"z": ("cm", z)})}).run(), run)
+
+
 def test_missing_numbers_are_no_data(tmp_path):
     """As in csv: NaN and stated numbers become "no data", which a measurement cannot use."""
     config = WALK

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Results of a folder, and as pandas and xarray have them."""
 
+import copy
 import csv
+import pickle
 
 import binnacle as bn
 import numpy as np
@@ -65,6 +67,30 @@ def test_what_is_opened_is_what_the_run_gave(run, opened, figures_of):
     assert opened.provenance["seed"] == 4 and run.provenance is None
 
 
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))], ids=["copy", "deepcopy", "pickle"]
+)
+def test_copies_are_whole(run, copied):
+    """multiprocessing hands results over by pickle."""
+    other = copied(run)
+    assert other.verdict == run.verdict and str(other.summary) == str(run.summary)
+    yaw = run["ins"]["attitude.yaw"]
+    same(other["ins"]["attitude.yaw"], yaw)
+    same(other["ins"]["position"], run["ins"]["position"])
+    for error in run["ins"].errors:
+        same(other["ins"].errors[error], run["ins"].errors[error])
+    np.testing.assert_array_equal(other["ins"].innovations["fix"].nis, run["ins"].innovations["fix"].nis)
+    same(copied(yaw), yaw)
+    same(yaw.copy(), yaw)
+
+
+def test_exceptions_pass_between_processes():
+    with pytest.raises(bn.ConfigError) as raised:
+        bn.parse("{")
+    error = pickle.loads(pickle.dumps(raised.value))
+    assert str(error) == str(raised.value) and error.diagnostics == raised.value.diagnostics != []
+
+
 def test_times_are_exact_and_in_seconds_the_nearest_double(run, folder):
     with open(folder / "ins.csv", newline="") as file:
         rows = list(csv.reader(file))
@@ -120,6 +146,11 @@ def test_a_study_that_is_opened_is_the_study(project, command, tmp_path, figures
     assert figures_of(dict(opened.summary)) == figures_of(dict(here.summary))
     assert all(np.array_equal(opened[v][m], here[v][m]) for v in here for m in here[v])
     assert opened.tables == here.tables and opened.config == here.config
+
+
+def test_a_study_is_pickled(project):
+    study = bn.load(project / "configs" / "quickstart.json").study(runs=2)
+    assert pickle.loads(pickle.dumps(study)).to_pandas().equals(study.to_pandas())
 
 
 def test_a_folder_without_results_is_a_data_error(tmp_path):

@@ -227,6 +227,16 @@ ZEROS = np.zeros(6)
         (lambda s: s.push("drive.imu", 0, 0.01, [ZEROS]), ValueError, r"got an array of shape \(1, 6\)"),
         (lambda s: s.push("drive.imu", 0, 0.01, None), TypeError, "has 6 fields .*; got None"),
         (lambda s: s.push("drive.imu", 0, 0.01, ["1"] * 6), TypeError, "expected an array of real numbers"),
+        (
+            lambda s: s.push("drive.imu", 0, 0.01, np.ma.masked_array(ZEROS, [1, 0, 0, 0, 0, 0])),
+            ValueError,
+            r"fields is a masked array, 1 masked: say what these are with .filled\(numpy.nan\)",
+        ),
+        (
+            lambda s: s.push_many("drive.imu", None, np.ma.masked_equal([1.0, 2], 2), np.zeros((2, 6))),
+            ValueError,
+            "ts is a masked array",
+        ),
         (lambda s: s.push("drive.imu", 0, 0.01, ZEROS + 1j), TypeError, "complex128.*expected an array of real numbers"),
         (
             lambda s: s.push("drive.imu", 0.01, 0.01, ZEROS),
@@ -305,6 +315,25 @@ def test_readers(drive, instants):
     imu = s.channel("drive.imu")
     assert imu.fields == ["wx", "wy", "wz", "fx", "fy", "fz"] and imu.units["fx"] == "m/s" and imu.row_fields == []
     assert s.filters == ["ins"] and s.start_time() == s.time() and s.notes() == []
+
+
+def test_an_input_of_nothing_but_nan_is_no_input(drive, instants):
+    """After the start, which it says, as a cable that came loose would give it."""
+    s = started(drive, instants)
+    imu = s.channel("drive.imu")
+    t = s.time() + 0.01 * np.arange(3600)
+    s.push_many(imu, t, t + 0.01, np.full((3600, 6), np.nan))
+    assert s.filter_counts()["input_gaps"] == 3600
+    assert s.verdict() != "ok"
+    (reason,) = [reason for reason in s.reasons() if reason.code == "B118"]
+    assert "ended at" in reason.message and "before the newest sample that it was given" in reason.message
+
+
+def test_before_the_start_there_is_no_estimate(drive, instants):
+    s = drive.session()
+    assert not s.started() and s.time() is None and s.verdict() == "ok"
+    assert np.isnan(s.read("position")).all() and np.isnan(s.sigma("position")).all()
+    assert np.isfinite(started(drive, instants).read("position")).all()
 
 
 def test_a_broken_filter_says_so_and_takes_no_more(drive, instants):

@@ -154,6 +154,8 @@ TEST_CASE("a hole is bridged alone with the mean rates, and counted, what is not
   CHECK(f.input(45, 48, 1, 1).empty());
   CHECK(f.input(50, 60, std::nan(""), 1).empty());
   CHECK(f.head().gaps == 3);
+  CHECK(f.head().newest == 60);  // by which the verdict knows that the input has ended
+  CHECK(f.head().input_end == 50);
   CHECK(f.input(50, 60, 4, 8) == Said{"step 60 [40,50 r=3 i=8] [50,60 r=4 i=8]"});
 }
 

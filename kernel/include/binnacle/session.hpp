@@ -128,9 +128,9 @@ class Session {
   /// When it started; no_time before.
   Time start_time(FilterId filter) const;
 
-  /// The block's readable outputs (roll, pitch, yaw), in the order of its declaration [SI]; the span has as many.
+  /// The block's readable outputs (roll, pitch, yaw), as declared [SI]; the span has as many. NaN before the filter has started.
   void read(BlockId block, std::span<double> outputs) const;
-  /// Standard deviations of those outputs, to first order [SI]; the span has as many.
+  /// Standard deviations of those outputs, to first order [SI]; the span has as many. NaN before the start.
   void read_sigma(BlockId block, std::span<double> sigmas) const;
   /// The block's part of P: one row and column per estimated or considered error component.
   ConstMatrixView covariance(BlockId block) const;
@@ -139,7 +139,7 @@ class Session {
   /// The filter's stored state, laid out as FilterInfo gives it.
   std::span<const double> state(FilterId filter) const;
 
-  /// Whether the filter's estimates hold so far, by the limits of its "trust". Allocates nothing.
+  /// Whether its estimates hold so far, by the limits of its "trust"; `ok` before started(). Allocates nothing.
   Verdict verdict(FilterId filter) const;
   /// Why it is not `ok`: writes as many reasons as there is room for, returns how many there are. Allocates nothing.
   std::size_t reasons(FilterId filter, std::span<TrustReason> into) const;

@@ -368,7 +368,7 @@ struct TimeHead {
   Time last_start = no_time;
   Time restart_until = no_time;  // it starts anew if it can up to this time
   Time input_end = no_time;      // end of the newest input interval
-  Time newest = no_time;         // of measurements' samples
+  Time newest = no_time;         // of measurements' samples, and incomplete ones of the input
   std::int64_t steps = 0;
   std::int64_t gaps = 0;
   std::int32_t starts = 0;

@@ -68,6 +68,7 @@ void TimeLine::watch_repeats(const SampleView& sample) {
 void TimeLine::input(const SampleView& sample) {
   if (!is_complete(sample)) {
     ++head_.gaps;
+    head_.newest = std::max(head_.newest, sample.t);  // the input has ended where nothing complete follows
     return;
   }
   watch_repeats(sample);

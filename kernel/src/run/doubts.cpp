@@ -53,7 +53,7 @@ std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, 
            ": what it estimated before did not hold";
   if (reason.doubt == Doubt::input_ended)
     return "the input of '" + filter.name + "' ended at " + since(reason) + ", " + figure +
-           " s before its measurements (limit " + limit + " s)";
+           " s before the newest sample that it was given (limit " + limit + " s)";
   if (reason.doubt == Doubt::stopped)
     return "'" + filter.name + "' stopped at " + since(reason) + ": the input has a hole of " + figure +
            " s (longest_bridge " + limit + " s), and initial values for a new start did not come";

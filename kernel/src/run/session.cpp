@@ -205,6 +205,10 @@ void Session::read(BlockId block, std::span<double> outputs, const char* call_na
   if (const auto count = of.declaration->outputs.size(); outputs.size() != count)
     throw std::invalid_argument("block '" + of.name + "' has " + std::to_string(count) +
                                 " outputs; there is room for " + std::to_string(outputs.size()));
+  if (time(block.filter) == no_time) {  // zeros would pass for an estimate
+    std::ranges::fill(outputs, std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   const auto error = [&](const std::string& text) {
     const std::string& pointer = engine(block.filter).plan().blocks[as_size(block.index)].pointer;
     return FilterError(

@@ -231,10 +231,10 @@ BINNACLE_API binnacle_status binnacle_commit(binnacle_session* session, int64_t 
 
 /* ---- out. `count` is the length of the array, which must be what there is to read */
 
-/* The block's outputs (roll, pitch, yaw). */
+/* The block's outputs (roll, pitch, yaw); NaN before the filter has started. */
 BINNACLE_API binnacle_status binnacle_read(const binnacle_session* session, binnacle_id block, double* outputs,
                                            uint64_t count);
-/* Standard deviations of those outputs, to first order. */
+/* Standard deviations of those outputs, to first order; NaN before the start. */
 BINNACLE_API binnacle_status binnacle_read_sigma(const binnacle_session* session, binnacle_id block, double* sigmas,
                                                  uint64_t count);
 /* The block's part of P: rows². */

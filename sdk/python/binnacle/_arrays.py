@@ -40,7 +40,8 @@ class Arrays:
     t0: (n,) begins of the intervals, NaN or NaT where there is none; interval: their fixed length. Without either they reach
     from time to time, and max_gap (default: ten times the median step) leaves the sample after a longer step without one.
     units: {name: text}, in place of the pairs. missing: numbers that mean "no data", of all fields or by name,
-    missing=[np.nan]; default: what the config's source says. Without it a NaN is refused, as in csv.
+    missing=[np.nan]; default: what the config's source says. Without it a NaN is refused, as in csv. What a
+    numpy.ma.MaskedArray masks is missing.
     rows: the field that tells rows apart, or {"key", "max_rows"}: then t may repeat, and lines of one time are the rows of
     one sample.
 
@@ -98,7 +99,7 @@ class _Given:
         self.is_ours = self.source.get("type") in _TYPES
         if not hasattr(arrays.fields, "items"):
             raise TypeError(f"{self.what}: fields is a {type(arrays.fields).__name__}; expected {{name: array}}")
-        self.units, self.numbers = {}, {}
+        self.units, self.numbers, self.masked = {}, {}, set()
         for field, value in arrays.fields.items():
             self._take(field, value)
 
@@ -112,6 +113,9 @@ class _Given:
         if numbers.dtype.kind not in "fiu" and numbers.size:
             raise TypeError(f"{self.what}: field {field!r} has the type {numbers.dtype}; expected real numbers")
         self.units[field], self.numbers[field] = unit, np.ascontiguousarray(numbers, dtype=np.float64)
+        if np.ma.is_masked(value):
+            self.numbers[field] = np.where(np.ma.getmaskarray(value), np.nan, self.numbers[field])
+            self.masked.add(field)
 
     def made(self):
         t, t0 = self._times()
@@ -179,8 +183,9 @@ class _Given:
             raise ValueError(f"{self.what}: kind of {field!r} is {column['kind']!r}; expected one of {_list(_KINDS)}")
         missing = _of(self.arrays.missing, field)
         missing = stated.get("missing") if missing is None else [repr(float(number)) for number in np.atleast_1d(missing)]
+        missing = [text for text in missing or [] if _is_number(text)] + ["nan"] * (field in self.masked)
         if missing:
-            column["missing"] = [text for text in missing if _is_number(text)]
+            column["missing"] = missing
         return column
 
     def _stated_unit(self, stated):

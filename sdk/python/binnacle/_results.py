@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What came of a run, as arrays."""
 
+import copy
 import json
 import os
 import re
@@ -22,7 +23,7 @@ class Series(np.ndarray):
     None where it is not known), .names, .units and .display_units (a text each per output; one text where it has one
     dimension). display_units are what tables show; the numbers are SI.
 
-    What is computed or cut from it is a plain array.
+    What is computed or cut from it is a plain array; copies, and what pickle restores, are whole.
     """
 
     t: np.ndarray
@@ -39,6 +40,25 @@ class Series(np.ndarray):
 
     def __array_finalize__(self, source):
         self.t = self.sigma = self.names = self.units = self.display_units = None
+
+    def copy(self, order="C"):
+        return self._rebuilt(np.array(self, order=order), *self._beside())
+
+    def __copy__(self):
+        return self.copy()
+
+    def __deepcopy__(self, memo):
+        return self._rebuilt(np.array(self), *copy.deepcopy(self._beside(), memo))
+
+    def __reduce__(self):
+        return type(self)._rebuilt, (np.asarray(self), *self._beside())
+
+    def _beside(self):
+        return self.t, self.sigma, self.names, self.units, self.display_units
+
+    @classmethod
+    def _rebuilt(cls, values, t, sigma, names, units, display_units):
+        return cls(values, t, sigma, names, units, display_units)
 
     def __array_wrap__(self, array, context=None):
         return array[()] if array.ndim == 0 else np.asarray(array)

@@ -56,11 +56,11 @@ class Session(_core.Session):
         return self._block(name)
 
     def read(self, block, out=None):
-        """Readable outputs of a block, (n,) [SI]: a new array, or written into `out`."""
+        """Readable outputs of a block, (n,) [SI]: a new array, or written into `out`. NaN before the filter has started."""
         return self._block(block).read(out)
 
     def sigma(self, block, out=None):
-        """Standard deviations of the same, to first order."""
+        """Standard deviations of the same, to first order. NaN before the start."""
         return self._block(block).sigma(out)
 
     def covariance(self, name=""):
@@ -109,7 +109,7 @@ class Session(_core.Session):
         return self._diagnosis(filter)
 
     def verdict(self, filter=""):
-        """Whether its estimates hold so far: "ok", "doubtful" or "lost", by the limits of its "trust"."""
+        """Whether its estimates hold so far: "ok", "doubtful" or "lost", by the limits of its "trust"; "ok" before started()."""
         return self._verdict(filter)
 
     def reasons(self, filter=""):

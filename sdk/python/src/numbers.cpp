@@ -26,9 +26,21 @@ py::object as_array(py::handle object) { return py::module_::import("numpy").att
 
 std::string kind_of(const py::object& array) { return array.attr("dtype").attr("kind").cast<std::string>(); }
 
+/// What numpy.asarray does with a mask is to drop it: what it hides would be taken for data.
+void refuse_masked(PyObject* object, const std::string& what) {
+  static PyTypeObject* const masked =
+      reinterpret_cast<PyTypeObject*>(py::object(py::module_::import("numpy.ma").attr("MaskedArray")).release().ptr());
+  if (!PyObject_TypeCheck(object, masked)) return;
+  const auto count = py::module_::import("numpy.ma").attr("count_masked")(py::handle(object)).cast<py::ssize_t>();
+  if (count > 0)
+    throw py::value_error(what + " is a masked array, " + std::to_string(count) +
+                          " masked: say what these are with .filled(numpy.nan), or leave them out with .compressed()");
+}
+
 }  // namespace
 
 Numbers::Numbers(PyObject* object, const std::string& what, std::vector<double>& room) {
+  refuse_masked(object, what);
   if (!borrow(object) && !copy(object, room)) convert(object, what);
 }
 
@@ -115,6 +127,7 @@ Time to_instant(py::handle time, const char* name, bool is_optional) {
 }
 
 std::vector<Time> to_times(py::handle given, const std::string& what, bool is_optional) {
+  refuse_masked(given.ptr(), what);
   const py::object array = as_array(given);
   const std::string kind = kind_of(array);
   if (array.attr("ndim").cast<int>() != 1)

@@ -14,7 +14,7 @@ namespace binnacle::python {
 /// borrowed; lists and tuples of numbers are copied into `room`; all else goes through numpy.asarray.
 class Numbers {
  public:
-  /// Throws TypeError, with `what` it is, where these are no real numbers.
+  /// Throws TypeError, with `what` it is, where these are no real numbers, ValueError where some of them are masked.
   Numbers(PyObject* object, const std::string& what, std::vector<double>& room);
   ~Numbers() {
     if (has_view_) PyBuffer_Release(&view_);
@@ -60,7 +60,7 @@ class Room {
 Time to_instant(py::handle time, const char* name, bool is_optional);
 
 /// Times of many samples: numbers of seconds, or numpy.timedelta64. `is_optional`: NaN and NaT stand for none (no_time).
-/// Throws TypeError or ValueError with `what` and the index.
+/// Throws TypeError or ValueError with `what` and the index; ValueError for masked times.
 std::vector<Time> to_times(py::handle times, const std::string& what, bool is_optional);
 
 }  // namespace binnacle::python
