@@ -53,7 +53,7 @@ TEST_CASE("a NetCDF library that lacks a function is told from one that is missi
 TEST_CASE("without NetCDF a study ends before its first run") {
   const Workbench bench;
   std::string text = good_config;
-  text.insert(text.rfind('}'), ",\n  \"study\": { \"runs\": 2, \"metrics\": { \"end\": \"walk/place.x0/rms\" } }\n");
+  text.insert(text.rfind('}'), ",\n  \"study\": { \"runs\": 2, \"metrics\": [\"walk/place.x/rms\"] }\n");
   bench.write("study.json", text);
   const Start start = with_no_library(bench);
   const auto outcome = binnacle::test::binnacle(bench, {"study", "study.json", "--out", "out"}, start);
