@@ -368,6 +368,12 @@ std::shared_ptr<const Composition> Composition::parse(std::string_view text, con
   return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
 }
 
+std::shared_ptr<const Composition> Composition::of(const Config& config, const LoadOptions& options) {
+  Diagnostics diagnostics;
+  auto plan = plan_of(*config.document_, options, diagnostics);
+  return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
+}
+
 Composition::Composition(std::unique_ptr<compose::CompositionPlan> plan, Diagnostics warnings)
     : plan_(std::move(plan)), warnings_(std::move(warnings)) {}
 
