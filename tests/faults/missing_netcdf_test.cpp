@@ -40,7 +40,7 @@ TEST_CASE("without NetCDF a run that is to leave results ends before it begins")
   CHECK_FALSE(fs::exists(bench.path("out")));
 }
 
-TEST_CASE("a NetCDF library that lacks a function is told from one that is missing") {
+TEST_CASE("a NetCDF library that lacks a function is refused by the function") {
   const Workbench bench;
   const auto outcome =
       binnacle::test::binnacle(bench, {"run", "good.json", "--out", "out"}, with_library_in(BINNACLE_EMPTY_LIBRARY));
