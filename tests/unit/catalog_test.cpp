@@ -3,8 +3,6 @@
 #include "binnacle/catalog.hpp"
 #include "document/document.hpp"
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

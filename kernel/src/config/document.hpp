@@ -39,7 +39,10 @@ class Document {
   Origin key_origin(std::string_view pointer) const { return place(pointer).key; }
   /// Folder from which a relative path starts: that of the file which named the value; for a string which begins with a
   /// variable, of the file which gave the variable; the current one for what came from the command line. Absolute.
-  std::filesystem::path base_dir(std::string_view pointer) const { return place(pointer).folder; }
+  std::filesystem::path base_dir(std::string_view pointer) const {
+    const auto& folder = place(pointer).folder;
+    return folder ? *folder : std::filesystem::path();
+  }
 
   /// Whether some of its own patches were merged over it.
   bool is_patched() const { return is_patched_; }
@@ -51,7 +54,7 @@ class Document {
   struct Place {
     Origin value;
     Origin key;
-    std::filesystem::path folder;
+    std::shared_ptr<const std::filesystem::path> folder;
   };
   const Place& place(std::string_view pointer) const;
   /// Notes the places of a value and of all in it; the value itself.

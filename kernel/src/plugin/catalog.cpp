@@ -80,7 +80,8 @@ void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& 
     fs::path canonical = entry->is_symlink(ignored) ? fs::canonical(file, ignored) : canonical_folder / file.filename();
     files.emplace_back(file, ignored ? fs::absolute(file) : std::move(canonical));
   }
-  std::ranges::sort(files);  // so that messages come in the same order everywhere
+  // So that messages come in the same order everywhere; as texts, since a path is compared part by part.
+  std::ranges::sort(files, {}, [](const auto& file) -> const std::string& { return file.first.native(); });
   for (const auto& [file, canonical] : files) {
     Diagnostics found;
     take(canonical, loading, found);
