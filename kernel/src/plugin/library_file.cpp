@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -32,14 +33,16 @@ struct Unreadable {
 };
 constexpr const char* damaged = "it is damaged or cut short";
 
-/// Read without a buffer: of a library of some megabytes a few tables are wanted, and all libraries of a folder are looked
-/// at by every start.
+/// All libraries of a folder are looked at by every start, so it reads little: the head, where the linker puts the dynamic
+/// tables of a small library, at once, and what lies elsewhere piece by piece.
 class Reader {
  public:
   explicit Reader(const char* file) : file_(::open(file, O_RDONLY | O_CLOEXEC)) {
     struct stat status {};
-    if (file_ >= 0 && ::fstat(file_, &status) == 0 && status.st_size > 0)
+    if (file_ >= 0 && ::fstat(file_, &status) == 0 && status.st_size > 0) {
       size_ = static_cast<std::size_t>(status.st_size);
+      if (!read_file(0, head_.data(), std::min(size_, head_.size()))) size_ = 0;
+    }
   }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
@@ -51,12 +54,8 @@ class Reader {
 
   bool read(std::size_t offset, void* to, std::size_t bytes) const {
     if (offset > size_ || bytes > size_ - offset) return false;
-    for (std::size_t done = 0; done < bytes;) {
-      const auto got = ::pread(file_, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return false;
-      done += static_cast<std::size_t>(got);
-    }
+    if (offset + bytes > head_.size()) return read_file(offset, to, bytes);
+    if (bytes > 0) std::memcpy(to, head_.data() + offset, bytes);
     return true;
   }
 
@@ -69,8 +68,19 @@ class Reader {
   }
 
  private:
+  bool read_file(std::size_t offset, void* to, std::size_t bytes) const {
+    for (std::size_t done = 0; done < bytes;) {
+      const auto got = ::pread(file_, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      done += static_cast<std::size_t>(got);
+    }
+    return true;
+  }
+
   int file_;
   std::size_t size_ = 0;
+  std::array<char, 4096> head_{};
 };
 
 /// The machine that this program was built for is that of its own header.
