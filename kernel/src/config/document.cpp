@@ -134,7 +134,7 @@ Document Document::load(const fs::path& path, const LoadOptions& options, Diagno
 }
 
 Json Document::take(const Node& node, const Origin& key, const std::string& pointer) {
-  places_[pointer] = {node.origin, key, node.folder};
+  places_[pointer] = {node.origin, key, node.folder ? *node.folder : fs::path()};
   Json json = node.json;
   for (const Member& child : node.children) {
     Json value = take(child.value, child.key_origin, join_pointer(pointer, child.key));

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -40,10 +39,7 @@ class Document {
   Origin key_origin(std::string_view pointer) const { return place(pointer).key; }
   /// Folder from which a relative path starts: that of the file which named the value; for a string which begins with a
   /// variable, of the file which gave the variable; the current one for what came from the command line. Absolute.
-  std::filesystem::path base_dir(std::string_view pointer) const {
-    const auto& folder = place(pointer).folder;
-    return folder ? *folder : std::filesystem::path();
-  }
+  std::filesystem::path base_dir(std::string_view pointer) const { return place(pointer).folder; }
 
   /// Whether some of its own patches were merged over it.
   bool is_patched() const { return is_patched_; }
@@ -55,7 +51,7 @@ class Document {
   struct Place {
     Origin value;
     Origin key;
-    std::shared_ptr<const std::filesystem::path> folder;
+    std::filesystem::path folder;
   };
   const Place& place(std::string_view pointer) const;
   /// Notes the places of a value and of all in it; the value itself.
