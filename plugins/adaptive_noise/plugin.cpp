@@ -5,6 +5,8 @@
 #include "innovation_window.hpp"
 #include "sage_husa.hpp"
 
+BINNACLE_TYPES("beta_adapter innovation_window sage_husa");
+
 BINNACLE_PLUGIN("adaptive_noise", "1.0.0", registry) {
   registry.add<binnacle::adaptive_noise::BetaAdapter>();
   registry.add<binnacle::adaptive_noise::SageHusa>();

@@ -12,6 +12,8 @@
 #include "range.hpp"
 #include "range_difference.hpp"
 
+BINNACLE_TYPES("attitude_fix bearing body_velocity course heading height magnetometer range range_difference");
+
 BINNACLE_PLUGIN("aiding", "1.1.0", registry) {
   using namespace binnacle::aiding;
   registry.add<AttitudeFix>();

@@ -3,4 +3,6 @@
 #include "binnacle/plugin.hpp"
 #include "simulator.hpp"
 
+BINNACLE_TYPES("aiding_simulator");
+
 BINNACLE_PLUGIN("aiding_simulator", "1.0.0", registry) { registry.add<binnacle::aiding_simulator::AidingSimulator>(); }

@@ -4,4 +4,6 @@
 
 #include "attitude_only.hpp"
 
+BINNACLE_TYPES("attitude_only");
+
 BINNACLE_PLUGIN("attitude_only", "1.0.0", registry) { registry.add<binnacle::attitude_only::AttitudeOnly>(); }

@@ -6,6 +6,8 @@
 #include "displacement.hpp"
 #include "relative_position.hpp"
 
+BINNACLE_TYPES("clone relative_position displacement");
+
 BINNACLE_PLUGIN("clone", "1.0.0", registry) {
   using namespace binnacle::clone;
   registry.add<Clone>();

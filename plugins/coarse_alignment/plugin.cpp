@@ -4,4 +4,6 @@
 
 #include "coarse_alignment.hpp"
 
+BINNACLE_TYPES("coarse_alignment");
+
 BINNACLE_PLUGIN("coarse_alignment", "1.0.0", registry) { registry.add<binnacle::coarse_alignment::CoarseAlignment>(); }

@@ -4,6 +4,8 @@
 
 #include "constellation_simulator.hpp"
 
+BINNACLE_TYPES("constellation_simulator");
+
 BINNACLE_PLUGIN("constellation_simulator", "1.0.0", registry) {
   registry.add<binnacle::constellation_simulator::ConstellationSimulator>();
 }

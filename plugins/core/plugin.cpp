@@ -11,6 +11,8 @@
 #include "random_walk.hpp"
 #include "vector_block.hpp"
 
+BINNACLE_TYPES("vector gauss_markov integrated linear random_constant random_walk linear_measurement pushed");
+
 BINNACLE_PLUGIN("core", "1.0.0", registry) {
   using namespace binnacle::core;
   registry.add<VectorBlock>();

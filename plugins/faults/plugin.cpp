@@ -4,4 +4,6 @@
 
 #include "faults.hpp"
 
+BINNACLE_TYPES("faults");
+
 BINNACLE_PLUGIN("faults", "1.0.0", registry) { registry.add<binnacle::faults::Faults>(); }

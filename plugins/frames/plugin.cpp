@@ -8,6 +8,10 @@
 #include "mounted_attitude.hpp"
 #include "rotate_axes.hpp"
 
+BINNACLE_TYPES(
+    "lever_arm lever_arm_velocity mounted_attitude geodetic_from_local local_from_geodetic "
+    "rotate_axes");
+
 BINNACLE_PLUGIN("frames", "1.0.0", registry) {
   using namespace binnacle::frames;
   registry.add<LeverArm>();

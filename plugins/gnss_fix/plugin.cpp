@@ -6,6 +6,8 @@
 #include "pv_fix.hpp"
 #include "velocity_fix.hpp"
 
+BINNACLE_TYPES("position_fix pv_fix velocity_fix");
+
 BINNACLE_PLUGIN("gnss_fix", "1.0.0", registry) {
   using namespace binnacle::gnss_fix;
   registry.add<PositionFix>();

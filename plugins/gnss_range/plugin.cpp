@@ -14,6 +14,10 @@
 #include "single_point.hpp"
 #include "surveyed_point.hpp"
 
+BINNACLE_TYPES(
+    "ecef_position ecef_velocity receiver_clock clock_drift ecef_pv ned_pv pseudorange range_rate "
+    "geodetic_position ned_velocity geodetic_track single_point surveyed_point");
+
 BINNACLE_PLUGIN("gnss_range", "1.0.0", registry) {
   using namespace binnacle::gnss_range;
   registry.add<ClockBlock>();

@@ -4,6 +4,8 @@
 
 #include "in_motion_alignment.hpp"
 
+BINNACLE_TYPES("in_motion_alignment");
+
 BINNACLE_PLUGIN("in_motion_alignment", "1.0.0", registry) {
   registry.add<binnacle::in_motion_alignment::InMotionAlignment>();
 }

@@ -4,4 +4,6 @@
 
 #include "oxts_source.hpp"
 
+BINNACLE_TYPES("oxts");
+
 BINNACLE_PLUGIN("kitti", "1.0.0", registry) { registry.add<binnacle::kitti::OxtsSource>(); }

@@ -8,6 +8,8 @@
 #include "zero_rate.hpp"
 #include "zupt.hpp"
 
+BINNACLE_TYPES("level nhc odometer zero_rate zupt");
+
 BINNACLE_PLUGIN("land", "1.0.0", registry) {
   using namespace binnacle::land;
   registry.add<Level>();

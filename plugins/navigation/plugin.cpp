@@ -6,6 +6,8 @@
 #include "position_block.hpp"
 #include "velocity_block.hpp"
 
+BINNACLE_TYPES("attitude position velocity");
+
 BINNACLE_PLUGIN("navigation", "1.0.0", registry) {
   using namespace binnacle::navigation;
   registry.add<PositionBlock>();

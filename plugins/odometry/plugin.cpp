@@ -5,6 +5,8 @@
 #include "heading_block.hpp"
 #include "planar_odometry.hpp"
 
+BINNACLE_TYPES("heading planar_odometry");
+
 BINNACLE_PLUGIN("odometry", "1.0.0", registry) {
   using namespace binnacle::odometry;
   registry.add<HeadingBlock>();

@@ -4,4 +4,6 @@
 
 #include "phi_error_process.hpp"
 
+BINNACLE_TYPES("phi_error");
+
 BINNACLE_PLUGIN("phi_error", "1.0.0", registry) { registry.add<binnacle::phi_error::PhiErrorProcess>(); }

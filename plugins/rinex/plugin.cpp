@@ -4,4 +4,6 @@
 
 #include "rinex_source.hpp"
 
+BINNACLE_TYPES("rinex");
+
 BINNACLE_PLUGIN("rinex", "1.0.0", registry) { registry.add<binnacle::rinex::RinexSource>(); }

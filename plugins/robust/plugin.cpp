@@ -3,6 +3,8 @@
 #include "binnacle/plugin.hpp"
 #include "robust_noise.hpp"
 
+BINNACLE_TYPES("cauchy dcs huber student_t");
+
 BINNACLE_PLUGIN("robust", "1.0.0", registry) {
   registry.add<binnacle::robust::Huber>();
   registry.add<binnacle::robust::Cauchy>();

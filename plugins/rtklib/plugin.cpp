@@ -4,4 +4,6 @@
 
 #include "pos_source.hpp"
 
+BINNACLE_TYPES("rtklib_pos");
+
 BINNACLE_PLUGIN("rtklib", "1.0.0", registry) { registry.add<binnacle::rtklib::PosSource>(); }

@@ -7,6 +7,8 @@
 #include "rate_integral.hpp"
 #include "simulator.hpp"
 
+BINNACLE_TYPES("motion rate_integral directional_gyro rate_gyro vertical_gyro simulator");
+
 BINNACLE_PLUGIN("ship_motion", "1.0.0", registry) {
   using namespace binnacle::ship_motion;
   registry.add<Motion>();

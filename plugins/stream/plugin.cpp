@@ -6,6 +6,8 @@
 #include "json_source.hpp"
 #include "json_writer.hpp"
 
+BINNACLE_TYPES("csv json json_writer");
+
 BINNACLE_PLUGIN("stream", "1.0.0", registry) {
   registry.add<binnacle::stream::CsvSource>();
   registry.add<binnacle::stream::JsonSource>();

@@ -6,6 +6,8 @@
 #include "mounting_block.hpp"
 #include "velocity_match.hpp"
 
+BINNACLE_TYPES("mounting dcm_match velocity_match");
+
 BINNACLE_PLUGIN("transfer_match", "1.0.0", registry) {
   using namespace binnacle::transfer_match;
   registry.add<MountingBlock>();

@@ -4,4 +4,6 @@
 
 #include "ublox_source.hpp"
 
+BINNACLE_TYPES("ublox");
+
 BINNACLE_PLUGIN("ublox", "1.0.0", registry) { registry.add<binnacle::ublox::UbloxSource>(); }

@@ -3,6 +3,8 @@
 #include "binnacle/plugin.hpp"
 #include "simulator.hpp"
 
+BINNACLE_TYPES("vehicle_simulator");
+
 BINNACLE_PLUGIN("vehicle_simulator", "1.0.0", registry) {
   registry.add<binnacle::vehicle_simulator::VehicleSimulator>();
 }

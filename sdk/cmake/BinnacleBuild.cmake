@@ -33,6 +33,9 @@ if(BINNACLE_WERROR)
   endif()
 endif()
 
+# A library that nothing of is used costs every start its relocations; Boost.Filesystem is one.
+add_link_options(LINKER:--as-needed)
+
 if(BINNACLE_SANITIZE)
   add_compile_options(-fsanitize=${BINNACLE_SANITIZE} -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${BINNACLE_SANITIZE})

@@ -18,6 +18,9 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # CPack puts the project's own line above these.
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "The command binnacle, which runs and checks filters, its plugins and its guides.")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME binnacle)
+# Loaded by name, so that shlibdeps, which adds to this, does not see it.
+get_property(netcdf_package GLOBAL PROPERTY BINNACLE_NETCDF_PACKAGE)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "${netcdf_package}")
 
 set(CPACK_DEBIAN_DEV_DESCRIPTION
   "Headers, library and CMake package: for plugins, and for programs that embed a filter.")

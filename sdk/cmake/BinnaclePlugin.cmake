@@ -17,7 +17,7 @@ function(binnacle_plugin_compile_options target)
   endif()
 endfunction()
 
-# What makes a shared library of them: only the two entry symbols leave it, and everything it needs it has.
+# What makes a shared library of them: only its entry symbols leave it, and everything it needs it has.
 function(binnacle_plugin_link_options target)
   set(version_script "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/binnacle_plugin.map")
   set_target_properties(${target} PROPERTIES

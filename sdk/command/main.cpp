@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <csignal>
 #include <iostream>
+#include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -20,12 +22,25 @@ constexpr const char* exit_statuses =
     "Exit status: 0 ok, 1 a check failed or a filter broke, 2 usage, 3 config, 4 plugin, 5 data.\n"
     "Results go to stdout, errors to stderr. NO_COLOR is honoured.";
 
-std::vector<Verb> add_verbs(CLI::App& command) {
+struct KnownVerb {
+  std::string_view name;
+  Verb (*add)(CLI::App& command);
+};
+constexpr KnownVerb known_verbs[] = {
+    {"run", run_verb},         {"study", study_verb},     {"covariance", covariance_verb}, {"tune", tune_verb},
+    {"observe", observe_verb}, {"allan", allan_verb},     {"inspect", inspect_verb},       {"check", check_verb},
+    {"explain", explain_verb}, {"list", list_verb},       {"describe", describe_verb},     {"create", create_verb},
+    {"schema", schema_verb},   {"graph", graph_verb},     {"report", report_verb},         {"export", export_verb},
+    {"new", new_verb},         {"conform", conform_verb}, {"version", version_verb}};
+
+/// The verb that is named first, and only it: the options of twenty cost more than `version` does. Else all of them.
+std::vector<Verb> add_verbs(CLI::App& command, std::string_view first) {
   std::vector<Verb> verbs;
-  for (const auto add : {run_verb, study_verb, covariance_verb, tune_verb, observe_verb, allan_verb, inspect_verb,
-                         check_verb, explain_verb, list_verb, describe_verb, create_verb, schema_verb, graph_verb,
-                         report_verb, export_verb, new_verb, conform_verb, version_verb})
-    verbs.push_back(add(command));
+  const auto named = std::ranges::find(known_verbs, first, &KnownVerb::name);
+  if (named != std::end(known_verbs))
+    verbs.push_back(named->add(command));
+  else
+    for (const auto& known : known_verbs) verbs.push_back(known.add(command));
   // What is left over is looked at in refuse_leftovers(), which knows what was likely meant.
   command.allow_extras();
   for (const auto& verb : verbs) verb.app->allow_extras();
@@ -89,7 +104,7 @@ int carry_out(int argc, char** argv) {
   command.name("binnacle");
   command.require_subcommand(1);
   command.footer(exit_statuses);
-  const auto verbs = add_verbs(command);
+  const auto verbs = add_verbs(command, argc > 1 ? argv[1] : "");
   try {
     command.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -94,11 +94,20 @@ struct Outputs {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
     if (options.out.empty()) return;
     folder = options.out;
+    load_netcdf();
     make_folders(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
     config = Json::parse(score::load_config(options.config_path, options.config.load_options()).text());
     command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
                           study.seed(), options.config.as_typed());
+  }
+  /// Now, not once hours of runs are done.
+  void load_netcdf() const {
+    try {
+      results::load_netcdf();
+    } catch (const results::WriteError& error) {
+      throw OutputError(fmt::format("'{}' could not be written: {}", (folder / "study.nc").string(), error.what()));
+    }
   }
   void write(const char* name, const std::string& text) const {
     AtomicFile file(folder / name);

@@ -17,11 +17,10 @@ Diagnostics warnings_of(const std::filesystem::path& path, const LoadOptions& op
   if (tune::is_in(config)) tune::read_plan(path, options);
   if (covariance::is_in(config)) {
     const auto warnings = covariance::load(path, options).warnings();
-    const bool is_study = Json::parse(config.text()).contains(Json::json_pointer("/study/metrics"));
-    return is_study ? study::Study::load(path, study_options).warnings() : warnings;
+    return config.contains("/study/metrics") ? study::Study::load(path, study_options).warnings() : warnings;
   }
   if (study::Study::is_in(config)) return study::Study::load(path, study_options).warnings();
-  return score::load(path, options)->warnings();
+  return score::compose(config, options)->warnings();
 }
 
 }  // namespace binnacle::command

@@ -192,7 +192,7 @@ class VariantAnalysis {
 
 }  // namespace
 
-bool is_in(const Config& config) { return Json::parse(config.text()).contains("covariance"); }
+bool is_in(const Config& config) { return config.contains("/covariance"); }
 
 study::Study load(const std::filesystem::path& path, const LoadOptions& options) {
   study::StudyOptions study_options;

@@ -7,8 +7,6 @@
 #include <limits>
 #include <memory>
 
-#include <H5public.h>
-
 namespace binnacle::results::nc {
 
 namespace {

@@ -6,20 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <netcdf.h>
+#include "netcdf_library.hpp"
 
 namespace binnacle::results::nc {
-
-/// What NetCDF, or the system under it, says is wrong; one line without the file's name.
-class Failure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Throws Failure unless the code says that all went well. The system's own reason, where it left one, says more than
 /// "HDF error".

@@ -31,6 +31,8 @@ template <class Read>
 auto read_netcdf(const fs::path& path, const char* verb, const Read& read) {
   try {
     return read(nc::File::open(path));
+  } catch (const nc::LibraryMissing& missing) {
+    throw std::runtime_error("'" + path.string() + "' cannot be read: " + missing.what());
   } catch (const nc::Failure& failure) {
     const std::string said = failure.what();
     fail(path, said.starts_with("NetCDF: ") ? "it is damaged, or no NetCDF file (" + said + ")" : said, verb);

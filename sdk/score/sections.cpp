@@ -308,6 +308,10 @@ std::shared_ptr<const Composition> parse(std::string_view text, const std::files
   return Composition::parse(text, name, with_sections(options));
 }
 
+std::shared_ptr<const Composition> compose(const Config& config, const LoadOptions& options) {
+  return Composition::of(config, with_sections(options));
+}
+
 Config load_config(const std::filesystem::path& config, const LoadOptions& options) {
   return Config::load(config, with_sections(options));
 }

@@ -210,7 +210,7 @@ std::vector<double> Results::values(std::size_t variant, std::size_t metric) con
   return values;
 }
 
-bool Study::is_in(const Config& config) { return Json::parse(config.text()).contains("study"); }
+bool Study::is_in(const Config& config) { return config.contains("/study"); }
 
 Study Study::load(const std::filesystem::path& path, const StudyOptions& options) {
   const Config config = score::load_config(path, options.load);

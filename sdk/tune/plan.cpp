@@ -281,7 +281,7 @@ void read_until(const Section& section, Plan& plan) {
 double Parameter::u_of(double value) const { return is_log ? std::log(value) : value / step; }
 double Parameter::value_of(double u) const { return is_log ? std::exp(u) : u * step; }
 
-bool is_in(const Config& config) { return Json::parse(config.text()).contains("tune"); }
+bool is_in(const Config& config) { return config.contains("/tune"); }
 
 Plan read_plan(const std::filesystem::path& path, const LoadOptions& options) {
   const Config config = score::load_config(path, options);

@@ -39,6 +39,7 @@ holds binnacle-dev include/binnacle.h lib/libbinnacle_c.so include/binnacle/plug
 field() { dpkg-deb -f "$scratch/$1_${version}_$architecture.deb" "$2"; }
 [ "$(field binnacle-dev Depends)" = "binnacle (= $version), libeigen3-dev" ] || fail "binnacle-dev depends on $(field binnacle-dev Depends)"
 field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on $(field binnacle Depends)"
+[[ $(field binnacle Depends) =~ (^|, )libnetcdf[0-9] ]] || fail "binnacle, which loads NetCDF, depends on $(field binnacle Depends)"
 
 packages=(binnacle binnacle-dev)
 if [ -e "$build/lib/binnacle/mpi/binnacle_mpi.so" ]; then

@@ -3,8 +3,6 @@
 #include "binnacle/catalog.hpp"
 #include "document/document.hpp"
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -16,38 +14,13 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "loader_work.hpp"
 #include "plugin/library.hpp"
 
 using namespace binnacle;
-namespace fs = std::filesystem;
+using namespace loader_work;
 
 namespace {
-
-const fs::path folder = BINNACLE_LOADER_TEST_PLUGINS;
-
-fs::path plugin_at(const std::string& name) { return fs::canonical(folder) / (name + ".so"); }
-
-/// The messages, without the folder that they begin with.
-std::vector<std::string> lines(const Diagnostics& diagnostics) {
-  std::vector<std::string> result;
-  for (const Diagnostic& item : diagnostics.items()) {
-    std::string text = to_string(item);
-    const std::string prefix = fs::canonical(folder).string() + "/";
-    for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) text.erase(at, prefix.size());
-    result.push_back(text);
-  }
-  return result;
-}
-
-std::vector<std::string> load(const std::string& name) {
-  Catalog catalog;
-  Diagnostics diagnostics;
-  catalog.load(plugin_at(name), diagnostics);
-  if (diagnostics.has_errors()) CHECK(catalog.types().empty());
-  return lines(diagnostics);
-}
-
-using Lines = std::vector<std::string>;
 
 /// Parameters of the thrower.
 ParameterValue what(const std::string& text) {
@@ -61,16 +34,6 @@ ParameterValue what(const std::string& text) {
 }
 
 Binding binding(const ParameterValue& parameters) { return Binding({"it", Parameters(parameters)}); }
-
-/// A folder that is gone with the test.
-struct Scratch {
-  Scratch() : path(fs::temp_directory_path() / ("binnacle_catalog_" + std::to_string(::getpid()))) {
-    fs::create_directories(path);
-    path = fs::canonical(path);
-  }
-  ~Scratch() { fs::remove_all(path); }
-  fs::path path;
-};
 
 }  // namespace
 
@@ -288,29 +251,6 @@ TEST_CASE("folders that the program adds are searched in place of what lies besi
   CHECK(catalog.find(Role::state_block, "good/still") != nullptr);
   for (const auto& item : diagnostics.items()) CHECK(item.message.find("/nowhere") == std::string::npos);
 }
-
-namespace {
-
-/// Emits nothing; its spec says which of two it is.
-struct Idle final : Source {
-  explicit Idle(const Binding&) {}
-  SourceStatus next(const MemoryView&, SourceOutput&) const override { return SourceStatus::end; }
-  static ComponentSpec named(const std::string& type) {
-    ComponentSpec spec;
-    spec.type = type;
-    spec.summary = "emits nothing";
-    return spec;
-  }
-};
-
-std::shared_ptr<LinkedPlugin> linked(const std::string& name, const std::vector<std::string>& types) {
-  return std::make_shared<LinkedPlugin>(LinkedPlugin{name, "3", [types](Registry& registry) {
-                                                       for (const auto& type : types)
-                                                         registry.add<Idle>(Idle::named(type));
-                                                     }});
-}
-
-}  // namespace
 
 TEST_CASE("a plugin of the program brings types of run-time specs, and lives with them", "[catalog]") {
   std::weak_ptr<const LinkedPlugin> watched;

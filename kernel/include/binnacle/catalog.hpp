@@ -77,11 +77,12 @@ class ComponentType {
   std::shared_ptr<const void> library_;
 };
 
-/// A plugin that was loaded.
+/// A plugin that was loaded, or waits until a type of it is wanted.
 struct PluginInfo {
   std::string name;
   std::string version;
-  std::filesystem::path file;  // empty: it is linked into the program
+  std::filesystem::path file;            // empty: it is linked into the program
+  std::vector<std::string> listed = {};  // its types, as BINNACLE_TYPES names them; empty where it does not
 };
 
 /// An entry of the config's "plugins": a library, or a folder whose *.so are all loaded. Absolute.
@@ -97,6 +98,10 @@ std::vector<std::string> exported_symbols(const std::filesystem::path& file);
 /// Whatever is wrong goes to the diagnostics (codes B040…B047), to be thrown by the caller as LoadError.
 class Catalog {
  public:
+  /// When libraries of searched folders that list their types (BINNACLE_TYPES) are loaded: with the others, or not before
+  /// want() is asked for one of the types. Their guards are checked at once either way.
+  enum class Loading { at_once, when_wanted };
+
   /// Loads a plugin file; nothing happens if it is loaded already.
   void load(const std::filesystem::path& file, Diagnostics& diagnostics);
   /// Adds a plugin of the program.
@@ -106,7 +111,10 @@ class Catalog {
   /// loaded is an error; what merely lies in a folder is a warning (B047), and an error once find() wants a type that it
   /// may have.
   void load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics,
-                        const std::vector<std::filesystem::path>& more_folders = {});
+                        const std::vector<std::filesystem::path>& more_folders = {},
+                        Loading loading = Loading::at_once);
+  /// Loads what waits. What cannot be loaded is a warning (B047).
+  void load_waiting(Diagnostics& diagnostics);
 
   /// `name`: "vector" or "core/vector". Null where there is none, or several.
   const ComponentType* find(Role role, std::string_view name) const;
@@ -115,18 +123,29 @@ class Catalog {
   const ComponentType* find(Role role, std::string_view name, const Origin& origin, const std::string& pointer,
                             Diagnostics& diagnostics) const;
 
-  /// By role, then by full name. Pointers live as long as the catalog.
+  /// As find(), of plugins that wait too: loads those that list the name, and all of them before anything is reported, for
+  /// the nearest name may be any one's.
+  const ComponentType* want(Role role, std::string_view name, const Origin& origin, const std::string& pointer,
+                            Diagnostics& diagnostics);
+
+  /// Of the plugins that are loaded, by role, then by full name. Pointers live as long as the catalog.
   std::vector<const ComponentType*> types() const;
-  /// By name.
+  /// Those that wait too, by name.
   std::vector<PluginInfo> plugins() const;
 
  private:
-  void load_folder(const std::filesystem::path& folder, Diagnostics& diagnostics);
+  void load_folder(const std::filesystem::path& folder, Loading loading, Diagnostics& diagnostics);
+  /// Loads the library, or lets it wait; errors where it cannot be.
+  void take(const std::filesystem::path& file, Loading loading, Diagnostics& diagnostics);
+  /// What is found of a library of a searched folder: with errors, a warning that it is passed over, and why.
+  void note(const std::filesystem::path& file, const Diagnostics& found, Diagnostics& diagnostics);
+  template <class Predicate>
+  void load_waiting_that(const Predicate& is_wanted, Diagnostics& diagnostics);
 
   std::set<std::filesystem::path> seen_;  // canonical
   /// Libraries of searched folders that could not be loaded, and why, in a line.
   std::vector<std::pair<std::filesystem::path, std::string>> passed_over_;
-  std::vector<PluginInfo> plugins_;
+  std::vector<PluginInfo> plugins_, waiting_;
   std::deque<ComponentType> components_;  // a deque: pointers stay good while plugins are added
 };
 

@@ -143,6 +143,8 @@ class Composition {
   /// The same from text; relative paths in it start at the folder of `name`.
   static std::shared_ptr<const Composition> parse(std::string_view text, const std::filesystem::path& name,
                                                   const LoadOptions& options = {});
+  /// The same of a config that is read already, with the same options.
+  static std::shared_ptr<const Composition> of(const Config& config, const LoadOptions& options);
   ~Composition();
 
   const std::string& title() const;

@@ -19,6 +19,7 @@ namespace internal::config {
 class Document;
 struct JsonOf;
 }  // namespace internal::config
+class Composition;
 class Registry;
 class Section;
 
@@ -53,12 +54,16 @@ class Config {
 
   /// JSON text.
   std::string text() const;
+  /// Whether there is a value at this JSON pointer.
+  bool contains(std::string_view pointer) const;
   /// Where the value stands, or that of its nearest ancestor if there is none.
   Origin origin(std::string_view pointer) const;
   /// Where its key stands.
   Origin key_origin(std::string_view pointer) const;
 
  private:
+  friend class Composition;
+
   std::shared_ptr<const internal::config::Document> document_;
 };
 

@@ -43,7 +43,7 @@ Component Composer::read_component(Role role, const Reader& at, const std::vecto
   if (!at.is_object("a component")) return component;
   if (!at.require("type", at.key(), std::string("a ") + role_name(role))) return component;
   if (const auto type = at["type"].text())
-    component.type = plan_->catalog.find(role, *type, at["type"].origin(), at["type"].pointer(), diagnostics_);
+    component.type = plan_->catalog.want(role, *type, at["type"].origin(), at["type"].pointer(), diagnostics_);
   if (!component.type) return component;
   const ComponentSpec& spec = component.spec();
   component.fields_bound.assign(spec.fields.size(), false);
@@ -100,7 +100,7 @@ bool Composer::load_plugins() {
     if (const auto path = plugin.path()) paths.push_back({*path, plugin.origin(), plugin.pointer()});
   Diagnostics found;
   for (const auto& plugin : linked_plugins_) plan_->catalog.add(plugin, found);
-  plan_->catalog.load_search_path(paths, found, plugin_folders_);
+  plan_->catalog.load_search_path(paths, found, plugin_folders_, Catalog::Loading::when_wanted);
   diagnostics_.merge(found);
   return !found.has_errors();
 }
@@ -365,6 +365,12 @@ std::shared_ptr<const Composition> Composition::parse(std::string_view text, con
                                                       const LoadOptions& options) {
   Diagnostics diagnostics;
   auto plan = plan_of(config::Document::load(name, options, diagnostics, text), options, diagnostics);
+  return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
+}
+
+std::shared_ptr<const Composition> Composition::of(const Config& config, const LoadOptions& options) {
+  Diagnostics diagnostics;
+  auto plan = plan_of(*config.document_, options, diagnostics);
   return std::shared_ptr<const Composition>(new Composition(std::move(plan), diagnostics));
 }
 

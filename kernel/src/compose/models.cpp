@@ -8,8 +8,9 @@ namespace binnacle::internal::compose {
 
 namespace {
 
-/// "; a constant is {…}": by the type that moves blocks of any kind and asks for nothing, if one is loaded.
-std::string constant_hint(const Catalog& catalog, const std::string& block) {
+/// "; a constant is {…}": by the type that moves blocks of any kind and asks for nothing, if there is one.
+std::string constant_hint(Catalog& catalog, const std::string& block, Diagnostics& diagnostics) {
+  catalog.load_waiting(diagnostics);
   for (const ComponentType* type : catalog.types()) {
     const ComponentSpec& spec = type->spec;
     if (type->role != Role::process_model || spec.ports.size() != 1 || spec.ports.front().kind != "*") continue;
@@ -346,7 +347,7 @@ void FilterComposer::add_processes() {
       if (block.process < 0)
         composer.place(block.pointer)
             .key_error("B018", "block '" + block.name + "' is advanced by no process model" +
-                                   constant_hint(composer.plan().catalog, block.name));
+                                   constant_hint(composer.plan().catalog, block.name, composer.diagnostics()));
   std::vector<int> ports;
   for (const auto& process : plan.processes) ports.insert(ports.end(), process.ports.begin(), process.ports.end());
   plan.process_derived = derived_closure(ports);

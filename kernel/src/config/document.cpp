@@ -188,6 +188,7 @@ Config Config::load(const std::filesystem::path& path, const LoadOptions& option
 }
 
 std::string Config::text() const { return document_->root().dump(); }
+bool Config::contains(std::string_view pointer) const { return document_->value(pointer); }
 Origin Config::origin(std::string_view pointer) const { return document_->origin(pointer); }
 Origin Config::key_origin(std::string_view pointer) const { return document_->key_origin(pointer); }
 

@@ -8,7 +8,15 @@
 namespace binnacle {
 
 std::string join_pointer(std::string_view pointer, std::string_view token) {
-  return std::string(pointer) + (internal::config::Json::json_pointer() / std::string(token)).to_string();
+  std::string joined;
+  joined.reserve(pointer.size() + 1 + token.size());
+  joined.append(pointer).push_back('/');
+  for (const char c : token)
+    if (c == '~' || c == '/')
+      joined.append(c == '~' ? "~0" : "~1");  // RFC 6901
+    else
+      joined.push_back(c);
+  return joined;
 }
 
 std::string join_pointer(std::string_view pointer, std::size_t index) {

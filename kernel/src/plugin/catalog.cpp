@@ -45,37 +45,78 @@ void Catalog::load(const fs::path& file, Diagnostics& diagnostics) {
   std::error_code error;
   fs::path canonical = fs::canonical(file, error);
   if (error) canonical = fs::absolute(file);
-  if (seen_.insert(canonical).second) plugin::load_plugin(canonical, plugins_, components_, diagnostics);
+  take(canonical, Loading::at_once, diagnostics);
+}
+
+void Catalog::take(const fs::path& file, Loading loading, Diagnostics& diagnostics) {
+  if (!seen_.insert(file).second) {
+    // What was only seen in a folder may be named as well.
+    if (loading == Loading::at_once)
+      load_waiting_that([&](const PluginInfo& plugin) { return plugin.file == file; }, diagnostics);
+    return;
+  }
+  const auto plugin = plugin::examine_plugin(file, {&plugins_, &waiting_}, diagnostics);
+  if (!plugin) return;
+  if (loading == Loading::when_wanted && !plugin->listed.empty())
+    waiting_.push_back(*plugin);
+  else
+    plugin::load_plugin(*plugin, plugins_, components_, diagnostics);
 }
 
 void Catalog::add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagnostics) {
+  load_waiting_that([&](const PluginInfo& waiting) { return waiting.name == plugin->name; }, diagnostics);
   plugin::link_plugin(std::move(plugin), plugins_, components_, diagnostics);
 }
 
-void Catalog::load_folder(const fs::path& folder, Diagnostics& diagnostics) {
-  std::vector<fs::path> files;
+void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& diagnostics) {
+  std::vector<std::pair<fs::path, fs::path>> files;  // as it is named, canonical
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().extension() == ".so") files.push_back(entry->path());
-  std::ranges::sort(files);  // so that messages come in the same order everywhere
-  for (const fs::path& file : files) {
+  const fs::path canonical_folder = fs::canonical(folder, error);
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path& file = entry->path();
+    if (file.extension() != ".so") continue;
+    std::error_code ignored;
+    // Each link of a path is a call of the system: only where there may be one.
+    fs::path canonical = entry->is_symlink(ignored) ? fs::canonical(file, ignored) : canonical_folder / file.filename();
+    files.emplace_back(file, ignored ? fs::absolute(file) : std::move(canonical));
+  }
+  // So that messages come in the same order everywhere; as texts, since a path is compared part by part.
+  std::ranges::sort(files, {}, [](const auto& file) -> const std::string& { return file.first.native(); });
+  for (const auto& [file, canonical] : files) {
     Diagnostics found;
-    load(file, found);
-    if (found.has_errors()) {
-      passed_over_.emplace_back(file, in_a_line(found));
-      diagnostics.warning("B047", {file.string(), 0, 0}, "", "not loaded: " + passed_over_.back().second);
-    } else {
-      diagnostics.merge(found);
-    }
+    take(canonical, loading, found);
+    note(file, found, diagnostics);
   }
 }
 
+void Catalog::note(const fs::path& file, const Diagnostics& found, Diagnostics& diagnostics) {
+  if (!found.has_errors()) return diagnostics.merge(found);
+  passed_over_.emplace_back(file, in_a_line(found));
+  diagnostics.warning("B047", {file.string(), 0, 0}, "", "not loaded: " + passed_over_.back().second);
+}
+
+template <class Predicate>
+void Catalog::load_waiting_that(const Predicate& is_wanted, Diagnostics& diagnostics) {
+  const auto others = std::ranges::stable_partition(waiting_, [&](const auto& plugin) { return !is_wanted(plugin); });
+  const std::vector<PluginInfo> wanted(others.begin(), others.end());
+  waiting_.erase(others.begin(), others.end());
+  for (const PluginInfo& plugin : wanted) {
+    Diagnostics found;
+    plugin::load_plugin(plugin, plugins_, components_, found);
+    note(plugin.file, found, diagnostics);
+  }
+}
+
+void Catalog::load_waiting(Diagnostics& diagnostics) {
+  load_waiting_that([](const PluginInfo&) { return true; }, diagnostics);
+}
+
 void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics,
-                               const std::vector<fs::path>& more_folders) {
+                               const std::vector<fs::path>& more_folders, Loading loading) {
   std::error_code error;
   for (const auto& [path, origin, pointer] : from_config) {
     if (fs::is_directory(path, error))
-      load_folder(path, diagnostics);
+      load_folder(path, loading, diagnostics);
     else if (fs::exists(path, error))
       load(path, diagnostics);
     else
@@ -87,12 +128,12 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
     if (folder.empty()) continue;
     if (!fs::is_directory(folder, error))
       diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: there is no folder '" + folder + "'");
-    load_folder(folder, diagnostics);
+    load_folder(folder, loading, diagnostics);
   }
-  for (const auto& folder : more_folders) load_folder(folder, diagnostics);
+  for (const auto& folder : more_folders) load_folder(folder, loading, diagnostics);
   if (!more_folders.empty()) return;  // the program may be an interpreter, beside which another installation lies
   const auto load_beside = [&](const fs::path& binary) {
-    load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), diagnostics);
+    load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), loading, diagnostics);
   };
   const fs::path program = boost::dll::program_location(error);
   if (!error) load_beside(program);
@@ -152,6 +193,7 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
   const std::string wanted = role_name(role);
   if (elsewhere)
     return report("B011", in_quotes(name) + " is " + article(role_name(elsewhere->role)) + ", not " + article(wanted));
+  std::ranges::sort(known);  // whichever was loaded first
   const std::string near = closest(name, known);
   const std::string unknown = "unknown " + wanted + " " + in_quotes(name) + "; ";
   const std::string meant = near.empty() ? "" : "did you mean " + in_quotes(near) + "?";
@@ -170,6 +212,20 @@ const ComponentType* Catalog::find(Role role, std::string_view name, const Origi
   return report("B011", unknown + (meant.empty() ? none : meant));
 }
 
+const ComponentType* Catalog::want(Role role, std::string_view name, const Origin& origin, const std::string& pointer,
+                                   Diagnostics& diagnostics) {
+  const auto slash = name.find('/');
+  load_waiting_that(
+      [&](const PluginInfo& plugin) {
+        if (slash != name.npos && plugin.name != name.substr(0, slash)) return false;
+        return std::ranges::find(plugin.listed, name.substr(slash == name.npos ? 0 : slash + 1)) != plugin.listed.end();
+      },
+      diagnostics);
+  if (const ComponentType* type = find(role, name)) return type;
+  load_waiting(diagnostics);
+  return find(role, name, origin, pointer, diagnostics);
+}
+
 std::vector<const ComponentType*> Catalog::types() const {
   std::vector<const ComponentType*> types;
   for (const ComponentType& type : components_) types.push_back(&type);
@@ -180,6 +236,7 @@ std::vector<const ComponentType*> Catalog::types() const {
 
 std::vector<PluginInfo> Catalog::plugins() const {
   std::vector<PluginInfo> plugins = plugins_;
+  plugins.insert(plugins.end(), waiting_.begin(), waiting_.end());
   std::ranges::sort(plugins, {}, &PluginInfo::name);
   return plugins;
 }

@@ -2,7 +2,10 @@
 // The ABI guard compared field by field, with the remedy for each.
 #include "plugin/library.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <cstring>
+#include <iterator>
 #include <span>
 #include <type_traits>
 
@@ -72,6 +75,14 @@ std::string layout_text(const TypeLayout& layout) {
   return "size " + std::to_string(layout.size) + ", alignment " + std::to_string(layout.align);
 }
 
+/// But for the plugin's name and version, and what may differ without a word.
+bool are_alike(const Guard& a, Guard b) {
+  std::copy(std::begin(a.name), std::end(a.name), b.name);
+  std::copy(std::begin(a.version), std::end(a.version), b.version);
+  b.instruction_sets = a.instruction_sets;
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
 std::string sanitizer_remedy(std::uint32_t bits) {
   if (!bits) return "rebuild the plugin without -fsanitize";
   return std::string("rebuild the plugin with -fsanitize=") + (bits & thread_sanitizer   ? "thread"
@@ -85,6 +96,7 @@ const Guard& guard_of_host() { return host; }
 
 std::vector<Difference> compare(const Guard& a, const Guard& b, std::uint64_t host_supports) {
   using enum Severity;
+  if (are_alike(a, b) && (b.instruction_sets & ~host_supports) == 0) return {};
   const std::string rebuild = "rebuild the plugin with this version's headers";
   std::vector<Difference> differences;
   const auto differ = [&](const char* name, const std::string& mine, const std::string& other, Severity severity,

@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,21 +54,28 @@ namespace binnacle::internal::plugin {
 
 inline constexpr const char* guard_symbol = "binnacle_guard_v1";
 inline constexpr const char* register_symbol = "binnacle_register_v1";
+inline constexpr const char* types_symbol = "binnacle_types_v1";
 
 struct LibraryFile {
   std::string unreadable;             // why it cannot be read as a library of this machine; "" when it can
   std::string other_guard;            // "binnacle_guard_v2" where there is one of another version
   std::vector<std::string> exported;  // symbols that other libraries could bind to
   std::optional<abi::Guard> guard;    // as it lies in the file; its unread tail is zero when it is a shorter one
+  std::string types;                  // what BINNACLE_TYPES says; "" where there is none
 };
 
 /// Reads the dynamic symbol table, which a stripped library has as well (Boost.DLL's library_info up to 1.8x reads the
 /// static one, and bounds nothing). Never throws for what the file holds.
 LibraryFile inspect_library(const std::filesystem::path& file);
 
-/// Checks a plugin file and its guard, loads it, and lets it register; adds it to those that are loaded, and its types.
-/// Nothing but errors in the diagnostics when it is refused.
-void load_plugin(const std::filesystem::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+/// The plugins that there are already, in several lists.
+using Others = std::initializer_list<const std::vector<PluginInfo>*>;
+
+/// Checks a plugin file, its guard, and that no other is called the same; none of its code runs. Errors when it is refused.
+std::optional<PluginInfo> examine_plugin(const std::filesystem::path& file, Others others, Diagnostics& diagnostics);
+/// Loads one that was examined, and lets it register; adds it to those that are loaded, and its types. Nothing but errors
+/// in the diagnostics when it is refused.
+void load_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
                  Diagnostics& diagnostics);
 /// The same of one that is no file.
 void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,

@@ -2,10 +2,15 @@
 // Reading the guard out of an ELF file (System V ABI, gABI chapters 4 and 5), every offset checked against the file.
 #include <elf.h>
 
+#include <fcntl.h>
 #include <link.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include "plugin/library.hpp"
 
@@ -21,29 +26,41 @@ using Symbol = ElfW(Sym);
 constexpr int native_class = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
 constexpr std::size_t largest_table = std::size_t{1} << 28;  // of a file that lies about its sizes
 
+constexpr std::size_t longest_list = std::size_t{1} << 20;
+
 struct Unreadable {
   const char* why;
 };
 constexpr const char* damaged = "it is damaged or cut short";
 
+/// All libraries of a folder are looked at by every start, so it reads little: the head, where the linker puts the dynamic
+/// tables of a small library, at once, and what lies elsewhere piece by piece.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : stream_(file, std::ios::binary) {
-    stream_.seekg(0, std::ios::end);
-    const auto end = stream_.tellg();
-    size_ = stream_ && end > 0 ? static_cast<std::size_t>(end) : 0;
+  explicit Reader(const char* file) : file_(::open(file, O_RDONLY | O_CLOEXEC)) {
+    struct stat status {};
+    if (file_ >= 0 && ::fstat(file_, &status) == 0 && status.st_size > 0) {
+      size_ = static_cast<std::size_t>(status.st_size);
+      if (!read_file(0, head_.data(), std::min(size_, head_.size()))) size_ = 0;
+    }
+  }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  ~Reader() {
+    if (file_ >= 0) ::close(file_);
   }
 
   std::size_t size() const { return size_; }
 
-  bool read(std::size_t offset, void* to, std::size_t bytes) {
+  bool read(std::size_t offset, void* to, std::size_t bytes) const {
     if (offset > size_ || bytes > size_ - offset) return false;
-    stream_.seekg(static_cast<std::streamoff>(offset));
-    return static_cast<bool>(stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes)));
+    if (offset + bytes > head_.size()) return read_file(offset, to, bytes);
+    if (bytes > 0) std::memcpy(to, head_.data() + offset, bytes);
+    return true;
   }
 
   template <class T>
-  std::vector<T> table(std::size_t offset, std::size_t bytes) {
+  std::vector<T> table(std::size_t offset, std::size_t bytes) const {
     if (bytes > std::min(size_, largest_table)) throw Unreadable{damaged};
     std::vector<T> items(bytes / sizeof(T));
     if (!read(offset, items.data(), items.size() * sizeof(T))) throw Unreadable{damaged};
@@ -51,13 +68,31 @@ class Reader {
   }
 
  private:
-  std::ifstream stream_;
+  bool read_file(std::size_t offset, void* to, std::size_t bytes) const {
+    for (std::size_t done = 0; done < bytes;) {
+      const auto got = ::pread(file_, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      done += static_cast<std::size_t>(got);
+    }
+    return true;
+  }
+
+  int file_;
   std::size_t size_ = 0;
+  std::array<char, 4096> head_{};
 };
 
-Header read_header(Reader& reader) {
-  Header header{}, own{};  // the machine that this program was built for is that of its own header
-  std::ifstream("/proc/self/exe", std::ios::binary).read(reinterpret_cast<char*>(&own), sizeof own);
+/// The machine that this program was built for is that of its own header.
+Header own_header() {
+  Header own{};
+  Reader("/proc/self/exe").read(0, &own, sizeof own);
+  return own;
+}
+
+Header read_header(const Reader& reader) {
+  static const Header own = own_header();
+  Header header{};
   if (!reader.read(0, &header, sizeof header))
     throw Unreadable{reader.size() == 0 ? "it cannot be read, or is empty" : "it is no shared library (too short)"};
   if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) throw Unreadable{"it is no shared library (not an ELF file)"};
@@ -74,17 +109,22 @@ bool is_exported(const Symbol& symbol) {
   return symbol.st_shndx != SHN_UNDEF && (binding == STB_GLOBAL || binding == STB_WEAK);
 }
 
-/// The bytes that the loader would put at the symbol's address.
-std::optional<abi::Guard> read_guard(Reader& reader, const std::vector<Segment>& segments, const Symbol& symbol) {
+/// The bytes that the loader would put at the symbol's address, `most` at most; none where they do not lie in the file.
+std::string bytes_of(const Reader& reader, const std::vector<Segment>& segments, const Symbol& symbol,
+                     std::size_t most) {
   for (const Segment& segment : segments) {
     const std::size_t shift = symbol.st_value - segment.p_vaddr;  // beyond the segment's size if it begins behind
     if (segment.p_type != PT_LOAD || shift >= segment.p_filesz) continue;
-    abi::Guard guard{};
-    const std::size_t bytes =
-        std::min({sizeof guard, std::size_t{symbol.st_size}, std::size_t{segment.p_filesz} - shift});
-    return reader.read(segment.p_offset + shift, &guard, bytes) ? std::optional(guard) : std::nullopt;
+    std::string bytes(std::min({most, std::size_t{symbol.st_size}, std::size_t{segment.p_filesz} - shift}), '\0');
+    return reader.read(segment.p_offset + shift, bytes.data(), bytes.size()) ? bytes : "";
   }
-  return std::nullopt;
+  return "";
+}
+
+abi::Guard guard_in(const std::string& bytes) {
+  abi::Guard guard{};
+  std::memcpy(&guard, bytes.data(), std::min(bytes.size(), sizeof guard));
+  return guard;
 }
 
 }  // namespace
@@ -92,7 +132,7 @@ std::optional<abi::Guard> read_guard(Reader& reader, const std::vector<Segment>&
 LibraryFile inspect_library(const std::filesystem::path& file) {
   LibraryFile result;
   try {
-    Reader reader(file);
+    const Reader reader(file.c_str());
     const Header header = read_header(reader);
     const auto segments = reader.table<Segment>(header.e_phoff, header.e_phnum * sizeof(Segment));
     const auto sections = reader.table<Section>(header.e_shoff, header.e_shnum * sizeof(Section));
@@ -106,10 +146,15 @@ LibraryFile inspect_library(const std::filesystem::path& file) {
         const char* start = names.data() + symbol.st_name;
         const std::string name(start, strnlen(start, names.size() - symbol.st_name));
         result.exported.push_back(name);
-        if (name == guard_symbol)
-          result.guard = read_guard(reader, segments, symbol);
-        else if (name.starts_with("binnacle_guard_v"))
+        if (name == guard_symbol) {
+          if (const auto bytes = bytes_of(reader, segments, symbol, sizeof(abi::Guard)); !bytes.empty())
+            result.guard = guard_in(bytes);
+        } else if (name == types_symbol) {
+          const auto bytes = bytes_of(reader, segments, symbol, longest_list);
+          result.types = bytes.c_str();
+        } else if (name.starts_with("binnacle_guard_v")) {
           result.other_guard = name;
+        }
       }
     }
   } catch (const Unreadable& found) {

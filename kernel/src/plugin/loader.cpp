@@ -6,7 +6,9 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <set>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -27,6 +29,11 @@ bool is_name(const std::string& text) {
   return !text.empty() && std::islower(static_cast<unsigned char>(text.front())) && std::ranges::all_of(text, allowed);
 }
 
+std::vector<std::string> words(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
 /// "… (dlerror system message: X)" is X.
 std::string loader_message(const std::string& text) {
   constexpr std::string_view before = "(dlerror system message: ";
@@ -35,6 +42,76 @@ std::string loader_message(const std::string& text) {
   if (start == std::string::npos || end == std::string::npos) return text;
   return text.substr(start + before.size(), end - start - before.size());
 }
+
+bool refuse(Diagnostics& diagnostics, const PluginInfo& info, const char* code, std::string text) {
+  diagnostics.error(code, {info.file.string(), 0, 0}, "", std::move(text));
+  return false;
+}
+
+bool check_name(const PluginInfo& info, Others others, Diagnostics& diagnostics) {
+  if (!is_name(info.name))
+    return refuse(diagnostics, info, "B045", "the plugin's name '" + info.name + "' is not in snake_case");
+  for (const auto* list : others)
+    if (const auto other = std::ranges::find(*list, info.name, &PluginInfo::name); other != list->end())
+      return refuse(diagnostics, info, "B046",
+                    "plugin '" + info.name + "' is loaded already, from " +
+                        (other->file.empty() ? "the program itself" : other->file.string()));
+  return true;
+}
+
+/// Looks at a file none of whose code may run yet. What is wrong goes to the diagnostics; checks say whether it is good.
+class Examination {
+ public:
+  Examination(const fs::path& file, Diagnostics& diagnostics) : diagnostics_(diagnostics) { info_.file = file; }
+
+  std::optional<PluginInfo> outcome(Others others) {
+    if (!check_file()) return std::nullopt;
+    const LibraryFile library = inspect_library(info_.file);
+    if (!check_exports(library) || !check_guard(*library.guard)) return std::nullopt;
+    info_.name = abi::text_of(library.guard->name);
+    info_.version = abi::text_of(library.guard->version);
+    info_.listed = words(library.types);
+    return check_name(info_, others, diagnostics_) ? std::optional(info_) : std::nullopt;
+  }
+
+ private:
+  bool check_file() {
+    std::error_code error;
+    const fs::file_status status = fs::status(info_.file, error);
+    if (error) return refuse(diagnostics_, info_, "B040", "the plugin cannot be opened: " + error.message());
+    if (!fs::is_regular_file(status)) return refuse(diagnostics_, info_, "B040", "the plugin is not a file");
+    if ((status.permissions() & fs::perms::others_write) != fs::perms::none)
+      return refuse(diagnostics_, info_, "B044",
+                    "the plugin file is world-writable, so it is not loaded; chmod o-w it");
+    return true;
+  }
+
+  bool check_exports(const LibraryFile& library) {
+    const auto no_plugin = [&](const std::string& why) {
+      return refuse(diagnostics_, info_, "B041", "not a plugin for this program: " + why);
+    };
+    if (!library.unreadable.empty()) return no_plugin(library.unreadable);
+    if (!library.guard && !library.other_guard.empty())
+      return no_plugin("it is one for another major version (exports " + library.other_guard + ", not " + guard_symbol +
+                       ")");
+    if (!library.guard) return no_plugin("it exports no " + std::string(guard_symbol));
+    const bool has_register = std::ranges::find(library.exported, register_symbol) != library.exported.end();
+    return has_register || no_plugin("it exports no " + std::string(register_symbol));
+  }
+
+  bool check_guard(const abi::Guard& guard) {
+    bool is_good = true;
+    for (const auto& difference : abi::compare(abi::guard_of_host(), guard, abi::processor_instruction_sets()))
+      if (difference.severity == abi::Severity::refused)
+        is_good = refuse(diagnostics_, info_, "B042", difference.text());
+      else
+        diagnostics_.warning("B043", {info_.file.string(), 0, 0}, "", difference.text());
+    return is_good;
+  }
+
+  PluginInfo info_;
+  Diagnostics& diagnostics_;
+};
 
 }  // namespace
 
@@ -45,15 +122,11 @@ class PluginRegistry final : public Registry {
   PluginRegistry(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics)
       : plugins_(plugins), all_types_(types), diagnostics_(diagnostics) {}
 
-  bool load(const fs::path& file) {
-    info_.file = file;
-    if (!check_file()) return false;
-    const LibraryFile inspected = inspect_library(file);
-    if (!check_exports(inspected) || !check_guard(*inspected.guard)) return false;
-    info_ = {abi::text_of(inspected.guard->name), abi::text_of(inspected.guard->version), file};
+  bool load(const PluginInfo& plugin) {
+    info_ = plugin;
     return take_types(register_symbol, [&] {
       using namespace boost::dll;
-      auto library = std::make_shared<shared_library>(file, load_mode::rtld_now | load_mode::rtld_local);
+      auto library = std::make_shared<shared_library>(info_.file, load_mode::rtld_now | load_mode::rtld_local);
       library_ = library;
       return [library](Registry& registry) { library->get<void(Registry&)>(register_symbol)(registry); };
     });
@@ -62,7 +135,7 @@ class PluginRegistry final : public Registry {
   bool link(std::shared_ptr<const LinkedPlugin> plugin) {
     info_ = {plugin->name, plugin->version, {}};
     library_ = plugin;
-    return take_types("add_types", [&] { return plugin->add_types; });
+    return check_name(info_, {&plugins_}, diagnostics_) && take_types("add_types", [&] { return plugin->add_types; });
   }
 
  protected:
@@ -80,10 +153,6 @@ class PluginRegistry final : public Registry {
   /// open() gives what registers its types.
   template <class Open>
   bool take_types(const std::string& call, Open&& open) {
-    if (!is_name(info_.name)) return refuse("B045", "the plugin's name '" + info_.name + "' is not in snake_case");
-    if (const auto other = std::ranges::find(plugins_, info_.name, &PluginInfo::name); other != plugins_.end())
-      return refuse("B046", "plugin '" + info_.name + "' is loaded already, from " +
-                                (other->file.empty() ? "the program itself" : other->file.string()));
     CallSite site;
     const std::string itself;
     site.enter(&info_.name, itself, "loading it");
@@ -92,56 +161,19 @@ class PluginRegistry final : public Registry {
     try {
       add_types = open();
     } catch (const std::exception& error) {
-      return refuse("B045", "the plugin cannot be loaded: " + loader_message(error.what()));
+      return refuse(diagnostics_, info_, "B045", "the plugin cannot be loaded: " + loader_message(error.what()));
     }
     try {
       add_types(*this);
     } catch (...) {
       // The message is made inside the handler and the exception gone at its end, before the library may be.
-      return refuse("B045", "plugin '" + info_.name + "': " + call + " threw: " + what_was_thrown());
+      return refuse(diagnostics_, info_, "B045",
+                    "plugin '" + info_.name + "': " + call + " threw: " + what_was_thrown());
     }
     if (!check_types()) return false;
     plugins_.push_back(info_);
     std::ranges::move(types_, std::back_inserter(all_types_));
     return true;
-  }
-
-  bool refuse(const char* code, std::string text) {
-    diagnostics_.error(code, {info_.file.string(), 0, 0}, "", std::move(text));
-    return false;
-  }
-
-  bool check_file() {
-    std::error_code error;
-    const fs::file_status status = fs::status(info_.file, error);
-    if (error) return refuse("B040", "the plugin cannot be opened: " + error.message());
-    if (!fs::is_regular_file(status)) return refuse("B040", "the plugin is not a file");
-    if ((status.permissions() & fs::perms::others_write) != fs::perms::none)
-      return refuse("B044", "the plugin file is world-writable, so it is not loaded; chmod o-w it");
-    return true;
-  }
-
-  bool check_exports(const LibraryFile& library) {
-    const auto no_plugin = [&](const std::string& why) {
-      return refuse("B041", "not a plugin for this program: " + why);
-    };
-    if (!library.unreadable.empty()) return no_plugin(library.unreadable);
-    if (!library.guard && !library.other_guard.empty())
-      return no_plugin("it is one for another major version (exports " + library.other_guard + ", not " + guard_symbol +
-                       ")");
-    if (!library.guard) return no_plugin("it exports no " + std::string(guard_symbol));
-    const bool has_register = std::ranges::find(library.exported, register_symbol) != library.exported.end();
-    return has_register || no_plugin("it exports no " + std::string(register_symbol));
-  }
-
-  bool check_guard(const abi::Guard& guard) {
-    bool is_good = true;
-    for (const auto& difference : abi::compare(abi::guard_of_host(), guard, abi::processor_instruction_sets()))
-      if (difference.severity == abi::Severity::refused)
-        is_good = refuse("B042", difference.text());
-      else
-        diagnostics_.warning("B043", {info_.file.string(), 0, 0}, "", difference.text());
-    return is_good;
   }
 
   bool check_types() {
@@ -150,11 +182,29 @@ class PluginRegistry final : public Registry {
     for (const ComponentType& type : types_) {
       const ComponentSpec& spec = type.spec;
       const std::string who = "plugin '" + info_.name + "', component '" + spec.type + "': ";
-      if (!is_name(spec.type)) is_good = refuse("B045", who + "its type is no name in snake_case");
-      for (const std::string& defect : spec::spec_defects(spec)) is_good = refuse("B045", who + defect);
+      if (!is_name(spec.type)) is_good = refuse(diagnostics_, info_, "B045", who + "its type is no name in snake_case");
+      for (const std::string& defect : spec::spec_defects(spec))
+        is_good = refuse(diagnostics_, info_, "B045", who + defect);
       if (!seen.insert(spec.type).second)
-        is_good = refuse("B046", "plugin '" + info_.name + "' registers '" + spec.type + "' twice");
+        is_good =
+            refuse(diagnostics_, info_, "B046", "plugin '" + info_.name + "' registers '" + spec.type + "' twice");
     }
+    return check_list(seen) && is_good;
+  }
+
+  /// Where it lists its types, those that it registers are the same.
+  bool check_list(const std::set<std::string>& registered) {
+    if (info_.listed.empty()) return true;
+    bool is_good = true;
+    const std::string who = "plugin '" + info_.name + "' ";
+    const std::set<std::string> listed(info_.listed.begin(), info_.listed.end());
+    for (const auto& type : registered)
+      if (!listed.contains(type))
+        is_good = refuse(diagnostics_, info_, "B045", who + "registers '" + type + "', which its BINNACLE_TYPES lacks");
+    for (const auto& type : listed)
+      if (!registered.contains(type))
+        is_good = refuse(diagnostics_, info_, "B045",
+                         who + "lists '" + type + "' in its BINNACLE_TYPES, and does not register it");
     return is_good;
   }
 
@@ -166,9 +216,13 @@ class PluginRegistry final : public Registry {
   std::vector<ComponentType> types_;
 };
 
-void load_plugin(const fs::path& file, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+std::optional<PluginInfo> examine_plugin(const fs::path& file, Others others, Diagnostics& diagnostics) {
+  return Examination(file, diagnostics).outcome(others);
+}
+
+void load_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
                  Diagnostics& diagnostics) {
-  PluginRegistry(plugins, types, diagnostics).load(file);
+  PluginRegistry(plugins, types, diagnostics).load(plugin);
 }
 
 void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,

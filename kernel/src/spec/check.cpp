@@ -99,6 +99,21 @@ struct Check {
     return result;
   }
 
+  ParameterValue member_value(const ParameterSpec& member, bool is_misspelt) const {
+    const std::string label = in_quotes(member.name);
+    if (const Reader place = at[member.name]) return Check{member, place, ports, label}.value();
+    if (!member.default_json.empty() && !is_elsewhere(member)) {
+      const Json json = Json::parse(member.default_json, nullptr, false);
+      const Reader place = JsonOf::as_default(at, json);
+      const Check check{member, place, ports, label};
+      return json.is_discarded() ? check.error("B001", "no JSON: " + member.default_json) : check.value();
+    }
+    if (!member.is_required || is_misspelt) return {};
+    return error("B010", "missing key " + label + " of " + name + (member.text.empty() ? "" : ": " + member.text) +
+                             " (" + describe_short(member, ports) + ")" +
+                             (takes_quantities(member.type) ? ", for example " + example_of(member, ports) : ""));
+  }
+
  private:
   const Json& json() const { return JsonOf::at(at); }
 
@@ -329,21 +344,6 @@ struct Check {
                                   Check{spec.members.front(), member, ports, in_quotes(member.key())}.value());
     return result;
   }
-
-  ParameterValue member_value(const ParameterSpec& member, bool is_misspelt) const {
-    const std::string label = in_quotes(member.name);
-    if (const Reader place = at[member.name]) return Check{member, place, ports, label}.value();
-    if (!member.default_json.empty() && !is_elsewhere(member)) {
-      const Json json = Json::parse(member.default_json, nullptr, false);
-      const Reader place = JsonOf::as_default(at, json);
-      const Check check{member, place, ports, label};
-      return json.is_discarded() ? check.error("B001", "no JSON: " + member.default_json) : check.value();
-    }
-    if (!member.is_required || is_misspelt) return {};
-    return error("B010", "missing key " + label + " of " + name + (member.text.empty() ? "" : ": " + member.text) +
-                             " (" + describe_short(member, ports) + ")" +
-                             (takes_quantities(member.type) ? ", for example " + example_of(member, ports) : ""));
-  }
 };
 
 }  // namespace
@@ -353,8 +353,10 @@ struct Check {
 namespace {
 
 struct DefectSearch {
+  explicit DefectSearch(const ComponentSpec& spec) : component(spec) {}
+
   const ComponentSpec& component;
-  std::vector<std::string> defects = {};
+  std::vector<std::string> defects;
 
   void run() {
     std::set<std::string> ports;
@@ -419,20 +421,26 @@ struct DefectSearch {
     for (const ParameterSpec& spec : specs) {
       check_defaults(spec.members);
       if (spec.default_json.empty()) continue;
-      ParameterSpec named = spec;
-      named.is_required = false;
-      const Document empty;
       Diagnostics diagnostics;
-      Reader(empty, diagnostics).parameters({named}, spec.name);
+      const Reader nowhere(nothing_, diagnostics);
+      if (is_elsewhere(spec))
+        nowhere.parameters({spec}, spec.name);
+      else
+        Check{no_spec_, nowhere, no_ports_, {}}.member_value(spec, false);
       for (const Diagnostic& item : diagnostics.items()) defects.push_back(item.message);
     }
   }
+
+  // A config without anything: every parameter has its default.
+  const Document nothing_;
+  const ParameterSpec no_spec_;
+  const PortUnits no_ports_;
 };
 
 }  // namespace
 
 std::vector<std::string> spec_defects(const ComponentSpec& spec) {
-  DefectSearch search{spec};
+  DefectSearch search(spec);
   search.run();
   return std::move(search.defects);
 }

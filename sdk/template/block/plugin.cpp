@@ -89,6 +89,7 @@ class Compass final : public MeasurementModel {
   double sigma_;  // rad
 };
 
+BINNACLE_TYPES("@NAME@ @NAME@_compass");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) {
   registry.add<Heading>();
   registry.add<Compass>();

@@ -41,4 +41,5 @@ class Difference final : public DerivedBlock {
   Eigen::VectorXd offset_;
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<Difference>(); }

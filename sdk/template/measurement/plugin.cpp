@@ -51,4 +51,5 @@ class Range final : public MeasurementModel {
   double variance_;         // m²
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<Range>(); }

@@ -66,4 +66,5 @@ class AveragedNoise final : public NoiseEstimator {
   double floor_, ceiling_;
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<AveragedNoise>(); }

@@ -34,4 +34,5 @@ class RandomWalk final : public ProcessModel {
   double q_;  // unit of x per √s
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<RandomWalk>(); }

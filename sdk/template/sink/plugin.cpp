@@ -46,4 +46,5 @@ class Tally final : public Sink {
   double sum_ = 0;  // m
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<Tally>(); }

@@ -94,4 +94,5 @@ class Swing final : public Source {
   std::int64_t samples_;  // per channel
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<Swing>(); }

@@ -56,4 +56,5 @@ class Mean final : public Transform {
   std::uint64_t window_;
 };
 
+BINNACLE_TYPES("@NAME@");
 BINNACLE_PLUGIN("@NAME@", "0.1.0", registry) { registry.add<Mean>(); }

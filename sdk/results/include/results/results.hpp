@@ -25,6 +25,10 @@ class WriteError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Loads the NetCDF library, which else the first file does: called before work whose results are written at its end.
+/// Throws WriteError where it cannot be loaded.
+void load_netcdf();
+
 /// As summary.json has them.
 inline constexpr std::array<const char*, outcome_count> outcome_names = {"accepted",    "gated",   "late",
                                                                          "unsupported", "invalid", "withheld",

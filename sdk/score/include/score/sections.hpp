@@ -23,6 +23,8 @@ std::shared_ptr<const Composition> load(const std::filesystem::path& config, con
 /// Composition::parse() with them.
 std::shared_ptr<const Composition> parse(std::string_view text, const std::filesystem::path& name,
                                          const LoadOptions& options = {});
+/// Composition::of() with them.
+std::shared_ptr<const Composition> compose(const Config& config, const LoadOptions& options);
 /// Config::load() with them.
 Config load_config(const std::filesystem::path& config, const LoadOptions& options = {});
 
