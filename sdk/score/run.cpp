@@ -38,6 +38,8 @@ Json live_figures(const LiveFigures& live) {
   return json;
 }
 
+bool runs_again(const SmoothingPlan& smoothing) { return !smoothing.lag; }
+
 /// Looks on while a composition runs, and leaves the figures when it is over.
 class Scorer final : public binnacle::RunObserver {
  public:
@@ -57,7 +59,6 @@ class Scorer final : public binnacle::RunObserver {
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
     if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, *plan_);
-    const auto runs_again = [](const auto& smoothing) { return !smoothing.lag; };
     if (std::ranges::any_of(plan_->smoothings, runs_again) && !can_rerun(session)) refuse_smoothing();
     if (!plan_->smoothings.empty()) smoothing_ = std::make_unique<Smoothing>(*plan_, session, observer_, records_);
     if (recorder_ && smoothing_) recorder_->keep_times();
@@ -201,23 +202,66 @@ class Scorer final : public binnacle::RunObserver {
 
 }  // namespace
 
+namespace {
+
+/// One run and who scores it.
+class ScoredRun {
+ public:
+  ScoredRun(const std::shared_ptr<const Composition>& composition, const RunOptions& options)
+      : scorer_(*composition, options), request_{composition} {
+    auto& to = request_.options;
+    to.estimates = plan_of(*composition)->estimates;
+    to.seed = options.seed;
+    to.run = options.run;
+    to.observer = &scorer_;
+    to.feeds_sinks = options.feeds_sinks;
+    to.pace = options.pace;
+    to.input = options.input;
+    to.checkpoints = options.checkpoints;
+  }
+  ScoredRun(const ScoredRun&) = delete;
+  ScoredRun& operator=(const ScoredRun&) = delete;
+
+  const binnacle::RunRequest& request() const { return request_; }
+  RunResult result(binnacle::RunResult&& result) const {
+    Json summary = scorer_.summary(result.warnings, result.live);
+    summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    return {std::move(summary),         scorer_.values(),  std::move(result.warnings),
+            std::move(result.failures), scorer_.verdict(), scorer_.doubts()};
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Scorer scorer_;
+  binnacle::RunRequest request_;
+};
+
+}  // namespace
+
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  Scorer scorer(*composition, options);
-  binnacle::RunOptions run_options;
-  run_options.estimates = plan_of(*composition)->estimates;
-  run_options.seed = options.seed;
-  run_options.run = options.run;
-  run_options.observer = &scorer;
-  run_options.feeds_sinks = options.feeds_sinks;
-  run_options.pace = options.pace;
-  run_options.input = options.input;
-  run_options.checkpoints = options.checkpoints;
-  binnacle::RunResult result = binnacle::run(composition, run_options);
-  Json summary = scorer.summary(result.warnings, result.live);
-  summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return {std::move(summary),         scorer.values(),  std::move(result.warnings),
-          std::move(result.failures), scorer.verdict(), scorer.doubts()};
+  const ScoredRun scored(composition, options);
+  return scored.result(binnacle::run(composition, scored.request().options));
+}
+
+bool can_run_together(const Composition& composition) {
+  return have_same_sources(composition, composition) &&
+         std::ranges::none_of(plan_of(composition)->smoothings, runs_again);
+}
+
+std::vector<RunOutcome> run_together(const std::vector<RunRequest>& requests) {
+  std::vector<std::unique_ptr<ScoredRun>> scored;
+  std::vector<binnacle::RunRequest> together;
+  for (const auto& [composition, options] : requests) {
+    scored.push_back(std::make_unique<ScoredRun>(composition, options));
+    together.push_back(scored.back()->request());
+  }
+  auto ended = binnacle::run_together(together);
+  std::vector<RunOutcome> outcomes(requests.size());
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    outcomes[i].thrown = ended[i].thrown;
+    if (!ended[i].thrown) outcomes[i].result = scored[i]->result(std::move(ended[i].result));
+  }
+  return outcomes;
 }
 
 }  // namespace binnacle::score

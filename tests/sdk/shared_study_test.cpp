@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+// Variants that draw the same samples share them, and no figure of any depends on it.
+#include "catch.hpp"
+
+#include <atomic>
+#include <cstring>
+#include <stdexcept>
+
+#include "binnacle/random.hpp"
+#include "binnacle/registry.hpp"
+#include "binnacle/run_together.hpp"
+#include "binnacle/source.hpp"
+#include "drive_study.hpp"
+#include "score/run.hpp"
+#include "study/study.hpp"
+#include "study/workers.hpp"
+
+using namespace binnacle;
+using namespace binnacle::test;
+
+namespace {
+
+bool always() { return true; }
+
+/// Calls into the components below, by all threads.
+struct Calls {
+  std::atomic<int> opened{0}, asked{0}, echoed{0};
+  void forget() { opened = asked = echoed = 0; }
+};
+Calls calls;
+
+double normal(random::Philox& random) { return random::uniform(random) - 0.5 + random::uniform(random); }
+
+/// `samples` of a place that wanders, ten a second, and what it was; after `fails_at` of them it cannot go on.
+class Ticks final : public Source {
+ public:
+  struct State {
+    std::int64_t given = 0;
+    double place = 0;
+    random::Philox random{};
+  };
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "ticks";
+    spec.summary = "A place that wanders.";
+    spec.parameters = {parameter::integer("samples").at_least(1).defaults("300").about("how many"),
+                       parameter::integer("fails_at").at_least(0).defaults("1000000").about("sample that it throws at"),
+                       parameter::number("level", "m").defaults("0").about("where it begins")};
+    spec.example = "{}";
+    return spec;
+  }
+  explicit Ticks(const Binding& binding)
+      : samples_(binding.parameters().integer("samples")),
+        fails_at_(binding.parameters().integer("fails_at")),
+        level_(binding.parameters().number("level")) {
+    ChannelDeclaration seen("z"), truth("truth");
+    z_ = seen.carries(field::level("z0", "m"));
+    x_ = truth.carries(field::level("x", "m"));
+    seen_ = declaration_.emits(std::move(seen));
+    truth_ = declaration_.emits(std::move(truth));
+    state_ = declaration_.keeps<State>();
+  }
+  void open(Reporter&) override { ++calls.opened; }
+  SourceStatus next(const MemoryView& memory, SourceOutput& out) const override {
+    ++calls.asked;
+    State& state = memory[state_];
+    const std::int64_t tick = state.given++ / 2;
+    if (tick == fails_at_) throw std::runtime_error("the tape is torn");
+    if (tick == samples_) return SourceStatus::end;
+    const bool is_first = state.given % 2 == 1;
+    if (is_first) state.place += 0.1 * normal(state.random);
+    SampleWriter& sample = out.on(is_first ? seen_ : truth_);
+    sample.t = nanoseconds(0.1 * static_cast<double>(tick));
+    if (is_first)
+      sample[z_] = state.place + 0.3 * normal(state.random);
+    else
+      sample[x_] = state.place;
+    return SourceStatus::sample;
+  }
+
+ private:
+  void initialise(std::uint64_t seed, const MemoryView& memory) const override {
+    memory[state_].random = random::stream(seed, "ticks");
+    memory[state_].place = level_;
+  }
+  std::int64_t samples_, fails_at_;
+  double level_;
+  OutputField z_, x_;
+  OutputChannel seen_, truth_;
+  Memory<State> state_;
+};
+
+/// What it hears, with noise of its own; every fifth comes twice, the tenth does not come at all.
+class Echo final : public Transform {
+ public:
+  struct State {
+    std::int64_t heard = 0;
+    random::Philox random{};
+  };
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "echo";
+    spec.summary = "Noise on what it hears.";
+    spec.inputs = {input("of", {field::level("z0", "m")})};
+    spec.parameters = {parameter::number("noise", "m").defaults("0.1").about("how much")};
+    spec.example = "{}";
+    return spec;
+  }
+  explicit Echo(const Binding& binding)
+      : noise_(binding.parameters().number("noise")), from_(binding.field(binding.input("of"), "z0")) {
+    ChannelDeclaration channel("");
+    z_ = channel.carries(field::level("z0", "m"));
+    channel_ = declaration_.emits(std::move(channel));
+    state_ = declaration_.keeps<State>();
+  }
+  void on(const TransformInput& in, Emitter& out) const override {
+    ++calls.echoed;
+    State& state = in.memory[state_];
+    if (++state.heard == 10) return;
+    SampleWriter& sample = out.on(channel_);
+    sample.t = in.sample.t;
+    sample[z_] = in.sample[from_] + noise_ * normal(state.random);
+    out.emit(channel_);
+    if (state.heard % 5 == 0) out.emit_again(channel_);
+  }
+
+ private:
+  void initialise(std::uint64_t seed, const MemoryView& memory) const override {
+    memory[state_].random = random::stream(seed, "echo");
+  }
+  double noise_;
+  Field from_;
+  OutputField z_;
+  OutputChannel channel_;
+  Memory<State> state_;
+};
+
+/// Emits nothing, and says how long it has heard.
+class Stuck final : public Transform {
+ public:
+  static ComponentSpec spec() {
+    ComponentSpec spec;
+    spec.type = "stuck";
+    spec.summary = "Emits nothing.";
+    spec.inputs = {input("of", {field::level("z0", "m")})};
+    spec.example = "{}";
+    return spec;
+  }
+  explicit Stuck(const Binding&) {
+    ChannelDeclaration channel("");
+    channel.carries(field::level("z0", "m"));
+    declaration_.emits(std::move(channel));
+    heard_ = declaration_.keeps<std::int64_t>();
+  }
+  void on(const TransformInput& in, Emitter&) const override { ++in.memory[heard_]; }
+  std::string waits_for(const MemoryView& memory) const override {
+    return "it heard " + std::to_string(memory[heard_]) + " samples of 1000";
+  }
+
+ private:
+  Memory<std::int64_t> heard_;
+};
+
+std::string study_text(const std::string& variants) {
+  return R"({ "binnacle": 1, "title": "Ticks",
+    "sources": { "ticks": { "type": "ticks" } },
+    "transforms": { "echo": { "type": "echo", "input": "ticks.z" } },
+    "filters": { "walk": {
+      "blocks": { "place": { "type": "vector", "size": 1, "unit": "m", "init": { "x": "0 m" }, "sigma": "1 m" } },
+      "process": { "wander": { "type": "random_walk", "blocks": { "x": "place" }, "q": "0.2 m/sqrt(s)" } },
+      "measurements": { "seen": { "type": "linear_measurement", "channel": "echo", "blocks": { "x": "place" }, "sigma": ["0.2 m"],
+                                  "gate": 0.999 } } } },
+    "reference": [ { "channel": "ticks.truth", "blocks": { "walk/place": ["x"] } } ],
+    "study": { "runs": 4, "seed": 3, "metrics": ["walk/place.x/rms", "walk/place.x/final", "walk/seen/nis", "walk/place/nees"],
+               "variants": {)" +
+         variants + "} } }";
+}
+
+std::string noise_of_variant(const char* name, const char* sigma, const std::string& more = "") {
+  return std::string("\"") + name + R"(": { "filters": { "walk": { "measurements": { "seen": { "sigma": [")" + sigma +
+         "\"] } } } }" + (more.empty() ? "" : ", " + more) + " }";
+}
+
+study::Study load(const Workbench& bench, const std::string& text) {
+  bench.write("ticks.json", text);
+  study::StudyOptions options;
+  options.load.sets = {"/plugins=[\"" BINNACLE_TEST_PLUGINS "\"]"};
+  options.load.linked_plugins = {
+      std::make_shared<const LinkedPlugin>(LinkedPlugin{"ticking", "1.0.0", [](Registry& registry) {
+                                                          registry.add<Ticks>();
+                                                          registry.add<Echo>();
+                                                          registry.add<Stuck>();
+                                                        }})};
+  return study::Study::load(bench.path("ticks.json"), options);
+}
+
+bool is_same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+void check_same(const study::Figures& a, const study::Figures& b) {
+  CHECK(a.state == b.state);
+  CHECK(a.failure == b.failure);
+  CHECK(a.verdict == b.verdict);
+  REQUIRE(a.values.size() == b.values.size());
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    CHECK(is_same(a.values[i].value, b.values[i].value));
+    CHECK(is_same(a.values[i].dof, b.values[i].dof));
+    CHECK(is_same(a.values[i].n, b.values[i].n));
+  }
+}
+
+/// All of a study's first runs as groups, and each variant alone: equal to the bit. How often what was called, in the groups.
+void check_shared_as_alone(const study::Study& study, int runs = 2) {
+  for (int run = 0; run < runs; ++run)
+    for (const auto& group : study.groups()) {
+      const auto together = study.carry_out(group, run, always);
+      REQUIRE(together.size() == group.size());
+      for (std::size_t i = 0; i < group.size(); ++i) check_same(together[i], study.carry_out({group[i]}, run, always)[0]);
+    }
+}
+
+using Groups = std::vector<std::vector<std::size_t>>;
+
+}  // namespace
+
+TEST_CASE("variants share what is drawn, and each has the figures to the bit that it has alone") {
+  const Workbench bench;
+  const auto study = load(bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("b", "0.2 m") + "," +
+                                            noise_of_variant("c", "0.8 m")));
+  CHECK(study.groups() == Groups{{0, 1, 2}});
+  calls.forget();
+  const auto together = study.carry_out({0, 1, 2}, 1, always);
+  CHECK(calls.asked == 601);  // 300 samples on two channels, and the end
+  CHECK(calls.echoed == 300);
+  CHECK(calls.opened == 1);
+  REQUIRE(together[0].state == study::Figures::State::finished);
+  CHECK(together[0].values[0].value != together[1].values[0].value);
+  check_shared_as_alone(study, 4);
+  CHECK(calls.opened == 1);
+}
+
+TEST_CASE("forms of P, filters with history and gates that refuse share to the bit") {
+  const Workbench bench;
+  const auto study =
+      load(bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("tight", "0.01 m") + "," + R"(
+      "ud": { "filters": { "walk": { "covariance": "ud" } } },
+      "late": { "filters": { "walk": { "history": "2 s" } } })"));
+  CHECK(study.groups() == Groups{{0, 1, 2, 3}});
+  check_shared_as_alone(study);
+}
+
+TEST_CASE("what differs in a source is drawn apart; a transform that differs shares its source") {
+  const Workbench bench;
+  const auto study = load(
+      bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("b", "0.2 m") + "," +
+                        noise_of_variant("longer", "0.2 m", R"("sources": { "ticks": { "samples": 310 } })") + "," +
+                        noise_of_variant("louder", "0.2 m", R"("transforms": { "echo": { "noise": "0.2 m" } })") + "," +
+                        noise_of_variant("same", "0.4 m", R"("sources": { "ticks": { "samples": 300, "level": "0 cm" } })")));
+  CHECK(study.groups() == Groups{{0, 1, 3, 4}, {2}});
+  calls.forget();
+  const auto together = study.carry_out({0, 1, 3, 4}, 0, always);
+  CHECK(calls.asked == 601);
+  CHECK(calls.echoed == 600);
+  CHECK(together[1].values[0].value != together[2].values[0].value);
+  check_shared_as_alone(study);
+}
+
+TEST_CASE("samples on their way arrive alike for all that share them") {
+  const Workbench bench;
+  const std::string late = R"("sources": { "ticks": { "latency": { "uniform": ["0 s", "0.5 s"] } } })";
+  const std::string history = R"("filters": { "walk": { "history": "1 s" } })";
+  const auto study = load(bench, study_text(R"("one": { )" + late + R"( }, "two": { )" + late + "," + history + R"( },
+      "at once": {} )"));
+  CHECK(study.groups() == Groups{{0, 1}, {2}});
+  check_shared_as_alone(study);
+}
+
+TEST_CASE("a variant that breaks among others breaks alone, with what it says alone") {
+  const Workbench bench;
+  const std::string waiting = R"({ "filters": { "walk": { "blocks": { "place": { "init": {
+      "x": null, "channel": "never", "fields": { "x": "z0" } } } } } },
+      "transforms": { "never": { "type": "stuck", "input": "ticks.z" } } })";
+  const auto study = load(bench, study_text(noise_of_variant("good", "0.2 m") + R"(,
+      "broken": { "filters": { "walk": { "process": { "wander": { "q": "1e200 m/sqrt(s)" } } } } },
+      "waiting": )" + waiting + R"(, "waiting too": )" + waiting));
+  REQUIRE(study.groups() == Groups{{0, 1, 2, 3}});
+  const auto figures = study.carry_out(study.groups()[0], 0, always);
+  CHECK(figures[0].state == study::Figures::State::finished);
+  CHECK(figures[1].state == study::Figures::State::failed);
+  for (const std::size_t waits : {2u, 3u})
+    CHECK(figures[waits].failure.find("it heard 300 samples of 1000") != std::string::npos);
+  check_shared_as_alone(study);
+}
+
+TEST_CASE("a source that breaks ends all that share it, each with its own words") {
+  const Workbench bench;
+  const auto torn = load(bench, study_text(
+      noise_of_variant("a", "0.1 m", R"("sources": { "ticks": { "fails_at": 100 } })") + "," +
+      noise_of_variant("b", "0.2 m", R"("sources": { "ticks": { "fails_at": 100 } })")));
+  CHECK(torn.groups() == Groups{{0, 1}});
+  const auto figures = torn.carry_out({0, 1}, 0, always);
+  for (const auto& each : figures) {
+    CHECK(each.state == study::Figures::State::failed);
+    CHECK(each.failure.find("the tape is torn") != std::string::npos);
+  }
+  check_shared_as_alone(torn);
+}
+
+TEST_CASE("smoothing that goes back over the samples has its own") {
+  const Workbench bench;
+  const auto study = load(bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("b", "0.2 m") + "," +
+      R"("smoothed": { "filters": { "walk": { "smoother": "fixed_interval" } } })"));
+  CHECK(study.groups() == Groups{{0, 1}, {2}});
+  check_shared_as_alone(study);
+}
+
+TEST_CASE("the command's figures do not depend on who shares with whom") {
+  const Workbench bench;
+  write_drive(bench);
+  for (const char* jobs : {"1", "2", "3"})
+    REQUIRE(binnacle::test::binnacle(bench, {"study", "drive.json", "--jobs", jobs, "--out", jobs, "--quiet"}).status == 0);
+  check_same_files(bench, "1", "2");
+  check_same_files(bench, "1", "3");
+}
+
+TEST_CASE("what cannot run together is refused") {
+  const Workbench bench;
+  const auto study = load(bench, study_text(noise_of_variant("a", "0.1 m") + "," +
+                                            noise_of_variant("b", "0.1 m", R"("sources": { "ticks": { "level": "1 m" } })")));
+  const auto& a = study.variants()[0].composition;
+  const auto& b = study.variants()[1].composition;
+  CHECK(have_same_sources(*a, *a));
+  CHECK(!have_same_sources(*a, *b));
+  std::vector<RunRequest> requests{{a}, {b}};
+  CHECK_THROWS_AS(run_together(requests), std::invalid_argument);
+  requests[1] = {a};
+  requests[1].options.seed = 2;
+  CHECK_THROWS_AS(run_together(requests), std::invalid_argument);
+  requests[1].options.seed = 1;
+  requests[1].options.pace = 1;
+  CHECK_THROWS_AS(run_together(requests), std::invalid_argument);
+}
