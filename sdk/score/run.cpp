@@ -47,7 +47,8 @@ class Scorer final : public binnacle::RunObserver {
       : plan_(plan_of(composition)), observer_(options.observer ? *options.observer : nobody_), options_(options) {
     for (std::size_t f = 0; f < plan_->filters.size() - plan_->smoothings.size(); ++f)
       scores_.push_back(std::make_unique<FilterScore>(*plan_, static_cast<int>(f)));
-    for (const auto& motion : plan_->motion) causes_.push_back(std::make_unique<CauseWatch>(motion));
+    if (options.wants_summary)
+      for (const auto& motion : plan_->motion) causes_.push_back(std::make_unique<CauseWatch>(motion));
     records_ = options.observer && options.observer->wants_records();
     if (records_)
       for (auto& score : scores_) score->keep_sigmas();
@@ -107,26 +108,9 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& score : scores_) score->show_errors(observer_);
     std::vector<std::vector<Time>> none(scores_.size());
     if (smoothing_) smoothing_->finish(recorder_ ? recorder_->times() : none);
-    for (std::size_t f = 0; f < scores_.size(); ++f) {
-      auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
-      const FilterId filter{static_cast<int>(f)};
-      figures.update(run_figures(*session_, filter));
-      doubts_.merge(session_->doubts(filter));
-      verdict_ = std::max(verdict_, final_verdict(*session_, filter));
-      scores_[f]->warn_of_empty_spans(doubts_);
-    }
-    add_causes();
-    for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)
-      filters_[plan_->filters[as_size(plan_->smoothings[i].as)].name] = smoothing_->summary(i);
+    for (int f = 0; f < static_cast<int>(scores_.size()); ++f) verdict_ = std::max(verdict_, final_verdict(*session_, {f}));
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
-    for (const auto& metric : plan_->metrics) {
-      const auto unit = parse_unit(metric.unit);
-      metrics_[metric.name] = {{"value", value(metric).value / (unit ? unit->scale : 1.0)}, {"unit", metric.unit}};
-    }
-    for (const auto* list : {&plan_->metrics, &options_.metrics})
-      for (const auto& metric : *list)
-        if (metric.quantity == MetricQuantity::segments) score_of(metric.filter).warn_of_no_segments(metric, doubts_);
-    windows_ = across_windows(*plan_, scores_);
+    if (options_.wants_summary) summarize();
   }
 
   std::vector<MetricValue> values() const { return values_; }
@@ -146,6 +130,26 @@ class Scorer final : public binnacle::RunObserver {
   }
 
  private:
+  void summarize() {
+    for (std::size_t f = 0; f < scores_.size(); ++f) {
+      auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
+      const FilterId filter{static_cast<int>(f)};
+      figures.update(run_figures(*session_, filter));
+      doubts_.merge(session_->doubts(filter));
+      scores_[f]->warn_of_empty_spans(doubts_);
+    }
+    add_causes();
+    for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)
+      filters_[plan_->filters[as_size(plan_->smoothings[i].as)].name] = smoothing_->summary(i);
+    for (const auto& metric : plan_->metrics) {
+      const auto unit = parse_unit(metric.unit);
+      metrics_[metric.name] = {{"value", value(metric).value / (unit ? unit->scale : 1.0)}, {"unit", metric.unit}};
+    }
+    for (const auto* list : {&plan_->metrics, &options_.metrics})
+      for (const auto& metric : *list)
+        if (metric.quantity == MetricQuantity::segments) score_of(metric.filter).warn_of_no_segments(metric, doubts_);
+    windows_ = across_windows(*plan_, scores_);
+  }
   [[noreturn]] static void refuse_smoothing() {
     throw ConfigError(
         Diagnostic{Severity::error,
@@ -208,7 +212,7 @@ namespace {
 class ScoredRun {
  public:
   ScoredRun(const std::shared_ptr<const Composition>& composition, const RunOptions& options)
-      : scorer_(*composition, options), request_{composition} {
+      : scorer_(*composition, options), request_{composition}, wants_summary_(options.wants_summary) {
     auto& to = request_.options;
     to.estimates = plan_of(*composition)->estimates;
     to.seed = options.seed;
@@ -224,8 +228,11 @@ class ScoredRun {
 
   const binnacle::RunRequest& request() const { return request_; }
   RunResult result(binnacle::RunResult&& result) const {
-    Json summary = scorer_.summary(result.warnings, result.live);
-    summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    Json summary;
+    if (wants_summary_) {
+      summary = scorer_.summary(result.warnings, result.live);
+      summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    }
     return {std::move(summary),         scorer_.values(),  std::move(result.warnings),
             std::move(result.failures), scorer_.verdict(), scorer_.doubts()};
   }
@@ -234,6 +241,7 @@ class ScoredRun {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   Scorer scorer_;
   binnacle::RunRequest request_;
+  bool wants_summary_;
 };
 
 }  // namespace

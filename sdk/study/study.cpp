@@ -365,6 +365,7 @@ std::vector<Figures> Study::carry_out(const std::vector<std::size_t>& variants, 
     request.options.observer = &watches.emplace_back(goes_on);
     request.options.metrics = variant.metrics;
     request.options.feeds_sinks = false;
+    request.options.wants_summary = false;
   }
   const auto outcomes =
       requests.size() == 1 ? std::vector{run_alone(requests.front())} : score::run_together(requests);

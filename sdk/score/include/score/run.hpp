@@ -77,6 +77,7 @@ struct RunOptions {
   RunObserver* observer = nullptr;
   std::vector<Metric> metrics = {};  // of this composition, for RunResult::metrics
   bool feeds_sinks = true;           // false where several runs share the composition's sinks
+  bool wants_summary = true;         // false: metrics, warnings, failures and verdict are all; no summary, no doubts
   double pace = 0;                   // as binnacle::RunOptions has them
   RecordedInput* input = nullptr;
   Checkpoints checkpoints = {};
