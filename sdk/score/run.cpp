@@ -108,7 +108,8 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& score : scores_) score->show_errors(observer_);
     std::vector<std::vector<Time>> none(scores_.size());
     if (smoothing_) smoothing_->finish(recorder_ ? recorder_->times() : none);
-    for (int f = 0; f < static_cast<int>(scores_.size()); ++f) verdict_ = std::max(verdict_, final_verdict(*session_, {f}));
+    for (int f = 0; f < static_cast<int>(scores_.size()); ++f)
+      verdict_ = std::max(verdict_, final_verdict(*session_, {f}));
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
     if (options_.wants_summary) summarize();
   }

@@ -101,6 +101,12 @@ class Thread {
   std::thread thread_;
 };
 
+/// Set at the end of the scope, whatever happens.
+struct Stop {
+  std::atomic<bool>& flag;
+  ~Stop() { flag = true; }
+};
+
 /// What has been handed to a rank, for its threads to take; and what they have made of it, to be sent.
 class WorkQueue {
  public:
@@ -282,14 +288,11 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
     hand_out(message.from);
   };
 
-  struct Stop {
-    std::atomic<bool>& flag;
-    ~Stop() { flag = true; }
-  };
   Thread own([&] {
     carry_out_runs(
         study, jobs, [&] { return run_log.take(); },
-        [&](const Batch& batch, std::vector<Figures>&& figures) { run_log.enter(batch, std::move(figures)); }, may_go_on);
+        [&](const Batch& batch, std::vector<Figures>&& figures) { run_log.enter(batch, std::move(figures)); },
+        may_go_on);
   });
   {
     const Stop stop{is_stopped};
@@ -362,7 +365,8 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
       const Json json = read_message(message->text);
       is_dismissed = is_dismissed || is(json, "over");
       if (is(json, "runs"))
-        for (const auto& batch : json[1]) work_queue.put({batch[0].get<std::vector<std::size_t>>(), batch[1].get<std::size_t>()});
+        for (const auto& batch : json[1])
+          work_queue.put({batch[0].get<std::vector<std::size_t>>(), batch[1].get<std::size_t>()});
     }
     for (auto& text : work_queue.take_out(pause.next())) team.send(0, std::move(text));
     if (Clock::now() - reported < timeouts.sign_of_life) continue;

@@ -367,8 +367,7 @@ std::vector<Figures> Study::carry_out(const std::vector<std::size_t>& variants, 
     request.options.feeds_sinks = false;
     request.options.wants_summary = false;
   }
-  const auto outcomes =
-      requests.size() == 1 ? std::vector{run_alone(requests.front())} : score::run_together(requests);
+  const auto outcomes = requests.size() == 1 ? std::vector{run_alone(requests.front())} : score::run_together(requests);
   std::vector<Figures> all;
   for (std::size_t i = 0; i < variants.size(); ++i)
     all.push_back(watches[i].is_going() || outcomes[i].thrown ? figures_of(variants_[variants[i]], outcomes[i])

@@ -65,7 +65,7 @@ class Ticks final : public Source {
     ++calls.asked;
     State& state = memory[state_];
     const std::int64_t tick = state.given++ / 2;
-    if (tick == fails_at_) throw std::runtime_error("the tape is torn");
+    if (tick == fails_at_) throw std::runtime_error("the cable is torn");
     if (tick == samples_) return SourceStatus::end;
     const bool is_first = state.given % 2 == 1;
     if (is_first) state.place += 0.1 * normal(state.random);
@@ -90,17 +90,17 @@ class Ticks final : public Source {
   Memory<State> state_;
 };
 
-/// What it hears, with noise of its own; every fifth comes twice, the tenth does not come at all.
+/// What it receives, with noise of its own; every fifth comes twice, the tenth does not come at all.
 class Echo final : public Transform {
  public:
   struct State {
-    std::int64_t heard = 0;
+    std::int64_t received = 0;
     random::Philox random{};
   };
   static ComponentSpec spec() {
     ComponentSpec spec;
     spec.type = "echo";
-    spec.summary = "Noise on what it hears.";
+    spec.summary = "Noise on what it receives.";
     spec.inputs = {input("of", {field::level("z0", "m")})};
     spec.parameters = {parameter::number("noise", "m").defaults("0.1").about("how much")};
     spec.example = "{}";
@@ -116,12 +116,12 @@ class Echo final : public Transform {
   void on(const TransformInput& in, Emitter& out) const override {
     ++calls.echoed;
     State& state = in.memory[state_];
-    if (++state.heard == 10) return;
+    if (++state.received == 10) return;
     SampleWriter& sample = out.on(channel_);
     sample.t = in.sample.t;
     sample[z_] = in.sample[from_] + noise_ * normal(state.random);
     out.emit(channel_);
-    if (state.heard % 5 == 0) out.emit_again(channel_);
+    if (state.received % 5 == 0) out.emit_again(channel_);
   }
 
  private:
@@ -135,7 +135,7 @@ class Echo final : public Transform {
   Memory<State> state_;
 };
 
-/// Emits nothing, and says how long it has heard.
+/// Emits nothing, and says what it has received.
 class Stuck final : public Transform {
  public:
   static ComponentSpec spec() {
@@ -150,35 +150,51 @@ class Stuck final : public Transform {
     ChannelDeclaration channel("");
     channel.carries(field::level("z0", "m"));
     declaration_.emits(std::move(channel));
-    heard_ = declaration_.keeps<std::int64_t>();
+    received_ = declaration_.keeps<std::int64_t>();
   }
-  void on(const TransformInput& in, Emitter&) const override { ++in.memory[heard_]; }
+  void on(const TransformInput& in, Emitter&) const override { ++in.memory[received_]; }
   std::string waits_for(const MemoryView& memory) const override {
-    return "it heard " + std::to_string(memory[heard_]) + " samples of 1000";
+    return "it has " + std::to_string(memory[received_]) + " samples of 1000";
   }
 
  private:
-  Memory<std::int64_t> heard_;
+  Memory<std::int64_t> received_;
 };
 
+std::string put(std::string text, const std::string& token, const std::string& value) {
+  return text.replace(text.find(token), token.size(), value);
+}
+
 std::string study_text(const std::string& variants) {
-  return R"({ "binnacle": 1, "title": "Ticks",
+  return put(R"({ "binnacle": 1, "title": "Ticks",
     "sources": { "ticks": { "type": "ticks" } },
     "transforms": { "echo": { "type": "echo", "input": "ticks.z" } },
     "filters": { "walk": {
       "blocks": { "place": { "type": "vector", "size": 1, "unit": "m", "init": { "x": "0 m" }, "sigma": "1 m" } },
-      "process": { "wander": { "type": "random_walk", "blocks": { "x": "place" }, "q": "0.2 m/sqrt(s)" } },
-      "measurements": { "seen": { "type": "linear_measurement", "channel": "echo", "blocks": { "x": "place" }, "sigma": ["0.2 m"],
-                                  "gate": 0.999 } } } },
-    "reference": [ { "channel": "ticks.truth", "blocks": { "walk/place": ["x"] } } ],
-    "study": { "runs": 4, "seed": 3, "metrics": ["walk/place.x/rms", "walk/place.x/final", "walk/seen/nis", "walk/place/nees"],
-               "variants": {)" +
-         variants + "} } }";
+      "process": { "wander": { "type": "random_walk", "blocks": { "x": "place" }, "q": "0.2 m/sqrt(s)"
+}
+}
+, "measurements" : {
+  "seen" : {
+    "type" : "linear_measurement", "channel" : "echo", "blocks" : {"x" : "place"}, "sigma" : ["0.2 m"], "gate" : 0.999
+  }
+}
+}
+}
+, "reference" : [ {"channel" : "ticks.truth", "blocks" : {"walk/place" : ["x"]}} ], "study" : {
+  "runs" : 4, "seed" : 3,
+      "variants" : {VARIANTS},
+                   "metrics" : [ "walk/place.x/rms", "walk/place.x/final", "walk/seen/nis", "walk/place/nees" ]
+}
+})",
+             "VARIANTS", variants);
 }
 
-std::string noise_of_variant(const char* name, const char* sigma, const std::string& more = "") {
-  return std::string("\"") + name + R"(": { "filters": { "walk": { "measurements": { "seen": { "sigma": [")" + sigma +
-         "\"] } } } }" + (more.empty() ? "" : ", " + more) + " }";
+/// A variant whose filter takes the samples to be so good; `more`: what else it changes, ", KEY: …".
+std::string variant(const char* name, const char* sigma, const std::string& more = "") {
+  const std::string patch =
+      R"("NAME": { "filters": { "walk": { "measurements": { "seen": { "sigma": ["SIGMA"] } } } } MORE })";
+  return put(put(put(patch, "NAME", name), "SIGMA", sigma), "MORE", more);
 }
 
 study::Study load(const Workbench& bench, const std::string& text) {
@@ -214,7 +230,8 @@ void check_shared_as_alone(const study::Study& study, int runs = 2) {
     for (const auto& group : study.groups()) {
       const auto together = study.carry_out(group, run, always);
       REQUIRE(together.size() == group.size());
-      for (std::size_t i = 0; i < group.size(); ++i) check_same(together[i], study.carry_out({group[i]}, run, always)[0]);
+      for (std::size_t i = 0; i < group.size(); ++i)
+        check_same(together[i], study.carry_out({group[i]}, run, always)[0]);
     }
 }
 
@@ -224,8 +241,8 @@ using Groups = std::vector<std::vector<std::size_t>>;
 
 TEST_CASE("variants share what is drawn, and each has the figures to the bit that it has alone") {
   const Workbench bench;
-  const auto study = load(bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("b", "0.2 m") + "," +
-                                            noise_of_variant("c", "0.8 m")));
+  const auto study =
+      load(bench, study_text(variant("a", "0.1 m") + "," + variant("b", "0.2 m") + "," + variant("c", "0.8 m")));
   CHECK(study.groups() == Groups{{0, 1, 2}});
   calls.forget();
   const auto together = study.carry_out({0, 1, 2}, 1, always);
@@ -240,21 +257,21 @@ TEST_CASE("variants share what is drawn, and each has the figures to the bit tha
 
 TEST_CASE("forms of P, filters with history and gates that refuse share to the bit") {
   const Workbench bench;
-  const auto study =
-      load(bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("tight", "0.01 m") + "," + R"(
+  const auto study = load(bench, study_text(variant("a", "0.1 m") + "," + variant("tight", "0.01 m") + "," + R"(
       "ud": { "filters": { "walk": { "covariance": "ud" } } },
       "late": { "filters": { "walk": { "history": "2 s" } } })"));
   CHECK(study.groups() == Groups{{0, 1, 2, 3}});
   check_shared_as_alone(study);
 }
 
-TEST_CASE("what differs in a source is drawn apart; a transform that differs shares its source") {
+TEST_CASE("what differs in a source is drawn apart, and a transform that differs shares its source") {
   const Workbench bench;
-  const auto study = load(
-      bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("b", "0.2 m") + "," +
-                        noise_of_variant("longer", "0.2 m", R"("sources": { "ticks": { "samples": 310 } })") + "," +
-                        noise_of_variant("louder", "0.2 m", R"("transforms": { "echo": { "noise": "0.2 m" } })") + "," +
-                        noise_of_variant("same", "0.4 m", R"("sources": { "ticks": { "samples": 300, "level": "0 cm" } })")));
+  const auto study =
+      load(bench,
+           study_text(variant("a", "0.1 m") + "," + variant("b", "0.2 m") + "," +
+                      variant("longer", "0.2 m", R"(, "sources": { "ticks": { "samples": 310 } })") + "," +
+                      variant("louder", "0.2 m", R"(, "transforms": { "echo": { "noise": "0.2 m" } })") + "," +
+                      variant("same", "0.4 m", R"(, "sources": { "ticks": { "samples": 300, "level": "0 cm" } })")));
   CHECK(study.groups() == Groups{{0, 1, 3, 4}, {2}});
   calls.forget();
   const auto together = study.carry_out({0, 1, 3, 4}, 0, always);
@@ -279,36 +296,42 @@ TEST_CASE("a variant that breaks among others breaks alone, with what it says al
   const std::string waiting = R"({ "filters": { "walk": { "blocks": { "place": { "init": {
       "x": null, "channel": "never", "fields": { "x": "z0" } } } } } },
       "transforms": { "never": { "type": "stuck", "input": "ticks.z" } } })";
-  const auto study = load(bench, study_text(noise_of_variant("good", "0.2 m") + R"(,
-      "broken": { "filters": { "walk": { "process": { "wander": { "q": "1e200 m/sqrt(s)" } } } } },
+  const auto study = load(bench, study_text(variant("good", "0.2 m") + R"(,
+      "broken": { "filters": { "walk": { "process": { "wander": { "q": "1e200 m/sqrt(s)"
+}
+}
+}
+}
+},
       "waiting": )" + waiting + R"(, "waiting too": )" + waiting));
   REQUIRE(study.groups() == Groups{{0, 1, 2, 3}});
-  const auto figures = study.carry_out(study.groups()[0], 0, always);
-  CHECK(figures[0].state == study::Figures::State::finished);
-  CHECK(figures[1].state == study::Figures::State::failed);
-  for (const std::size_t waits : {2u, 3u})
-    CHECK(figures[waits].failure.find("it heard 300 samples of 1000") != std::string::npos);
-  check_shared_as_alone(study);
+const auto figures = study.carry_out(study.groups()[0], 0, always);
+CHECK(figures[0].state == study::Figures::State::finished);
+CHECK(figures[1].state == study::Figures::State::failed);
+for (const std::size_t waits : {2u, 3u})
+  CHECK(figures[waits].failure.find("it has 300 samples of 1000") != std::string::npos);
+check_shared_as_alone(study);
 }
 
 TEST_CASE("a source that breaks ends all that share it, each with its own words") {
   const Workbench bench;
-  const auto torn = load(bench, study_text(
-      noise_of_variant("a", "0.1 m", R"("sources": { "ticks": { "fails_at": 100 } })") + "," +
-      noise_of_variant("b", "0.2 m", R"("sources": { "ticks": { "fails_at": 100 } })")));
+  const auto torn =
+      load(bench, study_text(variant("a", "0.1 m", R"(, "sources": { "ticks": { "fails_at": 100 } })") + "," +
+                             variant("b", "0.2 m", R"(, "sources": { "ticks": { "fails_at": 100 } })")));
   CHECK(torn.groups() == Groups{{0, 1}});
   const auto figures = torn.carry_out({0, 1}, 0, always);
   for (const auto& each : figures) {
     CHECK(each.state == study::Figures::State::failed);
-    CHECK(each.failure.find("the tape is torn") != std::string::npos);
+    CHECK(each.failure.find("the cable is torn") != std::string::npos);
   }
   check_shared_as_alone(torn);
 }
 
 TEST_CASE("smoothing that goes back over the samples has its own") {
   const Workbench bench;
-  const auto study = load(bench, study_text(noise_of_variant("a", "0.1 m") + "," + noise_of_variant("b", "0.2 m") + "," +
-      R"("smoothed": { "filters": { "walk": { "smoother": "fixed_interval" } } })"));
+  const auto study =
+      load(bench, study_text(variant("a", "0.1 m") + "," + variant("b", "0.2 m") + "," +
+                             R"("smoothed": { "filters": { "walk": { "smoother": "fixed_interval" } } })"));
   CHECK(study.groups() == Groups{{0, 1}, {2}});
   check_shared_as_alone(study);
 }
@@ -317,15 +340,16 @@ TEST_CASE("the command's figures do not depend on who shares with whom") {
   const Workbench bench;
   write_drive(bench);
   for (const char* jobs : {"1", "2", "3"})
-    REQUIRE(binnacle::test::binnacle(bench, {"study", "drive.json", "--jobs", jobs, "--out", jobs, "--quiet"}).status == 0);
+    REQUIRE(binnacle::test::binnacle(bench, {"study", "drive.json", "--jobs", jobs, "--out", jobs, "--quiet"}).status ==
+            0);
   check_same_files(bench, "1", "2");
   check_same_files(bench, "1", "3");
 }
 
 TEST_CASE("what cannot run together is refused") {
   const Workbench bench;
-  const auto study = load(bench, study_text(noise_of_variant("a", "0.1 m") + "," +
-                                            noise_of_variant("b", "0.1 m", R"("sources": { "ticks": { "level": "1 m" } })")));
+  const auto study = load(bench, study_text(variant("a", "0.1 m") + "," +
+                                            variant("b", "0.1 m", R"(, "sources": { "ticks": { "level": "1 m" } })")));
   const auto& a = study.variants()[0].composition;
   const auto& b = study.variants()[1].composition;
   CHECK(have_same_sources(*a, *a));

@@ -8,8 +8,8 @@
 
 namespace binnacle::internal::compose {
 
-/// All that decides what it emits but seed and run, in bytes for comparison. Empty: live, or it hears what is not made of
-/// recorded sources alone.
+/// All that decides what it emits but seed and run, in bytes for comparison. Empty: live, or it subscribes to
+/// what is not made of recorded sources alone.
 std::string identity_of(const CompositionPlan& plan, const Component& component, const SourcePlan& source);
 std::string identity_of(const CompositionPlan& plan, const Component& component, const TransformPlan& transform);
 inline std::string identity_of(const CompositionPlan&, const Component&, const SinkPlan&) { return {}; }

@@ -74,9 +74,8 @@ std::string reason_of_silence(Runtime& runtime, int channel) {
   for (const auto& transform : runtime.plan().transforms)
     if (base::index_of(transform.channels, channel) >= 0) {
       try {
-        return transform.type->guarded("waits_for", [&] {
-          return transform.object->waits_for(runtime.memory_of(transform));
-        });
+        return transform.type->guarded("waits_for",
+                                       [&] { return transform.object->waits_for(runtime.memory_of(transform)); });
       } catch (const ComponentError& error) {
         return error.what();
       }
