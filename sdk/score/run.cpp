@@ -63,6 +63,8 @@ class Scorer final : public binnacle::RunObserver {
     if (std::ranges::any_of(plan_->smoothings, runs_again) && !can_rerun(session)) refuse_smoothing();
     if (!plan_->smoothings.empty()) smoothing_ = std::make_unique<Smoothing>(*plan_, session, observer_, records_);
     if (recorder_ && smoothing_) recorder_->keep_times();
+    if (!options_.wants_summary)
+      for (auto& score : scores_) score->watch_only();
     for (const auto* list : {&plan_->metrics, &options_.metrics})
       for (const auto& metric : *list) score_of(metric.filter).watch(metric);
   }

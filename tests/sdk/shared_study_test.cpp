@@ -166,27 +166,17 @@ std::string put(std::string text, const std::string& token, const std::string& v
 }
 
 std::string study_text(const std::string& variants) {
-  return put(R"({ "binnacle": 1, "title": "Ticks",
+  return put(R"~({ "binnacle": 1, "title": "Ticks",
     "sources": { "ticks": { "type": "ticks" } },
     "transforms": { "echo": { "type": "echo", "input": "ticks.z" } },
     "filters": { "walk": {
       "blocks": { "place": { "type": "vector", "size": 1, "unit": "m", "init": { "x": "0 m" }, "sigma": "1 m" } },
-      "process": { "wander": { "type": "random_walk", "blocks": { "x": "place" }, "q": "0.2 m/sqrt(s)"
-}
-}
-, "measurements" : {
-  "seen" : {
-    "type" : "linear_measurement", "channel" : "echo", "blocks" : {"x" : "place"}, "sigma" : ["0.2 m"], "gate" : 0.999
-  }
-}
-}
-}
-, "reference" : [ {"channel" : "ticks.truth", "blocks" : {"walk/place" : ["x"]}} ], "study" : {
-  "runs" : 4, "seed" : 3,
-      "variants" : {VARIANTS},
-                   "metrics" : [ "walk/place.x/rms", "walk/place.x/final", "walk/seen/nis", "walk/place/nees" ]
-}
-})",
+      "process": { "wander": { "type": "random_walk", "blocks": { "x": "place" }, "q": "0.2 m/sqrt(s)" } },
+      "measurements": { "seen": { "type": "linear_measurement", "channel": "echo", "blocks": { "x": "place" },
+                                  "sigma": ["0.2 m"], "gate": 0.999 } } } },
+    "reference": [ { "channel": "ticks.truth", "blocks": { "walk/place": ["x"] } } ],
+    "study": { "runs": 4, "seed": 3, "variants": { VARIANTS },
+               "metrics": ["walk/place.x/rms", "walk/place.x/final", "walk/seen/nis", "walk/place/nees"] } })~",
              "VARIANTS", variants);
 }
 
@@ -293,24 +283,20 @@ TEST_CASE("samples on their way arrive alike for all that share them") {
 
 TEST_CASE("a variant that breaks among others breaks alone, with what it says alone") {
   const Workbench bench;
-  const std::string waiting = R"({ "filters": { "walk": { "blocks": { "place": { "init": {
+  const std::string waiting = R"~({ "filters": { "walk": { "blocks": { "place": { "init": {
       "x": null, "channel": "never", "fields": { "x": "z0" } } } } } },
-      "transforms": { "never": { "type": "stuck", "input": "ticks.z" } } })";
-  const auto study = load(bench, study_text(variant("good", "0.2 m") + R"(,
-      "broken": { "filters": { "walk": { "process": { "wander": { "q": "1e200 m/sqrt(s)"
-}
-}
-}
-}
-},
-      "waiting": )" + waiting + R"(, "waiting too": )" + waiting));
+      "transforms": { "never": { "type": "stuck", "input": "ticks.z" } } })~";
+  const std::string broken =
+      R"~("broken": { "filters": { "walk": { "process": { "wander": { "q": "1e200 m/sqrt(s)" } } } } })~";
+  const auto study = load(bench, study_text(variant("good", "0.2 m") + ", " + broken + R"(, "waiting": )" + waiting +
+                                            R"(, "waiting too": )" + waiting));
   REQUIRE(study.groups() == Groups{{0, 1, 2, 3}});
-const auto figures = study.carry_out(study.groups()[0], 0, always);
-CHECK(figures[0].state == study::Figures::State::finished);
-CHECK(figures[1].state == study::Figures::State::failed);
-for (const std::size_t waits : {2u, 3u})
-  CHECK(figures[waits].failure.find("it has 300 samples of 1000") != std::string::npos);
-check_shared_as_alone(study);
+  const auto figures = study.carry_out(study.groups()[0], 0, always);
+  CHECK(figures[0].state == study::Figures::State::finished);
+  CHECK(figures[1].state == study::Figures::State::failed);
+  for (const std::size_t waits : {2u, 3u})
+    CHECK(figures[waits].failure.find("it has 300 samples of 1000") != std::string::npos);
+  check_shared_as_alone(study);
 }
 
 TEST_CASE("a source that breaks ends all that share it, each with its own words") {
