@@ -2,6 +2,7 @@
 // Variants that draw the same samples share them, and no figure of any depends on it.
 #include "catch.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include "binnacle/registry.hpp"
 #include "binnacle/run_together.hpp"
 #include "binnacle/source.hpp"
+#include "command.hpp"
 #include "drive_study.hpp"
 #include "score/run.hpp"
 #include "study/study.hpp"
@@ -25,11 +27,14 @@ bool always() { return true; }
 /// Calls into the components below, by all threads.
 struct Calls {
   std::atomic<int> opened{0}, asked{0}, echoed{0};
-  void forget() { opened = asked = echoed = 0; }
+  std::atomic<int> longest_wait{0};  // samples that were drawn before one that a transform receives
+  void forget() { opened = asked = echoed = longest_wait = 0; }
 };
 Calls calls;
 
-double normal(random::Philox& random) { return random::uniform(random) - 0.5 + random::uniform(random); }
+double normal(binnacle::random::Philox& random) {
+  return binnacle::random::uniform(random) - 0.5 + binnacle::random::uniform(random);
+}
 
 /// `samples` of a place that wanders, ten a second, and what it was; after `fails_at` of them it cannot go on.
 class Ticks final : public Source {
@@ -37,7 +42,7 @@ class Ticks final : public Source {
   struct State {
     std::int64_t given = 0;
     double place = 0;
-    random::Philox random{};
+    binnacle::random::Philox random{};
   };
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -80,7 +85,7 @@ class Ticks final : public Source {
 
  private:
   void initialise(std::uint64_t seed, const MemoryView& memory) const override {
-    memory[state_].random = random::stream(seed, "ticks");
+    memory[state_].random = binnacle::random::stream(seed, "ticks");
     memory[state_].place = level_;
   }
   std::int64_t samples_, fails_at_;
@@ -95,7 +100,7 @@ class Echo final : public Transform {
  public:
   struct State {
     std::int64_t received = 0;
-    random::Philox random{};
+    binnacle::random::Philox random{};
   };
   static ComponentSpec spec() {
     ComponentSpec spec;
@@ -117,6 +122,7 @@ class Echo final : public Transform {
     ++calls.echoed;
     State& state = in.memory[state_];
     if (++state.received == 10) return;
+    calls.longest_wait = std::max<int>(calls.longest_wait, calls.asked - 2 * static_cast<int>(state.received));
     SampleWriter& sample = out.on(channel_);
     sample.t = in.sample.t;
     sample[z_] = in.sample[from_] + noise_ * normal(state.random);
@@ -126,7 +132,7 @@ class Echo final : public Transform {
 
  private:
   void initialise(std::uint64_t seed, const MemoryView& memory) const override {
-    memory[state_].random = random::stream(seed, "echo");
+    memory[state_].random = binnacle::random::stream(seed, "echo");
   }
   double noise_;
   Field from_;
@@ -267,6 +273,8 @@ TEST_CASE("what differs in a source is drawn apart, and a transform that differs
   const auto together = study.carry_out({0, 1, 3, 4}, 0, always);
   CHECK(calls.asked == 601);
   CHECK(calls.echoed == 600);
+  CHECK(calls.longest_wait > 20);  // one echo works once the other has had its turn
+  CHECK(calls.longest_wait < 100);
   CHECK(together[1].values[0].value != together[2].values[0].value);
   check_shared_as_alone(study);
 }
@@ -320,6 +328,29 @@ TEST_CASE("smoothing that goes back over the samples has its own") {
                              R"("smoothed": { "filters": { "walk": { "smoother": "fixed_interval" } } })"));
   CHECK(study.groups() == Groups{{0, 1}, {2}});
   check_shared_as_alone(study);
+}
+
+TEST_CASE("a study asks its sources once a run, and again only for threads that have nothing else to do") {
+  const Workbench bench;
+  std::string variants;
+  for (int i = 0; i < 20; ++i) variants += (i ? "," : "") + variant(("v" + std::to_string(i)).c_str(), "0.1 m");
+  const auto asked = [&](const study::Study& study, int runs, int jobs) {
+    study::Results results(study.variants().size(), static_cast<std::size_t>(runs));
+    calls.forget();
+    std::size_t done = 0;
+    study::carry_out_all(study, results, jobs, always, [&](auto, auto, const auto&) { ++done; });
+    CHECK(done == study.variants().size() * static_cast<std::size_t>(runs));
+    CHECK(calls.asked % 601 == 0);
+    return calls.asked / 601;
+  };
+  const auto four = load(bench, study_text(variant("a", "0.1 m") + "," + variant("b", "0.1 m") + "," +
+                                           variant("c", "0.1 m") + "," + variant("d", "0.1 m")));
+  CHECK(asked(four, 3, 1) == 3);
+  CHECK(asked(four, 4, 2) == 4);
+  CHECK(asked(four, 5, 2) == 6);  // the last run in two halves
+  CHECK(asked(four, 1, 3) == 3);
+  CHECK(asked(four, 1, 8) == 4);
+  CHECK(asked(load(bench, study_text(variants)), 2, 1) == 4);  // sixteen at a time at most
 }
 
 TEST_CASE("the command's figures do not depend on who shares with whom") {
