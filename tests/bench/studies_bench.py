@@ -6,6 +6,7 @@ Processor time of its ten variants together and of each alone, whose figures mus
 one thread over two, and of one rank over two. Ranks are timed under mpirun in both, so its start is in both. Of repeats, which go round in
 turn, the best counts. --baseline is the command of another build, which does the same study in the same rounds."""
 import argparse
+import csv
 import json
 import os
 import resource
@@ -19,6 +20,7 @@ BINNACLE = os.path.abspath(os.environ.get("BINNACLE", "build/release/bin/binnacl
 PROJECT = os.path.abspath(os.environ.get("PROJECT", "."))
 CONFIG = f"{PROJECT}/configs/transfer_alignment/table3.json"
 SCALES = ["x1", "x1.5", "x2", "x3", "x5", "x7", "x10"]
+ERRORS = ["align/attitude.yaw/final", "align/attitude.tilt/final"]
 ADAPTIVE = ["adaptive literal", "adaptive nominal start", "adaptive hold"]
 
 
@@ -37,16 +39,20 @@ def alone(variant, folder):
     """A config of this variant and no other."""
     without = {name: None for name in ADAPTIVE if name != variant}
     dimensions = {"scale": {name: None for name in SCALES if f"ekf {name}" != variant}} if variant.startswith("ekf") else None
+    study = {"table": None, "variants": without, "dimensions": dimensions}
+    if variant.startswith("ekf"):  # which has no noise that it adapts
+        study["metrics"] = [{"metric": name, "unit": "mil"} for name in ERRORS]
     path = os.path.join(folder, f"{variant}.json")
     with open(path, "w") as file:
-        json.dump({"extends": CONFIG, "study": {"table": None, "variants": without, "dimensions": dimensions}}, file)
+        json.dump({"extends": CONFIG, "study": study}, file)
     return path
 
 
-def figures(folder, variant=None):
-    """Lines of study.csv, as text: numbers come back from it bit for bit."""
+def figures(folder, variant):
+    """Its lines of study.csv, as text, that have a value: numbers come back from it bit for bit."""
     with open(os.path.join(folder, "study.csv")) as file:
-        return [line for line in file.read().splitlines()[1:] if variant is None or line.startswith(variant + ",")]
+        lines = list(csv.DictReader(file))
+    return [line for line in lines if line["variant"] == variant and line["value"]]
 
 
 def together_and_alone(runs):
@@ -57,7 +63,8 @@ def together_and_alone(runs):
         apart = 0
         for variant in [f"ekf {scale}" for scale in SCALES] + ADAPTIVE:
             apart += timed(BINNACLE, "study", alone(variant, folder), *common, f"{folder}/{variant}")[1]
-            if figures(f"{folder}/all", variant) != figures(f"{folder}/{variant}"):
+            found = figures(f"{folder}/{variant}", variant)
+            if not found or figures(f"{folder}/all", variant) != found:
                 sys.exit(f"variant '{variant}' has other figures alone")
         return together, apart
 

@@ -13,12 +13,17 @@
 #include "binnacle/source.hpp"
 #include "command.hpp"
 #include "drive_study.hpp"
+#include "run/runtime.hpp"
+#include "run/shared_feed.hpp"
 #include "score/run.hpp"
 #include "study/study.hpp"
 #include "study/workers.hpp"
 
 using namespace binnacle;
 using namespace binnacle::test;
+using internal::runtime::Runtime;
+using internal::runtime::SharedFeed;
+using internal::runtime::Taps;
 
 namespace {
 
@@ -148,22 +153,26 @@ class Stuck final : public Transform {
     ComponentSpec spec;
     spec.type = "stuck";
     spec.summary = "Emits nothing.";
+    spec.parameters = {parameter::integer("throws_at").at_least(0).defaults("1000000").about("sample")};
     spec.inputs = {input("of", {field::level("z0", "m")})};
     spec.example = "{}";
     return spec;
   }
-  explicit Stuck(const Binding&) {
+  explicit Stuck(const Binding& binding) : throws_at_(binding.parameters().integer("throws_at")) {
     ChannelDeclaration channel("");
     channel.carries(field::level("z0", "m"));
     declaration_.emits(std::move(channel));
     received_ = declaration_.keeps<std::int64_t>();
   }
-  void on(const TransformInput& in, Emitter&) const override { ++in.memory[received_]; }
+  void on(const TransformInput& in, Emitter&) const override {
+    if (++in.memory[received_] == throws_at_) throw std::runtime_error("it is stuck for good");
+  }
   std::string waits_for(const MemoryView& memory) const override {
     return "it has " + std::to_string(memory[received_]) + " samples of 1000";
   }
 
  private:
+  std::int64_t throws_at_;
   Memory<std::int64_t> received_;
 };
 
@@ -307,6 +316,18 @@ TEST_CASE("a variant that breaks among others breaks alone, with what it says al
   check_shared_as_alone(study);
 }
 
+TEST_CASE("the others go on from where a run ended that made samples for them") {
+  const Workbench bench;
+  const std::string thrown =
+      R"("thrown": { "transforms": { "never": { "type": "stuck", "input": "ticks.z", "throws_at": 150 } } })";
+  const auto study = load(bench, study_text(thrown + "," + variant("a", "0.1 m") + "," + variant("b", "0.2 m")));
+  REQUIRE(study.groups() == Groups{{0, 1, 2}});
+  const auto figures = study.carry_out({0, 1, 2}, 0, always);
+  CHECK(figures[0].failure.find("it is stuck for good") != std::string::npos);
+  CHECK(figures[1].state == study::Figures::State::finished);
+  check_shared_as_alone(study);
+}
+
 TEST_CASE("a source that breaks ends all that share it, each with its own words") {
   const Workbench bench;
   const auto torn =
@@ -361,6 +382,39 @@ TEST_CASE("the command's figures do not depend on who shares with whom") {
             0);
   check_same_files(bench, "1", "2");
   check_same_files(bench, "1", "3");
+}
+
+TEST_CASE("a feed keeps what one of its runs has still to take, and no more") {
+  const Workbench bench;
+  const auto study = load(bench, study_text(variant("a", "0.1 m") + "," + variant("b", "0.2 m")));
+  Runtime first(study.variants()[0].composition->plan(), true), second(study.variants()[1].composition->plan(), true);
+  SharedFeed feed;
+  std::vector<Taps*> taps;
+  for (Runtime* runtime : {&first, &second}) {
+    runtime->reset(1, 0);
+    taps.push_back(&feed.add(*runtime));
+    runtime->read_from(taps.back());
+  }
+  const auto go = [&](Runtime& runtime, int instants) {
+    for (int i = 0; i < instants; ++i) REQUIRE(runtime.next_instant());
+    feed.forget_taken();
+  };
+  const auto& [source, echo] = std::pair(taps[0]->sources[0].stream, taps[0]->transforms[0].stream);
+  CHECK(taps[1]->sources[0].stream == source);
+  CHECK(taps[1]->transforms[0].stream == echo);
+  go(first, 100);
+  CHECK(source->begin() == 0);
+  CHECK(source->end() == 201);  // the next one is at hand
+  go(second, 60);
+  CHECK(source->begin() == 121);
+  CHECK(echo->begin() == taps[1]->transforms[0].place);
+  go(second, 60);  // which makes what the first has not asked for
+  CHECK(source->begin() == 201);
+  CHECK(source->end() == 241);
+  feed.remove(*taps[0]);
+  feed.forget_taken();
+  CHECK(source->begin() == 241);
+  CHECK(echo->begin() == echo->end());
 }
 
 TEST_CASE("what cannot run together is refused") {
