@@ -385,7 +385,8 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Co
     if (keeps_sigmas) push_error_sigmas(reference, P);
     if (reference.has_nees) score_consistency(reference, pending.t, P);
     if (!tracks_.empty()) take_poses(pending, truth_.data());
-    if (has_state_nees_ && reference.state_part >= 0) state_nees_.take(reference.state_part, pending.t, changes_, delta_.data(), P);
+    if (has_state_nees_ && reference.state_part >= 0)
+      state_nees_.take(reference.state_part, pending.t, changes_, delta_.data(), P);
   }
   const VectorView outputs(outputs_.data(), static_cast<int>(declaration.outputs.size()));
   call_block(block, "read", pending.t, [&] { block.block->read(at, outputs); });

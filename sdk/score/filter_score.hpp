@@ -48,7 +48,7 @@ class FilterScore : public StepObserver {
   /// Before the run. `next` sees the same step log; null: nobody. The session outlives all use but figures once finish()
   /// was called.
   void attach(Session& session, StepObserver* next);
-  /// No NEES but what watch() is told of from here on: there is to be no summary.
+  /// No NEES but what watch() is given from here on: there is to be no summary.
   void watch_only();
   /// Before the run: what the metric needs beyond the errors is kept too.
   void watch(const Metric& metric);
