@@ -192,7 +192,14 @@ void FilterScore::attach(Session& session, StepObserver* next) {
   session.attach({filter_}, this);
 }
 
+void FilterScore::watch_only() {
+  has_state_nees_ = false;
+  for (auto& reference : references_) reference.has_nees = false;
+}
+
 void FilterScore::watch(const Metric& metric) {
+  if (metric.nees_of == NeesOf::state) has_state_nees_ = true;
+  if (metric.nees_of == NeesOf::block) references_[as_size(metric.subject)].has_nees = true;
   if (metric.quantity == MetricQuantity::segments) return watch_track(metric.subject);
   if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis ||
       metric.nees_of != NeesOf::component)
@@ -376,9 +383,10 @@ void FilterScore::score_block(const Pending& pending, const double* estimate, Co
     call_block(block, "minus", pending.t, [&] { block.block->minus(truth, at, {delta_.data(), declaration.dof()}); });
     push_errors(reference.series, declaration, pending.t, delta_.data());
     if (keeps_sigmas) push_error_sigmas(reference, P);
-    score_consistency(reference, pending.t, P);
+    if (reference.has_nees) score_consistency(reference, pending.t, P);
     if (!tracks_.empty()) take_poses(pending, truth_.data());
-    if (reference.state_part >= 0) state_nees_.take(reference.state_part, pending.t, changes_, delta_.data(), P);
+    if (has_state_nees_ && reference.state_part >= 0)
+      state_nees_.take(reference.state_part, pending.t, changes_, delta_.data(), P);
   }
   const VectorView outputs(outputs_.data(), static_cast<int>(declaration.outputs.size()));
   call_block(block, "read", pending.t, [&] { block.block->read(at, outputs); });

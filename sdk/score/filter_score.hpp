@@ -48,6 +48,8 @@ class FilterScore : public StepObserver {
   /// Before the run. `next` sees the same step log; null: nobody. The session outlives all use but figures once finish()
   /// was called.
   void attach(Session& session, StepObserver* next);
+  /// No NEES but what watch() is given from here on: there is to be no summary.
+  void watch_only();
   /// Before the run: what the metric needs beyond the errors is kept too.
   void watch(const Metric& metric);
   /// Before the run: the 1-σ of every error is kept too.
@@ -127,6 +129,7 @@ class FilterScore : public StepObserver {
     Series nees;
     std::vector<std::vector<double>> sigmas;  // per series, beside its values; empty when nobody asked for them
     int state_part = -1;                      // of state_nees_; −1: not in it
+    bool has_nees = true;
   };
   struct Pending {
     int reference = 0;
@@ -215,6 +218,7 @@ class FilterScore : public StepObserver {
   std::vector<Pending> pending_, pending_of_implied_states_;
   std::vector<ImpliedState> implied_states_;
   std::vector<Subject> subjects_;
+  bool has_state_nees_ = true;
   std::vector<double> delta_, between_, truth_, outputs_, covariance_, sigma_scratch_, sigmas_;
 };
 

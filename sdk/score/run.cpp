@@ -38,6 +38,8 @@ Json live_figures(const LiveFigures& live) {
   return json;
 }
 
+bool runs_again(const SmoothingPlan& smoothing) { return !smoothing.lag; }
+
 /// Looks on while a composition runs, and leaves the figures when it is over.
 class Scorer final : public binnacle::RunObserver {
  public:
@@ -45,7 +47,8 @@ class Scorer final : public binnacle::RunObserver {
       : plan_(plan_of(composition)), observer_(options.observer ? *options.observer : nobody_), options_(options) {
     for (std::size_t f = 0; f < plan_->filters.size() - plan_->smoothings.size(); ++f)
       scores_.push_back(std::make_unique<FilterScore>(*plan_, static_cast<int>(f)));
-    for (const auto& motion : plan_->motion) causes_.push_back(std::make_unique<CauseWatch>(motion));
+    if (options.wants_summary)
+      for (const auto& motion : plan_->motion) causes_.push_back(std::make_unique<CauseWatch>(motion));
     records_ = options.observer && options.observer->wants_records();
     if (records_)
       for (auto& score : scores_) score->keep_sigmas();
@@ -57,10 +60,11 @@ class Scorer final : public binnacle::RunObserver {
     for (std::size_t f = 0; f < scores_.size(); ++f)
       scores_[f]->attach(session, observer_.step_observer(static_cast<int>(f)));
     if (records_) recorder_ = std::make_unique<Recorder>(session, scores_, observer_, *plan_);
-    const auto runs_again = [](const auto& smoothing) { return !smoothing.lag; };
     if (std::ranges::any_of(plan_->smoothings, runs_again) && !can_rerun(session)) refuse_smoothing();
     if (!plan_->smoothings.empty()) smoothing_ = std::make_unique<Smoothing>(*plan_, session, observer_, records_);
     if (recorder_ && smoothing_) recorder_->keep_times();
+    if (!options_.wants_summary)
+      for (auto& score : scores_) score->watch_only();
     for (const auto* list : {&plan_->metrics, &options_.metrics})
       for (const auto& metric : *list) score_of(metric.filter).watch(metric);
   }
@@ -106,26 +110,10 @@ class Scorer final : public binnacle::RunObserver {
       for (const auto& score : scores_) score->show_errors(observer_);
     std::vector<std::vector<Time>> none(scores_.size());
     if (smoothing_) smoothing_->finish(recorder_ ? recorder_->times() : none);
-    for (std::size_t f = 0; f < scores_.size(); ++f) {
-      auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
-      const FilterId filter{static_cast<int>(f)};
-      figures.update(run_figures(*session_, filter));
-      doubts_.merge(session_->doubts(filter));
-      verdict_ = std::max(verdict_, final_verdict(*session_, filter));
-      scores_[f]->warn_of_empty_spans(doubts_);
-    }
-    add_causes();
-    for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)
-      filters_[plan_->filters[as_size(plan_->smoothings[i].as)].name] = smoothing_->summary(i);
+    for (int f = 0; f < static_cast<int>(scores_.size()); ++f)
+      verdict_ = std::max(verdict_, final_verdict(*session_, {f}));
     for (const auto& metric : options_.metrics) values_.push_back(value(metric));
-    for (const auto& metric : plan_->metrics) {
-      const auto unit = parse_unit(metric.unit);
-      metrics_[metric.name] = {{"value", value(metric).value / (unit ? unit->scale : 1.0)}, {"unit", metric.unit}};
-    }
-    for (const auto* list : {&plan_->metrics, &options_.metrics})
-      for (const auto& metric : *list)
-        if (metric.quantity == MetricQuantity::segments) score_of(metric.filter).warn_of_no_segments(metric, doubts_);
-    windows_ = across_windows(*plan_, scores_);
+    if (options_.wants_summary) summarize();
   }
 
   std::vector<MetricValue> values() const { return values_; }
@@ -145,6 +133,26 @@ class Scorer final : public binnacle::RunObserver {
   }
 
  private:
+  void summarize() {
+    for (std::size_t f = 0; f < scores_.size(); ++f) {
+      auto& figures = filters_[plan_->filters[f].name] = scores_[f]->summary();
+      const FilterId filter{static_cast<int>(f)};
+      figures.update(run_figures(*session_, filter));
+      doubts_.merge(session_->doubts(filter));
+      scores_[f]->warn_of_empty_spans(doubts_);
+    }
+    add_causes();
+    for (std::size_t i = 0; i < plan_->smoothings.size(); ++i)
+      filters_[plan_->filters[as_size(plan_->smoothings[i].as)].name] = smoothing_->summary(i);
+    for (const auto& metric : plan_->metrics) {
+      const auto unit = parse_unit(metric.unit);
+      metrics_[metric.name] = {{"value", value(metric).value / (unit ? unit->scale : 1.0)}, {"unit", metric.unit}};
+    }
+    for (const auto* list : {&plan_->metrics, &options_.metrics})
+      for (const auto& metric : *list)
+        if (metric.quantity == MetricQuantity::segments) score_of(metric.filter).warn_of_no_segments(metric, doubts_);
+    windows_ = across_windows(*plan_, scores_);
+  }
   [[noreturn]] static void refuse_smoothing() {
     throw ConfigError(
         Diagnostic{Severity::error,
@@ -201,23 +209,70 @@ class Scorer final : public binnacle::RunObserver {
 
 }  // namespace
 
+namespace {
+
+/// One run and who scores it.
+class ScoredRun {
+ public:
+  ScoredRun(const std::shared_ptr<const Composition>& composition, const RunOptions& options)
+      : scorer_(*composition, options), request_{composition}, wants_summary_(options.wants_summary) {
+    auto& to = request_.options;
+    to.estimates = plan_of(*composition)->estimates;
+    to.seed = options.seed;
+    to.run = options.run;
+    to.observer = &scorer_;
+    to.feeds_sinks = options.feeds_sinks;
+    to.pace = options.pace;
+    to.input = options.input;
+    to.checkpoints = options.checkpoints;
+  }
+  ScoredRun(const ScoredRun&) = delete;
+  ScoredRun& operator=(const ScoredRun&) = delete;
+
+  const binnacle::RunRequest& request() const { return request_; }
+  RunResult result(binnacle::RunResult&& result) const {
+    Json summary;
+    if (wants_summary_) {
+      summary = scorer_.summary(result.warnings, result.live);
+      summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    }
+    return {std::move(summary),         scorer_.values(),  std::move(result.warnings),
+            std::move(result.failures), scorer_.verdict(), scorer_.doubts()};
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Scorer scorer_;
+  binnacle::RunRequest request_;
+  bool wants_summary_;
+};
+
+}  // namespace
+
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  Scorer scorer(*composition, options);
-  binnacle::RunOptions run_options;
-  run_options.estimates = plan_of(*composition)->estimates;
-  run_options.seed = options.seed;
-  run_options.run = options.run;
-  run_options.observer = &scorer;
-  run_options.feeds_sinks = options.feeds_sinks;
-  run_options.pace = options.pace;
-  run_options.input = options.input;
-  run_options.checkpoints = options.checkpoints;
-  binnacle::RunResult result = binnacle::run(composition, run_options);
-  Json summary = scorer.summary(result.warnings, result.live);
-  summary["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return {std::move(summary),         scorer.values(),  std::move(result.warnings),
-          std::move(result.failures), scorer.verdict(), scorer.doubts()};
+  const ScoredRun scored(composition, options);
+  return scored.result(binnacle::run(composition, scored.request().options));
+}
+
+bool can_run_together(const Composition& composition) {
+  return have_same_sources(composition, composition) &&
+         std::ranges::none_of(plan_of(composition)->smoothings, runs_again);
+}
+
+std::vector<RunOutcome> run_together(const std::vector<RunRequest>& requests) {
+  std::vector<std::unique_ptr<ScoredRun>> scored;
+  std::vector<binnacle::RunRequest> together;
+  for (const auto& [composition, options] : requests) {
+    scored.push_back(std::make_unique<ScoredRun>(composition, options));
+    together.push_back(scored.back()->request());
+  }
+  auto ended = binnacle::run_together(together);
+  std::vector<RunOutcome> outcomes(requests.size());
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    outcomes[i].thrown = ended[i].thrown;
+    if (!ended[i].thrown) outcomes[i].result = scored[i]->result(std::move(ended[i].result));
+  }
+  return outcomes;
 }
 
 }  // namespace binnacle::score

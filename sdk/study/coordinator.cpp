@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages are lines of JSON: ["report", {…}] of a rank that has read its study, ["runs", [[variant, run], …]] for
-// it to do, ["done", [variant, run, figures]], ["alive"], and ["over"] for it to end.
+// Messages are lines of JSON: ["report", {…}] of a rank that has read its study, ["runs", [[[variant, …], run], …]]
+// for it to do, ["done", [[variant, run, figures], …]], ["alive"], and ["over"] for it to end.
 #include "study/coordinator.hpp"
 
 #include <algorithm>
@@ -101,13 +101,19 @@ class Thread {
   std::thread thread_;
 };
 
+/// Set at the end of the scope, whatever happens.
+struct Stop {
+  std::atomic<bool>& flag;
+  ~Stop() { flag = true; }
+};
+
 /// What has been handed to a rank, for its threads to take; and what they have made of it, to be sent.
 class WorkQueue {
  public:
-  void put(RunKey key) {
+  void put(Batch batch) {
     {
       const std::lock_guard lock(mutex_);
-      in_.push_back(key);
+      in_.push_back(std::move(batch));
     }
     has_work_.notify_one();
   }
@@ -118,14 +124,14 @@ class WorkQueue {
     }
     has_work_.notify_all();
   }
-  /// Waits for a run; nothing once closed.
-  std::optional<RunKey> take() {
+  /// Waits for a batch; nothing once closed.
+  std::optional<Batch> take() {
     std::unique_lock lock(mutex_);
     has_work_.wait(lock, [this] { return is_closed_ || !in_.empty(); });
     if (is_closed_) return std::nullopt;
-    const RunKey key = in_.front();
+    Batch batch = std::move(in_.front());
     in_.pop_front();
-    return key;
+    return batch;
   }
   void put_out(std::string text) {
     {
@@ -145,7 +151,7 @@ class WorkQueue {
  private:
   std::mutex mutex_;
   std::condition_variable has_work_, has_results_;
-  std::deque<RunKey> in_;
+  std::deque<Batch> in_;
   std::vector<std::string> out_;
   std::atomic<bool> is_closed_{false};
 };
@@ -250,10 +256,10 @@ void Coordinator::look_for_silent() {
 
 void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
                                 const OnRun& on_run) {
-  RunLog run_log(study, results, on_run);
+  const int all_threads = jobs + threads();
+  RunLog run_log(study, results, on_run, all_threads);
   std::atomic<bool> is_stopped{false};
   const std::function<bool()> may_go_on = [&] { return !is_stopped && !run_log.have_failed() && goes_on(); };
-  const int all_threads = jobs + threads();
 
   // Another one for each thread while it is at work; near the end none waits behind another.
   const auto hand_out = [&](int rank) {
@@ -261,9 +267,9 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
     const auto each = run_log.left() > 2 * static_cast<std::size_t>(all_threads) ? 2u : 1u;
     Json runs = Json::array();
     while (entry.given < each * static_cast<std::size_t>(entry.jobs)) {
-      const auto key = run_log.take();
-      if (!key) break;
-      runs.push_back(Json::array({key->variant, key->run}));
+      const auto batch = run_log.take();
+      if (!batch) break;
+      runs.push_back(Json::array({batch->variants, batch->run}));
       ++entry.given;
     }
     if (!runs.empty()) team_.send(rank, line_of(Json::array({"runs", std::move(runs)})));
@@ -273,21 +279,20 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
     entry.last_message = Clock::now();
     const Json json = read_message(message.text);
     if (!is(json, "done")) return;
-    auto done = read_entry(json[1], study.metrics().size());
-    if (!done) fail(1, name_of(message.from), "it sent what is no result of a run");
+    for (const Json& each : json[1]) {
+      auto done = read_entry(each, study.metrics().size());
+      if (!done) fail(1, name_of(message.from), "it sent what is no result of a run");
+      run_log.enter(done->first, std::move(done->second));
+    }
     --entry.given;
-    run_log.enter(done->first, std::move(done->second));
     hand_out(message.from);
   };
 
-  struct Stop {
-    std::atomic<bool>& flag;
-    ~Stop() { flag = true; }
-  };
   Thread own([&] {
     carry_out_runs(
         study, jobs, [&] { return run_log.take(); },
-        [&](RunKey key, Figures&& figures) { run_log.enter(key, std::move(figures)); }, may_go_on);
+        [&](const Batch& batch, std::vector<Figures>&& figures) { run_log.enter(batch, std::move(figures)); },
+        may_go_on);
   });
   {
     const Stop stop{is_stopped};
@@ -343,8 +348,11 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
     work.emplace([&] {
       carry_out_runs(
           *study, jobs, [&] { return work_queue.take(); },
-          [&](RunKey key, Figures&& figures) {
-            work_queue.put_out(line_of(Json::array({"done", entry_of(key, figures)})));
+          [&](const Batch& batch, std::vector<Figures>&& figures) {
+            Json entries = Json::array();
+            for (std::size_t i = 0; i < figures.size(); ++i)
+              entries.push_back(entry_of({batch.variants[i], batch.run}, figures[i]));
+            work_queue.put_out(line_of(Json::array({"done", std::move(entries)})));
           },
           may_go_on);
     });
@@ -357,7 +365,8 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
       const Json json = read_message(message->text);
       is_dismissed = is_dismissed || is(json, "over");
       if (is(json, "runs"))
-        for (const auto& key : json[1]) work_queue.put({key[0].get<std::size_t>(), key[1].get<std::size_t>()});
+        for (const auto& batch : json[1])
+          work_queue.put({batch[0].get<std::vector<std::size_t>>(), batch[1].get<std::size_t>()});
     }
     for (auto& text : work_queue.take_out(pause.next())) team.send(0, std::move(text));
     if (Clock::now() - reported < timeouts.sign_of_life) continue;

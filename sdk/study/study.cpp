@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <exception>
 #include <fstream>
+#include <functional>
 #include <map>
 
 #include "score/run.hpp"
@@ -246,6 +249,7 @@ Study Study::load(const std::filesystem::path& path, const StudyOptions& options
   if (diagnostics.has_errors()) throw ConfigError(diagnostics);
 
   study.note_makings();
+  study.share();
   return study;
 }
 
@@ -277,8 +281,55 @@ void Study::note_makings() {
   hash_ = all.value;
 }
 
-Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>& goes_on) const {
-  const Variant& variant = variants_[index];
+void Study::share() {
+  std::vector<std::shared_ptr<const Composition>> compositions;
+  for (const auto& variant : variants_) compositions.push_back(variant.composition);
+  share_sources(compositions);
+  for (std::size_t v = 0; v < compositions.size(); ++v) {
+    const auto draws_the_same = [&](const std::vector<std::size_t>& group) {
+      const Composition& other = *compositions[group.front()];
+      return score::can_run_together(other) && score::can_run_together(*compositions[v]) &&
+             have_same_sources(other, *compositions[v]);
+    };
+    const auto group = std::ranges::find_if(groups_, draws_the_same);
+    if (group == groups_.end())
+      groups_.push_back({v});
+    else
+      group->push_back(v);
+  }
+  std::ranges::stable_sort(groups_, std::greater<>(), &std::vector<std::size_t>::size);
+}
+
+namespace {
+
+/// One line.
+std::string what_was_thrown(const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    const auto items = error.diagnostics().sorted();
+    return items.empty() ? error.what() : items.front().message;
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "a plugin threw what is no exception of the standard library";
+  }
+}
+
+/// Alone, as any variant may be run.
+score::RunOutcome run_alone(const score::RunRequest& request) {
+  score::RunOutcome outcome;
+  try {
+    outcome.result = score::run(request.composition, request.options);
+  } catch (...) {
+    outcome.thrown = std::current_exception();
+  }
+  return outcome;
+}
+
+}  // namespace
+
+Figures Study::figures_of(const Variant& variant, const score::RunOutcome& outcome) const {
   Figures figures;
   const auto broke = [&figures](const std::string& why) {
     figures.state = Figures::State::failed;
@@ -286,25 +337,8 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
     figures.values.clear();
     return figures;
   };
-  StopWatch watch(goes_on);
-  score::RunOptions options;
-  options.seed = seed_;
-  options.run = run;
-  options.observer = &watch;
-  options.metrics = variant.metrics;
-  options.feeds_sinks = false;
-  score::RunResult result;
-  try {
-    result = score::run(variant.composition, options);
-  } catch (const Error& error) {
-    const auto items = error.diagnostics().sorted();
-    return broke(items.empty() ? error.what() : items.front().message);
-  } catch (const std::exception& error) {
-    return broke(error.what());
-  } catch (...) {
-    return broke("a plugin threw what is no exception of the standard library");
-  }
-  if (!watch.is_going()) return {};
+  if (outcome.thrown) return broke(what_was_thrown(outcome.thrown));
+  const auto& result = outcome.result;
   if (!result.failures.empty()) return broke(result.failures.items().front().message);
   for (std::size_t i = 0; i < metrics_.size(); ++i) {
     const int position = variant.position[i];
@@ -316,6 +350,29 @@ Figures Study::carry_out(std::size_t index, int run, const std::function<bool()>
   figures.state = Figures::State::finished;
   figures.verdict = result.verdict;
   return figures;
+}
+
+std::vector<Figures> Study::carry_out(const std::vector<std::size_t>& variants, int run,
+                                      const std::function<bool()>& goes_on) const {
+  std::deque<StopWatch> watches;
+  std::vector<score::RunRequest> requests;
+  for (const std::size_t index : variants) {
+    const Variant& variant = variants_[index];
+    auto& request = requests.emplace_back();
+    request.composition = variant.composition;
+    request.options.seed = seed_;
+    request.options.run = run;
+    request.options.observer = &watches.emplace_back(goes_on);
+    request.options.metrics = variant.metrics;
+    request.options.feeds_sinks = false;
+    request.options.wants_summary = false;
+  }
+  const auto outcomes = requests.size() == 1 ? std::vector{run_alone(requests.front())} : score::run_together(requests);
+  std::vector<Figures> all;
+  for (std::size_t i = 0; i < variants.size(); ++i)
+    all.push_back(watches[i].is_going() || outcomes[i].thrown ? figures_of(variants_[variants[i]], outcomes[i])
+                                                              : Figures());
+  return all;
 }
 
 }  // namespace binnacle::study

@@ -27,15 +27,16 @@ void in_parallel(int jobs, std::size_t count, const std::function<void(std::size
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, work, tbb::simple_partitioner()); });
 }
 
-void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
-                    const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on) {
+void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<Batch>()>& next,
+                    const OnBatch& done, const std::function<bool()>& goes_on) {
+  const auto is_open = [](const Figures& figures) { return figures.state == Figures::State::open; };
   const auto work = [&](std::size_t) {
     while (goes_on()) {
-      const auto key = next();
-      if (!key) return;
-      Figures figures = study.carry_out(key->variant, static_cast<int>(key->run), goes_on);
-      if (figures.state == Figures::State::open) return;
-      done(*key, std::move(figures));
+      const auto batch = next();
+      if (!batch) return;
+      auto figures = study.carry_out(batch->variants, static_cast<int>(batch->run), goes_on);
+      if (std::ranges::any_of(figures, is_open)) return;
+      done(*batch, std::move(figures));
     }
   };
   in_parallel(jobs, static_cast<std::size_t>(jobs), work);
@@ -43,10 +44,10 @@ void carry_out_runs(const Study& study, int jobs, const std::function<std::optio
 
 void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
                    const OnRun& on_run) {
-  RunLog run_log(study, results, on_run);
+  RunLog run_log(study, results, on_run, jobs);
   carry_out_runs(
       study, jobs, [&] { return run_log.take(); },
-      [&](RunKey key, Figures&& figures) { run_log.enter(key, std::move(figures)); },
+      [&](const Batch& batch, std::vector<Figures>&& figures) { run_log.enter(batch, std::move(figures)); },
       [&] { return !run_log.have_failed() && goes_on(); });
 }
 

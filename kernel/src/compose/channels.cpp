@@ -2,7 +2,7 @@
 // Sources, transforms, sinks, and how components find the fields they want on channels.
 #include <algorithm>
 
-#include "compose/composer.hpp"
+#include "compose/identity.hpp"
 
 namespace binnacle::internal::compose {
 
@@ -211,6 +211,7 @@ bool add_stage(Composer& composer, const Reader& at, std::vector<Plan>& stages) 
           if (key == parameter.name) add_files(parameter, value, stage.files);
     }
   if (component.failures != composer.failures()) return false;
+  stage.identity = identity_of(composer.plan(), component, stage);
   stages.push_back(std::move(stage));
   return true;
 }

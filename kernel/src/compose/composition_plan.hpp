@@ -44,6 +44,7 @@ struct StagePlan : Planned {
   std::vector<NodeInput> inputs;
   std::vector<int> channels;  // that it emits
   Place<std::byte> memory;
+  std::string identity;  // equal where it emits the same (identity.hpp); empty: of nothing else
 };
 
 using TransformPlan = StagePlan<Transform>;
@@ -56,7 +57,16 @@ struct LatencyPlan {
   std::vector<int> fields;       // by own channel: among its per-epoch fields
 };
 
+/// A source is opened by the first run of a composition that has it, whichever thread that is, and stays open.
+struct SourceOpening {
+  std::once_flag once;
+  Diagnostics warnings;
+  std::unique_ptr<Reporter> reporter;  // for as long as the source lives
+  RunObserver* observer = nullptr;     // of the run under way that has live sources
+};
+
 struct SourcePlan : StagePlan<Source> {
+  std::shared_ptr<SourceOpening> opening = std::make_shared<SourceOpening>();
   std::optional<LatencyPlan> latency;
   std::vector<std::string> files;  // that its parameters name
   Place<SourceHead> head;
@@ -93,14 +103,6 @@ struct Subscription {
   std::string pointer;  // of the subscriber
 };
 
-/// Sources are opened by the first run of a composition, whichever thread that is, and stay open.
-struct SourceOpening {
-  std::once_flag once;
-  Diagnostics warnings;
-  std::vector<std::unique_ptr<Reporter>> reporters;  // of the sources, for as long as these live
-  RunObserver* observer = nullptr;                   // of the run under way that has live sources
-};
-
 struct CompositionPlan {
   Document document;
   Catalog catalog;
@@ -119,7 +121,6 @@ struct CompositionPlan {
   std::vector<std::shared_ptr<const SectionData>> sections;
   Layout layout;
   std::uint64_t hash = 0;
-  std::shared_ptr<SourceOpening> opening = std::make_shared<SourceOpening>();
 
   int channel(std::string_view name) const { return base::index_of(channels, name, &ChannelPlan::name); }
 };

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "binnacle/run.hpp"
+#include "binnacle/run_together.hpp"
 
 #include <algorithm>
 #include <deque>
 #include <limits>
 #include <optional>
 #include <set>
+#include <stdexcept>
+#include <utility>
 
 #include "base/text.hpp"
 #include "run/arrival_watch.hpp"
@@ -13,6 +15,7 @@
 #include "run/checkpoint.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
+#include "run/shared_feed.hpp"
 
 namespace binnacle {
 
@@ -25,27 +28,28 @@ class WarningReporter : public Reporter {
  public:
   /// observer: is shown them at once, where there is one.
   WarningReporter(Diagnostics& warnings, const filter::Planned& of, RunObserver* const& observer)
-      : warnings_(warnings), of_(of), observer_(observer) {}
+      : warnings_(warnings), pointer_(of.pointer), observer_(observer) {}
   void warn(const std::string& code, const std::string& file, int line, const std::string& message) override {
-    const Diagnostic warning{Severity::warning, code, Origin{file, line, 0}, of_.pointer, message};
+    const Diagnostic warning{Severity::warning, code, Origin{file, line, 0}, pointer_, message};
     warnings_.add(warning);
     if (observer_) observer_->noted(warning);
   }
 
  private:
   Diagnostics& warnings_;
-  const filter::Planned& of_;
+  std::string pointer_;
   RunObserver* const& observer_;
 };
 
 void open_sources(const compose::CompositionPlan& plan) {
-  compose::SourceOpening& opening = *plan.opening;
   Diagnostics errors;
   for (const auto& source : plan.sources) {
-    Reporter& reporter =
-        *opening.reporters.emplace_back(std::make_unique<WarningReporter>(opening.warnings, source, opening.observer));
+    compose::SourceOpening& opening = *source.opening;
     try {
-      source.type->guarded("open", [&] { source.object->open(reporter); });
+      std::call_once(opening.once, [&] {
+        opening.reporter = std::make_unique<WarningReporter>(opening.warnings, source, opening.observer);
+        source.type->guarded("open", [&] { source.object->open(*opening.reporter); });
+      });
     } catch (const ComponentError& error) {
       if (error.is_data_error())
         errors.error(error.code(), Origin{error.file(), error.line(), 0}, source.pointer, error.what());
@@ -70,9 +74,8 @@ std::string reason_of_silence(Runtime& runtime, int channel) {
   for (const auto& transform : runtime.plan().transforms)
     if (base::index_of(transform.channels, channel) >= 0) {
       try {
-        return transform.type->guarded("waits_for", [&] {
-          return transform.object->waits_for(transform.memory.in(runtime.arena()));
-        });
+        return transform.type->guarded("waits_for",
+                                       [&] { return transform.object->waits_for(runtime.memory_of(transform)); });
       } catch (const ComponentError& error) {
         return error.what();
       }
@@ -216,49 +219,122 @@ void exchange_sink(const compose::CompositionPlan& plan, const compose::SinkPlan
                                    sink.type->spec.type + "' does not say how it goes on from one"});
 }
 
-/// From the first instant to the end of the sources.
-void run_sources(Session& session, const Parts& parts, const RunOptions& options, RunObserver& observer,
-                 RunResult& result) {
-  Runtime& runtime = session.runtime();
-  runtime.subscribe([&](int channel, const SampleView& sample) { observer.sampled(channel, sample); });
-  runtime.subscribe_settled([&](int channel, const SampleView& sample) { observer.settled(channel, sample); });
-  std::vector<std::size_t> noted(runtime.plan().filters.size());
-  Checkpointing checkpointing(runtime, session.composition().hash(), options, [&](StateBytes& bytes) {
-    bytes.list(noted);
-    for (const auto& part : parts) part->exchange(bytes);
-    observer.exchange(bytes);
-    if (options.feeds_sinks)
-      for (const auto& sink : runtime.plan().sinks) exchange_sink(runtime.plan(), sink, bytes, runtime.time());
-  });
-  checkpointing.begin();
-  std::optional<ArrivalWatch> watch;
-  if (ArrivalWatch::is_wanted(runtime.plan(), options, observer)) watch.emplace(runtime, options, observer);
-  for (std::int64_t instants = 0;; ++instants) {
-    if (!runtime.next_instant()) {
-      if (!runtime.waits()) break;
-      if (!observer.progress(runtime.time())) runtime.end_sources();
-      runtime.wait_for_sources();
-      continue;
-    }
-    for (int f = 0; f < base::count_of(noted); ++f)
-      while (noted[as_size(f)] < runtime.engine(f).calls().note_book.notes().size())
-        observer.noted(session.notes({f}).items()[noted[as_size(f)]++]);
-    for (const auto& part : parts) part->after_instant();
-    observer.after_instant();
-    checkpointing.after_instant();
-    if (watch) watch->end_instant();
-    if (instants % 32 == 0 && !observer.progress(runtime.time())) runtime.end_sources();
+/// One run, from instant to instant.
+class RunUnderWay {
+ public:
+  RunUnderWay(const std::shared_ptr<const Composition>& composition, const RunOptions& options)
+      : plan_(composition->plan()),
+        options_(options),
+        observer_(options.observer ? *options.observer : nobody_),
+        session_(opened(composition, options, observer_)),
+        runtime_(session_.runtime()),
+        parts_(parts_of(plan_)),
+        noted_(plan_.filters.size()),
+        checkpointing_(runtime_, composition->hash(), options_, [this](StateBytes& bytes) { exchange(bytes); }) {
+    runtime_.feed_sinks(options.feeds_sinks);
+    runtime_.read_from(options.input);
   }
-  if (watch) result.live = watch->figures();
-  watch.reset();
-  runtime.finish();
-  for (const auto& part : parts) part->finished();
-  if (!parts.empty()) runtime.finish();  // of what they emitted
-  observer.after_instant();
-  observer.finished();
-  runtime.subscribe({});
-  runtime.subscribe_settled({});
-}
+  /// Nothing may look into it from here on.
+  ~RunUnderWay() {
+    for (const auto& source : plan_.sources)
+      if (source.object->declaration().live) source.opening->observer = nullptr;
+  }
+  RunUnderWay(const RunUnderWay&) = delete;
+  RunUnderWay& operator=(const RunUnderWay&) = delete;
+
+  void begin() {
+    for (const auto& part : parts_) part->begin(session_);
+    observer_.begin(session_);
+    if (options_.feeds_sinks)
+      for (const auto& sink : plan_.sinks) {
+        sink.object->report_to(reporters_.emplace_back(result_.warnings, sink, options_.observer));
+        guard_call<DataError>(plan_, sink, "open", no_time, [&] { sink.object->open(); });
+      }
+    runtime_.subscribe([this](int channel, const SampleView& sample) { observer_.sampled(channel, sample); });
+    runtime_.subscribe_settled([this](int channel, const SampleView& sample) { observer_.settled(channel, sample); });
+    checkpointing_.begin();
+    if (ArrivalWatch::is_wanted(plan_, options_, observer_)) watch_.emplace(runtime_, options_, observer_);
+  }
+
+  /// An instant; false: there is no further one.
+  bool step() {
+    if (!runtime_.next_instant()) {
+      if (!runtime_.waits()) return false;
+      if (!observer_.progress(runtime_.time())) runtime_.end_sources();
+      runtime_.wait_for_sources();
+      return true;
+    }
+    for (int f = 0; f < base::count_of(noted_); ++f)
+      while (noted_[as_size(f)] < runtime_.engine(f).calls().note_book.notes().size())
+        observer_.noted(session_.notes({f}).items()[noted_[as_size(f)]++]);
+    for (const auto& part : parts_) part->after_instant();
+    observer_.after_instant();
+    checkpointing_.after_instant();
+    if (watch_) watch_->end_instant();
+    if (instants_++ % 32 == 0 && !observer_.progress(runtime_.time())) runtime_.end_sources();
+    return true;
+  }
+
+  RunResult finish() {
+    if (watch_) result_.live = watch_->figures();
+    watch_.reset();
+    runtime_.finish();
+    for (const auto& part : parts_) part->finished();
+    if (!parts_.empty()) runtime_.finish();  // of what they emitted
+    observer_.after_instant();
+    observer_.finished();
+    runtime_.subscribe({});
+    runtime_.subscribe_settled({});
+    if (options_.feeds_sinks)
+      for (const auto& sink : plan_.sinks)
+        guard_call<DataError>(plan_, sink, "close", runtime_.time(), [&] { sink.object->close(); });
+
+    Diagnostics warnings;
+    for (const auto& source : plan_.sources) warnings.merge(source.opening->warnings);
+    warnings.merge(result_.warnings);
+    result_.warnings = std::move(warnings);
+    for (int f = 0; f < base::count_of(plan_.filters); ++f) result_.warnings.merge(session_.notes({f}));
+    note_spans_apart(runtime_, result_.warnings);
+    note_dropped(runtime_, result_.warnings);
+    note_without_latency(runtime_, result_.warnings);
+    note_failures(runtime_, result_.failures);
+    return std::move(result_);
+  }
+
+  Runtime& runtime() { return runtime_; }
+
+ private:
+  static Session opened(const std::shared_ptr<const Composition>& composition, const RunOptions& options,
+                        RunObserver& observer) {
+    const auto& plan = composition->plan();
+    if (!options.input) open_sources(plan);
+    for (const auto& source : plan.sources)
+      if (source.object->declaration().live) source.opening->observer = &observer;
+    return Session(composition, options.seed, options.run, options.estimates,
+                   !options.input && Runtime::is_ordered(plan));
+  }
+  void exchange(StateBytes& bytes) {
+    bytes.list(noted_);
+    for (const auto& part : parts_) part->exchange(bytes);
+    observer_.exchange(bytes);
+    if (options_.feeds_sinks)
+      for (const auto& sink : plan_.sinks) exchange_sink(plan_, sink, bytes, runtime_.time());
+  }
+
+  const compose::CompositionPlan& plan_;
+  const RunOptions& options_;
+  RunObserver nobody_;
+  RunObserver& observer_;
+  RunResult result_;
+  std::deque<WarningReporter> reporters_;
+  Session session_;
+  Runtime& runtime_;
+  Parts parts_;
+  std::vector<std::size_t> noted_;  // of each filter's notes
+  Checkpointing checkpointing_;
+  std::optional<ArrivalWatch> watch_;
+  std::int64_t instants_ = 0;
+};
 
 }  // namespace
 
@@ -288,44 +364,98 @@ void rerun(Session& session, std::span<const std::byte> from, std::int64_t insta
 }
 
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options) {
-  const auto& plan = composition->plan();
-  RunResult result;
-  if (!options.input) std::call_once(plan.opening->once, [&] { open_sources(plan); });
+  RunUnderWay run(composition, options);
+  run.begin();
+  while (run.step()) {
+  }
+  return run.finish();
+}
 
-  RunObserver nobody;
-  RunObserver& observer = options.observer ? *options.observer : nobody;
-  const bool is_live =
-      std::ranges::any_of(plan.sources, [](const auto& source) { return source.object->declaration().live; });
-  if (is_live) plan.opening->observer = &observer;
-  Session session(composition, options.seed, options.run, options.estimates,
-                  !options.input && Runtime::is_ordered(plan));
-  Runtime& runtime = session.runtime();
-  runtime.feed_sinks(options.feeds_sinks);
-  runtime.read_from(options.input);
-  const Parts parts = parts_of(plan);
-  for (const auto& part : parts) part->begin(session);
-  observer.begin(session);
-  std::deque<WarningReporter> reporters;
-  if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks) {
-      sink.object->report_to(reporters.emplace_back(result.warnings, sink, options.observer));
-      guard_call<DataError>(plan, sink, "open", no_time, [&] { sink.object->open(); });
+// ---- several over the same samples
+
+bool have_same_sources(const Composition& a, const Composition& b) {
+  return std::ranges::equal(a.plan().sources, b.plan().sources, [](const auto& one, const auto& other) {
+    return !one.identity.empty() && one.identity == other.identity;
+  });
+}
+
+void share_sources(std::span<const std::shared_ptr<const Composition>> compositions) {
+  std::vector<const compose::SourcePlan*> known;
+  for (const auto& composition : compositions)
+    // Nobody runs it yet, and a plan is made as what may be changed.
+    for (auto& source : const_cast<compose::CompositionPlan&>(composition->plan()).sources) {
+      const auto same = std::ranges::find(known, source.identity, &compose::SourcePlan::identity);
+      if (source.identity.empty()) continue;
+      if (same == known.end()) {
+        known.push_back(&source);
+      } else {
+        source.object = (*same)->object;
+        source.opening = (*same)->opening;
+      }
     }
-  run_sources(session, parts, options, observer, result);
-  if (options.feeds_sinks)
-    for (const auto& sink : plan.sinks)
-      guard_call<DataError>(plan, sink, "close", runtime.time(), [&] { sink.object->close(); });
+}
 
-  Diagnostics warnings = plan.opening->warnings;
-  if (is_live) plan.opening->observer = nullptr;
-  warnings.merge(result.warnings);
-  result.warnings = std::move(warnings);
-  for (int f = 0; f < static_cast<int>(plan.filters.size()); ++f) result.warnings.merge(session.notes({f}));
-  note_spans_apart(runtime, result.warnings);
-  note_dropped(runtime, result.warnings);
-  note_without_latency(runtime, result.warnings);
-  note_failures(runtime, result.failures);
-  return result;
+namespace {
+
+/// One of several.
+struct Member {
+  std::unique_ptr<RunUnderWay> run;
+  Taps* taps = nullptr;  // null: it is over
+};
+
+void refuse_unlike(std::span<const RunRequest> requests) {
+  const auto refuse = [](const char* why) { throw std::invalid_argument(std::string("run_together: ") + why); };
+  for (const auto& [composition, options] : requests) {
+    if (!have_same_sources(*requests.front().composition, *composition)) refuse("the sources are not the same");
+    if (options.seed != requests.front().options.seed || options.run != requests.front().options.run)
+      refuse("seed and run are not the same");
+    if (options.input || options.pace != 0 || options.checkpoints.keep || !options.checkpoints.from.empty())
+      refuse("there are no checkpoints, pace and recorded input");
+  }
+}
+
+}  // namespace
+
+std::vector<RunOutcome> run_together(std::span<const RunRequest> requests) {
+  constexpr std::int64_t stretch = 64;  // samples: each works from what its caches hold, and few wait
+  refuse_unlike(requests);
+  std::vector<RunOutcome> outcomes(requests.size());
+  std::vector<Member> members(requests.size());
+  SharedFeed feed;
+  // What is thrown ends one alone.
+  const auto guarded = [&](std::size_t i, const auto& goes_on) {
+    bool is_open = false;
+    try {
+      is_open = goes_on(members[i]);
+    } catch (...) {
+      outcomes[i].thrown = std::current_exception();
+    }
+    if (!is_open && members[i].taps) feed.remove(*std::exchange(members[i].taps, nullptr));
+  };
+  for (std::size_t i = 0; i < requests.size(); ++i)
+    guarded(i, [&](Member& member) {
+      member.run = std::make_unique<RunUnderWay>(requests[i].composition, requests[i].options);
+      Runtime& runtime = member.run->runtime();
+      member.taps = &feed.add(runtime);
+      runtime.read_from(member.taps);
+      member.run->begin();
+      return true;
+    });
+  const auto is_open = [](const Member& member) { return member.taps != nullptr; };
+  for (std::int64_t until = stretch; std::ranges::any_of(members, is_open); until += stretch) {
+    for (std::size_t i = 0; i < members.size(); ++i)
+      if (is_open(members[i]))
+        guarded(i, [&](Member& member) {
+          while (member.taps->taken < until)
+            if (!member.run->step()) {
+              outcomes[i].result = member.run->finish();
+              return false;
+            }
+          return true;
+        });
+    feed.forget_taken();
+  }
+  return outcomes;
 }
 
 }  // namespace binnacle

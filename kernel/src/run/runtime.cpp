@@ -10,6 +10,7 @@
 #include "run/arrival_watch.hpp"
 #include "run/arrivals.hpp"
 #include "run/history.hpp"
+#include "run/shared_feed.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -223,6 +224,8 @@ class Runtime::TransformEmitter : public Emitter {
   }
   void emit_again(OutputChannel channel) override { output(channel).is_repeated = true; }
 
+  const SampleWriter& slot(OutputChannel channel) { return output(channel).slot; }
+
   Time late = 0;  // of what it is made of
 
  private:
@@ -243,14 +246,65 @@ void Runtime::each_input(const std::vector<NodeInput>& inputs, Call&& call) {
                    channels_[as_size(inputs[i].channel)].view, input_numbers_.data()));
 }
 
-void Runtime::run_transform(const TransformPlan& plan) {
+/// Passes on what a transform emits, and keeps it for others.
+class Runtime::SharingEmitter : public Emitter {
+ public:
+  SharingEmitter(TransformEmitter& to, SharedStream& stream) : to_(to), stream_(stream) {}
+  SampleWriter& on(OutputChannel channel) override { return to_.on(channel); }
+  void emit(OutputChannel channel) override {
+    to_.emit(channel);
+    stream_.add({Item::Kind::emitted, {}, channel.index()}, &to_.slot(channel));
+  }
+  void emit_again(OutputChannel channel) override {
+    to_.emit_again(channel);
+    stream_.add({Item::Kind::again, {}, channel.index()});
+  }
+
+ private:
+  using Item = SharedStream::Item;
+  TransformEmitter& to_;
+  SharedStream& stream_;
+};
+
+void Runtime::call_transform(const TransformPlan& plan, Tap* tap, const TransformInput& in, TransformEmitter& emitter) {
+  using Item = SharedStream::Item;
+  if (!tap) return guard_call<FilterError>(plan_, plan, "on", time_, [&] { plan.object->on(in, emitter); });
+  if (!tap->stream->has(tap->place))
+    return guard_call<FilterError>(plan_, plan, "on", time_, [&] {
+      tap->stream->make([&] {
+        SharingEmitter sharing(emitter, *tap->stream);
+        plan.object->on({in.from, in.sample, tap->stream->memory()}, sharing);
+        tap->stream->add({Item::Kind::over});
+      });
+      tap->place = tap->stream->end();
+    });
+  for (;; ++tap->place) {
+    const Item& item = tap->stream->at(tap->place);
+    if (item.kind == Item::Kind::over) break;
+    if (item.kind == Item::Kind::again) {
+      emitter.emit_again(OutputChannel(item.channel));
+    } else {
+      tap->stream->copy(tap->place, emitter.on(OutputChannel(item.channel)));
+      emitter.emit(OutputChannel(item.channel));
+    }
+  }
+  ++tap->place;
+}
+
+void Runtime::run_transform(std::size_t index) {
+  const TransformPlan& plan = plan_.transforms[index];
   TransformEmitter emitter(*this, plan);
+  Tap* const tap = taps_ && taps_->transforms[index].stream ? &taps_->transforms[index] : nullptr;
   each_input(plan.inputs, [&](Input input, const SampleView& sample) {
     emitter.late = channels_[as_size(plan.inputs[as_size(input.index())].channel)].late;
-    guard_call<FilterError>(plan_, plan, "on", time_, [&] {
-      plan.object->on({input, sample, plan.memory.in(arena())}, emitter);
-    });
+    call_transform(plan, tap, {input, sample, plan.memory.in(arena())}, emitter);
   });
+}
+
+std::byte* Runtime::memory_of(const TransformPlan& transform) {
+  const auto index = static_cast<std::size_t>(&transform - plan_.transforms.data());
+  SharedStream* const stream = taps_ ? taps_->transforms[index].stream : nullptr;
+  return stream ? stream->memory() : transform.memory.in(arena());
 }
 
 void Runtime::run_sink(const SinkPlan& plan) {
@@ -389,7 +443,7 @@ bool Runtime::repeat() {
 void Runtime::work_on_instant() {
   if (history_) give_to_history();
   for (const auto& node : nodes_) switch (node.kind) {
-      case Node::Kind::transform: run_transform(plan_.transforms[as_size(node.index)]); break;
+      case Node::Kind::transform: run_transform(as_size(node.index)); break;
       case Node::Kind::filter: run_filter(node.index, time_); break;
       case Node::Kind::sink:
         if (feeds_sinks_) run_sink(plan_.sinks[as_size(node.index)]);
@@ -402,39 +456,6 @@ void Runtime::work_on_instant() {
       subscriber_(static_cast<int>(c), channel.view);
       if (is_settled_at_once && settled_subscriber_) settled_subscriber_(static_cast<int>(c), channel.view);
     }
-}
-
-void Runtime::fetch(std::size_t index) {
-  const auto& source = plan_.sources[index];
-  SourceHead& head = *source.head.in(arena());
-  auto& slots = source_slots_[index];
-  for (auto& slot : slots) slot.clear();
-  SourceOutput out(slots.data());
-  const Time previous = head.sample.t;
-  const char* const call = previous == no_time ? "next for its first sample" : "next";
-  const SourceStatus status = guard_call<DataError>(plan_, source, call, previous, [&] {
-    return source.object->next(source.memory.in(arena()), out);
-  });
-  const int channel = out.channel();
-  const auto fault = [&](const char* code, const std::string& what) {
-    return DataError(
-        Diagnostic{Severity::error, code, plan_.document.origin(source.pointer), source.pointer,
-                   "source '" + source.name + "' " + what + " (" + call_text(*source.type, call, previous) + ")"});
-  };
-  if (status == SourceStatus::error) throw fault("B061", "cannot go on");
-  if (status == SourceStatus::wait) return;  // asked again at the next instant
-  if (status != SourceStatus::sample) {
-    head.status = 2;
-    return;
-  }
-  const bool is_own = channel >= 0 && as_size(channel) < slots.size();
-  const SampleWriter slot = is_own ? slots[as_size(channel)] : SampleWriter{};
-  if (slot.t == no_time || slot.rows < 0 || slot.rows > slot.max_rows)
-    throw fault("B045", "emitted a sample that it did not declare");
-  const bool may_be_late = source.object->declaration().live;
-  if (!may_be_late && previous != no_time && slot.t < previous)
-    throw fault("B063", "goes back in time, to " + time_text(slot.t));
-  head = SourceHead{{slot.t, slot.t0, slot.rows, slot.has_covariance}, 1, channel};
 }
 
 bool Runtime::next_instant() {

@@ -52,6 +52,8 @@ auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, con
 class History;
 class Arrivals;
 class ArrivalWatch;
+struct Tap;
+struct Taps;
 
 class Runtime {
  public:
@@ -88,8 +90,10 @@ class Runtime {
   void watch(ArrivalWatch* watch) { watch_ = watch; }
   /// In place of the sources.
   void read_from(RecordedInput* input) { input_ = input; }
+  /// Sources and transforms that have a stream there give what is in it. Before the first instant.
+  void read_from(Taps* taps) { taps_ = taps; }
   /// Samples come once.
-  bool is_live() const { return is_live_ || input_; }
+  bool is_live() const { return is_live_ || input_ || taps_; }
   /// Whether samples of recorded sources come in order of time, and nobody waits for what is settled.
   static bool is_ordered(const CompositionPlan& plan);
   /// Estimates of a filter, not its own ones, as an instant of their own.
@@ -134,6 +138,8 @@ class Runtime {
 
   std::byte* arena() { return arena_.data()->bytes; }
   const std::byte* arena() const { return arena_.data()->bytes; }
+  /// Of the transform that works for this run.
+  std::byte* memory_of(const TransformPlan& transform);
   std::size_t arena_size() const { return plan_.layout.size(); }
   /// The arena as it was; step observers are informed.
   void put(std::span<const std::byte> arena);
@@ -173,11 +179,15 @@ class Runtime {
   enum class Role { all, without_history, with_history };
   Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes, Role role);
   class TransformEmitter;
+  class SharingEmitter;
   class FilterWatch;
   void fetch(std::size_t source);
+  SourceStatus ask(std::size_t source, const char* call, SourceOutput& out);
+  SourceStatus ask_shared(std::size_t source, const char* call, Tap& tap, SourceOutput& out);
   void run_filter(int index, Time t);
   void feed_filter(Engine& engine, Time t);
-  void run_transform(const TransformPlan& plan);
+  void run_transform(std::size_t transform);
+  void call_transform(const TransformPlan& plan, Tap* tap, const TransformInput& in, TransformEmitter& emitter);
   void run_sink(const SinkPlan& plan);
   void work_on_instant();
   bool repeat();
@@ -221,6 +231,7 @@ class Runtime {
   Time newest_live_ = no_time;
   ArrivalWatch* watch_ = nullptr;
   RecordedInput* input_ = nullptr;
+  Taps* taps_ = nullptr;
 };
 
 }  // namespace binnacle::internal::runtime

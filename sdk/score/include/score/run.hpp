@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <span>
@@ -13,7 +14,7 @@
 
 #include "binnacle/composition.hpp"
 #include "binnacle/diagnostic.hpp"
-#include "binnacle/run.hpp"
+#include "binnacle/run_together.hpp"
 #include "binnacle/session.hpp"
 #include "binnacle/step_log.hpp"
 #include "binnacle/trust.hpp"
@@ -76,6 +77,7 @@ struct RunOptions {
   RunObserver* observer = nullptr;
   std::vector<Metric> metrics = {};  // of this composition, for RunResult::metrics
   bool feeds_sinks = true;           // false where several runs share the composition's sinks
+  bool wants_summary = true;         // false: metrics, warnings, failures and verdict are all; no summary, no doubts
   double pace = 0;                   // as binnacle::RunOptions has them
   RecordedInput* input = nullptr;
   Checkpoints checkpoints = {};
@@ -102,5 +104,22 @@ const std::vector<FilterInfo>& filters_of(const Composition& composition);
 
 /// As binnacle::run(), of a composition loaded with sections(), whose references and metrics are scored.
 RunResult run(const std::shared_ptr<const Composition>& composition, const RunOptions& options = {});
+
+/// Whether run_together() takes it: recorded or simulated sources, and no smoothing that goes back over them.
+bool can_run_together(const Composition& composition);
+
+struct RunRequest {
+  std::shared_ptr<const Composition> composition;
+  RunOptions options = {};
+};
+
+/// What run() returns, or what it throws.
+struct RunOutcome {
+  RunResult result;
+  std::exception_ptr thrown = nullptr;
+};
+
+/// As binnacle::run_together(): what run() gives of each, over samples that are made once.
+std::vector<RunOutcome> run_together(const std::vector<RunRequest>& requests);
 
 }  // namespace binnacle::score

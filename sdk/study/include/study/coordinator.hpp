@@ -49,7 +49,7 @@ class Coordinator {
     bool has_reported = false;
     std::string machine;
     int jobs = 0;
-    std::size_t given = 0;  // runs that it has not brought back
+    std::size_t given = 0;  // batches that it has not brought back
     Clock::time_point last_message;
     std::string trouble;  // why it cannot serve
     int status = 0;       // exit status of that

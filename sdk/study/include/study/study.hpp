@@ -16,6 +16,10 @@
 #include "score/metric.hpp"
 #include "study/statistics.hpp"
 
+namespace binnacle::score {
+struct RunOutcome;
+}
+
 namespace binnacle::study {
 
 /// A name and the merge patches of the config that make it, as LoadOptions::patches takes them.
@@ -139,17 +143,26 @@ class Study {
   /// The same by what it is of: "program", "plugin 'csv'", "seed", "config".
   const std::vector<Making>& makings() const { return makings_; }
 
-  /// Runs one variant once. `goes_on` is asked now and then; once it says false, the figures stay open. What breaks is
-  /// listed in the figures, never thrown.
-  Figures carry_out(std::size_t variant, int run, const std::function<bool()>& goes_on) const;
+  /// All variants, those together whose runs draw the same samples: sources of the same types at the same places of the
+  /// config, with the same parameters as resolved. The largest first.
+  const std::vector<std::vector<std::size_t>>& groups() const { return groups_; }
+
+  /// Runs variants of one group once, side by side over the same samples; in their order, and to the bit as each alone.
+  /// `goes_on` is asked now and then; once it says false, the figures stay open. What breaks is listed in the figures of
+  /// that variant, never thrown.
+  std::vector<Figures> carry_out(const std::vector<std::size_t>& variants, int run,
+                                 const std::function<bool()>& goes_on) const;
 
  private:
   void note_makings();
+  void share();
+  Figures figures_of(const Variant& variant, const score::RunOutcome& outcome) const;
 
   std::string title_;
   int runs_ = 1;
   std::uint64_t seed_ = 1;
   std::vector<Variant> variants_;
+  std::vector<std::vector<std::size_t>> groups_;
   std::vector<StudyMetric> metrics_;
   std::vector<TablePlan> tables_;
   Diagnostics warnings_;

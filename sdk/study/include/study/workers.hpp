@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "study/study.hpp"
 
@@ -13,6 +14,12 @@ namespace binnacle::study {
 /// One run of one variant.
 struct RunKey {
   std::size_t variant = 0;
+  std::size_t run = 0;
+};
+
+/// One run of variants that draw the same samples.
+struct Batch {
+  std::vector<std::size_t> variants;
   std::size_t run = 0;
 };
 
@@ -25,10 +32,13 @@ using OnRun = std::function<void(std::size_t variant, std::size_t run, const Fig
 void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
                    const OnRun& on_run);
 
-/// The heart of it: `jobs` threads ask for the next run, which may take its time, and hand over what came of it. They end
+/// What came of the batch's variants, in their order.
+using OnBatch = std::function<void(const Batch& batch, std::vector<Figures>&& figures)>;
+
+/// The heart of it: `jobs` threads ask for the next batch, which may take its time, and hand over what came of it. They end
 /// when there is none, or `goes_on` says false. What `done` throws is thrown on; it has to make `goes_on` say false.
-void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<RunKey>()>& next,
-                    const std::function<void(RunKey, Figures&&)>& done, const std::function<bool()>& goes_on);
+void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<Batch>()>& next,
+                    const OnBatch& done, const std::function<bool()>& goes_on);
 
 /// Works on 0 … count − 1 with that many threads; what it throws is thrown on. May be called inside `work`.
 void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work);
