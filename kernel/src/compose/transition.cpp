@@ -19,6 +19,7 @@ class TransitionBuilder {
   void run() {
     add_model_blocks();
     group_linear_models();
+    find_what_is_kept();
     collect_contributions();
     plan_.transition.n = plan_.n;
     for (int block = 0; block < block_count(); ++block) add_rows(block);
@@ -190,6 +191,23 @@ class TransitionBuilder {
     add_reachable(group);
     group.work = filter_.reserve(van_loan_matrices * as_size(group.columns * group.columns));
     plan_.van_loan.push_back(std::move(group));
+  }
+
+  void find_what_is_kept() {
+    using Kept = ProcessPlan::Kept;
+    for (auto& process : plan_.processes) {
+      const auto& declared = process.model->declaration();
+      if (!declared.is_time_invariant || process.uses_input) continue;
+      const bool is_scaling = declared.has_continuous_form && process.van_loan_group < 0 && declared.memory_bytes == 0 &&
+                              std::ranges::all_of(declared.transition, [](const Coupling& coupling) {
+                                return coupling.to == coupling.from && coupling.structure == Structure::diagonal;
+                              });
+      process.kept = is_scaling ? Kept::all : Kept::coefficients;
+    }
+    for (int group = 0; group < count_of(plan_.van_loan); ++group)
+      plan_.van_loan[as_size(group)].is_kept = std::ranges::none_of(plan_.processes, [&](const ProcessPlan& process) {
+        return process.van_loan_group == group && process.kept == Kept::nothing;
+      });
   }
 
   void collect_contributions() {
