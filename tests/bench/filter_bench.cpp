@@ -97,7 +97,10 @@ void dense_ship_cycle(benchmark::State& state) {
 
 /// A sample that nobody subscribes to: what a push costs beside what is done with it.
 void empty_push(benchmark::State& state) {
-  Session session(Composition::parse(R"({"binnacle": 1, "sources": {"z": {"type": "pushed", "fields": {"x": {"unit": "m"}}}}})",
+  Session session(Composition::parse(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"x": {"unit": "m"}}}},
+    "filters": {"idle": {"blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+                         "process": {"stands": {"type": "random_constant", "blocks": {"x": "x"}}}}}})",
                                      "bench.json"));
   const auto channel = session.channel("z");
   const double x = 1;
@@ -107,14 +110,16 @@ void empty_push(benchmark::State& state) {
 }
 
 constexpr int n = 21;
-using Square = Eigen::Matrix<double, n, n>;
+template <int states>
+using SquareOf = Eigen::Matrix<double, states, states>;
+using Square = SquareOf<n>;
 
 template <int states>
 void dense_predict(benchmark::State& state) {
-  using Square = Eigen::Matrix<double, states, states>;
-  Square Phi = Square::Identity() + 1e-3 * Square::Random();
-  Square P = Square::Identity();
-  const Square Q = 1e-6 * Square::Identity();
+  using Own = SquareOf<states>;
+  Own Phi = Own::Identity() + 1e-3 * Own::Random();
+  Own P = Own::Identity();
+  const Own Q = 1e-6 * Own::Identity();
   for (auto _ : state) {
     P = Phi * P * Phi.transpose() + Q;
     P *= 0.999;  // stays bounded
