@@ -27,6 +27,7 @@ class TransitionBuilder {
       add_noise(made);
     finish(plan_.transition);
     if (plan_.is_unscented) plan_regression();
+    mark_runs();
     mark_corrected();
     for (const auto& [pattern, list] :
          {std::pair(&transition_pattern_, &filter_.info.transition), std::pair(&noise_pattern_, &filter_.info.noise)})
@@ -329,6 +330,18 @@ class TransitionBuilder {
         plan_.transition.noise.push_back({block(a).first, block(b).first, rows(a), rows(b), n, part});
       }
     finish(plan_.transition);
+  }
+
+  /// Where the models' own blocks lie one behind the other, the arithmetic reads them where they are.
+  void mark_runs() {
+    for (auto& group : plan_.transition.groups) {
+      const auto place = [&](const RowGroup::Column& column) {
+        return plan_.transition_blocks[as_size(column.block)] + as_size(column.offset);
+      };
+      group.is_in_one_run = true;
+      for (std::size_t c = 0; c < group.columns.size(); ++c)
+        group.is_in_one_run &= place(group.columns[c]) == place(group.columns[0]) + c * as_size(group.rows);
+    }
   }
 
   void mark_corrected() {

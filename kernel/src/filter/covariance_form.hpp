@@ -23,14 +23,7 @@ struct RowGroup {
   int rows = 0;       // 1…3
   std::vector<Column> columns;
   std::vector<int> indices;  // columns[c].column, close together; filled by finish()
-};
-
-/// Neighbouring rows of P of one kind; `position`: of the first among all rows of that kind.
-struct RowRun {
-  int first = 0;
-  int count = 0;
-  int position = 0;
-  int end() const { return first + count; }
+  bool is_in_one_run = false;  // the coefficients of each column lie behind those of the one before
 };
 
 /// The structure of one Φ and Qd, fixed when the filter is composed.
@@ -72,7 +65,7 @@ void finish(TransitionPlan& plan);
 void expand_transition(const TransitionPlan& plan, const double* const* phi, MatrixView Phi);
 void expand_noise(const TransitionPlan& plan, const double* const* noise, MatrixView Qd);
 
-/// The group's coefficients in one run of memory; returns its end.
+/// The group's coefficients in one run of memory, from `to` on; returns its end.
 template <int R>
 inline double* collect_rows(const RowGroup& group, const double* const* phi, double* to) {
   for (const auto& column : group.columns) {

@@ -104,6 +104,8 @@ void Estimator::list_ports(const ProcessPlan& process, int index) {
     const BlockPlan& block = plan_.blocks[as_size(process.ports[as_size(noise[k].to)])];
     diagonals_.push_back({&process, &block, noise_[as_size(process.first_noise) + k],
                           noise[k].structure == Structure::diagonal ? 1 : block.dof() + 1});
+    for (const int component : block.active)
+      noise_variances_.push_back(diagonals_.back().q + component * diagonals_.back().step);
   }
   if (process.kept == ProcessPlan::Kept::all) list_scalings(process);
 }

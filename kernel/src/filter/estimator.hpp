@@ -389,6 +389,7 @@ class Estimator {
   std::vector<double> x_corrected_;
   std::vector<Ports> ports_;  // per process
   std::vector<Diagonal> diagonals_;
+  std::vector<const double*> noise_variances_;  // their elements that have a place in P
   std::vector<Scaling> scalings_;
   std::vector<double> group_x_;                                // what a Van Loan group reads
   double kept_dt_ = std::numeric_limits<double>::quiet_NaN();  // length of the step that all in the tables is of [s]

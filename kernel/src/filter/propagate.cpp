@@ -109,6 +109,7 @@ void Estimator::run_continuous(std::size_t index) {
 /// elsewhere comes out in the health check.
 void Estimator::check_noise(Time t) const {
   constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
+  if (std::ranges::all_of(noise_variances_, [](const double* q) { return *q >= 0 && *q <= largest; })) return;
   for (const auto& [process, block, q, step] : diagonals_)
     for (std::size_t a = 0; a < block->active.size(); ++a) {
       const double variance = q[block->active[a] * step];
