@@ -129,6 +129,16 @@ TEST_CASE("every instruction set gives the same bits") {
     base_strip_loops.mirror(P1.data(), n);
     avx2_strip_loops.mirror(P2.data(), n);
     REQUIRE(std::memcmp(P1.data(), P2.data(), P1.size() * sizeof(double)) == 0);
+    const RandomTransition transition(n, engine);
+    const TransitionPlan& plan = transition.plan;
+    const auto M = doubles(ld * ld), AA = doubles(ld * ld), d = doubles(ld);
+    const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), static_cast<int>(of.size())}; };
+    const PredictedParts predicted{ld,          padded(plan.coupled_rows), runs(plan.coupled), runs(plan.uncoupled),
+                                   n,           d.data(),                  M.data(),           AA.data()};
+    base_strip_loops.store(P1.data(), predicted);
+    avx2_strip_loops.store(P2.data(), predicted);
+    for (int j = 0; j < n; ++j)  // above the diagonal there is no order
+      REQUIRE(std::memcmp(P1.data() + j * ld + j, P2.data() + j * ld + j, static_cast<std::size_t>(n - j) * sizeof(double)) == 0);
     auto T1 = doubles(ld * ld), T2 = T1;
     const auto square = doubles(ld * ld);
     base_strip_loops.transpose(square.data(), ld, ld, T1.data(), ld);

@@ -152,10 +152,10 @@ struct ProcessDeclaration : MemoryDeclaration, Differentiable<ProcessDeclaration
     has_continuous_form = true;
     return *this;
   }
-  /// F and GQGᵀ are the same numbers at every call, Φ and Qd at every call of the same dt, whatever x, time, auxiliary
-  /// samples and memory are; it reads no input. The kernel then keeps them while steps are equally long, discretized
-  /// too: linearized() is called once, propagate() for x⁺ alone, with neither phi nor Qd, or not at all where Φ is
-  /// diagonal and the model linear, for x⁺ = Φ x. A property of the filter's numbers that conformance looks at.
+  /// F and GQGᵀ are the same numbers at every call, Φ and Qd at every call of the same dt, whatever x and time are; it has
+  /// no input, auxiliary channels or memory. The kernel then keeps them, discretized too, while steps are equally long: it
+  /// calls propagate() with neither phi nor Qd, for x⁺ alone, and linearized() not at all; nor propagate() where the model
+  /// has both forms and all its blocks of Φ are diagonal, (to, to): x⁺ is then Φ x, to the bit. Conformance checks that.
   ProcessDeclaration& time_invariant() {
     is_time_invariant = true;
     return *this;

@@ -198,8 +198,9 @@ class TransitionBuilder {
     using Kept = ProcessPlan::Kept;
     for (auto& process : plan_.processes) {
       const auto& declared = process.model->declaration();
-      if (!declared.is_time_invariant || process.uses_input) continue;
-      const bool is_scaling = declared.has_continuous_form && process.van_loan_group < 0 && declared.memory_bytes == 0 &&
+      const bool sees_more = process.uses_input || !process.auxiliary.channels.empty() || declared.memory_bytes > 0;
+      if (!declared.is_time_invariant || sees_more) continue;
+      const bool is_scaling = declared.has_continuous_form && process.van_loan_group < 0 &&
                               std::ranges::all_of(declared.transition, [](const Coupling& coupling) {
                                 return coupling.to == coupling.from && coupling.structure == Structure::diagonal;
                               });
