@@ -246,7 +246,8 @@ int main(int argc, char** argv) {
     std::printf("the same in microseconds (paper 004, on a Z-8000 in 1984: 170 ms per gain cycle) %27.3f\n",
                 1e-3 * reporter.time_ns["ship_cycle"]);
   if (reporter.time_ns.contains("empty_push"))
-    std::printf("a push on a channel that nobody subscribes to, in nanoseconds %45.0f\n", reporter.time_ns["empty_push"]);
+    std::printf("a push on a channel that nobody subscribes to, in nanoseconds %45.0f\n",
+                reporter.time_ns["empty_push"]);
   for (const char* what : {"imu_step/", "fix_update/"}) {
     std::printf("%s n states, of 21:", what);
     for (const int states : {9, 15, 21, 30, 45, 60, 90, 120}) {

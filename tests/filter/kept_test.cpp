@@ -100,16 +100,18 @@ class Counted final : public ProcessModel {
 Session counted(const std::string& type, bool is_closed) {
   linearizations = propagations = without_blocks = 0;
   LoadOptions options;
-  options.linked_plugins.push_back(std::make_shared<LinkedPlugin>(LinkedPlugin{"counted", "1.0.0", [](Registry& registry) {
-    registry.add<Counted<true>>();
-    registry.add<Counted<false>>();
-  }}));
+  options.linked_plugins.push_back(
+      std::make_shared<LinkedPlugin>(LinkedPlugin{"counted", "1.0.0", [](Registry& registry) {
+                                                    registry.add<Counted<true>>();
+                                                    registry.add<Counted<false>>();
+                                                  }}));
   ::setenv("BINNACLE_PLUGIN_PATH", BINNACLE_TEST_PLUGINS, 1);
   return Session(Composition::parse(R"({"binnacle": 1,
     "sources": {"z": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {
       "blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 1, "sigma": 2}},
-      "process": {"decays": {"type": ")" + type + R"(", "blocks": {"x": "x"}, "is_closed": )" +
+      "process": {"decays": {"type": ")" +
+                                        type + R"(", "blocks": {"x": "x"}, "is_closed": )" +
                                         (is_closed ? "true" : "false") + R"(}},
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"},
                                "sigma": [0.7]}}}}})",

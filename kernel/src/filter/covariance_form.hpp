@@ -22,7 +22,7 @@ struct RowGroup {
   int first_row = 0;  // of P
   int rows = 0;       // 1…3
   std::vector<Column> columns;
-  std::vector<int> indices;  // columns[c].column, close together; filled by finish()
+  std::vector<int> indices;    // columns[c].column, close together; filled by finish()
   bool is_in_one_run = false;  // the coefficients of each column lie behind those of the one before
 };
 

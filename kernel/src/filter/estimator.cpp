@@ -118,7 +118,8 @@ void Estimator::list_scalings(const ProcessPlan& process) {
     const auto own = std::ranges::find(transition, static_cast<int>(port), &Coupling::to);
     const auto place = as_size(process.first_transition + static_cast<int>(own - transition.begin()));
     const BlockPlan& block = plan_.blocks[as_size(process.ports[port])];
-    scalings_.push_back({next, own == transition.end() ? nullptr : phi_[place], ports_.back().inputs[port], block.dof()});
+    scalings_.push_back(
+        {next, own == transition.end() ? nullptr : phi_[place], ports_.back().inputs[port], block.dof()});
   }
 }
 

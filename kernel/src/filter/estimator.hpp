@@ -393,7 +393,7 @@ class Estimator {
   std::vector<Scaling> scalings_;
   std::vector<double> group_x_;                                // what a Van Loan group reads
   double kept_dt_ = std::numeric_limits<double>::quiet_NaN();  // length of the step that all in the tables is of [s]
-  std::vector<const double*> port_values_;  // of the component being called, as all that follows
+  std::vector<const double*> port_values_;                     // of the component being called, as all that follows
   std::vector<MatrixView> jacobians_;
   std::vector<double> driving_rates_, fields_, auxiliary_fields_, port_covariance_;
   std::vector<int> first_row_;  // by port, of port_covariance_

@@ -126,8 +126,7 @@ void store_predicted(double* P, const PredictedParts& given) {
     for (int j = columns.first; j < columns.end() && j < parts.scaled_rows; ++j) {
       double* const to = column_at(P, parts.ld, j);
       const double own = parts.d[j];
-      for (int i = strip_of(j); i < parts.ld; i += lanes)
-        store(to + i, load(to + i) * (load(parts.d + i) * own));
+      for (int i = strip_of(j); i < parts.ld; i += lanes) store(to + i, load(to + i) * (load(parts.d + i) * own));
     }
   for (const RowRun columns : parts.coupled)
     for (int j = columns.first; j < columns.end(); ++j)
