@@ -12,7 +12,7 @@ namespace binnacle::internal::filter {
 using base::as_size;
 
 Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
-    : plan_(plan), P_(P), ld_(padded(plan.n)), ld_coupled_(padded(plan.coupled_rows)), d_(as_size(ld_)) {
+    : plan_(plan), P_(P), ld_(padded(plan.n)), ld_coupled_(padded(plan.coupled_rows)), d_(as_size(ld_), 1.0) {
   std::size_t coefficients = 0;
   for (const auto& group : plan.groups) coefficients += group.columns.size() * as_size(group.rows);
   coefficients_.resize(coefficients);
@@ -60,13 +60,18 @@ void Joseph::predict_coupled(const double* const* phi) {
 //   P'_BB = d_B d_B' P_BB
 // Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
 int Joseph::predict(const double* const* phi, const double* const* noise) {
-  std::fill(d_.begin(), d_.end(), 1.0);
   for (const auto& diagonal : plan_.diagonals) d_[as_size(diagonal.row)] = phi[diagonal.block][diagonal.offset];
   if (plan_.coupled_rows > 0) predict_coupled(phi);
   const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), base::count_of(of)}; };
   strip_loops().store(P_, {ld_, ld_coupled_, runs(plan_.coupled), runs(plan_.uncoupled), plan_.scaled_rows, d_.data(),
                            M_.data(), PAA_.data()});
-  for (const auto& element : plan_.noise_elements) P_[element.at] += noise[element.block][element.place];
+  for (const auto& run : plan_.noise_runs) {
+    const double* const block = noise[run.block];
+    for (int e = run.first; e < run.end; ++e) {
+      const auto& element = plan_.noise_elements[as_size(e)];
+      P_[element.at] += block[element.place];
+    }
+  }
   strip_loops().mirror(P_, plan_.n);
   return -1;
 }

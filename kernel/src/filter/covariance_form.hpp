@@ -47,6 +47,12 @@ struct TransitionPlan {
     int block = 0;
     int place = 0;
   };
+  /// Neighbouring elements of one block.
+  struct NoiseRun {
+    int block = 0;
+    int first = 0;
+    int end = 0;
+  };
   int n = 0;
   std::vector<RowGroup> groups;     // rows of Φ with off-diagonal or dense content
   std::vector<Diagonal> diagonals;  // rows of Φ with nothing but a diagonal element
@@ -56,9 +62,10 @@ struct TransitionPlan {
   int scaled_rows = 0;  // behind the last of `diagonals`
   std::vector<Noise> noise;
   std::vector<NoiseElement> noise_elements;
+  std::vector<NoiseRun> noise_runs;
 };
 
-/// Fills `coupled`, `uncoupled`, `scaled_rows` and `noise_elements` from the rest.
+/// Fills `coupled`, `uncoupled`, `scaled_rows`, `noise_elements` and `noise_runs` from the rest.
 void finish(TransitionPlan& plan);
 
 /// Φ and Qd of the tables of block pointers, n×n.

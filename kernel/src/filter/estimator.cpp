@@ -30,6 +30,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto offset : plan.noise_blocks) noise_.push_back(at(offset));
   for (const auto& block : plan.blocks) values_.push_back(state() + block.stored_offset);
   for (const auto& derived : plan.derived) values_.push_back(at(derived.value));
+  for (const auto& block : plan.blocks)
+    if (block.holds_frozen) held_.push_back(&block);
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
   if (!plan.is_unscented) return;
   std::vector<Place<std::byte>> memories;

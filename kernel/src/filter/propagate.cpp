@@ -300,8 +300,8 @@ void Estimator::gather(const std::vector<GatherPlan>& plans, const std::vector<d
 
 /// What is frozen stays as it is in x, where its block holds it.
 void Estimator::hold_frozen(const double* x) {
-  for (const BlockPlan& block : plan_.blocks) {
-    if (!block.holds_frozen) continue;
+  for (const BlockPlan* const held : held_) {
+    const BlockPlan& block = *held;
     const VectorView next = block.in(x_plus_.data());
     const ConstVectorView now = block.in(x);
     if (block.active.empty()) {
