@@ -33,7 +33,7 @@ GaussMarkov::GaussMarkov(const Binding& binding)
   const auto tau = binding.parameters().vector("tau");
   const auto sigma = binding.parameters().vector("sigma");
   for (Eigen::Index i = 0; i < tau.size(); ++i) components_.push_back({tau[i], sigma[i] * sigma[i]});
-  declaration_.has_both_forms();
+  declaration_.has_both_forms().time_invariant();
 }
 
 Result GaussMarkov::propagate(const ProcessInput& in, ProcessOutput& out) const {

@@ -34,7 +34,7 @@ Integrated::Integrated(const Binding& binding) : x_(binding.port("x")) {
     for (const double root : binding.parameters().vector("q")) density_.push_back(root * root);
     q_ = declaration_.adds_noise(x_, x_, Structure::diagonal);
   }
-  declaration_.only_continuous();
+  declaration_.only_continuous().time_invariant();
 }
 
 void Integrated::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {

@@ -69,7 +69,7 @@ Linear::Linear(const Binding& binding) : F_(binding.parameters().matrix("F")) {
     GQG_ = G * noise_density(parameters, G.cols()).asDiagonal() * G.transpose();
     GQG_block_ = declaration_.adds_noise(x, x);
   }
-  declaration_.only_continuous();
+  declaration_.only_continuous().time_invariant();
 }
 
 void Linear::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {

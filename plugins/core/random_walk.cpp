@@ -27,7 +27,7 @@ RandomWalk::RandomWalk(const Binding& binding)
     : x_(binding.port("x")), q_(declaration_.adds_noise(x_, x_, Structure::diagonal)) {
   const auto q = binding.parameters().vector("q");
   for (const double root : q) density_.push_back(root * root);
-  declaration_.has_both_forms();
+  declaration_.has_both_forms().time_invariant();
 }
 
 Result RandomWalk::propagate(const ProcessInput& in, ProcessOutput& out) const {

@@ -47,7 +47,7 @@ Motion::Motion(const Binding& binding) {
       if (F(i, j) != 0) F_.push_back({declaration_.couples(port(i), port(j)), F(i, j)});
   const Port last = port(F.rows() - 1);
   q_ = declaration_.adds_noise(last, last);
-  declaration_.only_continuous();
+  declaration_.only_continuous().time_invariant();
 }
 
 void Motion::linearized(const ContinuousInput& /*in*/, ContinuousOutput& out) const {

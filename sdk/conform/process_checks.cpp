@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// numbers.process: Φ against differences, Qd against its own halves, dt = 0.
+// numbers.process: Φ against differences, Qd against its own halves, dt = 0, what the kernel may keep.
+#include <algorithm>
 #include <cmath>
 
 #include "process_consistency.hpp"
@@ -183,6 +184,74 @@ void discretization(Trial& trial) {
                "closed and continuous form give another Qd:\n", Q_closed, "\nand\n", Q);
 }
 
+// ---- what the kernel may keep
+
+/// Φ and Qd, or F and GQGᵀ, and x⁺ of the closed form.
+struct Coefficients {
+  Eigen::MatrixXd transition, noise;
+  testing::Propagated p;
+};
+
+void same_coefficients(Trial& trial, const Coefficients& first, const Coefficients& other, double dt) {
+  const auto same = [&](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const char* name) {
+    trial.expect((a.array() == b.array()).all(), "says that it is time-invariant, but ", name, " over ", dt,
+                 " s is at one time and state\n", a, "\nand at others\n", b);
+  };
+  const bool is_closed = !other.p.x_plus.empty();
+  same(first.transition, other.transition, is_closed ? "Phi" : "F");
+  same(first.noise, other.noise, is_closed ? "Qd" : "GQGt");
+}
+
+/// A linear model with a diagonal Φ is not even asked for x⁺.
+void same_product(Trial& trial, const Subject& subject, const PortStates& ports, const Coefficients& coefficients) {
+  const auto& couplings = subject.declared().transition;
+  const auto is_diagonal = [](const Coupling& c) { return c.to == c.from && c.structure == Structure::diagonal; };
+  if (!subject.declared().has_continuous_form || !std::all_of(couplings.begin(), couplings.end(), is_diagonal)) return;
+  for (std::size_t port = 0; port < ports.size(); ++port) {
+    if (!subject.caller().moves(ports, port)) continue;
+    const int row = testing::offset(ports, port);
+    for (int i = 0; i < ports[port].dof(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double product = coefficients.transition(row + i, row + i) * ports[port].x[at];
+      trial.expect(coefficients.p.x_plus[port][at] == product, "x+ of '", subject.name(port), "' is ",
+                   coefficients.p.x_plus[port][at], ", and Phi x is ", product);
+    }
+  }
+}
+
+void time_invariant(Trial& trial) {
+  const Subject subject(trial);
+  const auto& spec = subject.caller().spec();
+  if (!subject.declared().is_time_invariant) Trial::not_applicable("it does not say that it is");
+  if (!trial.expect(spec.fields.empty() && spec.inputs.empty() && subject.memory.empty(),
+                    "says that it is time-invariant, but has an input, auxiliary channels or memory"))
+    return;
+  for (const double dt : {1e-4, ordinary_dt, 0.3}) {
+    Coefficients first;
+    for (std::uint64_t look = 0; look < 4; ++look) {
+      auto random = trial.random(970 + look);
+      const PortStates ports = subject.process.ports(random, 0.3);
+      Step step = DrivenStep(dt, {}, false, static_cast<Time>(look + 1) * 3'000'000'000).step();
+      step.bridges = look % 2 == 1;
+      Coefficients now;
+      if (subject.process.is_closed()) {
+        now.p = subject.caller().propagate(ports, step, subject.memory);
+        if (!now.p.result) Trial::skip(std::string("it refuses ordinary input: ") + now.p.result.reason);
+        now.transition = subject.caller().Phi(ports, now.p);
+        same_product(trial, subject, ports, now);
+      } else {
+        now.p = subject.caller().linearized(ports);
+        now.transition = subject.caller().F(ports, now.p);
+      }
+      now.noise = subject.caller().Q(ports, now.p);
+      if (look == 0)
+        first = now;
+      else
+        same_coefficients(trial, first, now, dt);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Check> process_checks() {
@@ -214,10 +283,16 @@ std::vector<Check> process_checks() {
        {"numbers.process.composition"},
        "closed and continuous form agree",
        discretization},
+      {"numbers.process.time_invariant",
+       2,
+       roles,
+       {"life.repeatable"},
+       "what says that it is time-invariant gives the same Phi and Qd (F and GQGt) at every time and state",
+       time_invariant},
       {"numbers.process.consistency",
        5,
        roles,
-       {"numbers.process.composition", "numbers.process.discretization"},
+       {"numbers.process.composition", "numbers.process.discretization", "numbers.process.time_invariant"},
        "NEES of a filter on a world that is the model stays in its band",
        process_consistency},
   };

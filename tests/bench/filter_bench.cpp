@@ -95,13 +95,31 @@ void dense_ship_cycle(benchmark::State& state) {
   }
 }
 
-constexpr int n = 21;
-using Square = Eigen::Matrix<double, n, n>;
+/// A sample that nobody subscribes to: what a push costs beside what is done with it.
+void empty_push(benchmark::State& state) {
+  Session session(Composition::parse(R"({"binnacle": 1,
+    "sources": {"z": {"type": "pushed", "fields": {"x": {"unit": "m"}}}},
+    "filters": {"idle": {"blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+                         "process": {"stands": {"type": "random_constant", "blocks": {"x": "x"}}}}}})",
+                                     "bench.json"));
+  const auto channel = session.channel("z");
+  const double x = 1;
+  Time t = 0;
+  for (auto _ : state) session.push(channel, no_time, t += 1'000'000, {&x, 1});
+  if (session.counts(channel).pushed != static_cast<std::int64_t>(state.iterations())) state.SkipWithError("not taken");
+}
 
+constexpr int n = 21;
+template <int states>
+using SquareOf = Eigen::Matrix<double, states, states>;
+using Square = SquareOf<n>;
+
+template <int states>
 void dense_predict(benchmark::State& state) {
-  Square Phi = Square::Identity() + 1e-3 * Square::Random();
-  Square P = Square::Identity();
-  const Square Q = 1e-6 * Square::Identity();
+  using Own = SquareOf<states>;
+  Own Phi = Own::Identity() + 1e-3 * Own::Random();
+  Own P = Own::Identity();
+  const Own Q = 1e-6 * Own::Identity();
   for (auto _ : state) {
     P = Phi * P * Phi.transpose() + Q;
     P *= 0.999;  // stays bounded
@@ -186,7 +204,8 @@ void assembly(benchmark::State& state) {
 
 }  // namespace
 
-BENCHMARK(dense_predict);
+BENCHMARK(dense_predict<n>)->Name("dense_predict");
+BENCHMARK(dense_predict<15>)->Name("dense_predict_15");
 BENCHMARK(dense_joseph);
 BENCHMARK(imu_step)->Arg(9)->Arg(15)->Arg(21)->Arg(30)->Arg(45)->Arg(60)->Arg(90)->Arg(120);
 BENCHMARK(imu_step_first_order);
@@ -198,6 +217,7 @@ BENCHMARK_CAPTURE(bearing_update, iterated, "iterated");
 BENCHMARK_CAPTURE(bearing_update, unscented, "unscented");
 BENCHMARK(dense_ship_cycle);
 BENCHMARK(ship_cycle);
+BENCHMARK(empty_push);
 BENCHMARK(assembly)->Unit(benchmark::kMillisecond);
 
 int main(int argc, char** argv) {
@@ -214,7 +234,8 @@ int main(int argc, char** argv) {
                                              : "without AVX2, which this processor lacks");
 #endif
   ratio("IMU step, 21 states (mechanization, Phi, covariance)", "imu_step/21", "dense_predict");
-  ratio("the same with the first-order transition", "imu_step_first_order", "dense_predict");
+  ratio("the same, 15 states", "imu_step/15", "dense_predict_15");
+  ratio("21 states with the first-order transition", "imu_step_first_order", "dense_predict");
   ratio("3-row position fix, 21 states (model, gate, update)", "fix_update/21", "dense_joseph");
   for (const std::string update : {"iterated", "unscented"}) {
     ratio(("the same fix, " + update).c_str(), "fix_update_by/" + update, "fix_update/21");
@@ -224,6 +245,9 @@ int main(int argc, char** argv) {
   if (reporter.time_ns.contains("ship_cycle"))
     std::printf("the same in microseconds (paper 004, on a Z-8000 in 1984: 170 ms per gain cycle) %27.3f\n",
                 1e-3 * reporter.time_ns["ship_cycle"]);
+  if (reporter.time_ns.contains("empty_push"))
+    std::printf("a push on a channel that nobody subscribes to, in nanoseconds %45.0f\n",
+                reporter.time_ns["empty_push"]);
   for (const char* what : {"imu_step/", "fix_update/"}) {
     std::printf("%s n states, of 21:", what);
     for (const int states : {9, 15, 21, 30, 45, 60, 90, 120}) {

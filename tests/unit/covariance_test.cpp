@@ -140,6 +140,32 @@ TEST_CASE("every instruction set gives the same bits") {
   }
 }
 
+TEST_CASE("every instruction set puts the same prediction together") {
+  if (!runs_avx2()) return;  // one set only
+  std::mt19937 engine(13);
+  for (int trial = 0; trial < 100; ++trial) {
+    const int n = 1 + static_cast<int>(engine() % 40), ld = padded(n);
+    const auto doubles = [&](int count) {
+      std::vector<double> list(static_cast<std::size_t>(count));
+      for (double& x : list) x = std::normal_distribution<double>()(engine);
+      return list;
+    };
+    const RandomTransition transition(n, engine);
+    const TransitionPlan& plan = transition.plan;
+    const auto M = doubles(ld * ld), AA = doubles(ld * ld), d = doubles(ld);
+    const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), static_cast<int>(of.size())}; };
+    const PredictedParts parts{
+        ld, padded(plan.coupled_rows), runs(plan.coupled), runs(plan.uncoupled), n, d.data(), M.data(), AA.data()};
+    auto P1 = doubles(ld * n), P2 = P1;
+    base_strip_loops.store(P1.data(), parts);
+    avx2_strip_loops.store(P2.data(), parts);
+    for (int j = 0; j < n; ++j) {  // what is above the diagonal is written over
+      const auto lower = [&](const std::vector<double>& P) { return P.data() + j * ld + j; };
+      REQUIRE(std::memcmp(lower(P1), lower(P2), static_cast<std::size_t>(n - j) * sizeof(double)) == 0);
+    }
+  }
+}
+
 TEST_CASE("an innovation covariance that is not positive definite is refused") {
   const MatrixXd P = MatrixXd::Identity(2, 2);
   Stored stored(P);

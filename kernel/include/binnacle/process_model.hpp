@@ -130,6 +130,7 @@ struct ProcessDeclaration : MemoryDeclaration, Differentiable<ProcessDeclaration
   std::vector<Coupling> noise;       // between advanced ports, one of (a, b) and (b, a) at most; the kernel mirrors it
   bool has_closed_form = true;       // propagate() is implemented
   bool has_continuous_form = false;  // linearized() is implemented: a linear model
+  bool is_time_invariant = false;    // the kernel may keep what it once wrote
 
   /// Φ has a block with the rows of `to`, which is advanced, and the columns of `from`. Of an open port: nothing.
   PhiBlock couples(Port to, Port from, Structure structure = Structure::dense) {
@@ -149,6 +150,14 @@ struct ProcessDeclaration : MemoryDeclaration, Differentiable<ProcessDeclaration
   ProcessDeclaration& only_continuous() {
     has_closed_form = false;
     has_continuous_form = true;
+    return *this;
+  }
+  /// F and GQGᵀ are the same numbers at every call, Φ and Qd at every call of the same dt, whatever x and time are; it has
+  /// no input, auxiliary channels or memory. The kernel then keeps them, discretized too, while steps are equally long: it
+  /// calls propagate() with neither phi nor Qd, for x⁺ alone, and linearized() not at all; nor propagate() where the model
+  /// has both forms and all its blocks of Φ are diagonal, (to, to): x⁺ is then Φ x, to the bit. Conformance checks that.
+  ProcessDeclaration& time_invariant() {
+    is_time_invariant = true;
     return *this;
   }
 

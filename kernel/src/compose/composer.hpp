@@ -87,7 +87,7 @@ class FilterComposer {
   void fail();
   std::size_t reserve(std::size_t doubles) {
     const std::size_t offset = plan.workspace;
-    plan.workspace += (doubles + 1) / 2 * 2;
+    plan.workspace += doubles;
     return offset;
   }
 

@@ -19,6 +19,7 @@ class TransitionBuilder {
   void run() {
     add_model_blocks();
     group_linear_models();
+    find_what_is_kept();
     collect_contributions();
     plan_.transition.n = plan_.n;
     for (int block = 0; block < block_count(); ++block) add_rows(block);
@@ -26,6 +27,7 @@ class TransitionBuilder {
       add_noise(made);
     finish(plan_.transition);
     if (plan_.is_unscented) plan_regression();
+    mark_runs();
     mark_corrected();
     for (const auto& [pattern, list] :
          {std::pair(&transition_pattern_, &filter_.info.transition), std::pair(&noise_pattern_, &filter_.info.noise)})
@@ -192,6 +194,24 @@ class TransitionBuilder {
     plan_.van_loan.push_back(std::move(group));
   }
 
+  void find_what_is_kept() {
+    using Kept = ProcessPlan::Kept;
+    for (auto& process : plan_.processes) {
+      const auto& declared = process.model->declaration();
+      const bool sees_more = process.uses_input || !process.auxiliary.channels.empty() || declared.memory_bytes > 0;
+      if (!declared.is_time_invariant || sees_more) continue;
+      const bool is_scaling = declared.has_continuous_form && process.van_loan_group < 0 &&
+                              std::ranges::all_of(declared.transition, [](const Coupling& coupling) {
+                                return coupling.to == coupling.from && coupling.structure == Structure::diagonal;
+                              });
+      process.kept = is_scaling ? Kept::all : Kept::coefficients;
+    }
+    for (int group = 0; group < count_of(plan_.van_loan); ++group)
+      plan_.van_loan[as_size(group)].is_kept = std::ranges::none_of(plan_.processes, [&](const ProcessPlan& process) {
+        return process.van_loan_group == group && process.kept == Kept::nothing;
+      });
+  }
+
   void collect_contributions() {
     for (const Made& made :
          all_made(&ProcessDeclaration::transition, &ProcessPlan::first_transition, &VanLoanGroup::phi)) {
@@ -311,6 +331,18 @@ class TransitionBuilder {
         plan_.transition.noise.push_back({block(a).first, block(b).first, rows(a), rows(b), n, part});
       }
     finish(plan_.transition);
+  }
+
+  /// Where the models' own blocks lie one behind the other, the arithmetic reads them where they are.
+  void mark_runs() {
+    for (auto& group : plan_.transition.groups) {
+      const auto place = [&](const RowGroup::Column& column) {
+        return plan_.transition_blocks[as_size(column.block)] + as_size(column.offset);
+      };
+      group.is_in_one_run = true;
+      for (std::size_t c = 0; c < group.columns.size(); ++c)
+        group.is_in_one_run &= place(group.columns[c]) == place(group.columns[0]) + c * as_size(group.rows);
+    }
   }
 
   void mark_corrected() {

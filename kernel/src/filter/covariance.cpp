@@ -12,10 +12,11 @@ namespace binnacle::internal::filter {
 using base::as_size;
 
 Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
-    : plan_(plan), P_(P), ld_(padded(plan.n)), ld_coupled_(padded(plan.coupled_rows)), d_(as_size(ld_)) {
+    : plan_(plan), P_(P), ld_(padded(plan.n)), ld_coupled_(padded(plan.coupled_rows)), d_(as_size(ld_), 1.0) {
   std::size_t coefficients = 0;
   for (const auto& group : plan.groups) coefficients += group.columns.size() * as_size(group.rows);
   coefficients_.resize(coefficients);
+  own_.reserve(plan.groups.size());
   M_.resize(as_size(ld_) * as_size(ld_coupled_));
   Mt_.resize(M_.size());
   PAA_.resize(as_size(ld_coupled_) * as_size(ld_coupled_));
@@ -28,9 +29,14 @@ void Joseph::predict_coupled(const double* const* phi) {
   const StripLoops& loops = strip_loops();
   double* out = M_.data();
   double* next = coefficients_.data();
+  own_.clear();
   for (const auto& group : plan_.groups) {
     const double* own = next;
-    next = collect(group, phi, next);
+    if (group.is_in_one_run)
+      own = phi[group.columns.front().block] + group.columns.front().offset;
+    else
+      next = collect(group, phi, next);
+    own_.push_back(own);
     loops.combine(group.rows, P_, ld_, 0, static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows,
                   out);
     out = column_at(out, ld_, group.rows);
@@ -38,48 +44,13 @@ void Joseph::predict_coupled(const double* const* phi) {
   loops.transpose(M_.data(), ld_, ld_coupled_, Mt_.data(), ld_coupled_);
   out = PAA_.data();
   int position = 0;
-  const double* own = coefficients_.data();
+  auto own = own_.begin();
   for (const auto& group : plan_.groups) {
     loops.combine(group.rows, Mt_.data(), ld_coupled_, position / strip * strip, static_cast<int>(group.indices.size()),
-                  group.indices.data(), own, group.rows, out);
-    own += group.indices.size() * as_size(group.rows);
+                  group.indices.data(), *own++, group.rows, out);
     out = column_at(out, ld_coupled_, group.rows);
     position += group.rows;
   }
-}
-
-/// The columns of A in the lower triangle: d_B M_BA, and P'_AA from PAA.
-void Joseph::store_coupled() {
-  const double* const __restrict d = d_.data();
-  for (const auto& columns : plan_.coupled)
-    for (int j = columns.first; j < columns.end(); ++j) {
-      const int a = columns.position + j - columns.first;
-      double* const __restrict to = column_at(P_, ld_, j);
-      const double* const __restrict m = column_at(M_.data(), ld_, a);
-      for (int i = j / strip * strip; i < ld_; i += strip)  // what is not of B is written over
-        for (int k = 0; k < strip; ++k) to[i + k] = d[i + k] * m[i + k];
-      for (const auto& rows : plan_.uncoupled) {
-        if (rows.first > j) break;
-        for (int i = rows.first; i < rows.end(); ++i) column_at(P_, ld_, i)[j] = d[i] * m[i];
-      }
-      const double* const __restrict aa = column_at(PAA_.data(), ld_coupled_, a);
-      for (const auto& rows : plan_.coupled) {
-        const int shift = rows.position - rows.first;
-        for (int i = std::max(rows.first, j); i < rows.end(); ++i) to[i] = aa[i + shift];
-      }
-    }
-}
-
-/// P'_BB = d_B d_B' P_BB in the lower triangle; what else is in those columns is written over.
-void Joseph::scale_uncoupled() {
-  const double* const __restrict d = d_.data();
-  for (const auto& columns : plan_.uncoupled)
-    for (int j = columns.first; j < std::min(columns.end(), plan_.scaled_rows); ++j) {
-      double* const __restrict to = column_at(P_, ld_, j);
-      const double own = d[j];
-      for (int i = j / strip * strip; i < ld_; i += strip)
-        for (int k = 0; k < strip; ++k) to[i + k] *= d[i + k] * own;
-    }
 }
 
 // With A the coupled rows (dense groups) and B the others (identity or a single diagonal element d):
@@ -89,12 +60,18 @@ void Joseph::scale_uncoupled() {
 //   P'_BB = d_B d_B' P_BB
 // Only the lower triangle of P' is made; the upper is its mirror image, so P stays symmetric to the bit.
 int Joseph::predict(const double* const* phi, const double* const* noise) {
-  std::fill(d_.begin(), d_.end(), 1.0);
   for (const auto& diagonal : plan_.diagonals) d_[as_size(diagonal.row)] = phi[diagonal.block][diagonal.offset];
   if (plan_.coupled_rows > 0) predict_coupled(phi);
-  scale_uncoupled();
-  store_coupled();
-  for (const auto& element : plan_.noise_elements) P_[element.at] += noise[element.block][element.place];
+  const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), base::count_of(of)}; };
+  strip_loops().store(P_, {ld_, ld_coupled_, runs(plan_.coupled), runs(plan_.uncoupled), plan_.scaled_rows, d_.data(),
+                           M_.data(), PAA_.data()});
+  for (const auto& run : plan_.noise_runs) {
+    const double* const block = noise[run.block];
+    for (int e = run.first; e < run.end; ++e) {
+      const auto& element = plan_.noise_elements[as_size(e)];
+      P_[element.at] += block[element.place];
+    }
+  }
   strip_loops().mirror(P_, plan_.n);
   return -1;
 }

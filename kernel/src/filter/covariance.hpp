@@ -44,8 +44,6 @@ class Joseph final : public CovarianceForm {
  private:
   MatrixView matrix() const { return {P_, plan_.n, plan_.n, ld_}; }
   void predict_coupled(const double* const* phi);
-  void store_coupled();
-  void scale_uncoupled();
 
   const TransitionPlan& plan_;
   double* P_;
@@ -55,7 +53,8 @@ class Joseph final : public CovarianceForm {
   base::AlignedVector<double> Mt_;            // ld_coupled × ld: Mᵀ
   base::AlignedVector<double> PAA_;           // ld_coupled × coupled
   base::AlignedVector<double> d_;             // ld: diagonal of Φ, 1 for coupled rows
-  base::AlignedVector<double> coefficients_;  // of all groups, one after the other
+  base::AlignedVector<double> coefficients_;  // of groups that do not have them in one run, one after the other
+  std::vector<const double*> own_;            // of each group
   base::AlignedVector<double> transformed_;   // ld × most_dof
   std::vector<int> rows_;                     // 0, 1, 2, …
 };

@@ -50,7 +50,11 @@ void finish(TransitionPlan& plan) {
   for (auto& group : plan.groups)
     for (const auto& column : group.columns) group.indices.push_back(column.column);
   for (const auto& diagonal : plan.diagonals) plan.scaled_rows = std::max(plan.scaled_rows, diagonal.row + 1);
-  for (const auto& noise : plan.noise) list_elements(noise, padded(plan.n), plan.noise_elements);
+  for (const auto& noise : plan.noise) {
+    const int first = base::count_of(plan.noise_elements);
+    list_elements(noise, padded(plan.n), plan.noise_elements);
+    plan.noise_runs.push_back({noise.block, first, base::count_of(plan.noise_elements)});
+  }
 }
 
 void expand_transition(const TransitionPlan& plan, const double* const* phi, MatrixView Phi) {

@@ -22,15 +22,8 @@ struct RowGroup {
   int first_row = 0;  // of P
   int rows = 0;       // 1…3
   std::vector<Column> columns;
-  std::vector<int> indices;  // columns[c].column, close together; filled by finish()
-};
-
-/// Neighbouring rows of P of one kind; `position`: of the first among all rows of that kind.
-struct RowRun {
-  int first = 0;
-  int count = 0;
-  int position = 0;
-  int end() const { return first + count; }
+  std::vector<int> indices;    // columns[c].column, close together; filled by finish()
+  bool is_in_one_run = false;  // the coefficients of each column lie behind those of the one before
 };
 
 /// The structure of one Φ and Qd, fixed when the filter is composed.
@@ -54,6 +47,12 @@ struct TransitionPlan {
     int block = 0;
     int place = 0;
   };
+  /// Neighbouring elements of one block.
+  struct NoiseRun {
+    int block = 0;
+    int first = 0;
+    int end = 0;
+  };
   int n = 0;
   std::vector<RowGroup> groups;     // rows of Φ with off-diagonal or dense content
   std::vector<Diagonal> diagonals;  // rows of Φ with nothing but a diagonal element
@@ -63,16 +62,17 @@ struct TransitionPlan {
   int scaled_rows = 0;  // behind the last of `diagonals`
   std::vector<Noise> noise;
   std::vector<NoiseElement> noise_elements;
+  std::vector<NoiseRun> noise_runs;
 };
 
-/// Fills `coupled`, `uncoupled`, `scaled_rows` and `noise_elements` from the rest.
+/// Fills `coupled`, `uncoupled`, `scaled_rows`, `noise_elements` and `noise_runs` from the rest.
 void finish(TransitionPlan& plan);
 
 /// Φ and Qd of the tables of block pointers, n×n.
 void expand_transition(const TransitionPlan& plan, const double* const* phi, MatrixView Phi);
 void expand_noise(const TransitionPlan& plan, const double* const* noise, MatrixView Qd);
 
-/// The group's coefficients in one run of memory; returns its end.
+/// The group's coefficients in one run of memory, from `to` on; returns its end.
 template <int R>
 inline double* collect_rows(const RowGroup& group, const double* const* phi, double* to) {
   for (const auto& column : group.columns) {

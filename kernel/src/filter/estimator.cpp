@@ -30,6 +30,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto offset : plan.noise_blocks) noise_.push_back(at(offset));
   for (const auto& block : plan.blocks) values_.push_back(state() + block.stored_offset);
   for (const auto& derived : plan.derived) values_.push_back(at(derived.value));
+  for (const auto& block : plan.blocks)
+    if (block.holds_frozen) held_.push_back(&block);
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
   if (!plan.is_unscented) return;
   std::vector<Place<std::byte>> memories;
@@ -75,6 +77,7 @@ void Estimator::allocate() {
       if (part.model->declaration().needs_covariance) fit(port_covariance_, dof * dof);
     }
   }
+  for (const auto& group : plan_.van_loan) fit(group_x_, as_size(group.columns));
   const std::size_t most_dof = as_size(plan_.most_dof());
   block_delta_.resize(most_dof);
   block_jacobian_.resize(most_dof * most_dof);
@@ -103,6 +106,22 @@ void Estimator::list_ports(const ProcessPlan& process, int index) {
     const BlockPlan& block = plan_.blocks[as_size(process.ports[as_size(noise[k].to)])];
     diagonals_.push_back({&process, &block, noise_[as_size(process.first_noise) + k],
                           noise[k].structure == Structure::diagonal ? 1 : block.dof() + 1});
+    for (const int component : block.active)
+      noise_variances_.push_back(diagonals_.back().q + component * diagonals_.back().step);
+  }
+  if (process.kept == ProcessPlan::Kept::all) list_scalings(process);
+}
+
+void Estimator::list_scalings(const ProcessPlan& process) {
+  const auto& transition = process.model->declaration().transition;
+  for (std::size_t port = 0; port < process.ports.size(); ++port) {
+    double* const next = ports_.back().outputs[port];
+    if (!next) continue;
+    const auto own = std::ranges::find(transition, static_cast<int>(port), &Coupling::to);
+    const auto place = as_size(process.first_transition + static_cast<int>(own - transition.begin()));
+    const BlockPlan& block = plan_.blocks[as_size(process.ports[port])];
+    scalings_.push_back(
+        {next, own == transition.end() ? nullptr : phi_[place], ports_.back().inputs[port], block.dof()});
   }
 }
 

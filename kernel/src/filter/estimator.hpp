@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -258,6 +259,13 @@ class Estimator {
     const double* q = nullptr;
     int step = 0;  // doubles from one element to the next
   };
+  /// x⁺ of a block that the kernel scales; without factors it stands still.
+  struct Scaling {
+    double* next = nullptr;
+    const double* factors = nullptr;
+    const double* now = nullptr;
+    int count = 0;
+  };
   enum class Jacobians : unsigned char { none, wanted };
   class Elsewhere;
   struct Reset {
@@ -268,6 +276,7 @@ class Estimator {
 
   void allocate();
   void list_ports(const ProcessPlan& process, int index);
+  void list_scalings(const ProcessPlan& process);
 
   // The state, and what models see
   double* x() { return plan_.state.in(arena_); }
@@ -290,6 +299,8 @@ class Estimator {
   bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 
+  void run_process(std::size_t index, const Step& step, std::span<const InputSample> samples, bool is_kept);
+  void scale_blocks();
   Step read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples);
   Result run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted);
   void run_continuous(std::size_t index);
@@ -378,7 +389,12 @@ class Estimator {
   std::vector<double> x_corrected_;
   std::vector<Ports> ports_;  // per process
   std::vector<Diagonal> diagonals_;
-  std::vector<const double*> port_values_;  // of the component being called, as all that follows
+  std::vector<const double*> noise_variances_;  // their elements that have a place in P
+  std::vector<Scaling> scalings_;
+  std::vector<const BlockPlan*> held_;                         // blocks that hold what is frozen
+  std::vector<double> group_x_;                                // what a Van Loan group reads
+  double kept_dt_ = std::numeric_limits<double>::quiet_NaN();  // length of the step that all in the tables is of [s]
+  std::vector<const double*> port_values_;                     // of the component being called, as all that follows
   std::vector<MatrixView> jacobians_;
   std::vector<double> driving_rates_, fields_, auxiliary_fields_, port_covariance_;
   std::vector<int> first_row_;  // by port, of port_covariance_

@@ -189,6 +189,10 @@ struct ProcessPlan : Planned {
   int first_transition = 0;  // of its blocks in the table of model-written Φ blocks
   int first_noise = 0;
   int van_loan_group = -1;  // ≥ 0: discretized by the kernel
+  /// What holds for every step of one length: nothing; what it writes of Φ and Qd (F and GQGᵀ); or that it is x⁺ = Φ x
+  /// besides, Φ diagonal, for which it need not be called.
+  enum class Kept : unsigned char { nothing, coefficients, all };
+  Kept kept = Kept::nothing;
 };
 
 /// A block of Φ or Qd that must be put together because a component is frozen or a port is derived:
@@ -232,6 +236,7 @@ struct VanLoanGroup {
   std::vector<Block> qd;
   int columns = 0;       // Σ dof of both
   std::size_t work = 0;  // offset in the workspace of van_loan_matrices
+  bool is_kept = false;  // all its models are time-invariant: Φ and Qd hold for every step of one length
 };
 
 /// In the workspace of a group, columns × columns: F, Q, Phi, Qd, and four that discretize() works with.

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "filter/estimator.hpp"
 
 namespace binnacle::internal::filter {
 
 namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// A block of Φ, F, Qd or GQGᵀ as a process wrote it.
 ConstVectorView block_of(const Coupling& coupling, const double* block, const std::vector<int>& ports,
@@ -26,17 +29,41 @@ void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSamp
     throw Stop("a derived block cannot be evaluated at " + time_text(now.t) + ": " + result.reason);
   const bool bridges = !samples.empty() && samples.front().bridges;  // such a sample is stepped alone
   const Step step{now.t, t1, seconds(t1 - now.t), {}, bridges};
-  for (std::size_t p = 0; p < plan_.processes.size(); ++p)
-    if (plan_.processes[p].van_loan_group >= 0)
-      run_continuous(p);
-    else if (const Result result = run_model(p, step, samples, Jacobians::wanted); !result)
-      throw Stop("process '" + plan_.processes[p].name + "' cannot go on at " + time_text(t1) + ": " + result.reason);
+  // What time-invariant models wrote, and the kernel made of it, is a function of the step's length alone. Until all have
+  // written, there is nothing of this one.
+  const bool is_kept = step.dt == std::exchange(kept_dt_, not_a_number);
+  for (std::size_t p = 0; p < plan_.processes.size(); ++p) run_process(p, step, samples, is_kept);
   check_noise(t1);
-  for (const auto& group : plan_.van_loan) discretize_group(group, step.dt);
+  for (const auto& group : plan_.van_loan)
+    if (!is_kept || !group.is_kept) discretize_group(group, step.dt);
+  kept_dt_ = step.dt;
+  for (const auto& group : plan_.van_loan) advance_group(group);
+  if (is_kept) scale_blocks();
   hold_frozen(state());
   gather(plan_.gathers, phi_);
   gather(plan_.noise_gathers, noise_);
   if (sigma_) regress_step(now, step, samples, is_nominal);
+}
+
+/// What of a process does not hold from the step before.
+void Estimator::run_process(std::size_t index, const Step& step, std::span<const InputSample> samples, bool is_kept) {
+  using Kept = ProcessPlan::Kept;
+  const auto& process = plan_.processes[index];
+  const bool has_written = is_kept && process.kept != Kept::nothing;
+  if (process.van_loan_group >= 0) {
+    if (!has_written) run_continuous(index);
+    return;
+  }
+  if (is_kept && process.kept == Kept::all) return;
+  const Result result = run_model(index, step, samples, has_written ? Jacobians::none : Jacobians::wanted);
+  if (!result)
+    throw Stop("process '" + process.name + "' cannot go on at " + time_text(step.t1) + ": " + result.reason);
+}
+
+/// x⁺ = Φ x of what is kept whole: the model's own product, to the bit.
+void Estimator::scale_blocks() {
+  for (const auto& [next, factors, now, count] : scalings_)
+    for (int i = 0; i < count; ++i) next[i] = factors ? factors[i] * now[i] : now[i];
 }
 
 /// The step as a process with input sees it.
@@ -82,6 +109,7 @@ void Estimator::run_continuous(std::size_t index) {
 /// elsewhere comes out in the health check.
 void Estimator::check_noise(Time t) const {
   constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
+  if (std::ranges::all_of(noise_variances_, [](const double* q) { return *q >= 0 && *q <= largest; })) return;
   for (const auto& [process, block, q, step] : diagonals_)
     for (std::size_t a = 0; a < block->active.size(); ++a) {
       const double variance = q[block->active[a] * step];
@@ -222,19 +250,22 @@ void Estimator::discretize_group(const VanLoanGroup& group, double dt) {
   discretize(F.data, Q.data, n, dt, Phi.data, Qd.data, matrix(4).data);
   collect(group.phi, Phi, phi_);
   collect(group.qd, Qd, noise_);
-  advance_group(group);
 }
 
 /// x⁺ = Φ x, with Φ of the last discretization.
 void Estimator::advance_group(const VanLoanGroup& group) {
-  const MatrixView Phi{at(group.work) + 2 * group.columns * group.columns, group.columns, group.columns, group.columns};
+  const int n = group.columns;
+  const double* const Phi = at(group.work) + 2 * n * n;
+  double* const now = group_x_.data();
+  for (const auto* parts : {&group.advanced, &group.read})
+    for (const auto& part : *parts) std::copy_n(values_[as_size(part.value)], part.dof, now + part.first);
   for (const auto& part : group.advanced) {
-    auto out = vector_at(x_plus_.data() + plan_.blocks[as_size(part.value)].stored_offset, part.dof);
-    out.setZero();
-    for (const auto* inputs : {&group.advanced, &group.read})
-      for (const auto& input : *inputs)
-        for (int j = 0; j < input.dof; ++j)
-          out += Phi.as().col(input.first + j).segment(part.first, part.dof) * values_[as_size(input.value)][j];
+    double* const next = x_plus_.data() + plan_.blocks[as_size(part.value)].stored_offset;
+    for (int i = 0; i < part.dof; ++i) {
+      double sum = 0;
+      for (int j = 0; j < n; ++j) sum += Phi[part.first + i + j * n] * now[j];
+      next[i] = sum;
+    }
   }
 }
 
@@ -269,8 +300,8 @@ void Estimator::gather(const std::vector<GatherPlan>& plans, const std::vector<d
 
 /// What is frozen stays as it is in x, where its block holds it.
 void Estimator::hold_frozen(const double* x) {
-  for (const BlockPlan& block : plan_.blocks) {
-    if (!block.holds_frozen) continue;
+  for (const BlockPlan* const held : held_) {
+    const BlockPlan& block = *held;
     const VectorView next = block.in(x_plus_.data());
     const ConstVectorView now = block.in(x);
     if (block.active.empty()) {

@@ -16,6 +16,32 @@ constexpr Double* column_at(Double* matrix, int ld, int j) {
   return matrix + static_cast<std::ptrdiff_t>(j) * ld;
 }
 
+/// Neighbouring rows of P of one kind; `position`: of the first among all rows of that kind.
+struct RowRun {
+  int first = 0;
+  int count = 0;
+  int position = 0;
+  constexpr int end() const { return first + count; }
+};
+
+/// Runs of rows, ascending.
+struct RowRuns {
+  const RowRun* first = nullptr;
+  int count = 0;
+  constexpr const RowRun* begin() const { return first; }
+  constexpr const RowRun* end() const { return first + count; }
+};
+
+/// What a prediction puts together to P: A are the coupled rows, B the others.
+struct PredictedParts {
+  int ld = 0, ld_coupled = 0;  // of P and M; of AA
+  RowRuns coupled, uncoupled;
+  int scaled_rows = 0;         // behind the last of B whose diagonal element is not 1
+  const double* d = nullptr;   // ld: the diagonal of Φ, 1 in rows of A
+  const double* M = nullptr;   // ld × A: P Φ_Aᵀ
+  const double* AA = nullptr;  // ld_coupled × A: Φ_A M
+};
+
 /// What an update of m rows works with; all memory is the caller's. Matrices are column-major.
 struct UpdateWork {
   int m = 0;
@@ -40,6 +66,8 @@ struct StripLoops {
                   const double* coefficients, int stride, double* out);
   /// out(j, i) = in(i, j) for ld rows and `columns` columns, both of whole strips.
   void (*transpose)(const double* in, int ld, int columns, double* out, int ld_out);
+  /// The lower triangle of P: P_BB ← d d′ P_BB, P_BA = d M_BA and P_AA = AA.
+  void (*store)(double* P, const PredictedParts& parts);
   /// P(j, i) = P(i, j) for i > j.
   void (*mirror)(double* P, int n);
   /// The columns of gain() before any is zeroed.

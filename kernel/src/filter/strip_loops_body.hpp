@@ -96,6 +96,43 @@ void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
       transpose_tile(column_at(in, ld, j) + i, ld, column_at(out, ld_out, i) + j, ld_out, lanes);
 }
 
+inline int strip_of(int row) { return row / strip * strip; }
+
+/// Column j of A, the a-th: what is above j is written over. Copies of all that says where, which no store can change.
+inline void store_coupled_column(double* P, const PredictedParts parts, int j, int a) {
+  double* const to = column_at(P, parts.ld, j);
+  const double* const m = column_at(parts.M, parts.ld, a);
+  for (const RowRun rows : parts.uncoupled) {
+    if (rows.first < j) {  // their columns have this row
+      for (int i = rows.first; i < rows.end(); ++i) column_at(P, parts.ld, i)[j] = parts.d[i] * m[i];
+      continue;
+    }
+    // Whole strips: what is of A in them comes last.
+    for (int i = strip_of(rows.first); i < rows.end(); i += lanes) store(to + i, load(parts.d + i) * load(m + i));
+  }
+  const double* const aa = column_at(parts.AA, parts.ld_coupled, a);
+  for (const RowRun rows : parts.coupled) {
+    const double* const from = aa + rows.position - rows.first;
+    int i = strip_of(j) > rows.first ? strip_of(j) : rows.first;  // as it was stored
+    for (; i + lanes <= rows.end(); i += lanes) store(to + i, load(from + i));
+    for (; i < rows.end(); ++i) to[i] = from[i];
+  }
+}
+
+/// Columns of B are scaled whole, and rows of A in them come out of columns of A.
+void store_predicted(double* P, const PredictedParts& given) {
+  const PredictedParts parts = given;
+  for (const RowRun columns : parts.uncoupled)
+    for (int j = columns.first; j < columns.end() && j < parts.scaled_rows; ++j) {
+      double* const to = column_at(P, parts.ld, j);
+      const double own = parts.d[j];
+      for (int i = strip_of(j); i < parts.ld; i += lanes) store(to + i, load(to + i) * (load(parts.d + i) * own));
+    }
+  for (const RowRun columns : parts.coupled)
+    for (int j = columns.first; j < columns.end(); ++j)
+      store_coupled_column(P, parts, j, columns.position + j - columns.first);
+}
+
 void mirror(double* P, int n) {
   const int ld = padded(n);
   const auto at = [=](int i, int j) { return column_at(P, ld, j) + i; };
@@ -184,7 +221,7 @@ inline void correct_lower(double* P, int n, const UpdateWork& work) {
   for (; c < n; ++c) add_products<1>(P, ld, c, m, work.K, work.U);
 }
 
-constexpr StripLoops loops = {combine, transpose, mirror, gain_columns, correct_lower};
+constexpr StripLoops loops = {combine, transpose, store_predicted, mirror, gain_columns, correct_lower};
 
 }  // namespace
 }  // namespace binnacle::internal::filter
