@@ -13,10 +13,10 @@ namespace binnacle::csv {
 struct Block {
   std::vector<Time> times;
   std::vector<std::uint32_t> begins;  // the first row of each sample, with rows; empty: a row is a sample
-  std::vector<Time> starts;           // of the intervals of samples put together, no_time where there is none; else empty
-  std::vector<int> lines;             // the first of each sample, as far as they are known
-  std::vector<double> values;         // row by row, SI
-  Time before = no_time;              // the sample before the first; no_time: there is none
+  std::vector<Time> starts;    // of the intervals of samples put together, no_time where there is none; else empty
+  std::vector<int> lines;      // the first of each sample, as far as they are known
+  std::vector<double> values;  // row by row, SI
+  Time before = no_time;       // the sample before the first; no_time: there is none
 
   std::size_t size() const { return times.size(); }
   std::size_t row_begin(std::size_t i) const { return begins.empty() ? i : begins[i]; }

@@ -288,7 +288,8 @@ class Table::Parts {
     }
     const Mark& mark = marks_[k];
     const Standing from{{mark.offset, mark.line}, mark.last_label, mark.last_time};
-    return {k, std::make_unique<RowReader>(layout_, limits_, from, mark.line == 0 ? 0 : width_, &places_, later_faults_)};
+    return {k,
+            std::make_unique<RowReader>(layout_, limits_, from, mark.line == 0 ? 0 : width_, &places_, later_faults_)};
   }
 
   /// Some are kept, each with an open file.

@@ -45,9 +45,7 @@ void Thinner::finish(Block& to) {
   for (std::size_t c = 0; c < sums_.size(); ++c) {
     const FieldKind kind = layout_.columns[c].kind;
     const bool is_whole = count_ == 1 || kind == FieldKind::level;
-    to.values.push_back(is_whole                  ? last_[c]
-                        : kind == FieldKind::rate ? sums_[c] / seconds_in_all_
-                                                  : sums_[c]);
+    to.values.push_back(is_whole ? last_[c] : kind == FieldKind::rate ? sums_[c] / seconds_in_all_ : sums_[c]);
   }
   to.starts.push_back(start_);
   to.times.push_back(t_);

@@ -41,9 +41,7 @@ void Gaps::add(const Step& first, std::size_t count) {
 }
 
 std::string Gaps::message() const {
-  const auto span = [](const Step& step) {
-    return time_text(step.from) + " to " + time_text(step.from + step.length);
-  };
+  const auto span = [](const Step& step) { return time_text(step.from) + " to " + time_text(step.from + step.length); };
   const std::string message = count_of(count_, "gap") + " longer than " + time_text(max_);
   if (count_ == 1) return message + ": " + time_text(longest_.length) + " from " + span(first_);
   return message + ", " + time_text(total_) + " in all; the first from " + span(first_) + "; the longest, " +

@@ -84,9 +84,9 @@ struct Layout {
 
 /// How much of a file is in memory at a time. Tests have small ones.
 struct Limits {
-  std::size_t window = 256 * 1024;             // bytes of text that are read at once
-  std::size_t block = 256 * 1024;              // bytes of a block's samples
-  std::size_t resident = 40 * 1024 * 1024;     // bytes of samples that stay; more are read again, block by block
+  std::size_t window = 256 * 1024;                 // bytes of text that are read at once
+  std::size_t block = 256 * 1024;                  // bytes of a block's samples
+  std::size_t resident = 40 * 1024 * 1024;         // bytes of samples that stay; more are read again, block by block
   std::size_t step_values = std::size_t{1} << 16;  // steps of time that are counted each by itself
 };
 

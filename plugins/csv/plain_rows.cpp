@@ -92,7 +92,9 @@ bool PlainNumber::convert(double& value) const {
 }
 
 bool PlainRows::suit(const Layout& layout) {
-  const auto is_of_numbers = [](char c) { return std::string_view("0123456789+-eE \r").find(c) != std::string_view::npos; };
+  const auto is_of_numbers = [](char c) {
+    return std::string_view("0123456789+-eE \r").find(c) != std::string_view::npos;
+  };
   const Format& format = layout.format;
   return !layout.calendar && !layout.rows && !format.where && !format.has_decimal_comma &&
          !is_of_numbers(format.delimiter) && (format.comment.empty() || !is_of_numbers(format.comment[0]));
@@ -164,7 +166,8 @@ const char* PlainRows::read_cell(const char* at, const Cell& cell, Time& label) 
   while (*end == ' ') ++end;
   if (*end != delimiter_ && *end != '\n' && *end != '\r') return read_odd_cell(at, cell, label);
   if (cell.is_time) {
-    const std::int64_t unit = number.exponent > 0 || number.exponent < -19 ? 0 : nanoseconds_[static_cast<std::size_t>(-number.exponent)];
+    const std::int64_t unit =
+        number.exponent > 0 || number.exponent < -19 ? 0 : nanoseconds_[static_cast<std::size_t>(-number.exponent)];
     std::uint64_t magnitude = 0;
     if (unit == 0 || __builtin_mul_overflow(number.digits, static_cast<std::uint64_t>(unit), &magnitude) ||
         magnitude > static_cast<std::uint64_t>(std::numeric_limits<Time>::max()))
@@ -199,7 +202,8 @@ const char* PlainRows::read_odd_cell(const char* at, const Cell& cell, Time& lab
 bool PlainRows::take_value(const Cell& cell, double value) {
   for (const std::size_t i : cell.columns) {
     const Column& column = layout_.columns[i];
-    if (!column.missing.numbers.empty() && std::ranges::find(column.missing.numbers, value) != column.missing.numbers.end())
+    if (!column.missing.numbers.empty() &&
+        std::ranges::find(column.missing.numbers, value) != column.missing.numbers.end())
       row_[i] = std::numeric_limits<double>::quiet_NaN();
     else
       row_[i] = column.in_si(value);

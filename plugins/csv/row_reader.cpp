@@ -101,9 +101,7 @@ bool RowReader::fill(Block& block, std::size_t most) {
     begin_sample(block, std::exchange(pending_.t, no_time));
     block.values.insert(block.values.end(), row_.begin(), row_.end());
   }
-  const auto wants_more = [&] {
-    return !at_end_ && pending_.t == no_time && (layout_.rows || block.size() < most);
-  };
+  const auto wants_more = [&] { return !at_end_ && pending_.t == no_time && (layout_.rows || block.size() < most); };
   while (wants_more()) {
     if (!plain_ && width_ > 0 && PlainRows::suit(layout_)) plain_.emplace(layout_, width_);
     if (plain_) plain_->take(rows_.reader(), progress_, block, most);

@@ -63,8 +63,7 @@ ByteStream::~ByteStream() = default;
 
 class ByteStream::Mark {
  public:
-  Mark(const Gzip& gzip, std::uint64_t at)
-      : offset(at), position(gzip.position()), inside_member(gzip.inside_member) {
+  Mark(const Gzip& gzip, std::uint64_t at) : offset(at), position(gzip.position()), inside_member(gzip.inside_member) {
     // zlib reads what it copies, and says otherwise.
     if (inflateCopy(&z, const_cast<z_stream*>(&gzip.z)) != Z_OK) throw FileFault("zlib cannot mark a place", "B060");
   }
