@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How fast csv is read: `tests/bench/reading_bench.py [--quick] [--json]`. Megabytes of text a second of processor: of the csv source
 (a file that stays in memory, and gzipped), of `wc -l` and of fast_float on the same file, medians of rounds in one run; then
-the memory of `binnacle run` over a file of 300 MB. Python's own build folder: $BINNACLE names the command."""
+the memory of `binnacle run` over a file of 300 MB. $BINNACLE names the command."""
 import argparse
 import gzip
 import json
@@ -25,9 +25,9 @@ def write_rows(path, megabytes):
     rows = [",".join(f"{((i * 7919 + k * 104729) % 1999993 - 999996) / 10 ** (9 + k % 2):.9e}" for k in range(6)) for i in range(4096)]
     with open(path, "w") as file:
         file.write("t_s,wx,wy,wz,fx,fy,fz\n")
-        i = 0
-        while file.tell() < megabytes * 1e6:
-            file.write("".join(f"{(i + k + 1) / 200:.3f},{row}\n" for k, row in enumerate(rows)))
+        i = written = 0
+        while written < megabytes * 1e6:
+            written += file.write("".join(f"{(i + k + 1) / 200:.3f},{row}\n" for k, row in enumerate(rows)))
             i += len(rows)
 
 

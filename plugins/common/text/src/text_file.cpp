@@ -222,7 +222,7 @@ std::size_t AheadStream::read(char* to, std::size_t size) {
   if (taken_ == block_.size()) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return !blocks_.empty(); });
-    if (blocks_.front().empty()) {  // stays: the end is told as often as it is asked for
+    if (blocks_.front().empty()) {  // stays: the end is reported as often as it is asked for
       if (fault_) std::rethrow_exception(fault_);
       return 0;
     }
