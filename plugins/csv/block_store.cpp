@@ -32,7 +32,7 @@ void BlockStore::let_go() {
   kept_ = {};
 }
 
-std::shared_ptr<const Block> BlockStore::get(std::size_t k) const {
+std::shared_ptr<const Block> BlockStore::get(std::size_t k) {
   if (is_whole_) return kept_[k];
   {
     const std::lock_guard lock(mutex_);
@@ -54,7 +54,7 @@ std::shared_ptr<const Block> BlockStore::get(std::size_t k) const {
   return block;
 }
 
-void BlockStore::make_room() const {
+void BlockStore::make_room() {
   while (cached_bytes_ > most_ && cache_.size() > 1) {
     const auto oldest = std::ranges::min_element(cache_, {}, [](const auto& each) { return each.second.used; });
     cached_bytes_ -= oldest->second.block->bytes();

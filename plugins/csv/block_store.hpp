@@ -32,7 +32,7 @@ class BlockStore {
 
   /// Of a store that is whole, for as long as it is.
   const Block& kept(std::size_t k) const { return *kept_[k]; }
-  std::shared_ptr<const Block> get(std::size_t k) const;
+  std::shared_ptr<const Block> get(std::size_t k);
 
  private:
   struct Cached {
@@ -40,7 +40,7 @@ class BlockStore {
     std::uint64_t used = 0;
   };
 
-  void make_room() const;
+  void make_room();
 
   std::size_t most_;
   Maker make_;
@@ -48,10 +48,10 @@ class BlockStore {
   bool is_whole_ = true;
   std::vector<std::shared_ptr<const Block>> kept_;
 
-  mutable std::mutex mutex_;
-  mutable std::map<std::size_t, Cached> cache_;
-  mutable std::size_t cached_bytes_ = 0;
-  mutable std::uint64_t uses_ = 0;
+  std::mutex mutex_;
+  std::map<std::size_t, Cached> cache_;
+  std::size_t cached_bytes_ = 0;
+  std::uint64_t uses_ = 0;
 };
 
 }  // namespace binnacle::csv

@@ -109,7 +109,7 @@ class Table::Parts {
 
   std::uint64_t size() const { return layout_.every > 1 ? thinned_count_ : count_; }
 
-  void write(std::uint64_t i, SampleWriter& out) const {
+  void write(std::uint64_t i, SampleWriter& out) {
     const bool is_thinned = layout_.every > 1;
     std::size_t k = 0, in_block = 0;
     if (is_thinned) {
@@ -121,7 +121,7 @@ class Table::Parts {
       k = static_cast<std::size_t>(i / samples_of_block_);
       in_block = static_cast<std::size_t>(i % samples_of_block_);
     }
-    const BlockStore& store = is_thinned ? thinned_ : read_;
+    BlockStore& store = is_thinned ? thinned_ : read_;
     if (store.is_whole()) return write(store.kept(k), in_block, out);
     write(*store.get(k), in_block, out);
   }
@@ -247,7 +247,7 @@ class Table::Parts {
     put();
   }
 
-  Block thin_again(std::size_t k) const {
+  Block thin_again(std::size_t k) {
     const ThinnedBegin& begin = thinned_begins_[k];
     const std::uint64_t end = k + 1 < thinned_begins_.size() ? thinned_begins_[k + 1].from : count_;
     Thinner thinner(layout_, begin.from);
@@ -261,7 +261,7 @@ class Table::Parts {
     return to;
   }
 
-  Block read_again(std::size_t k) const {
+  Block read_again(std::size_t k) {
     Block block;
     const Mark& mark = marks_[k];
     try {
@@ -276,7 +276,7 @@ class Table::Parts {
     return block;
   }
 
-  Cursor cursor_at(std::size_t k) const {
+  Cursor cursor_at(std::size_t k) {
     {
       const std::lock_guard lock(mutex_);
       const auto found = std::ranges::find(cursors_, k, &Cursor::block);
@@ -293,7 +293,7 @@ class Table::Parts {
   }
 
   /// Some are kept, each with an open file.
-  void put_back(Cursor cursor) const {
+  void put_back(Cursor cursor) {
     constexpr std::size_t most = 4;
     Cursor oldest{};  // ends behind the lock
     const std::lock_guard lock(mutex_);
@@ -312,19 +312,19 @@ class Table::Parts {
 
   const Layout& layout_;
   const Limits limits_;
-  mutable NoFaults later_faults_;
+  NoFaults later_faults_;
   std::size_t samples_of_block_;
   std::size_t width_ = 0;
   std::uint64_t count_ = 0, thinned_count_ = 0;
   std::vector<Mark> marks_;  // of each block that was read
-  mutable text_file::GzipPlaces places_;
+  text_file::GzipPlaces places_;
   BlockStore read_, thinned_;
   std::vector<ThinnedBegin> thinned_begins_;
   StepCounts lengths_;
   std::optional<Gaps> gaps_;
   Time max_gap_ = std::numeric_limits<Time>::max();
-  mutable std::mutex mutex_;
-  mutable std::vector<Cursor> cursors_;
+  std::mutex mutex_;
+  std::vector<Cursor> cursors_;
 };
 
 Table::Table(const Layout& layout, const Limits& limits, Reporter& reporter)

@@ -63,20 +63,19 @@ ByteStream::~ByteStream() = default;
 
 class ByteStream::Mark {
  public:
-  Mark(const Gzip& gzip, std::uint64_t at) : offset(at), position(gzip.position()), inside_member(gzip.inside_member) {
-    // zlib reads what it copies, and says otherwise.
-    if (inflateCopy(&z, const_cast<z_stream*>(&gzip.z)) != Z_OK) throw FileFault("zlib cannot mark a place", "B060");
+  Mark(Gzip& gzip, std::uint64_t at) : offset(at), position(gzip.position()), inside_member(gzip.inside_member) {
+    if (inflateCopy(z.get(), &gzip.z) != Z_OK) throw FileFault("zlib cannot mark a place", "B060");
   }
-  ~Mark() { inflateEnd(&z); }
+  ~Mark() { inflateEnd(z.get()); }
   Mark(const Mark&) = delete;
   Mark& operator=(const Mark&) = delete;
 
-  z_stream z{};
+  std::unique_ptr<z_stream> z = std::make_unique<z_stream>();
   std::uint64_t offset, position;  // in the text, in the file
   bool inside_member;
 };
 
-std::shared_ptr<const ByteStream::Mark> ByteStream::mark() const {
+std::shared_ptr<const ByteStream::Mark> ByteStream::mark() {
   return gzip_ ? std::make_shared<const Mark>(*gzip_, offset_) : nullptr;
 }
 
@@ -90,7 +89,7 @@ void ByteStream::seek(std::uint64_t offset, const std::shared_ptr<const Mark>& f
   auto& g = *gzip_;
   if (from) {
     inflateEnd(&g.z);
-    if (inflateCopy(&g.z, const_cast<z_stream*>(&from->z)) != Z_OK) throw FileFault("zlib cannot go to a mark", "B060");
+    if (inflateCopy(&g.z, from->z.get()) != Z_OK) throw FileFault("zlib cannot go to a mark", "B060");
   } else {
     inflateReset(&g.z);
   }
@@ -176,12 +175,12 @@ std::size_t ByteStream::unpack(char* to, std::size_t size) {
   return size - g.z.avail_out;
 }
 
-bool GzipPlaces::wants(std::uint64_t offset) const {
+bool GzipPlaces::wants(std::uint64_t offset) {
   const std::lock_guard lock(mutex_);
   return offset >= (marks_.empty() ? 0 : marks_.back().first) + step_;
 }
 
-void GzipPlaces::add(const ByteStream& stream) {
+void GzipPlaces::add(ByteStream& stream) {
   constexpr std::size_t most = 64;
   auto mark = stream.mark();
   const std::lock_guard lock(mutex_);
@@ -192,7 +191,7 @@ void GzipPlaces::add(const ByteStream& stream) {
   step_ *= 2;
 }
 
-std::shared_ptr<const ByteStream::Mark> GzipPlaces::before(std::uint64_t offset) const {
+std::shared_ptr<const ByteStream::Mark> GzipPlaces::before(std::uint64_t offset) {
   const std::lock_guard lock(mutex_);
   const auto behind = std::ranges::upper_bound(marks_, offset, {}, [](const auto& each) { return each.first; });
   return behind == marks_.begin() ? nullptr : std::prev(behind)->second;

@@ -43,7 +43,7 @@ class ByteStream {
 
   /// Where a gzip file stands with all that its decoder remembers, some 40 KiB; `mark` of a plain file is null.
   class Mark;
-  std::shared_ptr<const Mark> mark() const;
+  std::shared_ptr<const Mark> mark();
   /// Goes to a byte of the text: from the mark, or where that is null from the start of the file. Throws FileFault.
   void seek(std::uint64_t offset, const std::shared_ptr<const Mark>& from);
 
@@ -66,14 +66,14 @@ class ByteStream {
 class GzipPlaces {
  public:
   /// Where the stream should be marked next.
-  bool wants(std::uint64_t offset) const;
-  void add(const ByteStream& stream);
+  bool wants(std::uint64_t offset);
+  void add(ByteStream& stream);
   /// The last one that is not behind; null: the start of the file.
-  std::shared_ptr<const ByteStream::Mark> before(std::uint64_t offset) const;
+  std::shared_ptr<const ByteStream::Mark> before(std::uint64_t offset);
   void clear();
 
  private:
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::vector<std::pair<std::uint64_t, std::shared_ptr<const ByteStream::Mark>>> marks_;
   std::uint64_t step_ = 1024 * 1024;
 };
