@@ -8,7 +8,8 @@
 
 #include "binnacle/parameters.hpp"
 #include "binnacle/spec.hpp"
-#include "csv_table.hpp"
+#include "layout.hpp"
+#include "row_reader.hpp"
 
 namespace binnacle::csv {
 

@@ -9,6 +9,7 @@
 
 #include "cells.hpp"
 #include "column_reader.hpp"
+#include "row_reader.hpp"
 
 namespace binnacle::csv {
 
@@ -240,7 +241,7 @@ ComponentSpec CsvSource::spec() {
   return spec;
 }
 
-CsvSource::CsvSource(const Binding& binding) {
+CsvSource::CsvSource(const Binding& binding, const Limits& limits) : limits_(limits) {
   const Parameters& parameters = binding.parameters();
   layout_.format = read_format(parameters);
   if (!layout_.format.has_header) read_where(parameters, nullptr, layout_.format);
@@ -273,25 +274,13 @@ CsvSource::CsvSource(const Binding& binding) {
   next_ = declaration_.keeps<std::uint64_t>();
 }
 
-void CsvSource::open(Reporter& reporter) { table_ = read_table(layout_, reporter); }
+void CsvSource::open(Reporter& reporter) { table_ = std::make_unique<Table>(layout_, limits_, reporter); }
 
 SourceStatus CsvSource::next(const MemoryView& bytes, SourceOutput& output) const {
   std::uint64_t& next = bytes[next_];
-  if (next >= table_.times.size()) return SourceStatus::end;
-  const auto row = static_cast<std::size_t>(next++);
-  SampleWriter& out = output.on(channel_);
-  out.t = table_.times[row];
-  out.t0 = table_.starts.empty() ? no_time : table_.starts[row];
-  const std::size_t width = layout_.columns.size();
-  if (!layout_.rows) {
-    std::copy_n(table_.values.begin() + static_cast<std::ptrdiff_t>(row * width), width, out.all().data());
-    return SourceStatus::sample;
-  }
-  const std::size_t begin = table_.begins[row];
-  const std::size_t end = row + 1 < table_.begins.size() ? table_.begins[row + 1] : table_.values.size() / width;
-  out.rows = static_cast<int>(end - begin);
-  std::copy_n(table_.values.begin() + static_cast<std::ptrdiff_t>(begin * width), (end - begin) * width,
-              out.row_view(0).data());
+  if (next >= table_->size()) return SourceStatus::end;
+  table_->write(next, output.on(channel_));
+  ++next;
   return SourceStatus::sample;
 }
 

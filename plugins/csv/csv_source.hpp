@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "binnacle/source.hpp"
 #include "csv_table.hpp"
@@ -13,16 +14,17 @@ namespace binnacle::csv {
 class CsvSource final : public Source {
  public:
   static ComponentSpec spec();
-  explicit CsvSource(const Binding& binding);
+  explicit CsvSource(const Binding& binding, const Limits& limits = {});
 
   void open(Reporter& reporter) override;
   SourceStatus next(const MemoryView& bytes, SourceOutput& output) const override;
 
  private:
+  Limits limits_;
   Layout layout_;
   OutputChannel channel_;
   Memory<std::uint64_t> next_;  // row
-  Table table_;
+  std::unique_ptr<Table> table_;
 };
 
 }  // namespace binnacle::csv

@@ -5,89 +5,51 @@
 
 namespace binnacle::csv {
 
-namespace {
-
-/// What stays of a table, sample by sample; each is written where no later one is still to be read.
-class Thinner {
- public:
-  Thinner(const Layout& layout, Table& table) : layout_(layout), table_(table), width_(layout.columns.size()) {}
-
-  void keep_every() {
-    const std::size_t every = static_cast<std::size_t>(layout_.every), lines = table_.values.size() / width_;
-    const bool has_rows = !table_.begins.empty();
-    std::size_t line = 0;
-    for (std::size_t i = 0; i < table_.times.size(); i += every) {
-      const std::size_t begin = has_rows ? table_.begins[i] : i;
-      const std::size_t end = !has_rows ? i + 1 : i + 1 < table_.begins.size() ? table_.begins[i + 1] : lines;
-      table_.times[kept_] = table_.times[i];
-      if (has_rows) table_.begins[kept_] = line;
-      std::copy(at(begin), at(end), at(line));
-      line += end - begin;
-      ++kept_;
-    }
-    if (has_rows) table_.begins.resize(kept_);
-    cut(line);
+void Thinner::take(const Block& from, std::size_t i, Time start, Block& to) {
+  if (!layout_.has_intervals) {
+    if (index_++ % static_cast<std::uint64_t>(layout_.every) == 0) keep(from, i, to);
+    return;
   }
+  ++index_;
+  if (start == no_time) finish(to);
+  join(from, i, start);
+  if (start == no_time || count_ == layout_.every) finish(to);
+}
 
-  void put_together() {
-    for (std::size_t i = 0; i < table_.times.size();) {
-      std::size_t end = i + 1;
-      if (table_.starts[i] != no_time)
-        while (end < table_.times.size() && end - i < static_cast<std::size_t>(layout_.every) &&
-               table_.starts[end] != no_time)
-          ++end;
-      join(i, end);
-      i = end;
-    }
-    table_.starts.resize(kept_);
-    cut(kept_);
+void Thinner::keep(const Block& from, std::size_t i, Block& to) const {
+  const std::size_t width = layout_.columns.size();
+  const auto at = [&](std::size_t row) { return from.values.begin() + static_cast<std::ptrdiff_t>(row * width); };
+  if (layout_.rows) to.begins.push_back(static_cast<std::uint32_t>(to.values.size() / width));
+  to.times.push_back(from.times[i]);
+  to.values.insert(to.values.end(), at(from.row_begin(i)), at(from.row_end(i, width)));
+}
+
+void Thinner::join(const Block& from, std::size_t i, Time start) {
+  const std::size_t width = layout_.columns.size();
+  if (count_++ == 0) {
+    start_ = start;
+    seconds_in_all_ = 0;
+    std::ranges::fill(sums_, 0.0);
   }
+  t_ = from.times[i];
+  const auto row = from.values.begin() + static_cast<std::ptrdiff_t>(i * width);
+  last_.assign(row, row + static_cast<std::ptrdiff_t>(width));
+  const double length = start == no_time ? 0 : seconds(t_ - start);
+  for (std::size_t c = 0; c < width; ++c)
+    sums_[c] += layout_.columns[c].kind == FieldKind::rate ? last_[c] * length : last_[c];
+  seconds_in_all_ += length;
+}
 
- private:
-  std::vector<double>::iterator at(std::size_t line) {
-    return table_.values.begin() + static_cast<std::ptrdiff_t>(line * width_);
+void Thinner::finish(Block& to) {
+  if (count_ == 0) return;
+  for (std::size_t c = 0; c < sums_.size(); ++c) {
+    const FieldKind kind = layout_.columns[c].kind;
+    const bool is_whole = count_ == 1 || kind == FieldKind::level;
+    to.values.push_back(is_whole ? last_[c] : kind == FieldKind::rate ? sums_[c] / seconds_in_all_ : sums_[c]);
   }
-
-  void cut(std::size_t lines) {
-    table_.times.resize(kept_);
-    table_.values.resize(lines * width_);
-  }
-
-  /// The samples from first to before end.
-  void join(std::size_t first, std::size_t end) {
-    const Time start = table_.starts[first], t = table_.times[end - 1];
-    for (std::size_t c = 0; c < width_; ++c) {
-      const FieldKind kind = layout_.columns[c].kind;
-      double sum = 0, seconds_in_all = 0;
-      for (std::size_t i = first; i < end; ++i) {
-        const double value = table_.values[i * width_ + c], length = seconds(table_.times[i] - table_.starts[i]);
-        sum += kind == FieldKind::rate ? value * length : value;
-        seconds_in_all += length;
-      }
-      const bool is_whole = end - first == 1 || kind == FieldKind::level;
-      table_.values[kept_ * width_ + c] = is_whole                  ? table_.values[(end - 1) * width_ + c]
-                                          : kind == FieldKind::rate ? sum / seconds_in_all
-                                                                    : sum;
-    }
-    table_.starts[kept_] = start;
-    table_.times[kept_] = t;
-    ++kept_;
-  }
-
-  const Layout& layout_;
-  Table& table_;
-  std::size_t width_;
-  std::size_t kept_ = 0;
-};
-
-}  // namespace
-
-void thin_out(const Layout& layout, Table& table) {
-  Thinner thinner(layout, table);
-  if (table.starts.empty())
-    thinner.keep_every();
-  else
-    thinner.put_together();
+  to.starts.push_back(start_);
+  to.times.push_back(t_);
+  count_ = 0;
 }
 
 }  // namespace binnacle::csv

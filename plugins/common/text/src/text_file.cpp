@@ -8,12 +8,14 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 
 namespace binnacle::text_file {
 
 namespace {
 
 constexpr std::size_t chunk = 256 * 1024;
+constexpr std::size_t padding = 8;  // of the reader's buffer
 constexpr std::size_t longest_line = 16 * 1024 * 1024;
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
@@ -59,12 +61,65 @@ ByteStream::ByteStream(const std::string& path) : file_(std::fopen(path.c_str(),
 
 ByteStream::~ByteStream() = default;
 
+class ByteStream::Mark {
+ public:
+  Mark(Gzip& gzip, std::uint64_t at) : offset(at), position(gzip.position()), inside_member(gzip.inside_member) {
+    if (inflateCopy(z.get(), &gzip.z) != Z_OK) throw FileFault("zlib cannot mark a place", "B060");
+  }
+  ~Mark() { inflateEnd(z.get()); }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+
+  std::unique_ptr<z_stream> z = std::make_unique<z_stream>();
+  std::uint64_t offset, position;  // in the text, in the file
+  bool inside_member;
+};
+
+std::shared_ptr<const ByteStream::Mark> ByteStream::mark() {
+  return gzip_ ? std::make_shared<const Mark>(*gzip_, offset_) : nullptr;
+}
+
+void ByteStream::seek(std::uint64_t offset, const std::shared_ptr<const Mark>& from) {
+  if (!gzip_) {
+    head_.clear();
+    seek_raw(offset);
+    offset_ = offset;
+    return;
+  }
+  auto& g = *gzip_;
+  if (from) {
+    inflateEnd(&g.z);
+    if (inflateCopy(&g.z, from->z.get()) != Z_OK) throw FileFault("zlib cannot go to a mark", "B060");
+  } else {
+    inflateReset(&g.z);
+  }
+  g.z.avail_in = 0;
+  g.taken = from ? from->position : 0;
+  g.inside_member = from ? from->inside_member : true;
+  offset_ = from ? from->offset : 0;
+  seek_raw(g.taken);
+  std::vector<char> passed(chunk);
+  while (offset_ < offset)
+    if (read(passed.data(), static_cast<std::size_t>(std::min<std::uint64_t>(passed.size(), offset - offset_))) == 0)
+      throw FileFault("is shorter than it was", "B061");
+}
+
+void ByteStream::seek_raw(std::uint64_t offset) {
+  if (fseeko(file_.get(), static_cast<off_t>(offset), SEEK_SET) != 0) throw unreadable("cannot be read again");
+}
+
 std::size_t ByteStream::read(char* to, std::size_t size) {
-  if (gzip_) return unpack(to, size);
-  if (head_.empty()) return read_raw(to, size);
-  const std::size_t count = std::min(size, head_.size());
-  std::memcpy(to, head_.data(), count);
-  head_.erase(head_.begin(), head_.begin() + static_cast<std::ptrdiff_t>(count));
+  std::size_t count = 0;
+  if (gzip_) {
+    count = unpack(to, size);
+  } else if (head_.empty()) {
+    count = read_raw(to, size);
+  } else {
+    count = std::min(size, head_.size());
+    std::memcpy(to, head_.data(), count);
+    head_.erase(head_.begin(), head_.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  offset_ += count;
   return count;
 }
 
@@ -120,7 +175,106 @@ std::size_t ByteStream::unpack(char* to, std::size_t size) {
   return size - g.z.avail_out;
 }
 
-LineReader::LineReader(const std::string& path) : stream_(path), buffer_(chunk) {}
+bool GzipPlaces::wants(std::uint64_t offset) {
+  const std::lock_guard lock(mutex_);
+  return offset >= (marks_.empty() ? 0 : marks_.back().first) + step_;
+}
+
+void GzipPlaces::add(ByteStream& stream) {
+  constexpr std::size_t most = 64;
+  auto mark = stream.mark();
+  const std::lock_guard lock(mutex_);
+  marks_.emplace_back(stream.offset(), std::move(mark));
+  if (marks_.size() <= most) return;
+  for (std::size_t i = 1; i <= marks_.size() / 2; ++i) marks_[i - 1] = std::move(marks_[2 * i - 1]);
+  marks_.resize(marks_.size() / 2);
+  step_ *= 2;
+}
+
+std::shared_ptr<const ByteStream::Mark> GzipPlaces::before(std::uint64_t offset) {
+  const std::lock_guard lock(mutex_);
+  const auto behind = std::ranges::upper_bound(marks_, offset, {}, [](const auto& each) { return each.first; });
+  return behind == marks_.begin() ? nullptr : std::prev(behind)->second;
+}
+
+void GzipPlaces::clear() {
+  const std::lock_guard lock(mutex_);
+  marks_.clear();
+}
+
+AheadStream::AheadStream(const std::string& path, std::uint64_t from, GzipPlaces* places)
+    : stream_(path), places_(places) {
+  if (from > 0) stream_.seek(from, places ? places->before(from) : nullptr);
+}
+
+AheadStream::~AheadStream() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_left_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+std::size_t AheadStream::read(char* to, std::size_t size) {
+  if (!stream_is_ahead()) return stream_.read(to, size);
+  if (taken_ == block_.size()) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !blocks_.empty(); });
+    if (blocks_.front().empty()) {  // stays: the end is reported as often as it is asked for
+      if (fault_) std::rethrow_exception(fault_);
+      return 0;
+    }
+    block_ = std::move(blocks_.front());
+    blocks_.pop_front();
+    taken_ = 0;
+    lock.unlock();
+    changed_.notify_all();
+  }
+  const std::size_t count = std::min(size, block_.size() - taken_);
+  std::memcpy(to, block_.data() + taken_, count);
+  taken_ += count;
+  return count;
+}
+
+/// The first bytes are unpacked where they are asked for: many a file is no longer, or only its header is wanted.
+bool AheadStream::stream_is_ahead() {
+  if (!stream_.is_packed() || !std::exchange(was_read_, true)) return false;
+  if (!thread_.joinable()) thread_ = std::thread([this] { unpack(); });
+  return true;
+}
+
+void AheadStream::unpack() {
+  try {
+    for (bool goes_on = true; goes_on;) {
+      if (places_ && places_->wants(stream_.offset())) places_->add(stream_);
+      std::vector<char> block(chunk);
+      block.resize(stream_.read(block.data(), block.size()));
+      goes_on = !block.empty();
+      goes_on &= put(std::move(block));
+    }
+  } catch (...) {
+    fault_ = std::current_exception();
+    put({});
+  }
+}
+
+/// False: nobody reads any more.
+bool AheadStream::put(std::vector<char> block) {
+  constexpr std::size_t most = 4;
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return blocks_.size() < most || is_left_; });
+  blocks_.push_back(std::move(block));
+  const bool goes_on = !is_left_;
+  lock.unlock();
+  changed_.notify_all();
+  return goes_on;
+}
+
+LineReader::LineReader(const std::string& path) : LineReader(path, {}, nullptr) {}
+
+LineReader::LineReader(const std::string& path, const Place& from, GzipPlaces* places, std::size_t window)
+    : stream_(path, from.offset, places), buffer_(window + padding), offset_(from.offset), line_(from.line) {}
 
 bool LineReader::next(std::string_view& line) {
   std::size_t searched = 0;
@@ -149,17 +303,26 @@ bool LineReader::next(std::string_view& line) {
   return true;
 }
 
+std::string_view LineReader::ahead() const {
+  // The first line may have a byte order mark.
+  return line_ == 0 || begin_ >= lines_end_ ? std::string_view()
+                                            : std::string_view(buffer_.data() + begin_, lines_end_ - begin_);
+}
+
 bool LineReader::refill() {
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
-    begin_ = 0;
+    offset_ += begin_;
+    begin_ = lines_end_ = 0;
   }
-  if (end_ == buffer_.size()) {
-    if (buffer_.size() >= longest_line) throw FileFault("is not text: no line ends within 16 MiB", "B061");
-    buffer_.resize(2 * buffer_.size());
+  if (end_ + padding == buffer_.size()) {
+    if (end_ >= longest_line) throw FileFault("is not text: no line ends within 16 MiB", "B061");
+    buffer_.resize(2 * end_ + padding);
   }
-  const std::size_t count = stream_.read(buffer_.data() + end_, buffer_.size() - end_);
+  const std::size_t count = stream_.read(buffer_.data() + end_, buffer_.size() - padding - end_);
+  const std::size_t found = std::string_view(buffer_.data() + end_, count).rfind('\n');
+  if (found != std::string_view::npos) lines_end_ = end_ + found + 1;
   end_ += count;
   at_end_ = count == 0;
   return count > 0;
