@@ -12,10 +12,8 @@ namespace binnacle::results {
 
 namespace {
 
-std::vector<std::size_t> chunks_of(std::size_t size, std::size_t rank) {
-  auto chunks = growing_chunks(rank);
-  if (size > 0) chunks[0] = std::min(chunks[0], size);
-  return chunks;
+nc::Storage storage_of(std::size_t size, std::size_t rank, int level) {
+  return growing(rank, std::clamp<std::size_t>(size, 1, chunk_size), level);
 }
 
 std::string describe_error(const std::string& name) {
@@ -59,7 +57,7 @@ std::size_t ErrorWriter::time_base(const score::ErrorSeries& errors) {
   base.dimension =
       errors.t.empty() ? group_.add_growing_dimension(base.name) : group_.add_dimension(base.name, errors.t.size());
   base.t.assign(errors.t.begin(), errors.t.end());
-  const int id = group_.add_variable(base.name, NC_DOUBLE, {base.dimension}, chunks_of(errors.t.size(), 1));
+  const int id = group_.add_variable(base.name, NC_DOUBLE, {base.dimension}, storage_of(errors.t.size(), 1, level_));
   group_.put_text(id, "units", "s");
   group_.put_text(id, "long_name", "time of the reference");
   group_.put_text(id, "axis", "T");
@@ -84,7 +82,8 @@ bool ErrorWriter::is_norm(const std::string& series) const {
 
 int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions,
                               const score::ErrorSeries& errors, const std::string& long_name) {
-  const int id = group_.add_variable(name, NC_DOUBLE, dimensions, chunks_of(errors.t.size(), dimensions.size()));
+  const int id =
+      group_.add_variable(name, NC_DOUBLE, dimensions, storage_of(errors.t.size(), dimensions.size(), level_));
   group_.fill_with_nan(id);
   group_.put_text(id, "long_name", long_name);
   put_units(group_, id, {errors.unit, errors.display_unit});

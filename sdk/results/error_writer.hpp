@@ -18,7 +18,8 @@ namespace binnacle::results {
 
 class ErrorWriter {
  public:
-  ErrorWriter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {}
+  /// level: of compression, 0 for none.
+  ErrorWriter(nc::Group group, const FilterInfo& info, int level) : group_(group), info_(info), level_(level) {}
   void add(const score::ErrorSeries& errors);
 
  private:
@@ -44,6 +45,7 @@ class ErrorWriter {
 
   nc::Group group_;
   const FilterInfo& info_;
+  int level_;
   Names names_;
   std::vector<TimeBase> bases_;
   std::map<const BlockInfo*, BlockErrors> block_errors_;
