@@ -11,7 +11,6 @@
 #include "observe/observe.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
-#include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "score/run.hpp"
 #include "sentinel.hpp"
@@ -91,7 +90,6 @@ void leave_in_folder(const Options& options, RunRecorder& recorder, Json summary
                      const Composition& composition) {
   for (const auto& [name, windows] : filters.items()) summary["filters"][name]["observability"] = windows;
   recorder.commit(summary, Json::parse(composition.config()));
-  write_report(options.out, report_in(options.out));
 }
 
 int observe_config(const Options& options) {

@@ -27,7 +27,7 @@ void RunRecorder::guarded(Action&& action) {
 
 RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const Json& provenance,
                          const RecordFormats& formats)
-    : folder_(std::move(folder).lexically_normal()), formats_(formats) {
+    : folder_(std::move(folder).lexically_normal()), formats_(formats), provenance_(provenance) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   made_ = make_folders(folder_);
   if (!made_.empty()) unfinished_.emplace(folder_, made_);
@@ -42,7 +42,11 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
         netcdf_ = std::make_unique<results::RunWriter>(netcdf_file_->path(), composition, provenance,
                                                        formats_.compression, *thread_);
       });
-      for (std::size_t f = 0; f < observers_.size(); ++f) observers_[f].add(netcdf_->step_observer(static_cast<int>(f)));
+    }
+    if (formats_.page) page_ = std::make_unique<report::RecordedRun>(composition);
+    for (std::size_t f = 0; f < observers_.size(); ++f) {
+      if (netcdf_) observers_[f].add(netcdf_->step_observer(static_cast<int>(f)));
+      if (page_) observers_[f].add(page_->step_observer(static_cast<int>(f)));
     }
   } catch (const std::runtime_error&) {
     netcdf_file_.reset();
@@ -113,9 +117,10 @@ void RunRecorder::send(std::size_t filter) {
 void RunRecorder::write(std::size_t filter, const results::RowBlock& rows) {
   Filter& its = filters_[filter];
   if (its.csv) its.csv->write(rows);
-  if (!netcdf_) return;
+  if (!netcdf_ && !page_) return;
   column_block_.take(rows, its.columns);
-  netcdf_->write(static_cast<int>(filter), column_block_);
+  if (netcdf_) netcdf_->write(static_cast<int>(filter), column_block_);
+  if (page_) page_->take(static_cast<int>(filter), column_block_);
 }
 
 StepObserver* RunRecorder::step_observer(int filter) {
@@ -124,6 +129,7 @@ StepObserver* RunRecorder::step_observer(int filter) {
 
 void RunRecorder::scored(int filter, const score::ErrorSeries& errors) {
   if (netcdf_) guarded([&] { netcdf_->scored(filter, errors); });
+  if (page_) page_->scored(filter, errors);
 }
 
 /// What would be taken for this run's.
@@ -150,6 +156,18 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   if (netcdf_file_) netcdf_file_->commit();
   config_->commit();
   summary_->commit();
+  if (page_) write_page(summary, config);
+}
+
+/// Beside the run's, a study's that is in the same folder.
+void RunRecorder::write_page(const Json& summary, const Json& config) {
+  std::optional<results::StudyResults> study;
+  try {
+    study = results::read_study(folder_);
+  } catch (const std::runtime_error& error) {
+    throw OutputError(error.what());
+  }
+  command::write_page(page_->page(summary, config, provenance_, std::move(study)), report_in(folder_));
 }
 
 }  // namespace binnacle::command

@@ -15,6 +15,7 @@
 #include "csv_records.hpp"
 #include "output.hpp"
 #include "record_formats.hpp"
+#include "report/recorded_run.hpp"
 #include "results/run_writer.hpp"
 #include "score/run.hpp"
 #include "step_observers.hpp"
@@ -57,13 +58,16 @@ class RunRecorder {
   void send(std::size_t filter);
   void write(std::size_t filter, const results::RowBlock& rows);
   void remove_earlier() const;
+  void write_page(const Json& summary, const Json& config);
 
   std::filesystem::path folder_;
   std::filesystem::path made_;  // topmost folder that was made; empty: none
   RecordFormats formats_;
+  Json provenance_;
   std::optional<Unfinished> unfinished_;
   std::unique_ptr<AtomicFile> config_, summary_, netcdf_file_;
   std::unique_ptr<results::RunWriter> netcdf_;
+  std::unique_ptr<report::RecordedRun> page_;
   std::deque<Filter> filters_;
   std::deque<StepObservers> observers_;
   std::mutex spare_mutex_;

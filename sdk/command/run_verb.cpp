@@ -18,7 +18,6 @@
 #include "output.hpp"
 #include "provenance.hpp"
 #include "record_journal.hpp"
-#include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "sentinel.hpp"
 #include "smoothers.hpp"
@@ -275,7 +274,6 @@ int run_config(Options& options) {
   }
   if (page) page->conclude(result.summary);
   outputs->commit(result.summary, Json::parse(composition->config()));
-  if (!options.out.empty() && options.formats.page) write_report(options.out, report_in(options.out));
   options.checkpoints.remove();
   if (!options.quiet) tell_warnings(*composition, result, shown);
   if (options.json)

@@ -38,6 +38,13 @@ std::pair<const BlockInfo*, int> component_of(const FilterInfo& filter, const sc
   return {nullptr, -1};
 }
 
+bool is_norm(const FilterInfo& filter, const std::string& series) {
+  for (const auto& block : filter.blocks)
+    for (const auto& norm : block.declaration->norms)
+      if (series == block.name + "." + norm.name) return true;
+  return false;
+}
+
 void ErrorWriter::add(const score::ErrorSeries& errors) {
   const auto base = time_base(errors);
   const auto [block, component] = component_of(info_, errors);
@@ -73,13 +80,6 @@ std::size_t ErrorWriter::time_base(const score::ErrorSeries& errors) {
   return bases_.size() - 1;
 }
 
-bool ErrorWriter::is_norm(const std::string& series) const {
-  for (const auto& block : info_.blocks)
-    for (const auto& norm : block.declaration->norms)
-      if (series == block.name + "." + norm.name) return true;
-  return false;
-}
-
 int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions,
                               const score::ErrorSeries& errors, const std::string& long_name) {
   const int id =
@@ -95,7 +95,7 @@ void ErrorWriter::write_scalar(const score::ErrorSeries& errors, std::size_t bas
   const int id = add_variable(name, {bases_[base].dimension}, errors, describe_error(errors.name));
   group_.put_text(id, "series", errors.name);
   write_values(id, -1, errors.values);
-  if (is_norm(errors.name)) group_.put_text(id, "norm", "length of the error, never negative");
+  if (is_norm(info_, errors.name)) group_.put_text(id, "norm", "length of the error, never negative");
   if (errors.sigma.empty()) return;
   const std::string sigma_name = names_.take(errors.name + "_sigma");
   const int sigma = add_variable(sigma_name, {bases_[base].dimension}, errors,

@@ -35,7 +35,6 @@ class ErrorWriter {
   };
 
   std::size_t time_base(const score::ErrorSeries& errors);
-  bool is_norm(const std::string& series) const;
   int add_variable(const std::string& name, const std::vector<int>& dimensions, const score::ErrorSeries& errors,
                    const std::string& long_name);
   void write_scalar(const score::ErrorSeries& errors, std::size_t base);

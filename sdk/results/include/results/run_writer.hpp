@@ -20,6 +20,9 @@ namespace binnacle::results {
 /// null and −1.
 std::pair<const BlockInfo*, int> component_of(const FilterInfo& filter, const score::ErrorSeries& errors);
 
+/// Whether errors of this name are lengths, never negative.
+bool is_norm(const FilterInfo& filter, const std::string& series);
+
 /// Takes what a RunObserver gets, and writes it on a thread of its own that others share. Holds no more than a chunk of each
 /// variable in memory. Throws WriteError, from calls of its own and out of the thread.
 class RunWriter {
