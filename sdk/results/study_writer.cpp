@@ -33,7 +33,7 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
   for (std::size_t m = 0; m < metrics; ++m) {
     const auto& metric = study.metrics[m];
     const int id = root.add_variable(names.take(metric.name), NC_DOUBLE, {variant_dimension, run_dimension},
-                                     {1, std::min<std::size_t>(runs, 65536)});
+                                     {{1, std::min<std::size_t>(runs, 65536)}});
     root.fill_with_nan(id);
     root.put_text(id, "long_name", metric.name);
     root.put_text(id, "metric", metric.name);
