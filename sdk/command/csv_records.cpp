@@ -27,8 +27,8 @@ constexpr int significant_of_sigma = 5;
 
 Digits digits_of(const score::RecordColumn& column) {
   if (column.name.ends_with(".sigma") || column.name.ends_with(".noise")) return {Digits::none, significant_of_sigma};
-  static constexpr std::pair<std::string_view, int> decimals[] = {
-      {"rad", 11}, {"m", 4}, {"m/s", 6}, {"rad/s", 9}, {"m/s^2", 7}, {"1", 9}, {"s", 12}};
+  static constexpr std::pair<std::string_view, int> decimals[] = {{"rad", 11},  {"m", 4}, {"m/s", 6}, {"rad/s", 9},
+                                                                  {"m/s^2", 7}, {"1", 9}, {"s", 12}};
   for (const auto& [unit, count] : decimals)
     if (column.unit == unit) return {count};
   return {Digits::shortest};

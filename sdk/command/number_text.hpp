@@ -10,8 +10,9 @@ namespace binnacle::command {
 
 /// What a number is written to.
 struct Digits {
-  int decimals = shortest;  // most_decimals at most; exact: as few digits as read back to the same double; none: significant ones alone
-  int significant = 6;      // where fewer would remain of a small number; most_significant at most
+  int decimals =
+      shortest;  // most_decimals at most; exact: as few digits as read back to the same double; none: significant ones alone
+  int significant = 6;  // where fewer would remain of a small number; most_significant at most
 
   static constexpr int shortest = -1, none = -2, most_decimals = 12, most_significant = 8;
 };

@@ -24,15 +24,18 @@ void RecordFormats::keep_only(const std::string& list) {
     else if (word == "page")
       page = true;
     else
-      throw UsageError("--only: " + (word.empty() ? "a format is missing in '" + list + "'"
-                                                  : wording::in_quotes(word) + " is no format") +
-                       "; expected some of nc, csv, page, with commas between them" +
-                       wording::suggestion(word, {"nc", "csv", "page"}));
+      throw UsageError(
+          "--only: " +
+          (word.empty() ? "a format is missing in '" + list + "'" : wording::in_quotes(word) + " is no format") +
+          "; expected some of nc, csv, page, with commas between them" +
+          wording::suggestion(word, {"nc", "csv", "page"}));
   }
 }
 
 void RecordOptions::add_to(CLI::App& command, CLI::Option* out) {
-  command.add_option("--only", only_, "Of --out: these formats alone, as nc,csv,page")->type_name("FORMATS")->needs(out);
+  command.add_option("--only", only_, "Of --out: these formats alone, as nc,csv,page")
+      ->type_name("FORMATS")
+      ->needs(out);
   command.add_option("--compress", compression_, "Of --out: deflate run.nc, 1 (fast) to 9 (small); 0: not at all")
       ->type_name("N")
       ->check(CLI::Range(0, 9))

@@ -123,9 +123,7 @@ void RunRecorder::write(std::size_t filter, const results::RowBlock& rows) {
   if (page_) page_->take(static_cast<int>(filter), column_block_);
 }
 
-StepObserver* RunRecorder::step_observer(int filter) {
-  return observers_[static_cast<std::size_t>(filter)].joined();
-}
+StepObserver* RunRecorder::step_observer(int filter) { return observers_[static_cast<std::size_t>(filter)].joined(); }
 
 void RunRecorder::scored(int filter, const score::ErrorSeries& errors) {
   if (netcdf_) guarded([&] { netcdf_->scored(filter, errors); });

@@ -183,8 +183,8 @@ struct Outputs {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
     if (!options.record_input.empty()) input = std::make_unique<InputWriter>(options.record_input, composition);
     if (!options.out.empty())
-      recorder = std::make_unique<RunRecorder>(options.out, composition, provenance_of(options, composition),
-                                               options.formats);
+      recorder =
+          std::make_unique<RunRecorder>(options.out, composition, provenance_of(options, composition), options.formats);
   }
   void commit(const Json& figures, const Json& config) {
     if (input) input->close();

@@ -48,7 +48,8 @@ std::string page(const results::Results& results, const Limits& limits) {
   return page_of(payload(results, limits), results.study && !results.run ? "Study" : "Run", "");
 }
 
-std::string page_of(const results::Results& results, const std::vector<const DrawnFilter*>& drawn, const Limits& limits) {
+std::string page_of(const results::Results& results, const std::vector<const DrawnFilter*>& drawn,
+                    const Limits& limits) {
   return page_of(payload(results, drawn, limits), "Run", "");
 }
 

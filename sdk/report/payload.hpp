@@ -36,7 +36,8 @@ std::size_t series_of(const results::Updates& updates);
 std::size_t most_points(std::size_t series, const Limits& limits);
 
 /// The page of a run whose filters are these, with the others of `results`.
-std::string page_of(const results::Results& results, const std::vector<const DrawnFilter*>& drawn, const Limits& limits);
+std::string page_of(const results::Results& results, const std::vector<const DrawnFilter*>& drawn,
+                    const Limits& limits);
 
 /// { "title", "description", "run": { … }, "study": { … }, "columns": […] }
 Json payload(const results::Results& results, const Limits& limits);

@@ -486,7 +486,8 @@ class FilterPayload {
   }
 
   /// Many rows of one kind: residuals in units of their own √S.
-  void add_crowd(const Updates::Group& group, const std::vector<const Rows*>& crowded, const UpdateFigures& all, Json& json) {
+  void add_crowd(const Updates::Group& group, const std::vector<const Rows*>& crowded, const UpdateFigures& all,
+                 Json& json) {
     struct Point {
       double t, ratio;
       std::uint8_t outcome;
@@ -588,19 +589,18 @@ std::size_t most_points(std::size_t series, const Limits& limits) {
 
 Json run_payload(const results::RunResults& run, const std::vector<const DrawnFilter*>& drawn, const Limits& limits,
                  Columns& columns) {
-  const std::size_t points =
-      points_per_series(drawn, limits, [](const auto* filter) -> const auto& { return *filter; });
+  const std::size_t points = points_per_series(
+      drawn, limits, [](const auto* filter) -> const auto& { return *filter; });
   Json json = run_json(run, points);
   const std::optional<TrackOrigin> none;
-  for (const auto* filter : drawn)
-    json["filters"].push_back(FilterPayload(*filter, run, points, columns, none).json());
+  for (const auto* filter : drawn) json["filters"].push_back(FilterPayload(*filter, run, points, columns, none).json());
   return json;
 }
 
 Json run_payload(const results::RunResults& run, const Limits& limits, Extent extent, Columns& columns,
                  const std::optional<TrackOrigin>& origin) {
-  const std::size_t points =
-      points_per_series(run.filters, limits, [](const auto& filter) -> const auto& { return filter; });
+  const std::size_t points = points_per_series(
+      run.filters, limits, [](const auto& filter) -> const auto& { return filter; });
   Json json = run_json(run, points);
   for (const auto& filter : run.filters)
     json["filters"].push_back(FilterPayload(filter, run, points, extent, columns, origin).json());

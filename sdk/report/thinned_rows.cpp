@@ -74,7 +74,8 @@ void ThinnedSeries::add(std::span<const double> t, std::span<const double> value
     places.add(extremes_of(values.data(), begin, end), end);
     if (!sigma.empty()) places.add(extremes_of(sigma.data(), begin, end), end);
     if (width_ == 1 || rows_ == 0) places.add({begin, begin}, end);  // all of them; the first
-    for (const std::size_t i : places) keep(rows_ + i - begin, t[i], values[i], sigma.empty() ? not_a_number : sigma[i]);
+    for (const std::size_t i : places)
+      keep(rows_ + i - begin, t[i], values[i], sigma.empty() ? not_a_number : sigma[i]);
     rows_ += end - begin;
     begin = end;
     while (row_.size() > most_) thin();

@@ -58,8 +58,8 @@ class RunWriter::Filter : public StepObserver {
     const nc::Group all = group.add_group("measurements");
     Names names;
     for (const auto& measurement : info.measurements)
-      measurements_.push_back(std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)),
-                                                                  measurement, level, thread));
+      measurements_.push_back(
+          std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement, level, thread));
   }
 
   /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, implied states, adapted noise.
@@ -107,8 +107,8 @@ class RunWriter::Filter : public StepObserver {
     for (const auto& block : info_.blocks) add_block(block, sigmas);
     columns_.insert(columns_.end(), sigmas.begin(), sigmas.end());
     for (std::size_t i = columns_.size(); i < recorded_.size(); ++i) {
-      const int id = group_.add_variable(names_.take(recorded_[i].name), NC_DOUBLE, {time_dimension_},
-                                         growing(1, rows, level_));
+      const int id =
+          group_.add_variable(names_.take(recorded_[i].name), NC_DOUBLE, {time_dimension_}, growing(1, rows, level_));
       group_.put_text(id, "long_name", describe_column(recorded_[i].name));
       group_.put_text(id, "column", recorded_[i].name);
       put_units(group_, id, {recorded_[i].unit, ""});

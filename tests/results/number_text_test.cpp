@@ -59,7 +59,8 @@ TEST_CASE("numbers are those of to_chars to so many digits, without zeros at the
   for (int i = 0; i < 1'000'000; ++i) {
     double value = std::bit_cast<double>(random());  // of any size
     if (i % 4 == 1) value = mantissa(random) * std::pow(10, exponent(random) / (i % 8 == 1 ? 1 : 5));
-    if (i % 4 == 2) value = static_cast<double>(static_cast<int>(random() % 20'000'001) - 10'000'000) / (1 << random() % 24);
+    if (i % 4 == 2)
+      value = static_cast<double>(static_cast<int>(random() % 20'000'001) - 10'000'000) / (1 << random() % 24);
     if (i % 4 == 3) value = static_cast<double>(random() % 100'000'000) / 1e4;  // whole digits, ties among them
     const Digits digits{random() % 4 == 0 ? Digits::none : static_cast<int>(random() % 13),
                         static_cast<int>(5 + random() % 4)};

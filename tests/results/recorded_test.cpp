@@ -35,7 +35,8 @@ Outcome run(const Workbench& bench, const std::string& out, Words more = {}) {
 
 /// Every epoch of so many drives, and no reference: what scores it is kept whole.
 Words long_run(int drives) {
-  return {"--set", "/record=null", "--set", "/evaluate=null", "--set", "/sources/drive/repeat=" + std::to_string(drives)};
+  return {"--set",          "/record=null", "--set",
+          "/evaluate=null", "--set",        "/sources/drive/repeat=" + std::to_string(drives)};
 }
 
 Words names_in(const fs::path& folder) {
@@ -87,7 +88,8 @@ TEST_CASE("run --only says what a format is") {
   const auto wrong = run(bench, "out", {"--only", "nc,cvs"});
   CHECK(wrong.status == 2);
   CHECK(wrong.err ==
-        "error: --only: 'cvs' is no format; expected some of nc, csv, page, with commas between them; did you mean 'csv'?\n");
+        "error: --only: 'cvs' is no format; expected some of nc, csv, page, with commas between them; did you mean "
+        "'csv'?\n");
   CHECK(run(bench, "out", {"--only", "nc,"}).err.find("a format is missing in 'nc,'") != std::string::npos);
   CHECK(run(bench, "out", {"--compress", "10"}).status == 2);
   CHECK(binnacle(bench, {"run", quickstart, "--only", "nc"}).status == 2);
@@ -126,7 +128,8 @@ TEST_CASE("what is compressed reads back the same, and is smaller") {
   };
   REQUIRE(run(bench, "plain", with("0")).status == 0);
   REQUIRE(run(bench, "small", with("1")).status == 0);
-  CHECK(fs::file_size(bench.path("small/run.nc")) < 0.8 * static_cast<double>(fs::file_size(bench.path("plain/run.nc"))));
+  CHECK(fs::file_size(bench.path("small/run.nc")) <
+        0.8 * static_cast<double>(fs::file_size(bench.path("plain/run.nc"))));
   const auto plain = results::read(bench.path("plain")).run->filters.at(0),
              small = results::read(bench.path("small")).run->filters.at(0);
   REQUIRE(plain.t.size() > 19'000);  // more than two chunks
@@ -141,7 +144,8 @@ TEST_CASE("what is compressed reads back the same, and is smaller") {
 TEST_CASE("no format that finds no room leaves anything, exit status 5") {
   const Workbench bench;
   REQUIRE(run(bench, "out", long_run(1)).status == 0);
-  for (const auto& [only, name] : {std::pair{"nc", "run.nc"}, std::pair{"csv", "ins.csv"}, std::pair{"nc,csv,page", "ins.csv"}}) {
+  for (const auto& [only, name] :
+       {std::pair{"nc", "run.nc"}, std::pair{"csv", "ins.csv"}, std::pair{"nc,csv,page", "ins.csv"}}) {
     const auto size = fs::file_size(bench.path(std::string("out/") + name));
     for (const auto limit : {size / 8, size / 2, size - 100}) {
       INFO(only << ", limit " << limit << " of " << size);
@@ -181,7 +185,8 @@ TEST_CASE("a killed run leaves nothing that looks whole, and the next one tidies
     if (is_whole) CHECK(results::read(bench.path("out")).run->filters.at(0).t.size() > 30'000);
     if (std::count(names.begin(), names.end(), "report.html") > 0) CHECK(is_whole);
     fs::remove(bench.path("out/summary.json"));
-    for (const char* name : {"run.nc", "ins.csv", "config.json", "report.html"}) fs::remove(bench.path("out") + "/" + name);
+    for (const char* name : {"run.nc", "ins.csv", "config.json", "report.html"})
+      fs::remove(bench.path("out") + "/" + name);
   }
   CHECK(killed > 0);
   REQUIRE(run(bench, "out").status == 0);

@@ -110,7 +110,8 @@ TEST_CASE("a path is kept whole while it is short, then by distance, its ends al
   CHECK(path.t().back() == 99'999);
   CHECK(path.sigma_y().front() == 2);
   for (std::size_t i = 1; i < path.t().size(); ++i)
-    CHECK(std::hypot(2 * (path.x()[i] - path.x()[i - 1]), path.y()[i] - path.y()[i - 1]) < 2 * std::hypot(2, 1) * x / 400);
+    CHECK(std::hypot(2 * (path.x()[i] - path.x()[i - 1]), path.y()[i] - path.y()[i - 1]) <
+          2 * std::hypot(2, 1) * x / 400);
 }
 
 TEST_CASE("a path without numbers does not grow either") {
@@ -122,8 +123,8 @@ TEST_CASE("a path without numbers does not grow either") {
 TEST_CASE("moving means of what comes one by one are those of all at once") {
   std::mt19937 random(5);
   std::chi_squared_distribution<double> chi(3);
-  for (const std::size_t n : {std::size_t{19}, std::size_t{20}, std::size_t{5000}, std::size_t{12'799}, std::size_t{12'800},
-                              std::size_t{100'000}}) {
+  for (const std::size_t n : {std::size_t{19}, std::size_t{20}, std::size_t{5000}, std::size_t{12'799},
+                              std::size_t{12'800}, std::size_t{100'000}}) {
     MovingSums sums;
     Numbers t, values;
     for (std::size_t i = 0; i < n; ++i) {

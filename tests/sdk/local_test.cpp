@@ -14,8 +14,8 @@
 #include "results/results.hpp"
 
 using namespace binnacle::test;
-using Catch::Matchers::Contains;
 using binnacle::results::FilterResults;
+using Catch::Matchers::Contains;
 
 namespace {
 
