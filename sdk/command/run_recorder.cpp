@@ -148,6 +148,10 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
     if (netcdf_) netcdf_->close();
     thread_->finish();
   });
+  thread_.reset();  // all is done; the page needs the memory
+  netcdf_.reset();
+  spare_.clear();
+  column_block_ = {};
   remove_earlier();
   for (const auto& filter : filters_)
     if (filter.csv) filter.csv->commit();

@@ -134,9 +134,10 @@ class RecordedRun::Filter final : public StepObserver {
   const DrawnFilter& drawn() {
     for (std::size_t i = 0; i < estimates_.size(); ++i) {
       estimates_[i].finish();
-      drawn_.series.estimates[i].values = estimates_[i].values();
-      drawn_.series.estimates[i].sigma = estimates_[i].sigma();
-      drawn_.t.push_back(estimates_[i].t());
+      auto [t, values, sigma] = std::move(estimates_[i]).taken();
+      drawn_.t.push_back(std::move(t));
+      drawn_.series.estimates[i].values = std::move(values);
+      drawn_.series.estimates[i].sigma = std::move(sigma);
     }
     for (const auto& updates : updates_) drawn_.series.updates.push_back(updates.updates());
     if (path_) finish_track();

@@ -59,6 +59,11 @@ class Places {
 ThinnedSeries::ThinnedSeries(std::size_t most_points) : most_(std::max<std::size_t>(16, most_points)) {}
 
 void ThinnedSeries::keep(std::size_t row, double t, double value, double sigma) {
+  if (row_.size() == row_.capacity()) {  // no further than it may grow
+    const std::size_t room = std::min(most_ + 6, 64 + 2 * row_.size());
+    row_.reserve(room);
+    for (auto* values : {&t_, &values_, &sigma_}) values->reserve(room);
+  }
   row_.push_back(row);
   t_.push_back(t);
   values_.push_back(value);

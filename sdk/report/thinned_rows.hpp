@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace binnacle::report {
@@ -24,6 +25,10 @@ class ThinnedSeries {
   const std::vector<double>& values() const { return values_; }
   /// NaN where there was none.
   const std::vector<double>& sigma() const { return sigma_; }
+  struct Columns {
+    std::vector<double> t, values, sigma;
+  };
+  Columns taken() && { return {std::move(t_), std::move(values_), std::move(sigma_)}; }
 
  private:
   void keep(std::size_t row, double t, double value, double sigma);

@@ -30,7 +30,7 @@ using Words = std::vector<std::string>;
 Outcome run(const Workbench& bench, const std::string& out, Words more = {}) {
   Words words{"run", quickstart, "--quiet", "--out", out};
   words.insert(words.end(), more.begin(), more.end());
-  return binnacle(bench, words);
+  return binnacle::test::binnacle(bench, words);
 }
 
 /// Every epoch of so many drives, and no reference: what scores it is kept whole.
@@ -92,7 +92,7 @@ TEST_CASE("run --only says what a format is") {
         "'csv'?\n");
   CHECK(run(bench, "out", {"--only", "nc,"}).err.find("a format is missing in 'nc,'") != std::string::npos);
   CHECK(run(bench, "out", {"--compress", "10"}).status == 2);
-  CHECK(binnacle(bench, {"run", quickstart, "--only", "nc"}).status == 2);
+  CHECK(binnacle::test::binnacle(bench, {"run", quickstart, "--only", "nc"}).status == 2);
   CHECK(names_in(bench.path("out")).empty());
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("formats are the same bytes with others and without, and the page is t
   const auto run_at = [&](const std::string& out, const Words& more) {
     Words words{"run", quickstart, "--quiet", "--out", out};
     words.insert(words.end(), more.begin(), more.end());
-    REQUIRE(binnacle(bench, words, start).status == 0);
+    REQUIRE(binnacle::test::binnacle(bench, words, start).status == 0);
   };
   run_at("all", {});
   for (const auto& [only, name] : {std::pair{"nc", "run.nc"}, std::pair{"csv", "ins.csv"}}) {
@@ -111,7 +111,7 @@ TEST_CASE("formats are the same bytes with others and without, and the page is t
   }
   const std::string page = read_file(bench.path("all/report.html"));
   CHECK(page.size() > 500'000);
-  REQUIRE(binnacle(bench, {"report", "all"}).status == 0);
+  REQUIRE(binnacle::test::binnacle(bench, {"report", "all"}).status == 0);
   const std::string again = read_file(bench.path("all/report.html"));
   const auto differs = std::mismatch(page.begin(), page.end(), again.begin(), again.end());
   INFO("at " << differs.first - page.begin() << " of " << page.size());
