@@ -12,15 +12,26 @@ namespace binnacle::command {
 
 namespace {
 
-constexpr std::array<char, 200> make_pairs() {
-  std::array<char, 200> pairs{};
-  for (std::size_t i = 0; i < 100; ++i) {
-    pairs[2 * i] = static_cast<char>('0' + i / 10);
-    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
-  }
-  return pairs;
+static_assert(std::endian::native == std::endian::little, "the first digit is the lowest byte");
+
+/// Eight decimal digits as bytes, the first in the lowest. Halves, then quarters, then digits are divided in all lanes at once;
+/// kept in a register, since small stores that a longer load follows cost more than the digits.
+std::uint64_t eight_digits(std::uint64_t n) {
+  std::uint64_t lanes = n / 10'000 | n % 10'000 << 32;
+  std::uint64_t tops = lanes * 10486 >> 20 & 0x7f0000007f;
+  lanes = tops | (lanes - 100 * tops) << 16;
+  tops = lanes * 103 >> 10 & 0xf000f000f000f;
+  return tops | (lanes - 10 * tops) << 8;
 }
-constexpr auto pairs = make_pairs();
+
+/// Their characters; eight bytes are written, whatever counts of them.
+void put_digits(char* at, std::uint64_t digits) {
+  digits |= 0x3030303030303030;
+  std::memcpy(at, &digits, sizeof digits);
+}
+
+/// Without the zeros at the end; 0 of none.
+int count_of(std::uint64_t digits) { return 8 - std::countl_zero(digits) / 8; }
 
 /// Powers of ten that a double holds exactly.
 constexpr int most_exact = 22;
@@ -33,24 +44,14 @@ constexpr auto powers = make_powers();
 
 double power(int exponent) { return powers[static_cast<std::size_t>(exponent)]; }
 
-void put_pair(char* at, std::uint32_t n) { std::memcpy(at, pairs.data() + 2 * std::size_t{n}, 2); }
-
-void put_four(char* at, std::uint32_t n) {
-  put_pair(at, n / 100);
-  put_pair(at + 2, n % 100);
-}
-
-void put_eight(char* at, std::uint32_t n) {
-  put_four(at, n / 10'000);
-  put_four(at + 4, n % 10'000);
-}
-
 char* put_natural(char* at, std::uint64_t n) {
-  if (n < 10) {
-    *at = static_cast<char>('0' + n);
-    return at + 1;
-  }
-  return std::to_chars(at, at + 20, n).ptr;
+  *at = static_cast<char>('0' + n);
+  if (n < 10) return at + 1;
+  if (n >= 100'000'000) return std::to_chars(at, at + 20, n).ptr;
+  const std::uint64_t digits = eight_digits(n);
+  const int zeros = std::countr_zero(digits) / 8;
+  put_digits(at, digits >> 8 * zeros);
+  return at + 8 - zeros;
 }
 
 char* without_zeros(char* end) {
@@ -70,11 +71,11 @@ char* put_slowly(char* at, double value, std::chars_format format, int precision
 
 /// Rounded to an integer, where it is certain how the exact product would be rounded.
 struct Rounded {
-  std::uint64_t n;
+  std::int64_t n;  // signed: processors convert these at once
   bool is_certain;
 };
 Rounded rounded(double product) {
-  const auto whole = static_cast<std::uint64_t>(product);
+  const auto whole = static_cast<std::int64_t>(product);
   const double rest = product - static_cast<double>(whole);
   // The product is off by half a unit of its last bit at most.
   const bool is_certain = std::abs(rest - 0.5) > product * 0x1p-52;
@@ -83,7 +84,7 @@ Rounded rounded(double product) {
 
 /// As "%.*f" without zeros at the end, of a number below 2^32.
 char* put_fixed(char* at, double magnitude, double signed_value, int decimals) {
-  auto whole = static_cast<std::uint64_t>(magnitude);
+  auto whole = static_cast<std::int64_t>(magnitude);
   auto [n, is_certain] = rounded((magnitude - static_cast<double>(whole)) * power(decimals));
   if (!is_certain) return put_slowly(at, signed_value, std::chars_format::fixed, decimals);
   *at = '-';
@@ -92,49 +93,53 @@ char* put_fixed(char* at, double magnitude, double signed_value, int decimals) {
     ++whole;
     n = 0;
   }
-  at = put_natural(at, whole);
+  at = put_natural(at, static_cast<std::uint64_t>(whole));
   if (n == 0) return at;
-  char text[16];
-  put_four(text, static_cast<std::uint32_t>(n / 100'000'000));
-  put_eight(text + 4, static_cast<std::uint32_t>(n % 100'000'000));
+  const auto fraction = static_cast<std::uint64_t>(n);
   *at++ = '.';
-  std::memcpy(at, text + Digits::most_decimals - decimals, static_cast<std::size_t>(decimals));
-  return without_zeros(at + decimals);
+  if (decimals <= 8) {
+    const std::uint64_t digits = eight_digits(fraction) >> 8 * (8 - decimals);
+    put_digits(at, digits);
+    return at + count_of(digits);
+  }
+  const int before = decimals - 8;
+  const std::uint64_t first = eight_digits(fraction / 100'000'000) >> 8 * (8 - before),
+                      last = eight_digits(fraction % 100'000'000);
+  put_digits(at, first);
+  if (last == 0) return at + count_of(first);
+  put_digits(at + before, last);
+  return at + before + count_of(last);
 }
 
 /// n / 10^(significant - 1) * 10^exponent as "%g" has it.
 char* lay_out(char* at, std::uint64_t n, int exponent, int significant) {
-  char text[8];
-  put_eight(text, static_cast<std::uint32_t>(n));
-  const char* const first = text + 8 - significant;
-  int digits = significant;
-  while (first[digits - 1] == '0') --digits;
-  const auto copy = [&](const char* from, int count) {
-    std::memcpy(at, from, static_cast<std::size_t>(count));
-    at += count;
-  };
+  const std::uint64_t digits = eight_digits(n) >> 8 * (8 - significant);
+  const int count = count_of(digits);
   if (exponent >= 0 && exponent < significant) {
-    copy(first, exponent + 1);
-    if (digits <= exponent + 1) return at;
-    *at++ = '.';
-    copy(first + exponent + 1, digits - exponent - 1);
-    return at;
+    const int whole = exponent + 1;
+    put_digits(at, digits);
+    if (count <= whole) return at + whole;
+    at[whole] = '.';
+    put_digits(at + whole + 1, whole < 8 ? digits >> 8 * whole : 0);
+    return at + count + 1;
   }
   if (exponent < 0 && exponent >= -4) {
-    copy("0.000", 1 - exponent);
-    copy(first, digits);
-    return at;
+    std::memcpy(at, "0.000\0\0\0", 8);
+    put_digits(at + 1 - exponent, digits);
+    return at + 1 - exponent + count;
   }
-  *at++ = *first;
-  if (digits > 1) {
-    *at++ = '.';
-    copy(first + 1, digits - 1);
+  put_digits(at, digits);
+  if (count > 1) {
+    at[1] = '.';
+    put_digits(at + 2, digits >> 8);
   }
+  at += count > 1 ? count + 1 : 1;
   *at++ = 'e';
   *at++ = exponent < 0 ? '-' : '+';
   const int magnitude = exponent < 0 ? -exponent : exponent;
-  put_pair(at, static_cast<std::uint32_t>(magnitude));
-  return at + 2;
+  *at++ = static_cast<char>('0' + magnitude / 10);
+  *at++ = static_cast<char>('0' + magnitude % 10);
+  return at;
 }
 
 /// As "%.*g", of a finite number that is not 0.
@@ -155,7 +160,7 @@ char* put_significant(char* at, double magnitude, double signed_value, int signi
       n /= 10;
       ++exponent;
     }
-    return lay_out(at, n, exponent, significant);
+    return lay_out(at, static_cast<std::uint64_t>(n), exponent, significant);
   }
   return put_slowly(at, signed_value, std::chars_format::general, significant);
 }
@@ -182,10 +187,10 @@ char* put_seconds(char* at, Time t) {
   const auto magnitude = t < 0 ? 0 - static_cast<std::uint64_t>(t) : static_cast<std::uint64_t>(t);
   *at = '-';
   at = put_natural(at + (t < 0), magnitude / second);
-  const auto rest = static_cast<std::uint32_t>(magnitude % second);
+  const std::uint64_t rest = magnitude % second;
   *at++ = '.';
   *at = static_cast<char>('0' + rest / 100'000'000);
-  put_eight(at + 1, rest % 100'000'000);
+  put_digits(at + 1, eight_digits(rest % 100'000'000));
   return at + 9;
 }
 

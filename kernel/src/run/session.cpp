@@ -341,7 +341,7 @@ void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, d
       double difference = above[i] - below[i];
       if (std::abs(difference) > std::numbers::pi && declaration.outputs[as_size(i)].is_angle)
         difference = std::remainder(difference, 2 * std::numbers::pi);
-      J[i + a * outputs] = difference / (2 * step);
+      J[i + a * outputs] = difference == 0 ? 0 : difference / (2 * step);
     }
   }
   for (int i = 0; i < outputs; ++i) {
