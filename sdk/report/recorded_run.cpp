@@ -215,7 +215,8 @@ std::string RecordedRun::page(const results::Json& summary, const results::Json&
   auto& run = results.run.emplace();
   run.summary = summary;
   run.config = config;
-  run.provenance = provenance;
+  for (const char* key : {"version", "command", "seed", "run", "plugins", "created"})  // as in run.nc
+    if (provenance.contains(key)) run.provenance[key] = provenance[key];
   results.study = std::move(study);
   std::vector<const DrawnFilter*> drawn;
   for (auto& filter : filters_) drawn.push_back(&filter->drawn());

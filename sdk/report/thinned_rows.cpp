@@ -83,7 +83,7 @@ void ThinnedSeries::add(std::span<const double> t, std::span<const double> value
       keep(rows_ + i - begin, t[i], values[i], sigma.empty() ? not_a_number : sigma[i]);
     rows_ += end - begin;
     begin = end;
-    while (row_.size() > most_) thin();
+    if (row_.size() > most_) make_room();
   }
   last_t_ = t.back();
   last_value_ = values.back();
@@ -94,9 +94,17 @@ void ThinnedSeries::finish() {
   if (rows_ > 0 && (row_.empty() || row_.back() + 1 < rows_)) keep(rows_ - 1, last_t_, last_value_, last_sigma_);
 }
 
-/// In stretches twice as long: what is kept of what was kept is what would be kept of all.
+/// A stretch that came in several blocks kept more than it may; only if that is not it, they become longer.
+void ThinnedSeries::make_room() {
+  thin();
+  while (row_.size() > most_ - most_ / 4) {
+    width_ *= 2;
+    thin();
+  }
+}
+
+/// What is kept of what was kept is what would be kept of all.
 void ThinnedSeries::thin() {
-  width_ *= 2;
   std::size_t kept = 0;
   for (std::size_t begin = 0, end = 0; begin < row_.size(); begin = end) {
     const std::uint64_t stretch = row_[begin] / width_;

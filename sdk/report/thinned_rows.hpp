@@ -32,6 +32,7 @@ class ThinnedSeries {
 
  private:
   void keep(std::size_t row, double t, double value, double sigma);
+  void make_room();
   void thin();
 
   std::size_t most_, width_ = 1, rows_ = 0;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include <H5Epublic.h>
 #include <H5public.h>
 
 namespace binnacle::results::nc {
@@ -32,6 +33,8 @@ int read_values(int group, int variable, const std::size_t* start, const std::si
 void keep_from_tidying() { H5dont_atexit(); }
 
 }  // namespace
+
+void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 void check(int code) {
   if (code == NC_NOERR) return;

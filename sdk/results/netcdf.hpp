@@ -25,6 +25,9 @@ class Failure : public std::runtime_error {
 /// "HDF error".
 void check(int code);
 
+/// HDF5 prints its failures to stderr, unless each thread that calls it says otherwise; for a thread that opens no file itself.
+void keep_quiet();
+
 /// How much of a variable's bytes deflate saves: 0 leaves them as they are, in chunks that go to the file as they come.
 inline constexpr int not_compressed = 0, lightly_compressed = 1;
 

@@ -204,6 +204,7 @@ RunWriter::RunWriter(const std::filesystem::path& path, const Composition& compo
                      int level, WriterThread& thread)
     : thread_(thread) {
   guarded([&] { contents_ = std::make_unique<Contents>(path, composition, provenance, level, thread); });
+  thread_.post(0, nc::keep_quiet);
 }
 
 RunWriter::~RunWriter() = default;
