@@ -75,6 +75,7 @@ void ThinnedSeries::add(std::span<const double> t, std::span<const double> value
   for (std::size_t begin = 0; begin < t.size();) {
     // As far as the stretch goes on: one that began with the rows before may keep more until it is thinned again.
     const std::size_t end = std::min(t.size(), begin + (width_ - rows_ % width_));
+    are_parts_ = are_parts_ || end - begin < width_;
     Places places;
     places.add(extremes_of(values.data(), begin, end), end);
     if (!sigma.empty()) places.add(extremes_of(sigma.data(), begin, end), end);
@@ -96,7 +97,7 @@ void ThinnedSeries::finish() {
 
 /// A stretch that came in several blocks kept more than it may; only if that is not it, they become longer.
 void ThinnedSeries::make_room() {
-  thin();
+  if (std::exchange(are_parts_, false)) thin();
   while (row_.size() > most_ - most_ / 4) {
     width_ *= 2;
     thin();

@@ -36,6 +36,7 @@ class ThinnedSeries {
   void thin();
 
   std::size_t most_, width_ = 1, rows_ = 0;
+  bool are_parts_ = false;  // of stretches, each thinned by itself
   std::vector<std::uint64_t> row_;
   std::vector<double> t_, values_, sigma_;
   double last_t_ = 0, last_value_ = 0, last_sigma_ = 0;

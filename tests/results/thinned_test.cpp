@@ -153,7 +153,7 @@ TEST_CASE("a block of rows, column by column") {
   columns.take(rows, 5);
   REQUIRE(columns.rows() == 37);
   for (std::size_t r = 0; r < 37; ++r) {
-    CHECK(columns.t()[r] == 0.005 * static_cast<double>(r));
+    CHECK(columns.t()[r] == 5 * static_cast<double>(r) / 1000);
     for (std::size_t c = 0; c < 5; ++c) CHECK(columns.column(c)[r] == static_cast<double>(100 * r + c));
   }
   CHECK(binnacle::results::rows_of_block(43) == 8192);

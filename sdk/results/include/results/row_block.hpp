@@ -31,10 +31,10 @@ class ColumnBlock {
   std::size_t columns() const { return columns_; }
   /// In seconds, as nearest_seconds() has them.
   std::span<const double> t() const { return t_; }
-  std::span<const double> column(std::size_t i) const { return {values_.data() + i * rows(), rows()}; }
+  std::span<const double> column(std::size_t i) const { return {values_.data() + i * stride_, rows()}; }
 
  private:
-  std::size_t columns_ = 0;
+  std::size_t columns_ = 0, stride_ = 0;
   std::vector<double> t_, values_;
 };
 
