@@ -15,6 +15,9 @@
 
 namespace binnacle::report {
 
+/// Beyond so many rows of one kind (satellites), one plot holds them all.
+inline constexpr std::size_t most_row_plots = 6;
+
 /// What is drawn of a filter of which not all was kept, and what is said of all of it.
 struct DrawnFilter {
   struct ErrorFigures {
@@ -34,6 +37,10 @@ struct DrawnFilter {
 std::size_t series_of(const results::Updates& updates);
 /// Of each of so many series.
 std::size_t most_points(std::size_t series, const Limits& limits);
+
+/// No more than the longest of them has.
+std::size_t points_per_series(const std::vector<results::FilterResults>& filters, const Limits& limits);
+std::size_t points_per_series(const std::vector<const DrawnFilter*>& filters, const Limits& limits);
 
 /// The page of a run whose filters are these, with the others of `results`.
 std::string page_of(const results::Results& results, const std::vector<const DrawnFilter*>& drawn,

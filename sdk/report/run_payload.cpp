@@ -25,8 +25,6 @@ using results::Updates;
 
 using Numbers = std::vector<double>;
 
-/// Beyond so many rows of one kind (satellites), one plot holds them all.
-constexpr std::size_t most_row_plots = 6;
 constexpr std::size_t most_track_points = 4000;
 
 // ---- small helpers
@@ -53,44 +51,6 @@ const Json& at_or_null(const Json& object, const std::string& key) {
   static const Json null;
   const auto found = object.is_object() ? object.find(key) : object.end();
   return object.is_object() && found != object.end() ? *found : null;
-}
-
-// ---- how much of it
-
-/// Values, their σ and their times, of everything that is plotted.
-std::size_t series_of(const FilterResults& filter) {
-  std::size_t series = 3 * (filter.estimates.size() + filter.errors.size());
-  for (const auto& updates : filter.updates) series += report::series_of(updates);
-  return series;
-}
-
-struct Size {
-  std::size_t series = 0, longest = 0;
-};
-
-Size size_of(const FilterResults& filter) {
-  std::size_t longest = filter.t.size();
-  for (const auto& error : filter.errors) longest = std::max(longest, error.t.size());
-  for (const auto& updates : filter.updates) longest = std::max(longest, updates.t.size());
-  return {series_of(filter), longest};
-}
-
-Size size_of(const DrawnFilter& drawn) {
-  std::size_t longest = drawn.rows;
-  for (const auto& error : drawn.errors) longest = std::max(longest, error.n);
-  for (const auto& updates : drawn.updates) longest = std::max(longest, updates.samples());
-  return {series_of(drawn.series), longest};
-}
-
-template <class Filters, class Of>
-std::size_t points_per_series(const Filters& filters, const Limits& limits, Of of) {
-  Size all;
-  for (const auto& filter : filters) {
-    const Size size = size_of(of(filter));
-    all.series += size.series;
-    all.longest = std::max(all.longest, size.longest);
-  }
-  return std::min(all.longest, most_points(all.series, limits));
 }
 
 // ---- a filter's payload
@@ -580,12 +540,6 @@ Json run_json(const results::RunResults& run, std::size_t points) {
 }
 
 }  // namespace
-
-std::size_t series_of(const Updates& updates) { return 4 * (1 + updates.groups.size() * most_row_plots); }
-
-std::size_t most_points(std::size_t series, const Limits& limits) {
-  return std::clamp(limits.numbers / std::max<std::size_t>(1, series), limits.least_points, limits.most_points);
-}
 
 Json run_payload(const results::RunResults& run, const std::vector<const DrawnFilter*>& drawn, const Limits& limits,
                  Columns& columns) {

@@ -42,7 +42,7 @@ bool is_plain(const BlockInfo& block) {
   try {
     return adds_up(block);
   } catch (...) {
-    return false;  // what it throws is told where it is called by the run
+    return false;  // the run reports what it throws
   }
 }
 

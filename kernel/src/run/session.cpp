@@ -223,9 +223,10 @@ void Session::read(BlockId block, std::span<double> outputs) const {
 }
 
 void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
-  read(block, sigmas, "plus and read, for its 1-sigma", [&](const BlockInfo& of, const double* x, const Engine& of_filter) {
-    output_sigmas(of, x, of_filter.covariance(), scratch_.data(), sigmas.data());
-  });
+  read(block, sigmas, "plus and read, for its 1-sigma",
+       [&](const BlockInfo& of, const double* x, const Engine& of_filter) {
+         output_sigmas(of, x, of_filter.covariance(), scratch_.data(), sigmas.data());
+       });
 }
 
 ConstMatrixView Session::covariance(BlockId block) const {
