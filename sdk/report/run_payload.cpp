@@ -543,8 +543,7 @@ Json run_json(const results::RunResults& run, std::size_t points) {
 
 Json run_payload(const results::RunResults& run, const std::vector<const DrawnFilter*>& drawn, const Limits& limits,
                  Columns& columns) {
-  const std::size_t points = points_per_series(
-      drawn, limits, [](const auto* filter) -> const auto& { return *filter; });
+  const std::size_t points = points_per_series(drawn, limits);
   Json json = run_json(run, points);
   const std::optional<TrackOrigin> none;
   for (const auto* filter : drawn) json["filters"].push_back(FilterPayload(*filter, run, points, columns, none).json());
@@ -553,8 +552,7 @@ Json run_payload(const results::RunResults& run, const std::vector<const DrawnFi
 
 Json run_payload(const results::RunResults& run, const Limits& limits, Extent extent, Columns& columns,
                  const std::optional<TrackOrigin>& origin) {
-  const std::size_t points = points_per_series(
-      run.filters, limits, [](const auto& filter) -> const auto& { return filter; });
+  const std::size_t points = points_per_series(run.filters, limits);
   Json json = run_json(run, points);
   for (const auto& filter : run.filters)
     json["filters"].push_back(FilterPayload(filter, run, points, extent, columns, origin).json());
