@@ -91,17 +91,26 @@ void AtomicFile::fail(const std::string& why) const {
   throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, remedy));
 }
 
-void AtomicFile::flush() {
-  for (std::size_t at = 0; at < buffer_.size();) {
-    const auto written = ::write(file_, buffer_.data() + at, buffer_.size() - at);
+void AtomicFile::write_through(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const auto written = ::write(file_, text.data() + at, text.size() - at);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail(std::strerror(errno));
     at += static_cast<std::size_t>(written);
   }
+}
+
+void AtomicFile::flush() {
+  write_through(buffer_);
   buffer_.clear();
 }
 
 void AtomicFile::write(std::string_view text) {
+  if (text.size() >= buffer_size / 2) {  // large enough without the others
+    flush();
+    write_through(text);
+    return;
+  }
   buffer_ += text;
   if (buffer_.size() >= buffer_size - (buffer_size >> 3)) flush();
 }

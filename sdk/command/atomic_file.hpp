@@ -41,6 +41,7 @@ class AtomicFile {
  private:
   void open_temporary(Temporary temporary);
   void flush();
+  void write_through(std::string_view text);
 
   std::filesystem::path target_;
   std::filesystem::path temporary_;

@@ -11,7 +11,6 @@
 #include "observe/observe.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
-#include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "score/run.hpp"
 #include "sentinel.hpp"
@@ -87,11 +86,9 @@ std::vector<observe::Window> windows_of(const Options& options, const Compositio
   throw UsageError("interrupted");
 }
 
-void leave_in_folder(const Options& options, RunRecorder& recorder, Json summary, const Json& filters,
-                     const Composition& composition) {
+void leave_in_folder(RunRecorder& recorder, Json summary, const Json& filters, const Composition& composition) {
   for (const auto& [name, windows] : filters.items()) summary["filters"][name]["observability"] = windows;
   recorder.commit(summary, Json::parse(composition.config()));
-  write_report(options.out, report_in(options.out));
 }
 
 int observe_config(const Options& options) {
@@ -115,7 +112,7 @@ int observe_config(const Options& options) {
   const Json filters = observability.figures(options.config_path, load_options, key);
   stand_down();
   if (interrupted_by() != 0) give_up(recorder);
-  if (recorder) leave_in_folder(options, *recorder, std::move(result.summary), filters, *composition);
+  if (recorder) leave_in_folder(*recorder, std::move(result.summary), filters, *composition);
   if (!options.quiet) print_abridged(result.warnings, "binnacle run has all");
   if (options.json)
     print_json({{"filters", filters}});

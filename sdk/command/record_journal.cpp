@@ -161,7 +161,7 @@ void RecordJournal::record(int filter, Time t, std::span<const double> values) {
 }
 
 void RecordJournal::offered(int filter, const UpdateRecord& record) {
-  takers_.step_observer(filter)->offered(record);
+  if (StepObserver* const next = takers_.step_observer(filter)) next->offered(record);
   if (!file_) return;
   SampleEntry head{filter, record.measurement, static_cast<std::int32_t>(record.outcome), record.rows, record.t};
   head.nis = record.nis;
@@ -193,7 +193,7 @@ void RecordJournal::replay(std::uint64_t length) {
   while (!reader.is_over()) {
     if (reader.get<Entry>() == Entry::sample) {
       const ReadSample sample(reader);
-      takers_.step_observer(sample.filter())->offered(sample.record());
+      if (StepObserver* const next = takers_.step_observer(sample.filter())) next->offered(sample.record());
       continue;
     }
     const auto filter = reader.get<std::int32_t>();

@@ -21,7 +21,7 @@ namespace binnacle::command {
 /// Where records go: estimates, and what became of samples.
 struct RecordTakers {
   std::function<void(int filter, Time t, std::span<const double> values)> record;
-  std::function<StepObserver*(int filter)> step_observer;
+  std::function<StepObserver*(int filter)> step_observer;  // null: nobody's
 };
 
 /// Passes records on, and keeps them in a file that grows. A run that is resumed passes on those up to its checkpoint first.

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_recorder.hpp"
 
-#include <cctype>
-#include <iterator>
+#include <limits>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "folders.hpp"
 #include "report_file.hpp"
@@ -16,36 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A filter's name is any JSON key; what a file name cannot have, or hides, becomes %2F and the like.
-std::string file_name(const std::string& filter) {
-  std::string name;
-  for (const char c : filter) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool is_plain =
-        byte >= 0x80 || std::isalnum(byte) || c == '_' || c == '-' || c == ' ' || (c == '.' && !name.empty());
-    name += is_plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
-  }
-  return name + ".csv";
-}
-
-/// RFC 4180: quotes around what has a comma or quotes in it.
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 }  // namespace
 
-std::string seconds_text(Time t) {
-  // The magnitude as unsigned: the smallest Time has no negative.
-  const auto magnitude = t < 0 ? 0 - static_cast<std::uint64_t>(t) : static_cast<std::uint64_t>(t);
-  return fmt::format("{}{}.{:09}", t < 0 ? "-" : "", magnitude / 1'000'000'000, magnitude % 1'000'000'000);
-}
-
+/// What the writer of run.nc throws, on either thread, in the words of its file.
 template <class Action>
-void RunRecorder::write_netcdf(Action&& action) {
+void RunRecorder::guarded(Action&& action) {
   try {
     action();
   } catch (const results::WriteError& error) {
@@ -53,17 +25,29 @@ void RunRecorder::write_netcdf(Action&& action) {
   }
 }
 
-RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const Json& provenance)
-    : folder_(std::move(folder).lexically_normal()) {
+RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const Json& provenance,
+                         const RecordFormats& formats)
+    : folder_(std::move(folder).lexically_normal()), formats_(formats), provenance_(provenance) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   made_ = make_folders(folder_);
   if (!made_.empty()) unfinished_.emplace(folder_, made_);
   try {
     config_ = std::make_unique<AtomicFile>(folder_ / "config.json");
     summary_ = std::make_unique<AtomicFile>(folder_ / "summary.json");
-    netcdf_file_ = std::make_unique<AtomicFile>(folder_ / "run.nc", AtomicFile::Temporary::named);
-    write_netcdf(
-        [&] { netcdf_ = std::make_unique<results::RunWriter>(netcdf_file_->path(), composition, provenance); });
+    thread_.emplace();
+    observers_.resize(score::filters_of(composition).size());
+    if (formats_.nc) {
+      netcdf_file_ = std::make_unique<AtomicFile>(folder_ / "run.nc", AtomicFile::Temporary::named);
+      guarded([&] {
+        netcdf_ = std::make_unique<results::RunWriter>(netcdf_file_->path(), composition, provenance,
+                                                       formats_.compression, *thread_);
+      });
+    }
+    if (formats_.page) page_ = std::make_unique<report::RecordedRun>(composition);
+    for (std::size_t f = 0; f < observers_.size(); ++f) {
+      if (netcdf_) observers_[f].add(netcdf_->step_observer(static_cast<int>(f)));
+      if (page_) observers_[f].add(page_->step_observer(static_cast<int>(f)));
+    }
   } catch (const std::runtime_error&) {
     netcdf_file_.reset();
     config_.reset();
@@ -74,6 +58,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
 }
 
 RunRecorder::~RunRecorder() {
+  thread_.reset();
   filters_.clear();
   netcdf_.reset();
   netcdf_file_.reset();
@@ -85,37 +70,106 @@ RunRecorder::~RunRecorder() {
 void RunRecorder::begin(int filter, const std::string& name, const std::vector<score::RecordColumn>& columns) {
   const auto index = static_cast<std::size_t>(filter);
   if (filters_.size() <= index) filters_.resize(index + 1);
-  filters_[index] = std::make_unique<AtomicFile>(folder_ / file_name(name));
-  std::string header = "t[s]";
-  for (const auto& column : columns)
-    header += "," + cell(column.unit.empty() ? column.name : fmt::format("{}[{}]", column.name, column.unit));
-  filters_[index]->write(header + "\n");
-  write_netcdf([&] { netcdf_->begin(filter, name, columns); });
+  Filter& its = filters_[index];
+  its.columns = columns.size();
+  its.rows_of_block = results::rows_of_block(columns.size());
+  its.csv_path = folder_ / csv_name(name);
+  if (formats_.csv) its.csv = std::make_unique<CsvRecords>(its.csv_path, columns);
+  if (netcdf_) netcdf_->begin(filter, columns);
 }
 
 void RunRecorder::record(int filter, Time t, std::span<const double> values) {
-  line_ = seconds_text(t);
-  for (const double value : values) fmt::format_to(std::back_inserter(line_), ",{}", value);
-  line_ += '\n';
-  filters_[static_cast<std::size_t>(filter)]->write(line_);
-  write_netcdf([&] { netcdf_->record(filter, t, values); });
+  Filter& its = filters_[static_cast<std::size_t>(filter)];
+  if (!its.open) its.open = empty_block();
+  results::RowBlock& open = *its.open;
+  open.t.push_back(t);
+  open.values.insert(open.values.end(), values.begin(), values.end());
+  open.values.resize(open.t.size() * its.columns, std::numeric_limits<double>::quiet_NaN());
+  if (open.rows() == its.rows_of_block) send(static_cast<std::size_t>(filter));
 }
 
+/// One that was written already, whose memory is there.
+std::unique_ptr<results::RowBlock> RunRecorder::empty_block() {
+  const std::lock_guard lock(spare_mutex_);
+  if (spare_.empty()) return std::make_unique<results::RowBlock>();
+  auto block = std::move(spare_.back());
+  spare_.pop_back();
+  return block;
+}
+
+void RunRecorder::send(std::size_t filter) {
+  Filter& its = filters_[filter];
+  if (!its.open) return;
+  const std::size_t bytes = its.open->bytes();
+  const auto block = std::make_shared<std::unique_ptr<results::RowBlock>>(std::move(its.open));
+  guarded([&] {
+    thread_->post(bytes, [this, filter, block] {
+      write(filter, **block);
+      (*block)->t.clear();
+      (*block)->values.clear();
+      const std::lock_guard lock(spare_mutex_);
+      spare_.push_back(std::move(*block));
+    });
+  });
+}
+
+/// By the writer's thread.
+void RunRecorder::write(std::size_t filter, const results::RowBlock& rows) {
+  Filter& its = filters_[filter];
+  if (its.csv) its.csv->write(rows);
+  if (!netcdf_ && !page_) return;
+  column_block_.take(rows, its.columns);
+  if (netcdf_) netcdf_->write(static_cast<int>(filter), column_block_);
+  if (page_) page_->take(static_cast<int>(filter), column_block_);
+}
+
+StepObserver* RunRecorder::step_observer(int filter) { return observers_[static_cast<std::size_t>(filter)].joined(); }
+
 void RunRecorder::scored(int filter, const score::ErrorSeries& errors) {
-  write_netcdf([&] { netcdf_->scored(filter, errors); });
+  if (netcdf_) guarded([&] { netcdf_->scored(filter, errors); });
+  if (page_) page_->scored(filter, errors);
+}
+
+/// What would be taken for this run's.
+void RunRecorder::remove_earlier() const {
+  std::error_code ignored;
+  fs::remove(summary_->target(), ignored);  // its records are about to go
+  fs::remove(report_in(folder_), ignored);
+  if (!formats_.nc) fs::remove(folder_ / "run.nc", ignored);
+  if (formats_.csv) return;
+  for (const auto& filter : filters_) fs::remove(filter.csv_path, ignored);
 }
 
 void RunRecorder::commit(const Json& summary, const Json& config) {
   config_->write(config.dump(2) + "\n");
   summary_->write(summary.dump(2) + "\n");
-  write_netcdf([&] { netcdf_->close(); });
-  std::error_code ignored;
-  fs::remove(summary_->target(), ignored);  // an earlier run's: its records are about to go
-  fs::remove(report_in(folder_), ignored);
-  for (const auto& filter : filters_) filter->commit();
-  netcdf_file_->commit();
+  for (std::size_t f = 0; f < filters_.size(); ++f) send(f);
+  guarded([&] {
+    if (netcdf_) netcdf_->close();
+    thread_->finish();
+  });
+  thread_.reset();  // all is done; the page needs the memory
+  netcdf_.reset();
+  spare_.clear();
+  column_block_ = {};
+  remove_earlier();
+  for (const auto& filter : filters_)
+    if (filter.csv) filter.csv->commit();
+  if (netcdf_file_) netcdf_file_->commit();
   config_->commit();
   summary_->commit();
+  if (page_) write_page(summary, config);
+}
+
+/// Beside the run's, a study's that is in the same folder.
+void RunRecorder::write_page(const Json& summary, const Json& config) {
+  std::optional<results::StudyResults> study;
+  try {
+    study = results::read_study(folder_);
+  } catch (const std::runtime_error& error) {
+    throw OutputError(error.what());
+  }
+  command::write_page(page_->page(summary, config, provenance_, std::move(study)), report_in(folder_));
 }
 
 }  // namespace binnacle::command

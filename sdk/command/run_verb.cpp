@@ -18,7 +18,6 @@
 #include "output.hpp"
 #include "provenance.hpp"
 #include "record_journal.hpp"
-#include "report_file.hpp"
 #include "run_recorder.hpp"
 #include "sentinel.hpp"
 #include "smoothers.hpp"
@@ -35,6 +34,8 @@ struct Options {
   ConfigOptions config;
   std::string summary;
   std::string out;
+  RecordOptions records;
+  RecordFormats formats;
   std::string record_input, input;
   std::optional<std::string> page;
   score::RunOptions run;
@@ -182,7 +183,8 @@ struct Outputs {
     if (!options.summary.empty()) summary = std::make_unique<AtomicFile>(options.summary);
     if (!options.record_input.empty()) input = std::make_unique<InputWriter>(options.record_input, composition);
     if (!options.out.empty())
-      recorder = std::make_unique<RunRecorder>(options.out, composition, provenance_of(options, composition));
+      recorder =
+          std::make_unique<RunRecorder>(options.out, composition, provenance_of(options, composition), options.formats);
   }
   void commit(const Json& figures, const Json& config) {
     if (input) input->close();
@@ -246,6 +248,7 @@ void tell_warnings(const Composition& composition, const score::RunResult& resul
 }
 
 int run_config(Options& options) {
+  options.formats = options.records.formats();
   options.checkpoints.open();
   watch_signals("nothing was written" + options.checkpoints.advice());
   LoadOptions load_options = options.config.load_options(options.config_path);
@@ -271,7 +274,6 @@ int run_config(Options& options) {
   }
   if (page) page->conclude(result.summary);
   outputs->commit(result.summary, Json::parse(composition->config()));
-  if (!options.out.empty()) write_report(options.out, report_in(options.out));
   options.checkpoints.remove();
   if (!options.quiet) tell_warnings(*composition, result, shown);
   if (options.json)
@@ -293,8 +295,9 @@ Verb run_verb(CLI::App& command) {
   options->config.add_to(*app);
   options->config.add_variant_to(*app);
   app->add_option("--summary", options->summary, "Write the summary as JSON")->type_name("FILE.json");
-  app->add_option("--out", options->out, "Record it all: run.nc, FILTER.csv, summary.json, config.json")
-      ->type_name("DIR");
+  auto* out = app->add_option("--out", options->out, "Record it all: run.nc, FILTER.csv, summary.json, config.json")
+                  ->type_name("DIR");
+  options->records.add_to(*app, out);
   app->add_option("--page", options->page, "Serve the report's page while the run goes on; the loopback without a HOST")
       ->type_name("[HOST:]PORT");
   app->add_option("--seed", options->run.seed, "Seed of everything random")->type_name("N")->capture_default_str();

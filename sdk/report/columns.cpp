@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -39,16 +40,15 @@ std::string base64(std::string_view bytes) {
 }
 
 int Columns::add(const char* type, std::string_view bytes, double offset) {
-  const std::string text = base64(bytes);
-  const auto [found, is_new] =
-      known_.try_emplace(type + std::to_string(std::bit_cast<std::uint64_t>(offset)) + ":" + text,
-                         static_cast<int>(list_.size()));
-  if (is_new) {
-    Json entry{{type, text}};
-    if (offset != 0) entry["o"] = offset;
-    list_.push_back(std::move(entry));
-  }
-  return found->second;
+  Json entry{{type, base64(bytes)}};
+  if (offset != 0) entry["o"] = offset;
+  const std::size_t hash = std::hash<std::string_view>()(entry[type].get_ref<const std::string&>());
+  const auto [first, last] = known_.equal_range(hash);
+  for (auto known = first; known != last; ++known)
+    if (list_[static_cast<std::size_t>(known->second)] == entry) return known->second;
+  known_.emplace(hash, static_cast<int>(list_.size()));
+  list_.push_back(std::move(entry));
+  return static_cast<int>(list_.size()) - 1;
 }
 
 int Columns::exact(std::span<const double> values) { return add("f8", bytes_of(values), 0); }

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -33,7 +33,7 @@ class Columns {
  private:
   int add(const char* type, std::string_view bytes, double offset);
 
-  std::map<std::string, int> known_;
+  std::unordered_multimap<std::size_t, int> known_;  // by the hash of their text
   Json list_ = Json::array();
 };
 

@@ -48,6 +48,11 @@ std::string page(const results::Results& results, const Limits& limits) {
   return page_of(payload(results, limits), results.study && !results.run ? "Study" : "Run", "");
 }
 
+std::string page_of(const results::Results& results, const std::vector<const DrawnFilter*>& drawn,
+                    const Limits& limits) {
+  return page_of(payload(results, drawn, limits), "Run", "");
+}
+
 std::string Comparison::page(const Limits& limits) const {
   return page_of(comparison_payload(runs_, json_, limits), "Runs compared", "", assets::comparison_js);
 }

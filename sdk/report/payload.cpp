@@ -14,15 +14,29 @@ std::string text_in(const Json& config, const char* key) {
 
 }  // namespace
 
-Json payload(const results::Results& results, const Limits& limits) {
+namespace {
+
+template <class RunPayload>
+Json payload_of(const results::Results& results, RunPayload run) {
   const Json none = Json::object();
   const Json& config = results.run ? results.run->config : results.study ? results.study->config : none;
   Json page{{"title", text_in(config, "title")}, {"description", text_in(config, "description")}};
   Columns columns;
-  if (results.run) page["run"] = run_payload(*results.run, limits, Extent::whole, columns);
+  if (results.run) page["run"] = run(columns);
   if (results.study) page["study"] = study_payload(*results.study, columns);
   page["columns"] = std::move(columns).json();
   return page;
+}
+
+}  // namespace
+
+Json payload(const results::Results& results, const Limits& limits) {
+  return payload_of(results,
+                    [&](Columns& columns) { return run_payload(*results.run, limits, Extent::whole, columns); });
+}
+
+Json payload(const results::Results& results, const std::vector<const DrawnFilter*>& drawn, const Limits& limits) {
+  return payload_of(results, [&](Columns& columns) { return run_payload(*results.run, drawn, limits, columns); });
 }
 
 Json thinned_payload(const results::RunResults& run, const char* state, const Limits& limits) {

@@ -25,8 +25,6 @@ using results::Updates;
 
 using Numbers = std::vector<double>;
 
-/// Beyond so many rows of one kind (satellites), one plot holds them all.
-constexpr std::size_t most_row_plots = 6;
 constexpr std::size_t most_track_points = 4000;
 
 // ---- small helpers
@@ -55,32 +53,6 @@ const Json& at_or_null(const Json& object, const std::string& key) {
   return object.is_object() && found != object.end() ? *found : null;
 }
 
-// ---- how much of it
-
-/// Values, their σ and their times, of everything that is plotted.
-std::size_t series_of(const FilterResults& filter) {
-  std::size_t series = 3 * (filter.estimates.size() + filter.errors.size());
-  for (const auto& updates : filter.updates) series += 4 * (1 + updates.groups.size() * most_row_plots);
-  return series;
-}
-
-std::size_t longest(const FilterResults& filter) {
-  std::size_t longest = filter.t.size();
-  for (const auto& error : filter.errors) longest = std::max(longest, error.t.size());
-  for (const auto& updates : filter.updates) longest = std::max(longest, updates.t.size());
-  return longest;
-}
-
-std::size_t points_per_series(const std::vector<FilterResults>& filters, const Limits& limits) {
-  std::size_t series = 0, most = 0;
-  for (const auto& filter : filters) {
-    series += series_of(filter);
-    most = std::max(most, longest(filter));
-  }
-  const std::size_t share = limits.numbers / std::max<std::size_t>(1, series);
-  return std::min(most, std::clamp(share, limits.least_points, limits.most_points));
-}
-
 // ---- a filter's payload
 
 class FilterPayload {
@@ -94,20 +66,39 @@ class FilterPayload {
         extent_(extent),
         columns_(columns),
         origin_(origin) {}
+  FilterPayload(const DrawnFilter& drawn, const results::RunResults& run, std::size_t points, Columns& columns,
+                const std::optional<TrackOrigin>& origin)
+      : FilterPayload(drawn.series, run, points, Extent::whole, columns, origin) {
+    drawn_ = &drawn;
+  }
 
   Json json() {
-    Json json{{"name", filter_.name}, {"samples", filter_.t.size()}};
+    Json json{{"name", filter_.name}, {"samples", rows()}};
     json["span"] = span();
     json["windows"] = windows();
     json["blocks"] = blocks();
     json["nees"] = nees();
     json["measurements"] = measurements();
     json["noise"] = adapted_noise();
-    if (const auto track = track_of(filter_, origin_)) json["track"] = track_json(*track);
+    if (const auto track = track_of(drawn_ ? drawn_->track : filter_, origin_)) json["track"] = track_json(*track);
     return json;
   }
 
  private:
+  // -- what is said of all, where not all is drawn
+
+  std::size_t rows() const { return drawn_ ? drawn_->rows : filter_.t.size(); }
+  const Numbers& times(const Estimate& estimate) const {
+    return drawn_ ? drawn_->t[static_cast<std::size_t>(&estimate - filter_.estimates.data())] : filter_.t;
+  }
+  const DrawnFilter::ErrorFigures* figures(const Error& error) const {
+    return drawn_ ? &drawn_->errors[static_cast<std::size_t>(&error - filter_.errors.data())] : nullptr;
+  }
+  UpdateFigures figures(const Updates& updates) const {
+    return drawn_ ? drawn_->updates[static_cast<std::size_t>(&updates - filter_.updates.data())] : figures_of(updates);
+  }
+  std::size_t count(const Error& error) const { return drawn_ ? figures(error)->n : error.t.size(); }
+
   // -- time
 
   Json span() const {
@@ -188,7 +179,7 @@ class FilterPayload {
     std::vector<Series> series{error.values};
     if (!error.sigma.empty()) series.emplace_back(error.sigma);
     const auto kept = extremes(series, points_);
-    Json json{{"name", name}, {"unit", display.unit}, {"n", error.t.size()}};
+    Json json{{"name", name}, {"unit", display.unit}, {"n", count(error)}};
     if (error.is_length) json["length"] = true;
     json["t"] = columns_.exact(picked(error.t, kept));
     json["v"] = columns_.plotted(picked(error.values, kept, display.scale));
@@ -196,7 +187,7 @@ class FilterPayload {
     json["s"] = columns_.plotted(picked(error.sigma, kept, display.scale));
     // Of a length no share is given: its σ is the root of the sum of the components' squares, so 99.7 % is not to be expected.
     if (error.is_length) return json;
-    const Within within = within_sigma(error.values, error.sigma);
+    const Within within = drawn_ ? figures(error)->within : within_sigma(error.values, error.sigma);
     if (within.of > 0)
       json["within"] = {{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
     return json;
@@ -207,8 +198,8 @@ class FilterPayload {
     std::vector<Series> series{estimate.values};
     if (!estimate.sigma.empty()) series.emplace_back(estimate.sigma);
     const auto kept = extremes(series, points_);
-    Json json{{"name", estimate.output}, {"unit", display.unit}, {"n", filter_.t.size()}};
-    json["t"] = columns_.exact(picked(filter_.t, kept));
+    Json json{{"name", estimate.output}, {"unit", display.unit}, {"n", rows()}};
+    json["t"] = columns_.exact(picked(times(estimate), kept));
     json["v"] = columns_.plotted(picked(estimate.values, kept, display.scale));
     if (!estimate.sigma.empty()) json["s"] = columns_.plotted(picked(estimate.sigma, kept, display.scale));
     if (estimate.is_angle) json["turn"] = 2 * M_PI / display.scale;
@@ -224,11 +215,11 @@ class FilterPayload {
       const double dof = at_or_null(group, "dof").is_number() ? group["dof"].get<double>() : 0;
       const auto kept = extremes({error.values}, points_);
       const auto [low, high] = chi_squared_95(dof);
-      Json json{{"name", block}, {"n", error.t.size()}, {"dof", dof}, {"low", low}, {"high", high}};
+      Json json{{"name", block}, {"n", count(error)}, {"dof", dof}, {"low", low}, {"high", high}};
       json["t"] = columns_.exact(picked(error.t, kept));
       json["v"] = columns_.plotted(picked(error.values, kept));
       std::size_t inside = 0;
-      for (const double value : error.values) inside += value >= low && value <= high;
+      for (const double value : drawn_ ? figures(error)->nees : error.values) inside += value >= low && value <= high;
       json["inside"] = inside;
       list.push_back(std::move(json));
     }
@@ -270,10 +261,11 @@ class FilterPayload {
   }
 
   Json updates_json(const Updates& updates) {
-    Json json{{"name", updates.measurement}, {"n", offered(updates)}};
-    json["outcomes"] = outcomes_json(updates);
-    json["reasons"] = extent_ == Extent::whole ? reasons_json(updates) : Json::array();
-    json["nis"] = nis_json(updates);
+    const UpdateFigures all = figures(updates);
+    Json json{{"name", updates.measurement}, {"n", offered(updates, all)}};
+    json["outcomes"] = outcomes_json(updates, all);
+    json["reasons"] = extent_ == Extent::whole ? reasons_json(all) : Json::array();
+    json["nis"] = nis_json(updates, all);
     json["residuals"] = Json::array();
     json["noise"] = Json::array();
     const auto rows = rows_of(updates);
@@ -282,9 +274,9 @@ class FilterPayload {
       for (const auto& of : rows)
         if (of.group == static_cast<std::int32_t>(g)) of_group.push_back(&of);
       if (of_group.size() > most_row_plots)
-        add_crowd(updates.groups[g], of_group, json);
+        add_crowd(updates.groups[g], of_group, all, json);
       else
-        for (const auto* of : of_group) add_rows(updates.groups[g], *of, of_group.size(), json);
+        for (const auto* of : of_group) add_rows(updates.groups[g], *of, of_group.size(), all, json);
     }
     return json;
   }
@@ -299,23 +291,21 @@ class FilterPayload {
     return count.is_number() ? count.get<std::size_t>() : 0;
   }
 
-  std::size_t offered(const Updates& updates) const {
-    return extent_ == Extent::whole ? updates.t.size() : count_in(summary_of(updates), "offered");
+  std::size_t offered(const Updates& updates, const UpdateFigures& all) const {
+    return extent_ == Extent::whole ? all.samples() : count_in(summary_of(updates), "offered");
   }
 
-  std::vector<std::size_t> outcome_counts(const Updates& updates, const std::vector<std::uint8_t>& codes) const {
-    std::vector<std::size_t> counts(outcome_count);
-    if (extent_ == Extent::whole)
-      for (const auto code : codes) ++counts[code];
-    else
+  std::vector<std::size_t> outcome_counts(const Updates& updates, const UpdateFigures& all) const {
+    std::vector<std::size_t> counts(all.counts().begin(), all.counts().end());
+    if (extent_ == Extent::thinned)
       for (std::size_t o = 0; o < counts.size(); ++o)
         counts[o] = count_in(summary_of(updates), results::outcome_names[o]);
     return counts;
   }
 
-  Json outcomes_json(const Updates& updates) {
+  Json outcomes_json(const Updates& updates, const UpdateFigures& all) {
     const auto codes = codes_of(updates.outcome);
-    const auto counts = outcome_counts(updates, codes);
+    const auto counts = outcome_counts(updates, all);
     const auto kept = extremes_of_kinds({}, codes, points_);
     std::vector<std::uint8_t> shown;
     for (const auto i : kept) shown.push_back(codes[i]);
@@ -330,12 +320,9 @@ class FilterPayload {
   }
 
   /// [ { "outcome", "reason", "count" } ], the most frequent first.
-  static Json reasons_json(const Updates& updates) {
-    std::map<std::pair<int, std::string>, std::size_t> counts;
-    for (std::size_t i = 0; i < updates.reason.size(); ++i)
-      if (!updates.reason[i].empty()) ++counts[{static_cast<int>(updates.outcome[i]), updates.reason[i]}];
+  static Json reasons_json(const UpdateFigures& all) {
     std::vector<std::pair<std::size_t, std::pair<int, std::string>>> sorted;
-    for (const auto& [what, count] : counts) sorted.emplace_back(count, what);
+    for (const auto& [what, count] : all.reasons()) sorted.emplace_back(count, what);
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     Json list = Json::array();
     for (const auto& [count, what] : sorted)
@@ -343,35 +330,27 @@ class FilterPayload {
     return list;
   }
 
-  Json nis_json(const Updates& updates) {
-    Numbers t, nis, dof, accepted_t, accepted;
+  Json nis_json(const Updates& updates, const UpdateFigures& all) {
+    Numbers t, nis, dof;
     std::vector<std::uint8_t> outcome;
-    std::size_t accepted_rows = 0, inside = 0;
-    std::map<std::int32_t, std::pair<double, double>> bounds;
     for (std::size_t i = 0; i < updates.t.size(); ++i) {
       if (!std::isfinite(updates.nis[i]) || updates.rows[i] <= 0) continue;
       t.push_back(updates.t[i]);
       nis.push_back(updates.nis[i]);
       dof.push_back(updates.rows[i]);
       outcome.push_back(static_cast<std::uint8_t>(updates.outcome[i]));
-      if (!bounds.contains(updates.rows[i])) bounds[updates.rows[i]] = chi_squared_95(updates.rows[i]);
-      if (updates.outcome[i] != Outcome::accepted) continue;
-      const auto [low, high] = bounds[updates.rows[i]];
-      accepted_t.push_back(updates.t[i]);
-      accepted.push_back(updates.nis[i]);
-      accepted_rows += static_cast<std::size_t>(updates.rows[i]);
-      inside += updates.nis[i] >= low && updates.nis[i] <= high;
     }
     if (t.empty()) return nullptr;
+    const auto& bounds = all.bounds();
     const auto kept = extremes_of_kinds({nis}, outcome, points_);
-    Json json{{"n", extent_ == Extent::whole ? t.size() : offered(updates)}};
+    Json json{{"n", extent_ == Extent::whole ? all.with_nis() : offered(updates, all)}};
     json["t"] = columns_.exact(picked(t, kept));
     json["v"] = columns_.plotted(picked(nis, kept));
     std::vector<std::uint8_t> shown;
     Numbers low, high;
     for (const auto i : kept) {
       shown.push_back(outcome[i]);
-      const auto [l, h] = bounds[static_cast<std::int32_t>(dof[i])];
+      const auto [l, h] = bounds.at(static_cast<std::int32_t>(dof[i]));
       low.push_back(l);
       high.push_back(h);
     }
@@ -388,14 +367,11 @@ class FilterPayload {
       json["mean"] = mean_of_summary(summary_of(updates));
       return json;
     }
-    json["accepted"] = accepted.size();
-    json["inside"] = inside;
-    if (accepted.empty()) return json;
-    const double n = static_cast<double>(accepted.size()), mean_dof = static_cast<double>(accepted_rows) / n;
-    double sum = 0;
-    for (const double value : accepted) sum += value;
-    json["mean"] = mean_json(sum / n, mean_dof, n);
-    const MovingMean moving = moving_mean(accepted_t, accepted, mean_dof);
+    json["accepted"] = all.accepted();
+    json["inside"] = all.inside();
+    if (all.accepted() == 0) return json;
+    json["mean"] = mean_json(all.mean_nis(), all.mean_dof(), static_cast<double>(all.accepted()));
+    const MovingMean moving = all.moving_mean();
     if (!moving.t.empty())
       json["moving"] = {{"t", columns_.exact(moving.t)},
                         {"v", columns_.plotted(moving.mean)},
@@ -420,26 +396,32 @@ class FilterPayload {
   }
 
   /// A row by itself: its residual within ±3 √S, and its √R where that changes.
-  void add_rows(const Updates::Group& group, const Rows& rows, std::size_t rows_of_group, Json& json) {
+  void add_rows(const Updates::Group& group, const Rows& rows, std::size_t rows_of_group, const UpdateFigures& all,
+                Json& json) {
     const Display display = display_of(group.unit, "", rows.residual);
     const std::string name = row_name(group, rows.key, rows_of_group);
     const auto kept = extremes_of_kinds({rows.residual, rows.sigma}, rows.outcome, points_);
-    Json residual{{"name", name}, {"unit", display.unit}, {"n", rows.t.size()}};
+    Json residual{{"name", name}, {"unit", display.unit}, {"n", figures_at(all, rows).n}};
     residual["t"] = columns_.exact(picked(rows.t, kept));
     residual["v"] = columns_.plotted(picked(rows.residual, kept, display.scale));
     residual["s"] = columns_.plotted(picked(rows.sigma, kept, display.scale));
     residual["o"] = columns_.bytes(kinds_at(rows, kept));
-    residual["within"] = within_of({&rows});
+    residual["within"] = within_of({&rows}, all);
     json["residuals"].push_back(std::move(residual));
-    add_noise(group, name, rows, json);
+    add_noise(group, name, rows, figures_at(all, rows), json);
   }
 
-  void add_noise(const Updates::Group& group, const std::string& name, const Rows& rows, Json& json) {
-    const auto [least, greatest] = std::minmax_element(rows.noise.begin(), rows.noise.end());
+  static const UpdateFigures::Row& figures_at(const UpdateFigures& all, const Rows& rows) {
+    return all.rows().at({rows.group, rows.key});
+  }
+
+  void add_noise(const Updates::Group& group, const std::string& name, const Rows& rows, const UpdateFigures::Row& all,
+                 Json& json) {
+    const double least = all.least_noise, greatest = all.greatest_noise;
     const Display display = display_of(group.unit, "", rows.noise);
-    Json noise{{"name", name}, {"unit", display.unit}, {"n", rows.t.size()}};
-    if (*greatest - *least <= 1e-9 * *greatest)
-      noise["constant"] = *greatest / display.scale;
+    Json noise{{"name", name}, {"unit", display.unit}, {"n", all.n}};
+    if (greatest - least <= 1e-9 * greatest)
+      noise["constant"] = greatest / display.scale;
     else {
       const auto kept = extremes({rows.noise}, points_);
       noise["t"] = columns_.exact(picked(rows.t, kept));
@@ -455,28 +437,25 @@ class FilterPayload {
   }
 
   /// Of what was accepted; a gate is there to keep the others out.
-  Json within_of(const std::vector<const Rows*>& all) const {
+  Json within_of(const std::vector<const Rows*>& rows, const UpdateFigures& all) const {
     if (extent_ == Extent::thinned) return nullptr;
-    Numbers residual, sigma;
-    for (const auto* rows : all)
-      for (std::size_t i = 0; i < rows->t.size(); ++i)
-        if (rows->outcome[i] == static_cast<std::uint8_t>(Outcome::accepted)) {
-          residual.push_back(rows->residual[i]);
-          sigma.push_back(rows->sigma[i]);
-        }
-    const Within within = within_sigma(residual, sigma);
+    Within within;
+    for (const auto* of : rows) within.add(figures_at(all, *of).within);
     return within.of == 0 ? Json(nullptr)
                           : Json{{"one", within.one}, {"two", within.two}, {"three", within.three}, {"of", within.of}};
   }
 
   /// Many rows of one kind: residuals in units of their own √S.
-  void add_crowd(const Updates::Group& group, const std::vector<const Rows*>& all, Json& json) {
+  void add_crowd(const Updates::Group& group, const std::vector<const Rows*>& crowded, const UpdateFigures& all,
+                 Json& json) {
     struct Point {
       double t, ratio;
       std::uint8_t outcome;
     };
     std::vector<Point> points;
-    for (const auto* rows : all)
+    std::size_t n = 0;
+    for (const auto* rows : crowded) n += figures_at(all, *rows).n;
+    for (const auto* rows : crowded)
       for (std::size_t i = 0; i < rows->t.size(); ++i)
         points.push_back({rows->t[i], rows->residual[i] / rows->sigma[i], rows->outcome[i]});
     std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.t < b.t; });
@@ -487,12 +466,12 @@ class FilterPayload {
       crowd.outcome.push_back(point.outcome);
     }
     const auto kept = extremes_of_kinds({crowd.residual}, crowd.outcome, points_);
-    Json residual{{"name", group.name}, {"unit", "σ"}, {"n", crowd.t.size()}, {"of", all.size()}};
+    Json residual{{"name", group.name}, {"unit", "σ"}, {"n", n}, {"of", crowded.size()}};
     residual["t"] = columns_.exact(picked(crowd.t, kept));
     residual["v"] = columns_.plotted(picked(crowd.residual, kept));
     residual["o"] = columns_.bytes(kinds_at(crowd, kept));
     residual["bound"] = 3;
-    residual["within"] = within_of(all);
+    residual["within"] = within_of(crowded, all);
     json["residuals"].push_back(std::move(residual));
   }
 
@@ -541,6 +520,7 @@ class FilterPayload {
   Extent extent_;
   Columns& columns_;
   const std::optional<TrackOrigin>& origin_;
+  const DrawnFilter* drawn_ = nullptr;  // null: filter_ is all there is
 };
 
 /// Counters beyond 2^53 do not survive a script's numbers.
@@ -551,16 +531,29 @@ Json as_text(const Json& provenance) {
   return shown;
 }
 
+Json run_json(const results::RunResults& run, std::size_t points) {
+  return {{"summary", run.summary},
+          {"config", run.config},
+          {"provenance", as_text(run.provenance)},
+          {"points", points},
+          {"filters", Json::array()}};
+}
+
 }  // namespace
+
+Json run_payload(const results::RunResults& run, const std::vector<const DrawnFilter*>& drawn, const Limits& limits,
+                 Columns& columns) {
+  const std::size_t points = points_per_series(drawn, limits);
+  Json json = run_json(run, points);
+  const std::optional<TrackOrigin> none;
+  for (const auto* filter : drawn) json["filters"].push_back(FilterPayload(*filter, run, points, columns, none).json());
+  return json;
+}
 
 Json run_payload(const results::RunResults& run, const Limits& limits, Extent extent, Columns& columns,
                  const std::optional<TrackOrigin>& origin) {
   const std::size_t points = points_per_series(run.filters, limits);
-  Json json{{"summary", run.summary},
-            {"config", run.config},
-            {"provenance", as_text(run.provenance)},
-            {"points", points}};
-  json["filters"] = Json::array();
+  Json json = run_json(run, points);
   for (const auto& filter : run.filters)
     json["filters"].push_back(FilterPayload(filter, run, points, extent, columns, origin).json());
   return json;

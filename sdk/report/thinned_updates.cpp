@@ -37,15 +37,16 @@ void pick(std::vector<T>& values, const std::vector<std::size_t>& indices) {
 
 }  // namespace
 
-ThinnedUpdates::ThinnedUpdates(const MeasurementInfo& info)
-    : row_limit_(std::max<std::size_t>(most_rows, 64 * static_cast<std::size_t>(std::max(0, info.max_rows)))) {
+ThinnedUpdates::ThinnedUpdates(const MeasurementInfo& info, std::size_t samples, std::size_t rows)
+    : sample_limit_(samples),
+      row_limit_(std::max<std::size_t>(rows, 64 * static_cast<std::size_t>(std::max(0, info.max_rows)))) {
   updates_.measurement = info.name;
   for (const auto& group : info.groups) updates_.groups.push_back({group.name, group.unit});
 }
 
 void ThinnedUpdates::add(const UpdateRecord& record) {
   const bool is_linearized = record.residual != nullptr;
-  updates_.t.push_back(seconds(record.t));
+  updates_.t.push_back(results::nearest_seconds(record.t));
   updates_.outcome.push_back(record.outcome);
   updates_.nis.push_back(is_linearized ? record.nis : not_a_number);
   updates_.rows.push_back(is_linearized ? record.rows : 0);
@@ -66,13 +67,13 @@ void ThinnedUpdates::rewind(double t) {
   if (kept.size() < updates_.t.size()) keep(kept);
 }
 
-bool ThinnedUpdates::is_full() const { return updates_.t.size() >= most_samples || updates_.key.size() >= row_limit_; }
+bool ThinnedUpdates::is_full() const { return updates_.t.size() >= sample_limit_ || updates_.key.size() >= row_limit_; }
 
 /// To less than half of what there may be, so that it is seldom done; in longer stretches only where that must be.
 void ThinnedUpdates::thin() {
   const auto [first, last] = std::minmax_element(updates_.t.begin(), updates_.t.end());
   const double span = *last - *first;
-  if (width_ == 0) width_ = std::max(span / most_samples, 1e-9);
+  if (width_ == 0) width_ = std::max(span / static_cast<double>(sample_limit_), 1e-9);
   const auto slots = residuals_by_slot(updates_);
   std::vector<Series> series{updates_.nis};
   for (const auto& slot : slots) series.emplace_back(slot);
@@ -81,7 +82,7 @@ void ThinnedUpdates::thin() {
   const auto is_much = [&](const std::vector<std::size_t>& samples) {
     std::size_t rows = 0;
     for (const auto i : samples) rows += static_cast<std::size_t>(updates_.rows[i]);
-    return samples.size() > most_samples / 2 || rows > row_limit_ / 2;
+    return samples.size() > sample_limit_ / 2 || rows > row_limit_ / 2;
   };
   auto kept = extremes_in_time(series, kinds, updates_.t, width_);
   while (is_much(kept) && width_ < 2 * span) {

@@ -13,7 +13,8 @@ class ThinnedUpdates {
   static constexpr std::size_t most_samples = 4096;
   static constexpr std::size_t most_rows = 16384;
 
-  explicit ThinnedUpdates(const MeasurementInfo& info);
+  explicit ThinnedUpdates(const MeasurementInfo& info, std::size_t samples = most_samples,
+                          std::size_t rows = most_rows);
   void add(const UpdateRecord& record);
   /// What came after t [s] is void.
   void rewind(double t);
@@ -26,7 +27,7 @@ class ThinnedUpdates {
   void keep(const std::vector<std::size_t>& samples);
 
   results::Updates updates_;
-  std::size_t row_limit_;
+  std::size_t sample_limit_, row_limit_;
   double width_ = 0;  // of the stretches of time that are thinned so far [s]; 0: none is
 };
 

@@ -33,8 +33,9 @@ inline std::string describe_noise(const std::string& name) {
 }
 
 /// CF wants "seconds since" an epoch of a time coordinate; which epoch a run's clock counts from is not known.
-inline int add_time(nc::Group group, const std::string& name, int dimension, const std::string& long_name) {
-  const int id = group.add_variable(name, NC_DOUBLE, {dimension}, growing_chunks(1));
+inline int add_time(nc::Group group, const std::string& name, int dimension, const nc::Storage& storage,
+                    const std::string& long_name) {
+  const int id = group.add_variable(name, NC_DOUBLE, {dimension}, storage);
   group.put_text(id, "units", "s");
   group.put_text(id, "long_name", long_name);
   group.put_text(id, "axis", "T");

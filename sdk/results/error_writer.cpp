@@ -12,10 +12,8 @@ namespace binnacle::results {
 
 namespace {
 
-std::vector<std::size_t> chunks_of(std::size_t size, std::size_t rank) {
-  auto chunks = growing_chunks(rank);
-  if (size > 0) chunks[0] = std::min(chunks[0], size);
-  return chunks;
+nc::Storage storage_of(std::size_t size, std::size_t rank, int level) {
+  return growing(rank, std::clamp<std::size_t>(size, 1, chunk_size), level);
 }
 
 std::string describe_error(const std::string& name) {
@@ -40,6 +38,13 @@ std::pair<const BlockInfo*, int> component_of(const FilterInfo& filter, const sc
   return {nullptr, -1};
 }
 
+bool is_norm(const FilterInfo& filter, const std::string& series) {
+  for (const auto& block : filter.blocks)
+    for (const auto& norm : block.declaration->norms)
+      if (series == block.name + "." + norm.name) return true;
+  return false;
+}
+
 void ErrorWriter::add(const score::ErrorSeries& errors) {
   const auto base = time_base(errors);
   const auto [block, component] = component_of(info_, errors);
@@ -59,7 +64,7 @@ std::size_t ErrorWriter::time_base(const score::ErrorSeries& errors) {
   base.dimension =
       errors.t.empty() ? group_.add_growing_dimension(base.name) : group_.add_dimension(base.name, errors.t.size());
   base.t.assign(errors.t.begin(), errors.t.end());
-  const int id = group_.add_variable(base.name, NC_DOUBLE, {base.dimension}, chunks_of(errors.t.size(), 1));
+  const int id = group_.add_variable(base.name, NC_DOUBLE, {base.dimension}, storage_of(errors.t.size(), 1, level_));
   group_.put_text(id, "units", "s");
   group_.put_text(id, "long_name", "time of the reference");
   group_.put_text(id, "axis", "T");
@@ -75,16 +80,10 @@ std::size_t ErrorWriter::time_base(const score::ErrorSeries& errors) {
   return bases_.size() - 1;
 }
 
-bool ErrorWriter::is_norm(const std::string& series) const {
-  for (const auto& block : info_.blocks)
-    for (const auto& norm : block.declaration->norms)
-      if (series == block.name + "." + norm.name) return true;
-  return false;
-}
-
 int ErrorWriter::add_variable(const std::string& name, const std::vector<int>& dimensions,
                               const score::ErrorSeries& errors, const std::string& long_name) {
-  const int id = group_.add_variable(name, NC_DOUBLE, dimensions, chunks_of(errors.t.size(), dimensions.size()));
+  const int id =
+      group_.add_variable(name, NC_DOUBLE, dimensions, storage_of(errors.t.size(), dimensions.size(), level_));
   group_.fill_with_nan(id);
   group_.put_text(id, "long_name", long_name);
   put_units(group_, id, {errors.unit, errors.display_unit});
@@ -96,7 +95,7 @@ void ErrorWriter::write_scalar(const score::ErrorSeries& errors, std::size_t bas
   const int id = add_variable(name, {bases_[base].dimension}, errors, describe_error(errors.name));
   group_.put_text(id, "series", errors.name);
   write_values(id, -1, errors.values);
-  if (is_norm(errors.name)) group_.put_text(id, "norm", "length of the error, never negative");
+  if (is_norm(info_, errors.name)) group_.put_text(id, "norm", "length of the error, never negative");
   if (errors.sigma.empty()) return;
   const std::string sigma_name = names_.take(errors.name + "_sigma");
   const int sigma = add_variable(sigma_name, {bases_[base].dimension}, errors,

@@ -18,7 +18,8 @@ namespace binnacle::results {
 
 class ErrorWriter {
  public:
-  ErrorWriter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {}
+  /// level: of compression, 0 for none.
+  ErrorWriter(nc::Group group, const FilterInfo& info, int level) : group_(group), info_(info), level_(level) {}
   void add(const score::ErrorSeries& errors);
 
  private:
@@ -34,7 +35,6 @@ class ErrorWriter {
   };
 
   std::size_t time_base(const score::ErrorSeries& errors);
-  bool is_norm(const std::string& series) const;
   int add_variable(const std::string& name, const std::vector<int>& dimensions, const score::ErrorSeries& errors,
                    const std::string& long_name);
   void write_scalar(const score::ErrorSeries& errors, std::size_t base);
@@ -44,6 +44,7 @@ class ErrorWriter {
 
   nc::Group group_;
   const FilterInfo& info_;
+  int level_;
   Names names_;
   std::vector<TimeBase> bases_;
   std::map<const BlockInfo*, BlockErrors> block_errors_;

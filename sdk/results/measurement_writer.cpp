@@ -2,48 +2,139 @@
 #include "measurement_writer.hpp"
 
 #include <cmath>
+#include <memory>
 #include <string_view>
+#include <utility>
 
 #include "attributes.hpp"
 #include "results/results.hpp"
 
 namespace binnacle::results {
 
-MeasurementWriter::MeasurementWriter(nc::Group group, const MeasurementInfo& info) : group_(group) {
+MeasurementWriter::MeasurementWriter(nc::Group group, const MeasurementInfo& info, int level, WriterThread& thread)
+    : group_(group), info_(info), level_(level), thread_(thread) {
   group.put_text(NC_GLOBAL, "measurement", info.name);
-  time_dimension_ = group.add_growing_dimension("time");
-  time_.emplace(group, add_time(group, "time", time_dimension_, "time of the sample"));
-  add_outcome();
-  reason_.emplace(group, group.add_variable("reason", NC_INT, {time_dimension_}, growing_chunks(1)));
-  nis_.emplace(group, group.add_variable("nis", NC_DOUBLE, {time_dimension_}, growing_chunks(1)));
-  rows_.emplace(group, group.add_variable("rows", NC_INT, {time_dimension_}, growing_chunks(1)));
-  describe(id_of("reason"), "why the sample was not used: index in reason_text", "");
-  describe(id_of("nis"),
-           "normalized innovation squared, r' (H P H' + R)^-1 r; chi-squared of `rows` degrees of freedom", "1");
-  group.fill_with_nan(id_of("nis"));
-  describe(id_of("rows"), "rows of the sample that nis is of", "");
-  for (const auto& row_group : info.groups) add_row_group(row_group, info.groups.size() > 1);
   reasons_[""] = 0;
 }
 
+// ---- by the run's thread
+
+void MeasurementWriter::Slot::pad(std::size_t samples) {
+  for (auto* values : {&residual, &sigma, &noise}) values->resize(samples, not_a_number);
+  key.resize(samples, NC_FILL_INT64);
+}
+
+std::size_t MeasurementWriter::Batch::bytes() const {
+  std::size_t columns = 4;
+  for (const auto& of_group : slots) columns += 4 * of_group.size();
+  return columns * sizeof(double) * t.size();
+}
+
 void MeasurementWriter::add(const UpdateRecord& record) {
-  time_->add(nearest_seconds(record.t));
-  outcome_->add(static_cast<signed char>(record.outcome));
-  reason_->add(number_of(record.reason));
+  batch_.t.push_back(nearest_seconds(record.t));
+  batch_.outcome.push_back(static_cast<signed char>(record.outcome));
+  batch_.reason.push_back(number_of(record.reason));
   const bool is_linearized = record.residual != nullptr;
-  nis_->add(is_linearized ? record.nis : not_a_number);
-  rows_->add(record.rows);
+  batch_.nis.push_back(is_linearized ? record.nis : not_a_number);
+  batch_.rows.push_back(record.rows);
   if (is_linearized) add_rows(record);
-  if (time_->size() == chunk_size) write();
+  if (batch_.t.size() == chunk_size) flush();
+}
+
+void MeasurementWriter::add_rows(const UpdateRecord& record) {
+  batch_.slots.resize(info_.groups.size());
+  std::size_t in_group = 0;
+  for (int i = 0; i < record.rows; ++i) {
+    const int group = record.row_groups[i];
+    in_group = i > 0 && record.row_groups[i - 1] == group ? in_group + 1 : 0;
+    auto& slots = batch_.slots[as_size(group)];
+    if (slots.size() <= in_group) slots.resize(in_group + 1);
+    Slot& slot = slots[in_group];
+    slot.pad(batch_.t.size() - 1);
+    slot.residual.push_back(record.residual[i]);
+    slot.sigma.push_back(std::sqrt(record.S(i, i)));
+    slot.noise.push_back(std::sqrt(record.R(i, i)));
+    slot.key.push_back(record.row_keys[i]);
+  }
+}
+
+std::int32_t MeasurementWriter::number_of(const char* reason) {
+  const auto found = reasons_.find(std::string_view(reason));
+  if (found != reasons_.end()) return found->second;
+  return reasons_.emplace(reason, static_cast<std::int32_t>(reasons_.size())).first->second;
+}
+
+void MeasurementWriter::flush() {
+  if (batch_.t.empty()) return;
+  const std::size_t bytes = batch_.bytes();
+  const auto batch = std::make_shared<Batch>(std::exchange(batch_, {}));
+  thread_.post(bytes, [this, batch] {
+    try {
+      write(*batch);
+    } catch (const nc::Failure& failure) {
+      throw WriteError(failure.what());
+    }
+  });
+}
+
+// ---- by the writer's thread
+
+void MeasurementWriter::write(Batch& batch) {
+  const std::size_t samples = batch.t.size();
+  if (!is_defined_) define(samples);
+  batch.slots.resize(row_groups_.size());
+  for (std::size_t g = 0; g < row_groups_.size(); ++g) {
+    Rows& rows = row_groups_[g];
+    auto& slots = batch.slots[g];
+    rows.are_there = rows.are_there || !slots.empty();
+    if (rows.are_there && slots.empty()) slots.resize(1);  // the first is as long as the time
+    for (std::size_t s = 0; s < slots.size(); ++s) {
+      slots[s].pad(samples);
+      const auto write_column = [&]<class T>(int variable, const std::vector<T>& values) {
+        write_rows<T>(group_, {variable, static_cast<int>(s)}, first_, values);
+      };
+      write_column(rows.residual, slots[s].residual);
+      write_column(rows.sigma, slots[s].sigma);
+      write_column(rows.noise, slots[s].noise);
+      write_column(rows.key, slots[s].key);
+    }
+  }
+  write_rows<double>(group_, {time_}, first_, batch.t);
+  write_rows<signed char>(group_, {outcome_}, first_, batch.outcome);
+  write_rows<std::int32_t>(group_, {reason_}, first_, batch.reason);
+  write_rows<double>(group_, {nis_}, first_, batch.nis);
+  write_rows<std::int32_t>(group_, {rows_}, first_, batch.rows);
+  first_ += samples;
 }
 
 void MeasurementWriter::close() {
-  write();
+  if (!is_defined_) define(1);
   std::vector<std::string> texts(reasons_.size());
   for (const auto& [text, number] : reasons_) texts[as_size(number)] = text;
   const int dimension = group_.add_dimension("reason_text", texts.size());
   const int id = group_.add_texts("reason_text", {dimension}, texts);
   group_.put_text(id, "long_name", "what `reason` is an index of; empty: it was used");
+}
+
+/// As soon as it is known how long a chunk may be: that of a few samples would be mostly empty.
+void MeasurementWriter::define(std::size_t samples) {
+  is_defined_ = true;
+  samples_of_chunk_ = samples;
+  time_dimension_ = group_.add_growing_dimension("time");
+  time_ = add_time(group_, "time", time_dimension_, growing(1, samples, level_), "time of the sample");
+  add_outcome();
+  reason_ = add_variable("reason", NC_INT);
+  nis_ = add_variable("nis", NC_DOUBLE);
+  rows_ = add_variable("rows", NC_INT);
+  describe(reason_, "why the sample was not used: index in reason_text", "");
+  describe(nis_, "normalized innovation squared, r' (H P H' + R)^-1 r; chi-squared of `rows` degrees of freedom", "1");
+  group_.fill_with_nan(nis_);
+  describe(rows_, "rows of the sample that nis is of", "");
+  for (const auto& row_group : info_.groups) add_row_group(row_group, info_.groups.size() > 1);
+}
+
+int MeasurementWriter::add_variable(const std::string& name, nc_type type) {
+  return group_.add_variable(name, type, {time_dimension_}, growing(1, samples_of_chunk_, level_));
 }
 
 void MeasurementWriter::describe(int variable, const std::string& long_name, const std::string& unit) {
@@ -52,25 +143,25 @@ void MeasurementWriter::describe(int variable, const std::string& long_name, con
 }
 
 void MeasurementWriter::add_outcome() {
-  const int id = group_.add_variable("outcome", NC_BYTE, {time_dimension_}, growing_chunks(1));
-  group_.put_text(id, "long_name", "what became of the sample");
+  outcome_ = add_variable("outcome", NC_BYTE);
+  group_.put_text(outcome_, "long_name", "what became of the sample");
   std::vector<signed char> values(outcome_count);
   std::string meanings;
   for (int o = 0; o < outcome_count; ++o) {
     values[as_size(o)] = static_cast<signed char>(o);
     meanings += (o ? " " : "") + std::string(outcome_names[as_size(o)]);
   }
-  group_.put_bytes(id, "flag_values", values);
-  group_.put_text(id, "flag_meanings", meanings);
-  outcome_.emplace(group_, id);
+  group_.put_bytes(outcome_, "flag_values", values);
+  group_.put_text(outcome_, "flag_meanings", meanings);
 }
 
 void MeasurementWriter::add_row_group(const RowGroupInfo& info, bool is_one_of_several) {
   Rows rows;
   const std::string suffix = is_one_of_several ? names_.take("_" + identifier(info.name)) : "";
-  rows.row_dimension = group_.add_growing_dimension("row" + suffix);
+  const int row_dimension = group_.add_growing_dimension("row" + suffix);
   const auto add = [&](const char* name, nc_type type, const std::string& long_name, const std::string& unit) {
-    const int id = group_.add_variable(name + suffix, type, {time_dimension_, rows.row_dimension}, growing_chunks(2));
+    const int id = group_.add_variable(name + suffix, type, {time_dimension_, row_dimension},
+                                       growing(2, samples_of_chunk_, level_));
     describe(id, long_name, unit);
     put_if_any(group_, id, "row_group", info.name);
     if (type == NC_DOUBLE) group_.fill_with_nan(id);
@@ -88,66 +179,7 @@ void MeasurementWriter::add_row_group(const RowGroupInfo& info, bool is_one_of_s
   rows.key = add("key", NC_INT64, "who the row is: a satellite, say; else its number", "");
   group_.put_text(rows.residual, "ancillary_variables",
                   "residual_sigma" + suffix + " noise" + suffix + " key" + suffix);
-  row_groups_.push_back(std::move(rows));
-}
-
-void MeasurementWriter::add_rows(const UpdateRecord& record) {
-  int in_group = 0;
-  for (int i = 0; i < record.rows; ++i) {
-    const int group = record.row_groups[i];
-    in_group = i > 0 && record.row_groups[i - 1] == group ? in_group + 1 : 0;
-    auto& rows = row_groups_[as_size(group)];
-    auto& slot = slot_of(rows, as_size(in_group));
-    const std::size_t before = time_->size() - 1;
-    slot.residual.pad(before, not_a_number);
-    slot.sigma.pad(before, not_a_number);
-    slot.noise.pad(before, not_a_number);
-    slot.key.pad(before, NC_FILL_INT64);
-    slot.residual.add(record.residual[i]);
-    slot.sigma.add(std::sqrt(record.S(i, i)));
-    slot.noise.add(std::sqrt(record.R(i, i)));
-    slot.key.add(record.row_keys[i]);
-  }
-}
-
-MeasurementWriter::Rows::Slot& MeasurementWriter::slot_of(Rows& rows, std::size_t index) {
-  while (rows.slots.size() <= index) {
-    const int column = static_cast<int>(rows.slots.size());
-    rows.slots.push_back({{group_, rows.residual, column},
-                          {group_, rows.sigma, column},
-                          {group_, rows.noise, column},
-                          {group_, rows.key, column}});
-  }
-  return rows.slots[index];
-}
-
-std::int32_t MeasurementWriter::number_of(const char* reason) {
-  const auto found = reasons_.find(std::string_view(reason));
-  if (found != reasons_.end()) return found->second;
-  return reasons_.emplace(reason, static_cast<std::int32_t>(reasons_.size())).first->second;
-}
-
-void MeasurementWriter::write() {
-  const std::size_t samples = time_->size();
-  for (auto& rows : row_groups_)
-    for (auto& slot : rows.slots) {
-      const bool is_first = &slot == &rows.slots.front();
-      if (slot.residual.size() == 0 && !is_first) continue;
-      slot.residual.pad(samples, not_a_number);
-      slot.sigma.pad(samples, not_a_number);
-      slot.noise.pad(samples, not_a_number);
-      slot.key.pad(samples, NC_FILL_INT64);
-      slot.residual.write(first_);
-      slot.sigma.write(first_);
-      slot.noise.write(first_);
-      slot.key.write(first_);
-    }
-  time_->write(first_);
-  outcome_->write(first_);
-  reason_->write(first_);
-  nis_->write(first_);
-  rows_->write(first_);
-  first_ += samples;
+  row_groups_.push_back(rows);
 }
 
 }  // namespace binnacle::results

@@ -11,9 +11,6 @@ namespace binnacle::results::nc {
 
 namespace {
 
-/// Level 1 with bytes shuffled: what higher levels save of measured doubles is a few percent, at several times the price.
-constexpr int deflate_level = 1;
-
 int read_values(int group, int variable, const std::size_t* start, const std::size_t* count, double* values) {
   return nc_get_vara_double(group, variable, start, count, values);
 }
@@ -33,6 +30,8 @@ int read_values(int group, int variable, const std::size_t* start, const std::si
 void keep_from_tidying() { H5dont_atexit(); }
 
 }  // namespace
+
+void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 void check(int code) {
   if (code == NC_NOERR) return;
@@ -57,17 +56,18 @@ int Group::add_dimension(const std::string& name, std::size_t size) const {
 int Group::add_growing_dimension(const std::string& name) const { return add_dimension(name, NC_UNLIMITED); }
 
 int Group::add_variable(const std::string& name, nc_type type, const std::vector<int>& dimensions,
-                        const std::vector<std::size_t>& chunks) const {
+                        const Storage& storage) const {
   int id = -1;
   check(nc_def_var(id_, name.c_str(), type, static_cast<int>(dimensions.size()), dimensions.data(), &id));
-  if (chunks.empty()) return id;
-  check(nc_def_var_chunking(id_, id, NC_CHUNKED, chunks.data()));
-  check(nc_def_var_deflate(id_, id, NC_SHUFFLE, 1, deflate_level));
+  if (storage.chunks.empty()) return id;
+  check(nc_def_var_chunking(id_, id, NC_CHUNKED, storage.chunks.data()));
+  if (storage.level != not_compressed) check(nc_def_var_deflate(id_, id, NC_SHUFFLE, 1, storage.level));
   std::size_t bytes = 0;
   check(nc_inq_type(id_, type, nullptr, &bytes));
-  for (const std::size_t size : chunks) bytes *= size;
-  // Chunks are written whole and in order: more than two in memory would only take room.
-  check(nc_set_var_chunk_cache(id_, id, 2 * bytes, 11, 1.0f));
+  for (const std::size_t size : storage.chunks) bytes *= size;
+  // Chunks are written whole and in order: more than two in memory would only take room, and what is not compressed goes
+  // straight to the file where the cache is too small for it.
+  check(nc_set_var_chunk_cache(id_, id, storage.level == not_compressed ? 1 : 2 * bytes, 11, 1.0f));
   return id;
 }
 
@@ -114,7 +114,7 @@ int Group::add_texts(const std::string& name, const std::vector<int>& dimensions
     shape.push_back(0);
     check(nc_inq_dimlen(id_, dimension, &shape.back()));
   }
-  const int id = add_variable(name, NC_CHAR, all, shape);
+  const int id = add_variable(name, NC_CHAR, all, {shape});
   put_text(id, "_Encoding", "utf-8");
   check(nc_put_var_text(id_, id, characters.data()));
   return id;

@@ -18,6 +18,18 @@ namespace binnacle::results::nc {
 /// "HDF error".
 void check(int code);
 
+/// HDF5 prints its failures to stderr, unless each thread that calls it says otherwise; for a thread that opens no file itself.
+void keep_quiet();
+
+/// How much of a variable's bytes deflate saves: 0 leaves them as they are, in chunks that go to the file as they come.
+inline constexpr int not_compressed = 0, lightly_compressed = 1;
+
+/// In chunks of this shape, whole ones written at once; no chunks: contiguous.
+struct Storage {
+  std::vector<std::size_t> chunks = {};
+  int level = lightly_compressed;
+};
+
 /// In groups and variables of a file; as long as it is open.
 class Group {
  public:
@@ -27,9 +39,8 @@ class Group {
   Group add_group(const std::string& name) const;
   int add_dimension(const std::string& name, std::size_t size) const;
   int add_growing_dimension(const std::string& name) const;
-  /// Compressed in chunks of this shape; no chunks: contiguous.
   int add_variable(const std::string& name, nc_type type, const std::vector<int>& dimensions,
-                   const std::vector<std::size_t>& chunks = {}) const;
+                   const Storage& storage = {}) const;
   void put_text(int variable, const std::string& name, const std::string& text) const;
   void put_bytes(int variable, const std::string& name, const std::vector<signed char>& values) const;
   void put_number(int variable, const std::string& name, double value) const;

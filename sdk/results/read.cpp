@@ -47,19 +47,25 @@ auto read_netcdf(const fs::path& path, const char* verb, const Read& read) {
 
 }  // namespace
 
+std::optional<StudyResults> read_study(const fs::path& folder) {
+  const fs::path study = folder / "study.nc";
+  std::error_code ignored;
+  if (!fs::exists(study, ignored)) return std::nullopt;
+  auto results = read_netcdf(study, "study", [](const nc::File& file) { return read_study(file); });
+  results.figures = read_json(folder / "study.json", "study");
+  return results;
+}
+
 Results read(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) throw std::runtime_error("'" + folder.string() + "' is no folder");
-  const fs::path run = folder / "run.nc", study = folder / "study.nc";
+  const fs::path run = folder / "run.nc";
   Results results;
   if (fs::exists(run, ignored)) {
     results.run = read_netcdf(run, "run", read_run);
     results.run->summary = read_json(folder / "summary.json", "run");
   }
-  if (fs::exists(study, ignored)) {
-    results.study = read_netcdf(study, "study", read_study);
-    results.study->figures = read_json(folder / "study.json", "study");
-  }
+  results.study = read_study(folder);
   if (!results.run && !results.study)
     throw std::runtime_error("'" + folder.string() +
                              "' holds neither run.nc nor study.nc; make one with 'binnacle run "

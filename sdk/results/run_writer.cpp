@@ -49,7 +49,8 @@ void guarded(Action&& action) {
 
 class RunWriter::Filter : public StepObserver {
  public:
-  Filter(nc::Group group, const FilterInfo& info) : group_(group), info_(info) {
+  Filter(nc::Group group, const FilterInfo& info, int level, WriterThread& thread)
+      : group_(group), info_(info), level_(level) {
     group.put_text(NC_GLOBAL, "filter", info.name);
     names_.take("errors");
     names_.take("measurements");
@@ -58,30 +59,17 @@ class RunWriter::Filter : public StepObserver {
     Names names;
     for (const auto& measurement : info.measurements)
       measurements_.push_back(
-          std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement));
+          std::make_unique<MeasurementWriter>(all.add_group(names.take(measurement.name)), measurement, level, thread));
   }
 
   /// Columns come as the kernel records them: outputs block by block, their 1-σ in the same order, implied states, adapted noise.
-  void begin(const std::vector<score::RecordColumn>& columns) {
-    time_dimension_ = group_.add_growing_dimension(names_.take("time"));
-    time_.emplace(group_, add_time(group_, "time", time_dimension_, "time of the estimates"));
-    std::vector<Column<double>> sigmas;
-    for (const auto& block : info_.blocks) add_block(block, sigmas);
-    columns_.insert(columns_.end(), sigmas.begin(), sigmas.end());
-    for (std::size_t i = columns_.size(); i < columns.size(); ++i) {
-      const int id = group_.add_variable(names_.take(columns[i].name), NC_DOUBLE, {time_dimension_}, growing_chunks(1));
-      group_.put_text(id, "long_name", describe_column(columns[i].name));
-      group_.put_text(id, "column", columns[i].name);
-      put_units(group_, id, {columns[i].unit, ""});
-      columns_.emplace_back(group_, id);
-    }
-  }
+  void begin(const std::vector<score::RecordColumn>& columns) { recorded_ = columns; }
 
-  void record(Time t, std::span<const double> values) {
-    tell_failure();
-    time_->add(nearest_seconds(t));
-    for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].add(i < values.size() ? values[i] : not_a_number);
-    if (time_->size() == chunk_size) write();
+  void write(const ColumnBlock& rows) {
+    if (!is_defined_) define(rows.rows());
+    write_rows(group_, time_, first_, rows.t());
+    for (std::size_t i = 0; i < columns_.size(); ++i) write_rows(group_, columns_[i], first_, rows.column(i));
+    first_ += rows.rows();
   }
 
   void offered(const UpdateRecord& record) override {
@@ -94,26 +82,38 @@ class RunWriter::Filter : public StepObserver {
   }
 
   void scored(const score::ErrorSeries& errors) {
-    if (!errors_) errors_.emplace(group_.add_group("errors"), info_);
+    if (!errors_) errors_.emplace(group_.add_group("errors"), info_, level_);
     errors_->add(errors);
   }
 
+  void flush() {
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    for (auto& measurement : measurements_) measurement->flush();
+  }
+
   void close() {
-    tell_failure();
-    if (time_) write();
+    if (!is_defined_ && !recorded_.empty()) define(1);
     for (auto& measurement : measurements_) measurement->close();
   }
 
  private:
-  void tell_failure() {
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-
-  void write() {
-    const std::size_t records = time_->size();
-    time_->write(first_);
-    for (auto& column : columns_) column.write(first_);
-    first_ += records;
+  /// As soon as it is known how long a chunk may be: a short run's would be mostly empty.
+  void define(std::size_t rows) {
+    is_defined_ = true;
+    rows_of_chunk_ = rows;
+    time_dimension_ = group_.add_growing_dimension(names_.take("time"));
+    time_ = {add_time(group_, "time", time_dimension_, growing(1, rows, level_), "time of the estimates")};
+    std::vector<Column> sigmas;
+    for (const auto& block : info_.blocks) add_block(block, sigmas);
+    columns_.insert(columns_.end(), sigmas.begin(), sigmas.end());
+    for (std::size_t i = columns_.size(); i < recorded_.size(); ++i) {
+      const int id =
+          group_.add_variable(names_.take(recorded_[i].name), NC_DOUBLE, {time_dimension_}, growing(1, rows, level_));
+      group_.put_text(id, "long_name", describe_column(recorded_[i].name));
+      group_.put_text(id, "column", recorded_[i].name);
+      put_units(group_, id, {recorded_[i].unit, ""});
+      columns_.push_back({id});
+    }
   }
 
   void describe(int variable, const BlockInfo& block, const std::vector<Output>& outputs, bool is_sigma) {
@@ -141,22 +141,22 @@ class RunWriter::Filter : public StepObserver {
   }
 
   void add_variables(const BlockInfo& block, const std::string& name, const std::vector<Output>& outputs,
-                     const std::vector<int>& dimensions, std::vector<Column<double>>& sigmas) {
-    const auto chunks = growing_chunks(dimensions.size());
+                     const std::vector<int>& dimensions, std::vector<Column>& sigmas) {
+    const auto storage = growing(dimensions.size(), rows_of_chunk_, level_);
     const std::string value_name = names_.take(name), sigma_name = names_.take(name + "_sigma");
-    const int value = group_.add_variable(value_name, NC_DOUBLE, dimensions, chunks);
-    const int sigma = group_.add_variable(sigma_name, NC_DOUBLE, dimensions, chunks);
+    const int value = group_.add_variable(value_name, NC_DOUBLE, dimensions, storage);
+    const int sigma = group_.add_variable(sigma_name, NC_DOUBLE, dimensions, storage);
     describe(value, block, outputs, false);
     describe(sigma, block, outputs, true);
     group_.put_text(value, "ancillary_variables", sigma_name);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       const int column = dimensions.size() > 1 ? static_cast<int>(i) : -1;
-      columns_.emplace_back(group_, value, column);
-      sigmas.emplace_back(group_, sigma, column);
+      columns_.push_back({value, column});
+      sigmas.push_back({sigma, column});
     }
   }
 
-  void add_block(const BlockInfo& block, std::vector<Column<double>>& sigmas) {
+  void add_block(const BlockInfo& block, std::vector<Column>& sigmas) {
     const auto& outputs = block.declaration->outputs;
     if (!are_alike(outputs)) {
       for (const auto& output : outputs)
@@ -171,55 +171,70 @@ class RunWriter::Filter : public StepObserver {
 
   nc::Group group_;
   const FilterInfo& info_;
+  int level_;
+  std::vector<score::RecordColumn> recorded_;
   Names names_;
+  bool is_defined_ = false;
+  std::size_t rows_of_chunk_ = 1;
   int time_dimension_ = 0;
-  std::optional<Column<double>> time_;
-  std::vector<Column<double>> columns_;
-  std::size_t first_ = 0;  // record of the open chunk
+  Column time_;
+  std::vector<Column> columns_;
+  std::size_t first_ = 0;  // row that comes next
   std::vector<std::unique_ptr<MeasurementWriter>> measurements_;
   std::optional<ErrorWriter> errors_;
   std::exception_ptr failure_;
 };
 
 struct RunWriter::Contents {
-  Contents(const std::filesystem::path& path, const Composition& composition, const Json& provenance)
+  Contents(const std::filesystem::path& path, const Composition& composition, const Json& provenance, int level,
+           WriterThread& thread)
       : file(nc::File::create(path)) {
     write_provenance(file.root(), "run", Json::parse(composition.config()), provenance);
     Names names;
     for (const char* taken : {"config", "plugin", "plugin_version", "plugin_path"}) names.take(taken);
     for (const auto& filter : score::filters_of(composition))
-      filters.push_back(std::make_unique<Filter>(file.root().add_group(names.take(filter.name)), filter));
+      filters.push_back(
+          std::make_unique<Filter>(file.root().add_group(names.take(filter.name)), filter, level, thread));
   }
   nc::File file;
   std::vector<std::unique_ptr<Filter>> filters;
 };
 
-RunWriter::RunWriter(const std::filesystem::path& path, const Composition& composition, const Json& provenance) {
-  guarded([&] { contents_ = std::make_unique<Contents>(path, composition, provenance); });
+RunWriter::RunWriter(const std::filesystem::path& path, const Composition& composition, const Json& provenance,
+                     int level, WriterThread& thread)
+    : thread_(thread) {
+  guarded([&] { contents_ = std::make_unique<Contents>(path, composition, provenance, level, thread); });
+  thread_.post(0, nc::keep_quiet);
 }
 
 RunWriter::~RunWriter() = default;
 
-void RunWriter::begin(int filter, const std::string&, const std::vector<score::RecordColumn>& columns) {
-  guarded([&] { contents_->filters[as_size(filter)]->begin(columns); });
+void RunWriter::begin(int filter, const std::vector<score::RecordColumn>& columns) {
+  contents_->filters[as_size(filter)]->begin(columns);
 }
 
-void RunWriter::record(int filter, Time t, std::span<const double> values) {
-  guarded([&] { contents_->filters[as_size(filter)]->record(t, values); });
+void RunWriter::write(int filter, const ColumnBlock& rows) {
+  guarded([&] { contents_->filters[as_size(filter)]->write(rows); });
 }
 
 StepObserver* RunWriter::step_observer(int filter) { return contents_->filters[as_size(filter)].get(); }
 
+/// Its spans end with the call, so that this waits.
 void RunWriter::scored(int filter, const score::ErrorSeries& errors) {
-  guarded([&] { contents_->filters[as_size(filter)]->scored(errors); });
+  thread_.post(0, [&] { guarded([&] { contents_->filters[as_size(filter)]->scored(errors); }); });
+  thread_.finish();
 }
 
 void RunWriter::close() {
-  guarded([&] {
-    for (auto& filter : contents_->filters) filter->close();
-    contents_->filters.clear();
-    contents_->file.close();
+  for (auto& filter : contents_->filters) filter->flush();
+  thread_.post(0, [&] {
+    guarded([&] {
+      for (auto& filter : contents_->filters) filter->close();
+      contents_->filters.clear();
+      contents_->file.close();
+    });
   });
+  thread_.finish();
 }
 
 }  // namespace binnacle::results

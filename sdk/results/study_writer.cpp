@@ -33,7 +33,7 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
   for (std::size_t m = 0; m < metrics; ++m) {
     const auto& metric = study.metrics[m];
     const int id = root.add_variable(names.take(metric.name), NC_DOUBLE, {variant_dimension, run_dimension},
-                                     {1, std::min<std::size_t>(runs, 65536)});
+                                     {{1, std::min<std::size_t>(runs, 65536)}});
     root.fill_with_nan(id);
     root.put_text(id, "long_name", metric.name);
     root.put_text(id, "metric", metric.name);
@@ -47,7 +47,7 @@ void write_metrics(nc::Group root, const StudyResults& study, int variant_dimens
 
 /// Which runs broke; why is in study.json.
 void write_state(nc::Group root, const StudyResults& study, int variant_dimension, int run_dimension) {
-  const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension}, {1, study.runs});
+  const int id = root.add_variable("state", NC_BYTE, {variant_dimension, run_dimension}, {{1, study.runs}});
   root.put_text(id, "long_name", "what came of the run");
   root.put_bytes(id, "flag_values", {0, 1});
   root.put_text(id, "flag_meanings", "finished failed");
@@ -91,7 +91,7 @@ void write_table(nc::Group group, const Json& table) {
   add_texts(group, "unit", {row, column}, "units of the values", units);
   add_texts(group, "text", {row, column}, "what stands in a cell that has no value", cells);
   const auto add = [&](const char* name, const char* long_name, const Json& values) {
-    const int id = group.add_variable(name, NC_DOUBLE, {row, column}, {rows.size(), columns.size()});
+    const int id = group.add_variable(name, NC_DOUBLE, {row, column}, {{rows.size(), columns.size()}});
     group.fill_with_nan(id);
     group.put_text(id, "long_name", long_name);
     const std::size_t start[] = {0, 0}, count[] = {rows.size(), columns.size()};
@@ -122,7 +122,7 @@ void write_study(const std::filesystem::path& path, const StudyResults& study) {
     const int variant = root.add_dimension("variant", study.variants.size());
     const int run = root.add_dimension("run", study.runs);
     add_texts(root, "variant", {variant}, "variants of the config", study.variants);
-    const int id = root.add_variable("run", NC_INT, {run}, {study.runs});
+    const int id = root.add_variable("run", NC_INT, {run}, {{study.runs}});
     root.put_text(id, "long_name", "which run of the seed");
     std::vector<std::int32_t> numbers(study.runs);
     for (std::size_t k = 0; k < study.runs; ++k) numbers[k] = static_cast<std::int32_t>(k);

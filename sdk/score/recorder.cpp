@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "binnacle/state_block.hpp"
+#include "plain_block.hpp"
 #include "wording/wording.hpp"
 
 namespace binnacle::score {
@@ -31,6 +32,7 @@ Recorder::Recorder(const Session& session, const Scores& scores, RunObserver& ob
     columns.insert(columns.end(), implied_states.begin(), implied_states.end());
     columns.insert(columns.end(), noise.begin(), noise.end());
     Filter& filter = filters_.emplace_back();
+    for (const auto& block : filters[f].blocks) filter.is_plain.push_back(is_plain(block));
     filter.implied_state_columns = implied_states.size();
     filter.noise_columns = noise.size();
     filter.local = LocalColumns(filters[f], plan.local);
@@ -113,15 +115,24 @@ void Recorder::read(std::size_t filter, Time t, std::span<double> values) {
   const auto& blocks = session_.composition().filters()[filter].blocks;
   const FilterId id{static_cast<int>(filter)};
   std::size_t at = 0;
-  const auto for_each_block = [&](const auto& read_block) {
+  const double* const x = session_.state(id).data();
+  const ConstMatrixView P = session_.covariance(id);
+  const auto for_each_block = [&](const auto& read_plain, const auto& read_block) {
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const std::size_t count = blocks[b].declaration->outputs.size();
-      read_block(BlockId{id, static_cast<int>(b)}, values.subspan(at, count));
+      if (filters_[filter].is_plain[b])
+        read_plain(blocks[b], x + blocks[b].stored_offset, values.data() + at);
+      else
+        read_block(BlockId{id, static_cast<int>(b)}, values.subspan(at, count));
       at += count;
     }
   };
-  for_each_block([&](BlockId block, std::span<double> outputs) { session_.read(block, outputs); });
-  for_each_block([&](BlockId block, std::span<double> sigmas) { session_.read_sigma(block, sigmas); });
+  for_each_block([](const BlockInfo& block, const double* value,
+                    double* outputs) { std::copy_n(value, block.declaration->outputs.size(), outputs); },
+                 [&](BlockId block, std::span<double> outputs) { session_.read(block, outputs); });
+  for_each_block([&](const BlockInfo& block, const double* value,
+                     double* sigmas) { plain_sigmas(block, value, P, sigmas); },
+                 [&](BlockId block, std::span<double> sigmas) { session_.read_sigma(block, sigmas); });
   FilterScore& score = *scores_[filter];
   filters_[filter].changes = score.changes();
   score.latest_implied_states(t, values.data() + at);

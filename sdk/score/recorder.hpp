@@ -32,6 +32,7 @@ class Recorder {
  private:
   struct Filter {
     std::size_t implied_state_columns = 0, noise_columns = 0;
+    std::vector<bool> is_plain;  // by block
     LocalColumns local;
     RecordEpochs epochs;
     Time last = no_time, kept_at = no_time;

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "csv_columns.hpp"
+#include "results/results.hpp"
 
 using namespace binnacle::test;
 using nlohmann::json;
@@ -116,12 +118,19 @@ TEST_CASE("an implied state is recorded where there is one") {
   std::string line;
   std::getline(lines, line);
   CHECK(line == "t[s],place.x[m],offset.x[m],place.x.sigma[m],offset.x.sigma[m],direct.x[m],direct.x.sigma[m]");
+  const auto recorded = binnacle::results::read(bench.path("out")).run->filters.at(0).others;  // all digits
+  REQUIRE(recorded.size() == 2);
+  CHECK(recorded[0].name == "direct.x");
+  CHECK(recorded[1].name == "direct.x.sigma");
+  std::size_t row = 0;
   for (const auto& expected : by_hand()) {
     REQUIRE(std::getline(lines, line));
     double value = 0, sigma = 0;
     REQUIRE(std::sscanf(line.c_str(), "%*f,%*f,%*f,%*f,%*f,%lf,%lf", &value, &sigma) == 2);
-    CHECK(std::abs(value - expected.value) < 1e-12);
-    CHECK(std::abs(sigma - expected.sigma) < 1e-12);
+    CHECK(is_as_stated("direct.x[m]", expected.value, value));
+    CHECK(is_as_stated("direct.x.sigma[m]", expected.sigma, sigma));
+    CHECK(std::abs(recorded[0].values.at(row) - expected.value) < 1e-12);
+    CHECK(std::abs(recorded[1].values.at(row++) - expected.sigma) < 1e-12);
   }
   CHECK_FALSE(std::getline(lines, line));
 }

@@ -15,6 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "csv_columns.hpp"
+#include "results/results.hpp"
 
 using namespace binnacle::test;
 using nlohmann::json;
@@ -89,7 +91,7 @@ TEST_CASE("the summary is printed as tables, or as JSON, or not") {
   CHECK(run(bench, {"--quiet"}).out.empty());
 }
 
-TEST_CASE("run --out records every output with its sigma, units in the header, exact numbers") {
+TEST_CASE("run --out records every output with its sigma, units in the header, exact numbers in run.nc") {
   const Workbench bench;
   REQUIRE(run(bench, {"--out", "new/out"}).status == 0);
   CHECK(names_in(bench.path("new/out")) ==
@@ -105,10 +107,16 @@ TEST_CASE("run --out records every output with its sigma, units in the header, e
     double t = 0, x = 0, sigma = 0;
     REQUIRE(std::sscanf(line.c_str(), "%lf,%lf,%lf", &t, &x, &sigma) == 3);
     CHECK(t == static_cast<double>(i));
-    CHECK(std::abs(x - expected[i].x) < 1e-12);
-    CHECK(std::abs(sigma - expected[i].sigma) < 1e-12);
+    CHECK(is_as_stated("place.x[m]", expected[i].x, x));
+    CHECK(is_as_stated("place.x.sigma[m]", expected[i].sigma, sigma));
   }
   CHECK_FALSE(std::getline(lines, line));
+  const auto recorded = binnacle::results::read(bench.path("new/out")).run->filters.at(0);
+  REQUIRE(recorded.t.size() == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CHECK(std::abs(recorded.estimates.at(0).values[i] - expected[i].x) < 1e-12);
+    CHECK(std::abs(recorded.estimates.at(0).sigma[i] - expected[i].sigma) < 1e-12);
+  }
   CHECK(json::parse(read_file(bench.path("new/out/config.json"))).at("title") == "A place that wanders");
   CHECK(json::parse(read_file(bench.path("new/out/summary.json"))).contains("filters"));
 }

@@ -205,30 +205,32 @@ void Session::read(BlockId block, std::span<double> outputs, const char* call_na
   if (const auto count = of.declaration->outputs.size(); outputs.size() != count)
     throw std::invalid_argument("block '" + of.name + "' has " + std::to_string(count) +
                                 " outputs; there is room for " + std::to_string(outputs.size()));
-  if (time(block.filter) == no_time) {  // zeros would pass for an estimate
+  const Engine& of_filter = runtime_->engine(block.filter.index);
+  if (of_filter.status().t == no_time) {  // zeros would pass for an estimate
     std::ranges::fill(outputs, std::numeric_limits<double>::quiet_NaN());
     return;
   }
   const auto error = [&](const std::string& text) {
-    const std::string& pointer = engine(block.filter).plan().blocks[as_size(block.index)].pointer;
+    const std::string& pointer = of_filter.plan().blocks[as_size(block.index)].pointer;
     return FilterError(
         Diagnostic{Severity::error, "B045", composition_->plan().document.origin(pointer), pointer, text});
   };
   call_plugin(
-      nullptr, of.type, call_name, time(block.filter), [&] { call(of, state(block.filter).data() + of.stored_offset); },
-      error);
+      nullptr, of.type, call_name, of_filter.status().t,
+      [&] { call(of, of_filter.state() + of.stored_offset, of_filter); }, error);
 }
 
 void Session::read(BlockId block, std::span<double> outputs) const {
-  read(block, outputs, "read", [&](const BlockInfo& of, const double* x) {
+  read(block, outputs, "read", [&](const BlockInfo& of, const double* x, const Engine&) {
     of.block->read({x, of.declaration->stored_size}, {outputs.data(), static_cast<int>(outputs.size())});
   });
 }
 
 void Session::read_sigma(BlockId block, std::span<double> sigmas) const {
-  read(block, sigmas, "plus and read, for its 1-sigma", [&](const BlockInfo& of, const double* x) {
-    output_sigmas(of, x, covariance(block.filter), scratch_.data(), sigmas.data());
-  });
+  read(block, sigmas, "plus and read, for its 1-sigma",
+       [&](const BlockInfo& of, const double* x, const Engine& of_filter) {
+         output_sigmas(of, x, of_filter.covariance(), scratch_.data(), sigmas.data());
+       });
 }
 
 ConstMatrixView Session::covariance(BlockId block) const {
@@ -342,15 +344,21 @@ void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, d
     delta[component] = 0;
     for (int i = 0; i < outputs; ++i) {
       double difference = above[i] - below[i];
-      if (declaration.outputs[as_size(i)].is_angle) difference = std::remainder(difference, 2 * std::numbers::pi);
-      J[i + a * outputs] = difference / (2 * step);
+      if (std::abs(difference) > std::numbers::pi && declaration.outputs[as_size(i)].is_angle)
+        difference = std::remainder(difference, 2 * std::numbers::pi);
+      J[i + a * outputs] = difference == 0 ? 0 : difference / (2 * step);
     }
   }
   for (int i = 0; i < outputs; ++i) {
     double variance = 0;
-    for (int a = 0; a < active; ++a)
+    // Most outputs are of one component: what is times 0 is left out.
+    for (int a = 0; a < active; ++a) {
+      const double along_a = J[i + a * outputs];
+      if (along_a == 0) continue;
       for (int b = 0; b < active; ++b)
-        variance += J[i + a * outputs] * P(block.first_row + a, block.first_row + b) * J[i + b * outputs];
+        if (const double along_b = J[i + b * outputs]; along_b != 0)
+          variance += along_a * P(block.first_row + a, block.first_row + b) * along_b;
+    }
     sigmas[i] = std::sqrt(std::max(0.0, variance));
   }
 }

@@ -13,7 +13,6 @@
 #include "interrupt.hpp"
 #include "loaded.hpp"
 #include "provenance.hpp"
-#include "report_file.hpp"
 #include "study/study.hpp"
 #include "summary_text.hpp"
 #include "verbs.hpp"
@@ -71,10 +70,7 @@ score::RunResult carried_out(const Loaded& loaded, const RunArguments& arguments
   options.run = arguments.run;
   options.observer = &collector;
   score::RunResult result = score::run(loaded.composed(), options);
-  if (recorder) {
-    recorder->commit(result.summary, Json::parse(loaded.composed()->config()));
-    command::write_report(*arguments.out, command::report_in(*arguments.out));
-  }
+  if (recorder) recorder->commit(result.summary, Json::parse(loaded.composed()->config()));
   return result;
 }
 

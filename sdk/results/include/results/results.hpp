@@ -124,6 +124,8 @@ struct Results {
   std::optional<StudyResults> study;
 };
 Results read(const std::filesystem::path& folder);
+/// The study there, if there is one; throws as read() does.
+std::optional<StudyResults> read_study(const std::filesystem::path& folder);
 
 /// The double nearest to the time, so that it equals what is read from a CSV of the same run.
 double nearest_seconds(Time t);

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record_formats.hpp"
+
+#include <string_view>
+#include <vector>
+
+#include "output.hpp"
+#include "wording/wording.hpp"
+
+namespace binnacle::command {
+
+void RecordFormats::keep_only(const std::string& list) {
+  nc = csv = page = false;
+  std::string_view rest = list;
+  for (bool is_more = true; is_more;) {
+    const auto comma = rest.find(',');
+    const std::string word(rest.substr(0, comma));
+    is_more = comma != rest.npos;
+    if (is_more) rest.remove_prefix(comma + 1);
+    if (word == "nc")
+      nc = true;
+    else if (word == "csv")
+      csv = true;
+    else if (word == "page")
+      page = true;
+    else
+      throw UsageError(
+          "--only: " +
+          (word.empty() ? "a format is missing in '" + list + "'" : wording::in_quotes(word) + " is no format") +
+          "; expected some of nc, csv, page, with commas between them" +
+          wording::suggestion(word, {"nc", "csv", "page"}));
+  }
+}
+
+void RecordOptions::add_to(CLI::App& command, CLI::Option* out) {
+  command.add_option("--only", only_, "Of --out: these formats alone, as nc,csv,page")
+      ->type_name("FORMATS")
+      ->needs(out);
+  command.add_option("--compress", compression_, "Of --out: deflate run.nc, 1 (fast) to 9 (small); 0: not at all")
+      ->type_name("N")
+      ->check(CLI::Range(0, 9))
+      ->capture_default_str()
+      ->needs(out);
+}
+
+RecordFormats RecordOptions::formats() const {
+  RecordFormats formats;
+  if (!only_.empty()) formats.keep_only(only_);
+  formats.compression = compression_;
+  return formats;
+}
+
+}  // namespace binnacle::command
