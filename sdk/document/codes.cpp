@@ -216,7 +216,8 @@ constexpr CodeEntry entries[] = {
      "For long no sample of a measurement was of use, and what it sees became much less certain.",
      "Look for the outage in the data; what was estimated meanwhile has the sigma that the filter gives, if its models "
      "hold."},
-    {"B118", "input ended", "The driving input ended, or had no complete sample any more, long before the newest sample.",
+    {"B118", "input ended",
+     "The driving input ended, or had no complete sample any more, long before the newest sample.",
      "Look for lost data, or NaN, at the end; the estimates end with the input."},
     {"B119", "likely cause: a clock",
      "A filter is not `ok`, and the velocities of a measurement fit the inertial input far better when they are "

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What budget.py has counted by callgrind: `budget_bench step|update|push|csv COUNT` makes so many IMU steps of 21 states,
 // updates by a position fix, samples on a channel that nobody takes, or lines of csv read. All of it lies in
-// budget_work(), which callgrind is told to collect.
+// budget_work(), which callgrind collects.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -37,7 +37,8 @@ bool of_ins(int count, Act&& act) {
     t += interval;
   };
   for (int i = 0; i < warm_up; ++i) step();
-  act(step, [&] { session.push(gnss, no_time, t, position); }, count);
+  act(
+      step, [&] { session.push(gnss, no_time, t, position); }, count);
   return session.healthy(FilterId{0});
 }
 
@@ -64,11 +65,11 @@ bool csv(int count) {
   }
   file.close();
   const std::string kinds = R"({"unit": "rad/s", "kind": "rate"})", forces = R"({"unit": "m/s^2", "kind": "rate"})";
-  const auto composition = Composition::parse(R"({"binnacle": 1, "sources": {"imu": {"type": "csv", "path": ")" +
-                                                  path.string() + R"(", "columns": {"wx": )" + kinds + R"(, "wy": )" +
-                                                  kinds + R"(, "wz": )" + kinds + R"(, "fx": )" + forces +
-                                                  R"(, "fy": )" + forces + R"(, "fz": )" + forces + "}}}}",
-                                              "budget.json");
+  const auto composition =
+      Composition::parse(R"({"binnacle": 1, "sources": {"imu": {"type": "csv", "path": ")" + path.string() +
+                             R"(", "columns": {"wx": )" + kinds + R"(, "wy": )" + kinds + R"(, "wz": )" + kinds +
+                             R"(, "fx": )" + forces + R"(, "fy": )" + forces + R"(, "fz": )" + forces + "}}}}",
+                         "budget.json");
   bool is_well = false;
   budget_work([&] { is_well = run(composition).failures.empty(); }, 1);
   std::filesystem::remove(path);

@@ -170,7 +170,9 @@ TEST_CASE("a study in which a plugin loops keeps its finished runs") {
   const std::vector<std::string> arguments{"study", "sick.json", "--jobs", "1", "--out", "out"};
   std::string text = read_file(bench.path("sick.json"));
   const std::string from = R"("metrics": ["f/z/nis"])";
-  text.replace(text.find(from), from.size(), from + R"(, "variants": { "well": {},
+  // Variants that share their samples advance together: these do not share.
+  text.replace(text.find(from), from.size(),
+               from + R"(, "variants": { "well": { "sources": { "tick": { "after": "9 s" } } },
     "ill": { "filters": { "f": { "process": { "move": { "fault": "loop" } } } } } })");
   bench.write("sick.json", text);
   Command command(bench, arguments);
