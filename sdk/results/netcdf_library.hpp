@@ -15,7 +15,7 @@
 // HDF5's own functions too: they are looked up in what NetCDF was linked with.
 // clang-format off
 #define BINNACLE_NETCDF_CALLS(X)                                                                                         \
-  X(H5Eset_auto2) X(H5dont_atexit)                                                                                       \
+  X(H5dont_atexit) X(H5Eset_auto2)                                                                                       \
   X(nc_close) X(nc_create) X(nc_open) X(nc_strerror)                                                                     \
   X(nc_def_dim) X(nc_def_grp) X(nc_def_var) X(nc_def_var_chunking) X(nc_def_var_deflate) X(nc_def_var_fill)              \
   X(nc_get_att_schar) X(nc_get_att_text) X(nc_get_att_ulonglong) X(nc_get_var_text) X(nc_get_vara_double)                \
