@@ -6,6 +6,11 @@
 
 namespace binnacle::bench {
 
+/// A filter that subscribes to nothing, for a config that is about something else.
+inline const char* const idle_filter =
+    R"("filters": {"idle": {"blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
+                         "process": {"stands": {"type": "random_constant", "blocks": {"x": "x"}}}}})";
+
 /// An INS of n states: position, velocity, attitude; from 15 on gyro and accelerometer bias, from 21 on their scale
 /// factors; what remains are Gauss-Markov states in vectors of three that nothing reads.
 inline std::string ins_config(int n, const std::string& order = "", const std::string& history = "") {
