@@ -13,6 +13,7 @@
 
 #include "allocations.hpp"
 #include "guarded.hpp"
+#include "miniature.hpp"
 
 namespace binnacle::conform {
 
@@ -113,9 +114,9 @@ double quantile(double dof, double p) { return boost::math::quantile(boost::math
 
 // ---- ports
 
-std::shared_ptr<const StateBlock> block_of_kind(Trial& trial, const Composition& composition, const std::string& kind) {
-  // A process of its own composes whatever it likes.
-  const Catalog& catalog = composition.catalog();
+std::shared_ptr<const StateBlock> block_of_kind(Trial& trial, const std::string& kind) {
+  // A process of its own composes whatever it likes. All types there are: a composition has those that it needs.
+  const Catalog catalog = load_catalog(trial);
   Json block;
   if (kind.rfind("vector:", 0) == 0) {
     const auto colon = kind.find(':', 7);

@@ -70,7 +70,7 @@ double hostile_number(const std::string& name, std::size_t i, double ordinary);
 // ---- what the checks of numbers build on
 
 /// A block of the same kind as `kind` that is a state block, made of its own example. Throws Skip where there is none.
-std::shared_ptr<const StateBlock> block_of_kind(Trial& trial, const Composition& composition, const std::string& kind);
+std::shared_ptr<const StateBlock> block_of_kind(Trial& trial, const std::string& kind);
 
 /// Ports of a part, each value a random step (of `spread` scales) from where the config starts it. The blocks are the
 /// part's, and must outlive the states.

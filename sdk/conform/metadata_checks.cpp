@@ -181,7 +181,7 @@ void declared_derived(Trial& trial, const Composition& composition, const Compon
   const auto prefix = spec.kind.substr(0, spec.kind.find('*'));
   trial.expect(declared.kind.rfind(prefix, 0) == 0, "it yields '", declared.kind, "', and its spec says '", spec.kind,
                "'");
-  const auto yields = block_of_kind(trial, composition, declared.kind);
+  const auto yields = block_of_kind(trial, declared.kind);
   trial.expect(declared.stored_size == yields->declaration().stored_size, "it yields ", declared.stored_size,
                " numbers, and a block of the kind '", declared.kind, "' stores ", yields->declaration().stored_size);
   trial.expect(declared.dof() == yields->declaration().dof(), "it yields ", declared.dof(),

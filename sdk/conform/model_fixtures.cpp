@@ -220,7 +220,7 @@ DerivedFixture::DerivedFixture(Trial& trial, const Composition& composition)
     : part(parts::derived(composition, filter_name, component_name)), caller(*part.model, part.type->spec) {
   auto random = trial.random(78);
   driving_rates_ = driving_rates_of(part.type->spec, random);
-  yields = block_of_kind(trial, composition, part.model->declaration().kind);
+  yields = block_of_kind(trial, part.model->declaration().kind);
 }
 
 // ---- the same calls for every role
