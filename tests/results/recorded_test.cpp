@@ -13,9 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include <sys/resource.h>
-
 #include "command.hpp"
+#include "file_size_limit.hpp"
 #include "results/results.hpp"
 
 using namespace binnacle::test;
@@ -52,22 +51,6 @@ bool are_same(const std::vector<double>& a, const std::vector<double>& b) {
     return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
   });
 }
-
-/// Lowers the limit for the commands that are started meanwhile.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit lowered{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &lowered);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 }  // namespace
 
@@ -197,13 +180,18 @@ TEST_CASE("a killed run leaves nothing that looks whole, and the next one tidies
 
 TEST_CASE("memory does not grow with the rows, whatever is recorded") {
   const Workbench bench;
+  // The least of three: how the threads come to run adds to it, within the queue's bound and what malloc keeps.
   const auto peak = [&](int drives, const Words& how) {
     Words words{"run", quickstart, "--quiet"};
     for (const auto& more : {long_run(drives), how}) words.insert(words.end(), more.begin(), more.end());
-    const auto outcome = binnacle::test::binnacle(bench, words);
-    INFO(outcome.err);
-    REQUIRE(outcome.status == 0);
-    return outcome.peak_memory;
+    double least = 1e12;
+    for (int i = 0; i < 3; ++i) {
+      const auto outcome = binnacle::test::binnacle(bench, words);
+      INFO(outcome.err);
+      REQUIRE(outcome.status == 0);
+      least = std::min(least, static_cast<double>(outcome.peak_memory));
+    }
+    return least;
   };
   const int few = 5, many = 20;  // drives: 97 000 rows and 389 000, which are 28 MB and 109 MB
   const double few_alone = peak(few, {}), many_alone = peak(many, {});  // the drive is simulated before it begins

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "csv_columns.hpp"
+#include "file_size_limit.hpp"
 #include "results/results.hpp"
 
 using namespace binnacle::test;
@@ -41,22 +41,6 @@ bool are_as_stated(const std::string& header, const std::vector<double>& exact, 
   for (std::size_t i = 0; are && i < exact.size(); ++i) are = is_as_stated(header, exact[i], read[i]);
   return are;
 }
-
-/// Lowers the limit for the commands that are started meanwhile.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit lowered{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &lowered);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 /// What the words print, and their exit status.
 struct Said {
