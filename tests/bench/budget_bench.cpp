@@ -45,10 +45,7 @@ bool of_ins(int count, Act&& act) {
 }
 
 bool push(int count) {
-  Session session(Composition::parse(R"({"binnacle": 1,
-    "sources": {"z": {"type": "pushed", "fields": {"z": {"unit": "m"}}}}, )" +
-                                         std::string(bench::idle_filter) + "}",
-                                     "budget.json"));
+  Session session(Composition::parse(bench::idle_config(), "budget.json"));
   const auto z = session.channel("z");
   const double one = 1;
   Time t = 0;

@@ -95,12 +95,8 @@ void dense_ship_cycle(benchmark::State& state) {
   }
 }
 
-/// A sample that nobody subscribes to: what a push costs beside what is done with it.
 void empty_push(benchmark::State& state) {
-  Session session(Composition::parse(R"({"binnacle": 1,
-    "sources": {"z": {"type": "pushed", "fields": {"x": {"unit": "m"}}}}, )" +
-                                         std::string(bench::idle_filter) + "}",
-                                     "bench.json"));
+  Session session(Composition::parse(bench::idle_config(), "bench.json"));
   const auto channel = session.channel("z");
   const double x = 1;
   Time t = 0;

@@ -11,6 +11,12 @@ inline const char* const idle_filter =
     R"("filters": {"idle": {"blocks": {"x": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1}},
                          "process": {"stands": {"type": "random_constant", "blocks": {"x": "x"}}}}})";
 
+/// A channel "z" that nobody subscribes to: what a push costs beside what is done with it.
+inline std::string idle_config() {
+  return R"({"binnacle": 1, "sources": {"z": {"type": "pushed", "fields": {"x": {"unit": "m"}}}}, )" +
+         std::string(idle_filter) + "}";
+}
+
 /// An INS of n states: position, velocity, attitude; from 15 on gyro and accelerometer bias, from 21 on their scale
 /// factors; what remains are Gauss-Markov states in vectors of three that nothing reads.
 inline std::string ins_config(int n, const std::string& order = "", const std::string& history = "") {
