@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <utility>
 
 #include <boost/asio/post.hpp>
 
 #include "live/run_page.hpp"
+#include "results/thread_without_signals.hpp"
 #include "viewer.hpp"
 #include "visit.hpp"
 
@@ -33,17 +33,6 @@ std::string text_of(const tcp::endpoint& endpoint) {
                      "; expected an address of this machine and a port that nobody uses, or port 0 for any free one");
 }
 
-/// Signals are for the threads at work.
-template <class Action>
-std::thread thread_without_signals(Action&& action) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(std::forward<Action>(action));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
-
 }  // namespace
 
 Server::Server(const tcp::endpoint& endpoint, std::string page)
@@ -56,7 +45,7 @@ Server::Server(const tcp::endpoint& endpoint, std::string page)
   if (error) refuse(endpoint, error);
   endpoint_ = acceptor_.local_endpoint();
   accept();
-  thread_ = thread_without_signals([this] {
+  thread_ = results::thread_without_signals([this] {
     for (bool is_done = false; !is_done;) try {
         context_.run();
         is_done = true;

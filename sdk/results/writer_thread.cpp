@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "results/writer_thread.hpp"
 
-#include <csignal>
 #include <utility>
+
+#include "results/thread_without_signals.hpp"
 
 namespace binnacle::results {
 
-namespace {
-
-/// It takes no signal: those are for the threads at work.
-template <class Work>
-std::thread undisturbed(Work&& work) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(std::forward<Work>(work));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
-
-}  // namespace
-
 WriterThread::WriterThread(std::size_t most_waiting)
-    : most_waiting_(most_waiting), thread_(undisturbed([this] { work(); })) {}
+    : most_waiting_(most_waiting), thread_(thread_without_signals([this] { work(); })) {}
 
 WriterThread::~WriterThread() {
   {
