@@ -47,9 +47,12 @@ void AttitudeBlock::minus(ConstVectorView y, ConstVectorView x, VectorView delta
   delta.as<3>() = strapdown::attitude_minus(y.as<4>(), x.as<4>());
 }
 
+Eigen::Vector4d AttitudeBlock::as_read(ConstVectorView x) const {
+  return strapdown::quaternion_product(x.as<4>(), strapdown::quaternion_conjugate(q_rb_));
+}
+
 void AttitudeBlock::read(ConstVectorView x, VectorView outputs) const {
-  outputs.as<3>() = strapdown::euler_from_quaternion(
-      strapdown::quaternion_product(x.as<4>(), strapdown::quaternion_conjugate(q_rb_)));
+  outputs.as<3>() = strapdown::euler_from_quaternion(as_read(x));
 }
 
 Result AttitudeBlock::write(ConstVectorView outputs, VectorView x) const {
@@ -65,6 +68,10 @@ Result AttitudeBlock::write(ConstVectorView outputs, VectorView x) const {
 bool AttitudeBlock::reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const {
   G.as<3, 3>() = strapdown::left_jacobian(delta.as<3>());
   return true;
+}
+
+bool AttitudeBlock::output_jacobian(ConstVectorView x, MatrixView J) const {
+  return strapdown::euler_jacobian(as_read(x), J.as<3, 3>());
 }
 
 }  // namespace binnacle::navigation

@@ -25,8 +25,12 @@ class AttitudeBlock final : public StateBlock {
   Result write(ConstVectorView outputs, VectorView x) const override;
   /// exp(φ_new) = exp(φ_old) exp(−δ), so φ_new = J_l(δ) (φ_old − δ) = (I + ½[δ×] + …)(φ_old − δ).
   bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const override;
+  /// Of strapdown::euler_jacobian(); false near the vertical.
+  bool output_jacobian(ConstVectorView x, MatrixView J) const override;
 
  private:
+  Eigen::Vector4d as_read(ConstVectorView x) const;  // q_nr
+
   StateBlockDeclaration declaration_;
   Eigen::Vector4d q_rb_;  // body to the axes that are read
 };

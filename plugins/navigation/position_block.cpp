@@ -56,4 +56,9 @@ Result PositionBlock::write(ConstVectorView outputs, VectorView x) const {
   return Result::ok();
 }
 
+bool PositionBlock::output_jacobian(ConstVectorView x, MatrixView J) const {
+  J.as<3, 3>() = strapdown::position_plus_jacobian(x.as<3>()).asDiagonal();
+  return true;
+}
+
 }  // namespace binnacle::navigation

@@ -50,4 +50,9 @@ Result HeadingBlock::write(ConstVectorView outputs, VectorView x) const {
   return Result::ok();
 }
 
+bool HeadingBlock::output_jacobian(ConstVectorView /*x*/, MatrixView J) const {
+  J(0, 0) = 1;
+  return true;
+}
+
 }  // namespace binnacle::odometry

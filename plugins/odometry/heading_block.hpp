@@ -18,6 +18,7 @@ class HeadingBlock final : public StateBlock {
   void minus(ConstVectorView y, ConstVectorView x, VectorView delta) const override;
   void read(ConstVectorView x, VectorView outputs) const override;
   Result write(ConstVectorView outputs, VectorView x) const override;
+  bool output_jacobian(ConstVectorView x, MatrixView J) const override;
 
  private:
   StateBlockDeclaration declaration_;

@@ -26,6 +26,7 @@ class MountingBlock final : public StateBlock {
   Result write(ConstVectorView outputs, VectorView x) const override;
   /// exp(μ_new) = exp(μ_old) exp(−δ): J_l(δ), as of an attitude.
   bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta, MatrixView G) const override;
+  bool output_jacobian(ConstVectorView x, MatrixView J) const override;
 
  private:
   StateBlockDeclaration declaration_;

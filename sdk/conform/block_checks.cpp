@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "fixture.hpp"
+#include "guarded.hpp"
 
 namespace binnacle::conform {
 
@@ -57,6 +58,22 @@ void reset(Trial& trial) {
   }
 }
 
+void outputs(Trial& trial) {
+  const Subject subject(trial);
+  const auto& declared = subject.value.block->declaration();
+  Eigen::MatrixXd J(declared.outputs.size(), declared.dof());
+  int given = 0;
+  for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
+    const PortState at = subject.at(trial, 600 + static_cast<std::uint64_t>(repeat), 1.0);
+    given += called("output_jacobian", [&] {
+      return at.block->output_jacobian(at.x, {J.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
+                                              static_cast<int>(J.rows())});
+    });
+    if (!trial.expect_none(testing::check_output_jacobian(at, 1e-3, 1e-3))) return;
+  }
+  if (given == 0) Trial::not_applicable("it gives no Jacobian of its outputs: the kernel takes differences");
+}
+
 }  // namespace
 
 std::vector<Check> block_checks() {
@@ -70,6 +87,12 @@ std::vector<Check> block_checks() {
        laws},
       {"numbers.block.readable", 2, roles, {"numbers.block.laws"}, "write(read(x)) = x", readable},
       {"numbers.block.reset", 3, roles, {"numbers.block.laws"}, "the reset Jacobian is that of [+] and [-]", reset},
+      {"numbers.block.outputs",
+       3,
+       roles,
+       {"numbers.block.laws"},
+       "the Jacobian of the outputs is that of read() and [+]",
+       outputs},
   };
 }
 

@@ -58,6 +58,10 @@ class CallsBlock final : public Fixture {
     const bool has_reset = called("reset_jacobian", [&] {
       return block.reset_jacobian(x, delta, {G.data(), dof, dof, dof});
     });
+    const int count = static_cast<int>(declared.outputs.size());
+    Guarded J(static_cast<std::size_t>(count * dof), fill);
+    const bool has_J =
+        called("output_jacobian", [&] { return block.output_jacobian(x, {J.data(), count, dof, count}); });
     Answer answer;
     answer.damage = inputs.damage("a call of the block");
     examine(y, "plus", fill, answer.damage);
@@ -65,9 +69,11 @@ class CallsBlock final : public Fixture {
     examine(read, "read", fill, answer.damage);
     if (result) examine(written, "write", fill, answer.damage);
     if (has_reset) examine(G, "reset_jacobian", fill, answer.damage);
+    if (has_J) examine(J, "output_jacobian", fill, answer.damage);
     for (const auto* part : {&y, &back, &read}) append(answer.numbers, part->values());
     if (result) append(answer.numbers, written.values());
     if (has_reset) append(answer.numbers, G.values());
+    if (has_J) append(answer.numbers, J.values());
     return answer;
   }
   Trial& trial_;

@@ -103,4 +103,38 @@ Complaints check_reset(const PortState& at, const Eigen::VectorXd& delta, double
   return out;
 }
 
+Complaints check_output_jacobian(const PortState& at, double step, double share) {
+  Complaints out;
+  const auto& declared = at.block->declaration();
+  const int outputs = static_cast<int>(declared.outputs.size()), dof = at.dof();
+  Eigen::MatrixXd J(outputs, dof), numeric(outputs, dof);
+  if (!called("output_jacobian", [&] { return at.block->output_jacobian(at.x, {J.data(), outputs, dof, outputs}); }))
+    return out;
+  const Exactness any{};
+  const Laws block(at, any, out);
+  Eigen::VectorXd above(outputs), below(outputs);
+  for (int j = 0; j < dof; ++j) {
+    const double h = step * at.scale[j];
+    const Eigen::VectorXd e = h * Eigen::VectorXd::Unit(dof, j);
+    called("read", [&] { return at.block->read(block.plus(at.x, e), above), 0; });
+    called("read", [&] { return at.block->read(block.plus(at.x, -e), below), 0; });
+    for (int i = 0; i < outputs; ++i) {
+      double difference = above[i] - below[i];
+      if (declared.outputs[static_cast<std::size_t>(i)].is_angle)
+        difference = std::remainder(difference, 2 * std::numbers::pi);
+      numeric(i, j) = difference / (2 * h);
+    }
+  }
+  // An output that is read to the last digit only: its differences know no more than that.
+  const Eigen::VectorXd resolution = 1e-15 / step * (1 + above.cwiseAbs().array());
+  for (int i = 0; i < outputs; ++i) {
+    const double worst = (numeric.row(i) - J.row(i)).cwiseProduct(at.scale.transpose()).cwiseAbs().maxCoeff();
+    const double greatest = numeric.row(i).cwiseProduct(at.scale.transpose()).cwiseAbs().maxCoeff();
+    if (!(worst <= share * greatest + resolution[i]))
+      out.add("output_jacobian() of '", declared.outputs[static_cast<std::size_t>(i)].name,
+              "' differs from differences of what is read: it is [", J.row(i), "], and should be [", numeric.row(i), "]");
+  }
+  return out;
+}
+
 }  // namespace binnacle::testing

@@ -100,6 +100,13 @@ inline Eigen::Vector3d position_plus(const Eigen::Vector3d& lla, const Eigen::Ve
           wrapped_longitude(lla[1] + d_ned[1] / ((r.transverse + lla[2]) * cos_lat)), lla[2] - d_ned[2]};
 }
 
+/// ∂ position_plus(lla, d_ned)/∂ d_ned, a diagonal that does not depend on d_ned: rad/m, rad/m, −1.
+inline Eigen::Vector3d position_plus_jacobian(const Eigen::Vector3d& lla) {
+  const double cos_lat = std::cos(lla[0]);
+  const Radii r = radii(std::sin(lla[0]), cos_lat);
+  return {1.0 / (r.meridian + lla[2]), 1.0 / ((r.transverse + lla[2]) * cos_lat), -1.0};
+}
+
 /// Position ⊟, the exact inverse: position_minus(position_plus(x, d), x) == d to roundoff (some nm), by the radii at
 /// `from`; the longitude difference is taken the short way round.
 inline Eigen::Vector3d position_minus(const Eigen::Vector3d& lla, const Eigen::Vector3d& from) {

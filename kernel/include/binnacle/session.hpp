@@ -196,8 +196,8 @@ class Session {
   mutable std::vector<double> scratch_;
 };
 
-/// Standard deviations of a block's outputs: sqrt(diag(J P Jᵀ)) with J = ∂outputs/∂δ by central differences on the block's
-/// manifold. x: the block's stored state; P: the filter's covariance, or any whose rows from block.first_row on are the
+/// Standard deviations of a block's outputs: sqrt(diag(J P Jᵀ)) with J = ∂outputs/∂δ, as the block's output_jacobian() says,
+/// else by central differences on its manifold. x: the block's stored state; P: the filter's covariance, or any whose rows from block.first_row on are the
 /// block's active components.
 void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, double* scratch, double* sigmas);
 /// Doubles of scratch that it needs.

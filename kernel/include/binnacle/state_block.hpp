@@ -73,6 +73,9 @@ class StateBlock {
   virtual bool reset_jacobian(ConstVectorView /*x*/, ConstVectorView /*delta*/, MatrixView /*G*/) const {
     return false;
   }
+  /// How the outputs of x turn with an error: read(x ⊞ δ) = read(x) + J δ to first order. J: outputs × dof.
+  /// False (the default, or at an x where the derivative does not hold) means: by differences, as output_sigmas() does.
+  virtual bool output_jacobian(ConstVectorView /*x*/, MatrixView /*J*/) const { return false; }
 };
 
 }  // namespace binnacle

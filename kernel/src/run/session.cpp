@@ -314,25 +314,20 @@ MeasurementCounts Session::counts(MeasurementId measurement) const {
   return counts;
 }
 
-std::size_t output_sigma_scratch(const BlockInfo& block) {
-  const auto outputs = block.declaration->outputs.size();
-  const auto dof = as_size(block.declaration->dof());
-  return dof + as_size(block.declaration->stored_size) + 2 * outputs + outputs * dof;
-}
+namespace {
 
-void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, double* scratch, double* sigmas) {
+/// ∂outputs/∂δ by central differences. J: outputs × dof; columns of components that are not estimated stay as they are.
+void difference_outputs(const BlockInfo& block, const double* x, ConstMatrixView P, MatrixView J, double* scratch) {
   const auto& declaration = *block.declaration;
   const int outputs = static_cast<int>(declaration.outputs.size());
-  const int active = static_cast<int>(block.active.size());
   const ConstVectorView at(x, declaration.stored_size);
   const VectorView delta(scratch, declaration.dof());
   const VectorView moved(delta.data() + delta.size(), declaration.stored_size);
   const VectorView above(moved.data() + moved.size(), outputs), below(above.data() + outputs, outputs);
-  double* const J = below.data() + outputs;  // outputs × active
   delta.as().setZero();
-  for (int a = 0; a < active; ++a) {
-    const int component = block.active[as_size(a)];
-    const double sigma = std::sqrt(std::max(0.0, P(block.first_row + a, block.first_row + a)));
+  for (std::size_t a = 0; a < block.active.size(); ++a) {
+    const int component = block.active[a], row = block.first_row + static_cast<int>(a);
+    const double sigma = std::sqrt(std::max(0.0, P(row, row)));
     // A step of the size of the uncertainty itself, but small against the curvature of an angle.
     const double step = std::clamp(sigma, 1e-9, 1e-4);
     delta[component] = step;
@@ -346,17 +341,34 @@ void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, d
       double difference = above[i] - below[i];
       if (std::abs(difference) > std::numbers::pi && declaration.outputs[as_size(i)].is_angle)
         difference = std::remainder(difference, 2 * std::numbers::pi);
-      J[i + a * outputs] = difference == 0 ? 0 : difference / (2 * step);
+      J(i, component) = difference == 0 ? 0 : difference / (2 * step);
     }
   }
+}
+
+}  // namespace
+
+std::size_t output_sigma_scratch(const BlockInfo& block) {
+  const auto outputs = block.declaration->outputs.size();
+  const auto dof = as_size(block.declaration->dof());
+  return outputs * dof + dof + as_size(block.declaration->stored_size) + 2 * outputs;
+}
+
+void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, double* scratch, double* sigmas) {
+  const auto& declaration = *block.declaration;
+  const int outputs = static_cast<int>(declaration.outputs.size()), dof = declaration.dof();
+  const MatrixView J(scratch, outputs, dof, outputs);
+  if (!block.block->output_jacobian({x, declaration.stored_size}, J))
+    difference_outputs(block, x, P, J, scratch + outputs * dof);
+  const int active = static_cast<int>(block.active.size());
   for (int i = 0; i < outputs; ++i) {
     double variance = 0;
     // Most outputs are of one component: what is times 0 is left out.
     for (int a = 0; a < active; ++a) {
-      const double along_a = J[i + a * outputs];
+      const double along_a = J(i, block.active[as_size(a)]);
       if (along_a == 0) continue;
       for (int b = 0; b < active; ++b)
-        if (const double along_b = J[i + b * outputs]; along_b != 0)
+        if (const double along_b = J(i, block.active[as_size(b)]); along_b != 0)
           variance += along_a * P(block.first_row + a, block.first_row + b) * along_b;
     }
     sigmas[i] = std::sqrt(std::max(0.0, variance));

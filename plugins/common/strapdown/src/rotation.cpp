@@ -2,6 +2,7 @@
 // Rotations in three dimensions.
 #include "strapdown/rotation.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -48,6 +49,20 @@ Eigen::Vector3d euler_from_quaternion(const Eigen::Vector4d& q_nb) {
   const double sy = std::sin(yaw), cy = std::cos(yaw);
   const double roll = std::atan2(sy * c(0, 2) - cy * c(1, 2), cy * c(1, 1) - sy * c(0, 1));
   return {roll, pitch, yaw};
+}
+
+bool euler_jacobian(const Eigen::Vector4d& q_nb, Eigen::Ref<Eigen::Matrix3d, 0, Eigen::OuterStride<>> J) {
+  constexpr double nearest_to_vertical = 1e-3;  // cos(pitch)
+  // C_nb = Rz(yaw) Ry(pitch) Rx(roll) has the first column (cp cy, cp sy, −sp).
+  const auto [w, x, y, z] = std::array{q_nb[0], q_nb[1], q_nb[2], q_nb[3]};
+  const double c00 = 1.0 - 2.0 * (y * y + z * z), c10 = 2.0 * (x * y + w * z), c20 = 2.0 * (x * z - w * y);
+  const double cos_pitch = std::sqrt(c00 * c00 + c10 * c10);
+  if (!(cos_pitch > nearest_to_vertical)) return false;
+  const double cos_yaw = c00 / cos_pitch, sin_yaw = c10 / cos_pitch, tan_pitch = -c20 / cos_pitch;
+  J << cos_yaw / cos_pitch, sin_yaw / cos_pitch, 0.0,  //
+      -sin_yaw, cos_yaw, 0.0,                          //
+      tan_pitch * cos_yaw, tan_pitch * sin_yaw, 1.0;
+  return true;
 }
 
 Eigen::Vector4d quaternion_from_euler(const Eigen::Vector3d& roll_pitch_yaw) {

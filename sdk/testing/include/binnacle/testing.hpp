@@ -379,5 +379,8 @@ Complaints check_readable(const PortState& at, const Exactness& exactness = {});
 /// reset_jacobian: δ_new = G (δ_old − δ) to first order, by differences of what remains after δ has been injected.
 /// `share`: of the greatest element of G − I that it may be wrong by; `absolute` besides.
 Complaints check_reset(const PortState& at, const Eigen::VectorXd& delta, double share, double absolute);
+/// output_jacobian: ∂outputs/∂δ by central differences of step `step` · at.scale. `share`: of the greatest element of an
+/// output's row that it may be wrong by. No complaint where the block gives none.
+Complaints check_output_jacobian(const PortState& at, double step, double share);
 
 }  // namespace binnacle::testing

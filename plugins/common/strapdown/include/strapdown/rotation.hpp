@@ -65,6 +65,11 @@ Eigen::Vector4d quaternion_from_dcm(const Eigen::Matrix3d& c);
 Eigen::Vector3d euler_from_quaternion(const Eigen::Vector4d& q_nb);
 Eigen::Vector4d quaternion_from_euler(const Eigen::Vector3d& roll_pitch_yaw);
 
+/// ∂(roll, pitch, yaw)/∂φ of C_nb turned by a small φ in navigation axes, exp(φ) ∘ C_nb: the inverse of
+/// φ = Rz(yaw) Ry(pitch) x̂ d roll + Rz(yaw) ŷ d pitch + ẑ d yaw. False, and J untouched, within 1 mrad of the vertical,
+/// where roll and yaw have no derivative that holds for an error of that size.
+bool euler_jacobian(const Eigen::Vector4d& q_nb, Eigen::Ref<Eigen::Matrix3d, 0, Eigen::OuterStride<>> J);
+
 /// J of exp(phi + d) = exp(J(phi) d) ∘ exp(phi) + O(d²), and its inverse (|phi| < 2 pi).
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi);
 Eigen::Matrix3d left_jacobian_inverse(const Eigen::Vector3d& phi);
