@@ -65,7 +65,7 @@ void outputs(Trial& trial) {
   int given = 0;
   for (int repeat = 0; repeat < trial.repeats(5); ++repeat) {
     const PortState at = subject.at(trial, 600 + static_cast<std::uint64_t>(repeat), 1.0);
-    given += called("output_jacobian", [&] {
+    given += testing::called("output_jacobian", [&] {
       return at.block->output_jacobian(at.x, {J.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
                                               static_cast<int>(J.rows())});
     });
