@@ -86,7 +86,7 @@ bool MountingBlock::reset_jacobian(ConstVectorView /*x*/, ConstVectorView delta,
 
 bool MountingBlock::output_jacobian(ConstVectorView x, MatrixView J) const {
   // m = log(q ⊗ q₀*), and log(exp(φ) exp(m)) = m + J_l⁻¹(m) φ.
-  const Vector3d m = strapdown::attitude_minus(x.as<4>(), nominal_);
+  const Eigen::Vector3d m = strapdown::attitude_minus(x.as<4>(), nominal_);
   if (m.norm() > std::numbers::pi - 1e-3) return false;  // the rotation vector jumps to the other side
   J.as<3, 3>() = strapdown::left_jacobian_inverse(m);
   return true;

@@ -187,6 +187,16 @@ inline Complaints check_reset(const StateBlock& block, const std::vector<double>
   return testing::check_reset({&block, x, 0.1}, delta, 0, tolerance.relative);
 }
 
+/// output_jacobian, that there is one, by differences of `step` in every component.
+inline Complaints check_outputs(const StateBlock& block, const std::vector<double>& x, double step, double share) {
+  const auto& declared = block.declaration();
+  const int outputs = static_cast<int>(declared.outputs.size()), dof = declared.dof();
+  std::vector<double> J(static_cast<std::size_t>(outputs * dof));
+  Complaints out = testing::check_output_jacobian({&block, x, 1.0}, step, share);
+  if (!block.output_jacobian(x, {J.data(), outputs, dof, outputs})) out.add("output_jacobian() gives none");
+  return out;
+}
+
 }  // namespace binnacle::test
 
 /// Fails with every complaint in the message.

@@ -105,3 +105,29 @@ TEST_CASE("attitude: an injected correction turns what remains by +half of it", 
   REQUIRE((G - Eigen::Matrix3d::Identity() - 0.5 * strapdown::skew(delta)).norm() < 1e-3);
   REQUIRE((G - Eigen::Matrix3d::Identity() + 0.5 * strapdown::skew(delta)).norm() > 3e-2);
 }
+
+TEST_CASE("attitude and position: the Jacobian of the outputs is that of what is read", "[navigation]") {
+  const auto upright = bind<AttitudeBlock>({{{"mounting", {0, 90 * degree, 0}}}, {}, {}});
+  const auto attitude = bind<AttitudeBlock>();
+  const auto position = bind<PositionBlock>();
+  for (const Flight& flight : flights) {
+    const auto q = numbers(strapdown::quaternion_from_euler(flight.roll_pitch_yaw));
+    REQUIRE_NO_COMPLAINTS(check_outputs(*attitude, q, 1e-5, 1e-7));
+    REQUIRE_NO_COMPLAINTS(check_outputs(*upright, q, 1e-5, 1e-7));
+    REQUIRE_NO_COMPLAINTS(check_outputs(*position, numbers(flight.lla), 1.0, 1e-8));
+  }
+}
+
+TEST_CASE("attitude: near the vertical the outputs have no Jacobian", "[navigation]") {
+  const auto attitude = bind<AttitudeBlock>();
+  Eigen::Matrix3d J = Eigen::Matrix3d::Constant(7);
+  const auto gives = [&](double from_vertical) {
+    return attitude->output_jacobian(
+        numbers(strapdown::quaternion_from_euler({0.3, std::numbers::pi / 2 - from_vertical, 1})),
+        {J.data(), 3, 3, 3});
+  };
+  REQUIRE_FALSE(gives(0.9e-3));
+  REQUIRE_FALSE(gives(0));
+  REQUIRE(J == Eigen::Matrix3d::Constant(7));
+  REQUIRE(gives(1.1e-3));
+}

@@ -109,6 +109,10 @@ struct Vehicle {
 
 }  // namespace
 
+TEST_CASE("heading: the Jacobian of its output", "[odometry]") {
+  REQUIRE_NO_COMPLAINTS(check_outputs(heading_kind(), {3.1}, 1e-3, 1e-9));
+}
+
 TEST_CASE("odometry: a vehicle goes where it heads, and turns the way its sensor gives") {
   Vehicle car;
   car.scale_error = car.bias = 0;

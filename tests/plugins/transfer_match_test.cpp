@@ -150,6 +150,7 @@ TEST_CASE("mounting: kind, laws, readable angles from nominal", "[transfer_match
     REQUIRE((read - m).norm() < 1e-14);
     REQUIRE_NO_COMPLAINTS(check_block(*block, x, 1.0, 1e-14, 1e-13));
     REQUIRE_NO_COMPLAINTS(check_reset(*block, x, Vector3d(0.1, -0.2, 0.3), {1e-8}));
+    REQUIRE_NO_COMPLAINTS(check_outputs(*block, x, 1e-4, 1e-7));
   }
   double x[4];
   const double nothing[3] = {0, 0, 0}, too_far[3] = {3, 3, 0}, none[3] = {std::nan(""), 0, 0};
