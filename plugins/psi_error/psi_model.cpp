@@ -16,29 +16,55 @@ using Eigen::Vector3d;
 using strapdown::skew;
 using strapdown::TransitionBlocks;
 
-/// F dt of ẋ = F x in (p, u, ψ); its block (p, u) is I dt, (p, ψ), (ψ, p) and (ψ, u) are zero.
-struct Generator {
-  double dt;
-  Matrix3d p_p, u_p, u_u, u_psi, psi_psi;
+/// G dt: what of it is not zero.
+struct GravityGradient {
+  double north, east, down_north, down;
+
+  Matrix3d matrix() const {
+    Matrix3d G;
+    G << north, 0, 0, 0, east, 0, down_north, 0, down;
+    return G;
+  }
+  /// G [a×] and [a×] G.
+  Matrix3d times_cross(const Vector3d& a) const {
+    Matrix3d m;
+    m << 0, north * -a[2], north * a[1], east * a[2], 0, east * -a[0], down * -a[1],
+        down_north * -a[2] + down * a[0], down_north * a[1];
+    return m;
+  }
+  Matrix3d crossed(const Vector3d& a) const {
+    Matrix3d m;
+    m << a[1] * down_north, -a[2] * east, a[1] * down, a[2] * north + -a[0] * down_north, 0, -a[0] * down,
+        -a[1] * north, a[0] * east, 0;
+    return m;
+  }
 };
 
-Matrix3d gravity_gradient(const strapdown::Midpoint& mid) {
-  Matrix3d G = Matrix3d::Zero();
-  G(0, 0) = -mid.g / mid.r_m;
-  G(1, 1) = -mid.g / mid.r_t;
-  G(2, 0) = mid.g_lat / mid.r_m;
-  G(2, 2) = -mid.g_height;
-  return G;
+/// [a×][b×] = b aᵀ − (a·b) I
+Matrix3d cross_cross(const Vector3d& a, const Vector3d& b) {
+  const double x = a[0] * b[0], y = a[1] * b[1], z = a[2] * b[2];
+  Matrix3d m;
+  m << -(y + z), a[1] * b[0], a[2] * b[0], a[0] * b[1], -(x + z), a[2] * b[1], a[0] * b[2], a[1] * b[2], -(x + y);
+  return m;
 }
+
+/// F dt of ẋ = F x in (p, u, ψ), by vectors a of [a×] where a block is that; its block (p, u) is I dt, (p, ψ), (ψ, p)
+/// and (ψ, u) are zero.
+struct Generator {
+  double dt;
+  Vector3d p_p;
+  GravityGradient u_p;
+  Vector3d u_u, u_psi, psi_psi;
+};
 
 Generator generator(const strapdown::Midpoint& mid) {
   const double dt = mid.dt;
   return {dt,
-          skew(-dt * mid.omega_en_n),
-          dt * gravity_gradient(mid),
-          skew(-dt * (2.0 * mid.omega_ie_n + mid.omega_en_n)),
-          skew(-dt * mid.f_n),
-          skew(-dt * (mid.omega_ie_n + mid.omega_en_n))};
+          -dt * mid.omega_en_n,
+          {dt * (-mid.g / mid.r_m), dt * (-mid.g / mid.r_t), dt * (mid.g_lat / mid.r_m), dt * -mid.g_height},
+          -dt * (2.0 * mid.omega_ie_n + mid.omega_en_n),
+          -dt * mid.f_n,
+          -dt * (mid.omega_ie_n + mid.omega_en_n)};
 }
 
 void clear_sensor_errors(TransitionBlocks& t) {
@@ -57,10 +83,11 @@ void add_sensor_errors(TransitionBlocks& t, const Matrix3d& C_nb, const strapdow
 
 /// An input error enters through C and is then carried for half a step: (I + ½ F dt) C.
 void carry_sensor_errors(TransitionBlocks& t, const Generator& a) {
+  const Matrix3d u_u = skew(a.u_u), u_psi = skew(a.u_psi), psi_psi = skew(a.psi_psi);
   t.p_ba = 0.5 * a.dt * t.v_ba, t.p_sa = 0.5 * a.dt * t.v_sa;
-  t.v_ba += 0.5 * a.u_u * t.v_ba.eval(), t.v_sa += 0.5 * a.u_u * t.v_sa.eval();
-  t.v_bg = 0.5 * a.u_psi * t.phi_bg, t.v_sg = 0.5 * a.u_psi * t.phi_sg;
-  t.phi_bg += 0.5 * a.psi_psi * t.phi_bg.eval(), t.phi_sg += 0.5 * a.psi_psi * t.phi_sg.eval();
+  t.v_ba += 0.5 * u_u * t.v_ba.eval(), t.v_sa += 0.5 * u_u * t.v_sa.eval();
+  t.v_bg = 0.5 * u_psi * t.phi_bg, t.v_sg = 0.5 * u_psi * t.phi_sg;
+  t.phi_bg += 0.5 * psi_psi * t.phi_bg.eval(), t.phi_sg += 0.5 * psi_psi * t.phi_sg.eval();
 }
 
 }  // namespace
@@ -68,23 +95,24 @@ void carry_sensor_errors(TransitionBlocks& t, const Generator& a) {
 TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity* input,
                                 strapdown::Order order) {
   const Generator a = generator(mid);
-  const Matrix3d I = Matrix3d::Identity();
+  const Matrix3d I = Matrix3d::Identity(), p_p = skew(a.p_p), u_p = a.u_p.matrix(), u_u = skew(a.u_u);
+  const Matrix3d u_psi = skew(a.u_psi);
   TransitionBlocks t;
   t.phi_p = t.phi_v = t.p_phi = Matrix3d::Zero();
-  t.p_p = I + a.p_p, t.p_v = a.dt * I;
-  t.v_p = a.u_p, t.v_v = I + a.u_u, t.v_phi = a.u_psi;
-  t.phi_phi = I + a.psi_psi;
+  t.p_p = I + p_p, t.p_v = a.dt * I;
+  t.v_p = u_p, t.v_v = I + u_u, t.v_phi = u_psi;
+  t.phi_phi = I + skew(a.psi_psi);
   clear_sensor_errors(t);
   if (input) add_sensor_errors(t, mid.C_nb, *input);
   if (order == strapdown::Order::first) return t;
 
-  t.p_p += 0.5 * (a.p_p * a.p_p + a.dt * a.u_p);
-  t.p_v += 0.5 * a.dt * (a.p_p + a.u_u);
-  t.p_phi = 0.5 * a.dt * a.u_psi;
-  t.v_p += 0.5 * (a.u_p * a.p_p + a.u_u * a.u_p);
-  t.v_v += 0.5 * (a.dt * a.u_p + a.u_u * a.u_u);
-  t.v_phi += 0.5 * (a.u_u * a.u_psi + a.u_psi * a.psi_psi);
-  t.phi_phi += 0.5 * a.psi_psi * a.psi_psi;
+  t.p_p += 0.5 * (cross_cross(a.p_p, a.p_p) + a.dt * u_p);
+  t.p_v += 0.5 * a.dt * (p_p + u_u);
+  t.p_phi = 0.5 * a.dt * u_psi;
+  t.v_p += 0.5 * (a.u_p.times_cross(a.p_p) + a.u_p.crossed(a.u_u));
+  t.v_v += 0.5 * (a.dt * u_p + cross_cross(a.u_u, a.u_u));
+  t.v_phi += 0.5 * (cross_cross(a.u_u, a.u_psi) + cross_cross(a.u_psi, a.psi_psi));
+  t.phi_phi += 0.5 * cross_cross(a.psi_psi, a.psi_psi);
   if (input) carry_sensor_errors(t, a);
   return t;
 }

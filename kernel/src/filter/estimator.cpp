@@ -33,6 +33,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto& block : plan.blocks)
     if (block.holds_frozen) held_.push_back(&block);
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
+  list_gathers(plan.gathers, phi_, gathers_);
+  list_gathers(plan.noise_gathers, noise_, noise_gathers_);
   if (!plan.is_unscented) return;
   std::vector<Place<std::byte>> memories;
   for (const auto& process : plan.processes)

@@ -40,8 +40,8 @@ void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSamp
   for (const auto& group : plan_.van_loan) advance_group(group);
   if (is_kept) scale_blocks();
   hold_frozen(state());
-  gather(plan_.gathers, phi_);
-  gather(plan_.noise_gathers, noise_);
+  gather(gathers_, phi_);
+  gather(noise_gathers_, noise_);
   if (sigma_) regress_step(now, step, samples, is_nominal);
 }
 
@@ -281,15 +281,38 @@ double Estimator::gathered(const GatherPlan::Term& term, const double* block, in
   return value;
 }
 
-void Estimator::gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table) {
+/// Blocks of one term without a derived value are copies of elements; what a diagonal one lacks stays zero.
+void Estimator::list_gathers(const std::vector<GatherPlan>& plans, const std::vector<double*>& table,
+                             Gathering& gathering) {
   for (const auto& plan : plans) {
+    const auto& own = plan.terms.front();
+    if (plan.terms.size() > 1 || own.derived >= 0) {
+      gathering.summed.push_back(&plan);
+      continue;
+    }
     const auto& to = plan_.blocks[as_size(plan.to_block)];
     const auto& from = plan_.blocks[as_size(plan.from_block)];
+    double* target = at(plan.target);
+    for (const int column : from.active)
+      for (const int row : to.active) {
+        double* const element = target++;
+        const bool is_diagonal = own.structure == Structure::diagonal;
+        if (is_diagonal && row != column) continue;
+        gathering.copies.push_back({table[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
+      }
+  }
+}
+
+void Estimator::gather(const Gathering& gathering, const std::vector<double*>& table) {
+  for (const auto& [from, to] : gathering.copies) *to = 0.0 + *from;  // as a sum: no negative zero
+  for (const GatherPlan* const plan : gathering.summed) {
+    const auto& to = plan_.blocks[as_size(plan->to_block)];
+    const auto& from = plan_.blocks[as_size(plan->from_block)];
     const int rows = static_cast<int>(to.active.size());
     const int columns = static_cast<int>(from.active.size());
-    double* target = at(plan.target);
+    double* target = at(plan->target);
     std::fill_n(target, rows * columns, 0.0);
-    for (const auto& term : plan.terms) {
+    for (const auto& term : plan->terms) {
       const double* block = table[as_size(term.source)];
       for (int c = 0; c < columns; ++c)
         for (int r = 0; r < rows; ++r)
