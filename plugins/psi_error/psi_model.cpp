@@ -16,40 +16,13 @@ using Eigen::Vector3d;
 using strapdown::skew;
 using strapdown::TransitionBlocks;
 
-/// G dt: what of it is not zero.
+/// The diagonal and (2, 0) of a G; its other elements are zero.
 struct GravityGradient {
-  double north, east, down_north, down;
-
-  Matrix3d matrix() const {
-    Matrix3d G;
-    G << north, 0, 0, 0, east, 0, down_north, 0, down;
-    return G;
-  }
-  /// G [a×] and [a×] G.
-  Matrix3d times_cross(const Vector3d& a) const {
-    Matrix3d m;
-    m << 0, north * -a[2], north * a[1], east * a[2], 0, east * -a[0], down * -a[1],
-        down_north * -a[2] + down * a[0], down_north * a[1];
-    return m;
-  }
-  Matrix3d crossed(const Vector3d& a) const {
-    Matrix3d m;
-    m << a[1] * down_north, -a[2] * east, a[1] * down, a[2] * north + -a[0] * down_north, 0, -a[0] * down,
-        -a[1] * north, a[0] * east, 0;
-    return m;
-  }
+  double north, east, down, down_north;
 };
 
-/// [a×][b×] = b aᵀ − (a·b) I
-Matrix3d cross_cross(const Vector3d& a, const Vector3d& b) {
-  const double x = a[0] * b[0], y = a[1] * b[1], z = a[2] * b[2];
-  Matrix3d m;
-  m << -(y + z), a[1] * b[0], a[2] * b[0], a[0] * b[1], -(x + z), a[2] * b[1], a[0] * b[2], a[1] * b[2], -(x + y);
-  return m;
-}
-
-/// F dt of ẋ = F x in (p, u, ψ), by vectors a of [a×] where a block is that; its block (p, u) is I dt, (p, ψ), (ψ, p)
-/// and (ψ, u) are zero.
+/// F dt of ẋ = F x in (p, u, ψ), by the vectors a of [a×] where a block is that; its block (p, u) is I dt, (p, ψ),
+/// (ψ, p) and (ψ, u) are zero.
 struct Generator {
   double dt;
   Vector3d p_p;
@@ -61,10 +34,63 @@ Generator generator(const strapdown::Midpoint& mid) {
   const double dt = mid.dt;
   return {dt,
           -dt * mid.omega_en_n,
-          {dt * (-mid.g / mid.r_m), dt * (-mid.g / mid.r_t), dt * (mid.g_lat / mid.r_m), dt * -mid.g_height},
+          {dt * (-mid.g / mid.r_m), dt * (-mid.g / mid.r_t), dt * -mid.g_height, dt * (mid.g_lat / mid.r_m)},
           -dt * (2.0 * mid.omega_ie_n + mid.omega_en_n),
           -dt * mid.f_n,
           -dt * (mid.omega_ie_n + mid.omega_en_n)};
+}
+
+// Sums element by element: what is zero is left out, and a matrix that is written once is not read again.
+
+/// G
+Matrix3d gravity(const GravityGradient& g) {
+  Matrix3d m;
+  m << g.north, 0, 0, 0, g.east, 0, g.down_north, 0, g.down;
+  return m;
+}
+
+/// s I + [a×]
+Matrix3d turned(double s, const Vector3d& a) {
+  Matrix3d m;
+  m << s, -a[2], a[1], a[2], s, -a[0], -a[1], a[0], s;
+  return m;
+}
+
+/// I + [a×] + ½([a×]² + G)
+Matrix3d turned_twice(const Vector3d& a, const GravityGradient& g) {
+  const double xx = a[0] * a[0], yy = a[1] * a[1], zz = a[2] * a[2];
+  const double xy = 0.5 * (a[0] * a[1]), xz = 0.5 * (a[0] * a[2]), yz = 0.5 * (a[1] * a[2]);
+  Matrix3d m;
+  m << 1 + 0.5 * (g.north - (yy + zz)), -a[2] + xy, a[1] + xz,                       //
+      a[2] + xy, 1 + 0.5 * (g.east - (xx + zz)), -a[0] + yz,                         //
+      -a[1] + 0.5 * (a[0] * a[2] + g.down_north), a[0] + yz, 1 + 0.5 * (g.down - (xx + yy));
+  return m;
+}
+
+/// G + ½(G [a×] + [b×] G)
+Matrix3d carried(const GravityGradient& g, const Vector3d& a, const Vector3d& b) {
+  Matrix3d m;
+  m << g.north + 0.5 * (b[1] * g.down_north), 0.5 * (g.north * -a[2] + -b[2] * g.east),
+      0.5 * (g.north * a[1] + b[1] * g.down),  //
+      0.5 * (g.east * a[2] + (b[2] * g.north + -b[0] * g.down_north)), g.east,
+      0.5 * (g.east * -a[0] + -b[0] * g.down),  //
+      g.down_north + 0.5 * (g.down * -a[1] + -b[1] * g.north),
+      0.5 * ((g.down_north * -a[2] + g.down * a[0]) + b[0] * g.east), g.down + 0.5 * (g.down_north * a[1]);
+  return m;
+}
+
+/// [f×] + ½([a×][f×] + [f×][b×]), where [a×][f×] = f aᵀ − (a·f) I
+Matrix3d tilted(const Vector3d& f, const Vector3d& a, const Vector3d& b) {
+  const double x = a[0] * f[0], y = a[1] * f[1], z = a[2] * f[2];
+  const double u = f[0] * b[0], v = f[1] * b[1], w = f[2] * b[2];
+  Matrix3d m;
+  m << 0.5 * (-(y + z) - (v + w)), -f[2] + 0.5 * (a[1] * f[0] + f[1] * b[0]),
+      f[1] + 0.5 * (a[2] * f[0] + f[2] * b[0]),  //
+      f[2] + 0.5 * (a[0] * f[1] + f[0] * b[1]), 0.5 * (-(x + z) - (u + w)),
+      -f[0] + 0.5 * (a[2] * f[1] + f[2] * b[1]),  //
+      -f[1] + 0.5 * (a[0] * f[2] + f[0] * b[2]), f[0] + 0.5 * (a[1] * f[2] + f[1] * b[2]),
+      0.5 * (-(x + y) - (u + v));
+  return m;
 }
 
 void clear_sensor_errors(TransitionBlocks& t) {
@@ -95,24 +121,23 @@ void carry_sensor_errors(TransitionBlocks& t, const Generator& a) {
 TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity* input,
                                 strapdown::Order order) {
   const Generator a = generator(mid);
-  const Matrix3d I = Matrix3d::Identity(), p_p = skew(a.p_p), u_p = a.u_p.matrix(), u_u = skew(a.u_u);
-  const Matrix3d u_psi = skew(a.u_psi);
   TransitionBlocks t;
-  t.phi_p = t.phi_v = t.p_phi = Matrix3d::Zero();
-  t.p_p = I + p_p, t.p_v = a.dt * I;
-  t.v_p = u_p, t.v_v = I + u_u, t.v_phi = u_psi;
-  t.phi_phi = I + skew(a.psi_psi);
+  t.phi_p.setZero(), t.phi_v.setZero();
   clear_sensor_errors(t);
   if (input) add_sensor_errors(t, mid.C_nb, *input);
-  if (order == strapdown::Order::first) return t;
-
-  t.p_p += 0.5 * (cross_cross(a.p_p, a.p_p) + a.dt * u_p);
-  t.p_v += 0.5 * a.dt * (p_p + u_u);
-  t.p_phi = 0.5 * a.dt * u_psi;
-  t.v_p += 0.5 * (a.u_p.times_cross(a.p_p) + a.u_p.crossed(a.u_u));
-  t.v_v += 0.5 * (a.dt * u_p + cross_cross(a.u_u, a.u_u));
-  t.v_phi += 0.5 * (cross_cross(a.u_u, a.u_psi) + cross_cross(a.u_psi, a.psi_psi));
-  t.phi_phi += 0.5 * cross_cross(a.psi_psi, a.psi_psi);
+  if (order == strapdown::Order::first) {
+    t.p_p = turned(1, a.p_p), t.p_v = turned(a.dt, Vector3d::Zero()), t.p_phi.setZero();
+    t.v_p = gravity(a.u_p), t.v_v = turned(1, a.u_u), t.v_phi = turned(0, a.u_psi);
+    t.phi_phi = turned(1, a.psi_psi);
+    return t;
+  }
+  const double half_dt = 0.5 * a.dt;
+  const GravityGradient dt_u_p{a.dt * a.u_p.north, a.dt * a.u_p.east, a.dt * a.u_p.down, a.dt * a.u_p.down_north};
+  t.p_p = turned_twice(a.p_p, dt_u_p), t.p_v = turned(a.dt, half_dt * (a.p_p + a.u_u));
+  t.p_phi = turned(0, half_dt * a.u_psi);
+  t.v_p = carried(a.u_p, a.p_p, a.u_u), t.v_v = turned_twice(a.u_u, dt_u_p);
+  t.v_phi = tilted(a.u_psi, a.u_u, a.psi_psi);
+  t.phi_phi = turned_twice(a.psi_psi, {});
   if (input) carry_sensor_errors(t, a);
   return t;
 }

@@ -4,8 +4,9 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
+#include <memory>
 #include <span>
+#include <type_traits>
 
 #include "attitude/rotation_vector.hpp"
 #include "binnacle/process_model.hpp"
@@ -30,7 +31,7 @@ class SampleGroup {
       if (count_ > 0 && sample.dt > 0.0 && !is_alike(sample.dt, measured(0).dt)) return true;
       rest = rest.subspan(1);
       if (!(sample.dt > 0.0)) continue;
-      measured_[count_] = SampleMemory::increment(sample, fields);
+      std::construct_at(&measured_.of[count_], SampleMemory::increment(sample, fields));
       if (!is_plausible(measured(count_))) return false;
       samples_[count_++] = &sample;
       if (sample.is_fragment()) return true;
@@ -40,7 +41,7 @@ class SampleGroup {
 
   std::size_t count() const { return count_; }
   const InputSample& sample(std::size_t i) const { return *samples_[i]; }
-  const strapdown::Increment& measured(std::size_t i) const { return *measured_[i]; }
+  const strapdown::Increment& measured(std::size_t i) const { return measured_.of[i]; }
   strapdown::Increment sum() const {
     strapdown::Increment all = measured(0);
     for (std::size_t i = 1; i < count_; ++i)
@@ -56,9 +57,15 @@ class SampleGroup {
            measured.dv.squaredNorm() <= largest_velocity * largest_velocity;
   }
 
-  // Most groups are of one sample: what the others would take is not even zeroed.
+  /// Not made before they are needed: most groups are of one sample.
+  union Increments {
+    Increments() {}
+    std::array<strapdown::Increment, attitude::most_samples> of;
+  };
+  static_assert(std::is_trivially_destructible_v<strapdown::Increment>);
+
   std::array<const InputSample*, attitude::most_samples> samples_;
-  std::array<std::optional<strapdown::Increment>, attitude::most_samples> measured_;
+  Increments measured_;
   std::size_t count_ = 0;
 };
 
