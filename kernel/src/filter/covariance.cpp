@@ -56,12 +56,12 @@ int Joseph::predict(const double* const* phi, const double* const* noise) {
   const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), base::count_of(of)}; };
   strip_loops().store(P_, {ld_, ld_coupled_, runs(plan_.coupled), runs(plan_.uncoupled), plan_.scaled_rows, d_.data(),
                            M_.data(), is_coupled_first_ ? nullptr : PAA_.data()});
+  double* const P = P_;
+  const TransitionPlan::NoiseElement* const elements = plan_.noise_elements.data();
   for (const auto& run : plan_.noise_runs) {
     const double* const block = noise[run.block];
-    for (int e = run.first; e < run.end; ++e) {
-      const auto& element = plan_.noise_elements[as_size(e)];
-      P_[element.at] += block[element.place];
-    }
+    for (const auto *element = elements + run.first, *const end = elements + run.end; element != end; ++element)
+      P[element->at] += block[element->place];
   }
   strip_loops().mirror(P_, plan_.n);
   return -1;

@@ -34,9 +34,9 @@ class Joseph final : public CovarianceForm {
     for (const int row : rows) *into++ = matrix()(row, row);
   }
   bool is_below(double limit) const override {
-    const MatrixView P = matrix();
-    for (int i = 0; i < P.rows; ++i)
-      if (!(P(i, i) >= 0 && P(i, i) < limit)) return false;
+    const double* variance = P_;
+    for (int i = 0; i < plan_.n; ++i, variance += ld_ + 1)
+      if (!(*variance >= 0 && *variance < limit)) return false;
     return true;
   }
   ConstMatrixView expand() const override { return matrix(); }

@@ -41,9 +41,11 @@ void TimeLine::start(Time t) {
 }
 
 bool TimeLine::is_complete(const SampleView& sample) const {
+  const unsigned char* const is_used = plan_.input_used.data();
+  double sum = 0;  // of zeros, where all are finite
   for (int i = 0; i < plan_.input_fields; ++i)
-    if (plan_.input_used[as_size(i)] && !std::isfinite(sample.fields[i])) return false;
-  return true;
+    if (is_used[i]) sum += sample.fields[i] * 0.0;
+  return sum == 0.0;
 }
 
 /// A sensor that hangs repeats its numbers; one that works is noisy.
