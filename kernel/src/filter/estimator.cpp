@@ -96,7 +96,8 @@ void Estimator::allocate() {
 }
 
 void Estimator::list_ports(const ProcessPlan& process, int index) {
-  auto& [inputs, outputs] = ports_.emplace_back();
+  auto& [inputs, outputs, reads_as_it_stands] = ports_.emplace_back();
+  reads_as_it_stands = process.fields.is_as_it_stands();
   for (const int value : process.ports) {
     inputs.push_back(value < 0 ? nullptr : values_[as_size(value)]);
     const bool is_advanced = value >= 0 && plan_.is_block(value) && plan_.blocks[as_size(value)].process == index;

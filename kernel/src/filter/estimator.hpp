@@ -247,10 +247,12 @@ class Estimator {
   void write(SampleWriter& slot, const double* x, ConstMatrixView P);
 
  private:
-  /// Per port of a process: the value, null where it is open; where x⁺ is written, null for ports that are only read.
+  /// What a process reads and writes. Per port: the value, null where it is open; where x⁺ is written, null for ports that
+  /// are only read.
   struct Ports {
     std::vector<const double*> inputs;
     std::vector<double*> outputs;
+    bool reads_as_it_stands = false;  // the driving input, without conversions
   };
   /// The diagonal of a block of Qd or GQGᵀ that a process writes.
   struct Diagonal {
@@ -311,8 +313,8 @@ class Estimator {
 
   void run_process(std::size_t index, const Step& step, std::span<const InputSample> samples, bool is_kept);
   void scale_blocks();
-  Step read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples);
-  Result run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted);
+  void read_input(std::size_t index, std::span<const InputSample> samples, Step& step);
+  Result run_model(std::size_t index, const Step& step, std::span<const InputSample> samples, Jacobians wanted);
   void run_continuous(std::size_t index);
   void check_noise(Time t) const;
   void discretize_group(const VanLoanGroup& group, double dt);

@@ -67,9 +67,15 @@ void Estimator::scale_blocks() {
 }
 
 /// The step as a process with input sees it.
-Step Estimator::read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples) {
+void Estimator::read_input(std::size_t index, std::span<const InputSample> samples, Step& step) {
+  const auto& process = plan_.processes[index];
   const auto width = process.fields.epoch.size();
   step.dt = 0;
+  if (ports_[index].reads_as_it_stands) {
+    for (const InputSample& sample : samples) step.dt += sample.dt;
+    step.samples = samples;
+    return;
+  }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples_[i] = samples[i];
     samples_[i].fields = fields_.data() + i * width;
@@ -77,17 +83,17 @@ Step Estimator::read_input(const ProcessPlan& process, Step step, std::span<cons
     step.dt += samples[i].dt;
   }
   step.samples = {samples_.data(), samples.size()};
-  return step;
 }
 
-Result Estimator::run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted) {
+Result Estimator::run_model(std::size_t index, const Step& step, std::span<const InputSample> samples,
+                            Jacobians wanted) {
   const auto& process = plan_.processes[index];
-  if (process.uses_input) step = read_input(process, step, samples);
   ProcessOutput out{ports_[index].outputs.data(), {}, {}};
   if (wanted == Jacobians::wanted)
     out.phi = phi_.data() + process.first_transition, out.Qd = noise_.data() + process.first_noise;
-  const ProcessInput in{step, ports_[index].inputs.data(), auxiliary(process.auxiliary), memory_of(process.memory),
-                        calls_.notes()};
+  ProcessInput in{step, ports_[index].inputs.data(), auxiliary(process.auxiliary), memory_of(process.memory),
+                  calls_.notes()};
+  if (process.uses_input) read_input(index, samples, in.step);
   return calls_.during(process, "propagate", [&] { return process.model->propagate(in, out); });
 }
 
@@ -304,7 +310,9 @@ void Estimator::list_gathers(const std::vector<GatherPlan>& plans, const std::ve
 }
 
 void Estimator::gather(const Gathering& gathering, const std::vector<double*>& table) {
-  for (const auto& [from, to] : gathering.copies) *to = 0.0 + *from;  // as a sum: no negative zero
+  const Gathering::Copy* const end = gathering.copies.data() + gathering.copies.size();
+  for (const auto* copy = gathering.copies.data(); copy != end; ++copy)
+    *copy->to = 0.0 + *copy->from;  // as a sum: no negative zero
   for (const GatherPlan* const plan : gathering.summed) {
     const auto& to = plan_.blocks[as_size(plan->to_block)];
     const auto& from = plan_.blocks[as_size(plan->from_block)];

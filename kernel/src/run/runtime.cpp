@@ -201,8 +201,10 @@ void Runtime::exchange_account(StateBytes& bytes) {
 void Runtime::deliver(int index, const SampleView& sample, Time late) {
   const auto& plan = plan_.channels[as_size(index)];
   auto& channel = channels_[as_size(index)];
-  double* const data = channel.storage.data();
-  channel.view = unpack(plan, pack(plan, sample, data), data);
+  pack(plan, sample, channel.storage.data());
+  const double* const covariance = sample.covariance ? channel.slot.covariance : nullptr;
+  channel.view = {sample.t,   sample.t0, sample.rows, channel.slot.fields, channel.slot.row_fields,
+                  covariance, sample.t != no_time};
   channel.is_present = true;
   channel.is_taken = false;
   channel.late = late;
