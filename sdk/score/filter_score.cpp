@@ -124,6 +124,8 @@ void FilterScore::add_channel_reference(const ReferencePlan& plan) {
         {name, output.unit, output.display_unit.empty() ? output.unit : output.display_unit, {}, {}});
   }
   references_.push_back(std::move(reference));
+  is_of_reference_.resize(std::max(is_of_reference_.size(), as_size(plan.channel) + 1));
+  is_of_reference_[as_size(plan.channel)] = 1;
 }
 
 /// A block with several references is given by the first.
@@ -194,17 +196,25 @@ void FilterScore::attach(Session& session, StepObserver* next) {
 
 void FilterScore::watch_only() {
   has_state_nees_ = false;
-  for (auto& reference : references_) reference.has_nees = false;
+  for (auto& reference : references_) {
+    reference.has_nees = false;
+    reference.is_watched = !reference.sigmas.empty();
+  }
 }
 
 void FilterScore::watch(const Metric& metric) {
-  if (metric.nees_of == NeesOf::state) has_state_nees_ = true;
-  if (metric.nees_of == NeesOf::block) references_[as_size(metric.subject)].has_nees = true;
+  if (metric.quantity == MetricQuantity::nis) return;
   if (metric.quantity == MetricQuantity::segments) return watch_track(metric.subject);
-  if (metric.quantity == MetricQuantity::error || metric.quantity == MetricQuantity::nis ||
-      metric.nees_of != NeesOf::component)
-    return;
-  keep_sigmas(references_[as_size(subjects_[as_size(metric.subject)].reference)]);
+  if (metric.nees_of == NeesOf::state) {
+    has_state_nees_ = true;
+    for (auto& reference : references_) reference.is_watched |= reference.state_part >= 0;
+  } else if (metric.nees_of == NeesOf::block) {
+    auto& reference = references_[as_size(metric.subject)];
+    reference.has_nees = reference.is_watched = true;
+  } else if (const int index = subjects_[as_size(metric.subject)].reference; index >= 0) {
+    references_[as_size(index)].is_watched = true;
+    if (metric.quantity != MetricQuantity::error) keep_sigmas(references_[as_size(index)]);
+  }
 }
 
 void FilterScore::keep_sigmas() {
@@ -234,9 +244,10 @@ bool FilterScore::read(const ReferencePlan& plan, const SampleView& sample, Pend
 }
 
 void FilterScore::reference(int channel, const SampleView& sample) {
+  if (as_size(channel) >= is_of_reference_.size() || !is_of_reference_[as_size(channel)]) return;
   for (std::size_t i = 0; i < references_.size(); ++i) {
     const auto& plan = *references_[i].plan;
-    if (plan.channel != channel) continue;
+    if (plan.channel != channel || !references_[i].is_watched) continue;
     if ((session_ && !session_->started(FilterId{filter_})) || sample.t < start()) continue;
     Pending pending;
     pending.reference = static_cast<int>(i);

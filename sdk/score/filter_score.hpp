@@ -48,7 +48,7 @@ class FilterScore : public StepObserver {
   /// Before the run. `next` sees the same step log; null: nobody. The session outlives all use but figures once finish()
   /// was called.
   void attach(Session& session, StepObserver* next);
-  /// No NEES but what watch() is given from here on: there is to be no summary.
+  /// No NEES and no references but what watch() is given from here on, or what sigmas are kept of: there is to be no summary.
   void watch_only();
   /// Before the run: what the metric needs beyond the errors is kept too.
   void watch(const Metric& metric);
@@ -130,6 +130,7 @@ class FilterScore : public StepObserver {
     std::vector<std::vector<double>> sigmas;  // per series, beside its values; empty when nobody asked for them
     int state_part = -1;                      // of state_nees_; −1: not in it
     bool has_nees = true;
+    bool is_watched = true;
   };
   struct Pending {
     int reference = 0;
@@ -210,6 +211,7 @@ class FilterScore : public StepObserver {
   StepObserver* next_ = nullptr;
   GateWatch gates_;
   std::vector<Reference> references_;
+  std::vector<unsigned char> is_of_reference_;  // by channel, to the last of them
   std::vector<WatchedTrack> tracks_;
   StateNees state_nees_;
   std::vector<WithheldGroup> withheld_;

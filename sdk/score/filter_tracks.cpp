@@ -41,6 +41,7 @@ std::vector<FilterScore::Track> FilterScore::tracks() const {
 void FilterScore::watch_track(int subject) {
   if (std::ranges::find(tracks_, subject, &WatchedTrack::subject) != tracks_.end()) return;
   const Track track = tracks()[as_size(subject)];
+  for (const int index : {track.position, track.attitude}) references_[as_size(index)].is_watched = true;
   tracks_.push_back(
       {subject, track.position, track.attitude, SegmentTrack(*references_[as_size(track.position)].block)});
 }

@@ -16,41 +16,32 @@ Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
   std::size_t coefficients = 0;
   for (const auto& group : plan.groups) coefficients += group.columns.size() * as_size(group.rows);
   coefficients_.resize(coefficients);
-  own_.reserve(plan.groups.size());
+  double* next = coefficients_.data();
+  for (const auto& group : plan.groups) {
+    groups_.push_back({group.rows, base::count_of(group.indices), group.indices.data(), next});
+    next += group.columns.size() * as_size(group.rows);
+  }
   M_.resize(as_size(ld_) * as_size(ld_coupled_));
   Mt_.resize(M_.size());
-  PAA_.resize(as_size(ld_coupled_) * as_size(ld_coupled_));
+  is_coupled_first_ = plan.coupled.size() == 1 && plan.coupled.front().first == 0;
+  if (!is_coupled_first_) PAA_.resize(as_size(ld_coupled_) * as_size(ld_coupled_));
   transformed_.resize(as_size(ld_) * as_size(most_dof));
   for (int row = 0; row < plan.n; ++row) rows_.push_back(row);
 }
 
 /// M = P Φ_Aᵀ and P'_AA = Φ_A M.
 void Joseph::predict_coupled(const double* const* phi) {
-  const StripLoops& loops = strip_loops();
-  double* out = M_.data();
   double* next = coefficients_.data();
-  own_.clear();
-  for (const auto& group : plan_.groups) {
-    const double* own = next;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const RowGroup& group = plan_.groups[g];
     if (group.is_in_one_run)
-      own = phi[group.columns.front().block] + group.columns.front().offset;
+      groups_[g].coefficients = phi[group.columns.front().block] + group.columns.front().offset;
     else
       next = collect(group, phi, next);
-    own_.push_back(own);
-    loops.combine(group.rows, P_, ld_, 0, static_cast<int>(group.indices.size()), group.indices.data(), own, group.rows,
-                  out);
-    out = column_at(out, ld_, group.rows);
   }
-  loops.transpose(M_.data(), ld_, ld_coupled_, Mt_.data(), ld_coupled_);
-  out = PAA_.data();
-  int position = 0;
-  auto own = own_.begin();
-  for (const auto& group : plan_.groups) {
-    loops.combine(group.rows, Mt_.data(), ld_coupled_, position / strip * strip, static_cast<int>(group.indices.size()),
-                  group.indices.data(), *own++, group.rows, out);
-    out = column_at(out, ld_coupled_, group.rows);
-    position += group.rows;
-  }
+  double* const AA = is_coupled_first_ ? P_ : PAA_.data();
+  strip_loops().couple(P_, {ld_, ld_coupled_, groups_.data(), base::count_of(groups_), M_.data(), Mt_.data(), AA,
+                            is_coupled_first_ ? ld_ : ld_coupled_});
 }
 
 // With A the coupled rows (dense groups) and B the others (identity or a single diagonal element d):
@@ -64,13 +55,13 @@ int Joseph::predict(const double* const* phi, const double* const* noise) {
   if (plan_.coupled_rows > 0) predict_coupled(phi);
   const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), base::count_of(of)}; };
   strip_loops().store(P_, {ld_, ld_coupled_, runs(plan_.coupled), runs(plan_.uncoupled), plan_.scaled_rows, d_.data(),
-                           M_.data(), PAA_.data()});
+                           M_.data(), is_coupled_first_ ? nullptr : PAA_.data()});
+  double* const P = P_;
+  const TransitionPlan::NoiseElement* const elements = plan_.noise_elements.data();
   for (const auto& run : plan_.noise_runs) {
     const double* const block = noise[run.block];
-    for (int e = run.first; e < run.end; ++e) {
-      const auto& element = plan_.noise_elements[as_size(e)];
-      P_[element.at] += block[element.place];
-    }
+    for (const auto *element = elements + run.first, *const end = elements + run.end; element != end; ++element)
+      P[element->at] += block[element->place];
   }
   strip_loops().mirror(P_, plan_.n);
   return -1;

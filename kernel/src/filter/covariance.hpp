@@ -34,9 +34,9 @@ class Joseph final : public CovarianceForm {
     for (const int row : rows) *into++ = matrix()(row, row);
   }
   bool is_below(double limit) const override {
-    const MatrixView P = matrix();
-    for (int i = 0; i < P.rows; ++i)
-      if (!(P(i, i) >= 0 && P(i, i) < limit)) return false;
+    const double* variance = P_;
+    for (int i = 0; i < plan_.n; ++i, variance += ld_ + 1)
+      if (!(*variance >= 0 && *variance < limit)) return false;
     return true;
   }
   ConstMatrixView expand() const override { return matrix(); }
@@ -51,10 +51,11 @@ class Joseph final : public CovarianceForm {
   // With A the coupled rows (dense groups). Columns of M behind the coupled ones go into rows of Mt that nobody reads.
   base::AlignedVector<double> M_;             // ld × coupled: P Φ_Aᵀ
   base::AlignedVector<double> Mt_;            // ld_coupled × ld: Mᵀ
-  base::AlignedVector<double> PAA_;           // ld_coupled × coupled
+  base::AlignedVector<double> PAA_;           // ld_coupled × coupled; unused where P'_AA is written in place
   base::AlignedVector<double> d_;             // ld: diagonal of Φ, 1 for coupled rows
   base::AlignedVector<double> coefficients_;  // of groups that do not have them in one run, one after the other
-  std::vector<const double*> own_;            // of each group
+  std::vector<CombinedRows> groups_;
+  bool is_coupled_first_ = false;            // A is one run from row 0 on
   base::AlignedVector<double> transformed_;   // ld × most_dof
   std::vector<int> rows_;                     // 0, 1, 2, …
 };

@@ -202,7 +202,7 @@ void Engine::step(Time t1, std::span<const InputSample> samples) {
   const bool follows = follow();
   estimator_.propagate(moment(), t1, samples, follows);
   wants_ = ledger_.wants();
-  keep_before(Wants::step_covariance);
+  if (ledger_.observer() && is_wanted(Wants::step_covariance)) square(P_before_).as() = covariance().as();
   if (!follows) estimator_.predict(t1);
   if (ledger_.observer()) ledger_.observer()->stepped(step_record(t1));
   estimator_.advance();
@@ -252,7 +252,7 @@ void Engine::measure(int measurement, const SampleView& sample) {
   if (is_opened) {
     // Its rows anew: some may be gone already.
     ask_witnesses(measurement, sample.t, locked_out.belief);
-    keep_before(Wants::update_covariance);
+    keep_before();
     if (estimator_.open(plan, judged.marked)) note_opening(measurement, sample.t);
     count_recovery(measurement, sample.t, locked_out.belief);
     estimator_.roll_back(plan);
@@ -292,7 +292,7 @@ void Engine::iterate(int measurement, const SampleView& sample) {
 
 void Engine::correct(int measurement, Time t) {
   const auto& plan = plan_.measurements[as_size(measurement)];
-  keep_before(Wants::update_covariance);
+  keep_before();
   ledger_.end_silence(measurement, t, estimator_.form());
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
@@ -321,21 +321,21 @@ void Engine::open_biased(int measurement, Time t) {
                         t, rows.biased.data(), rows.mean_z.data(), rows.mean_count.data());
   if (belief == Belief::none) return;
   ask_witnesses(measurement, t, belief);
-  keep_before(Wants::update_covariance);
+  keep_before();
   if (estimator_.open_by_mean(plan)) note_opening(measurement, t);
   count_recovery(measurement, t, belief);
 }
 
 /// What was corrected after P was opened was far off.
 void Engine::keep_open(int measurement, Time t) {
-  keep_before(Wants::update_covariance);
+  keep_before();
   estimator_.keep_open();
   note_opening(measurement, t);
 }
 
 /// Most of what came contradicts the state: what it has learnt meanwhile is not worth much.
 void Engine::unlearn(int measurement, Time t) {
-  keep_before(Wants::update_covariance);
+  keep_before();
   estimator_.unlearn(variances_.data());
   if (ledger_.observer())
     ledger_.observer()->inflated(inflation_record({measurement, t, variances_.data(), nullptr, {}, {}}));
@@ -362,7 +362,7 @@ void Engine::note_opening(int measurement, Time t) {
 }
 
 void Engine::inflate(int measurement, Time t) {
-  keep_before(Wants::update_covariance);
+  keep_before();
   estimator_.inflate(plan_.measurements[as_size(measurement)]);
   ledger_.count_recovery(measurement, t);
   if (!ledger_.observer()) return;
@@ -392,10 +392,10 @@ void Engine::attach(StepObservers observers) {
   H_.resize(as_size(plan_.max_rows) * n);
 }
 
-void Engine::keep_before(Wants wanted) {
+void Engine::keep_before() {
   if (!ledger_.observer()) return;
   std::copy_n(state(), plan_.stored_size, x_before_.data());
-  if (is_wanted(wanted)) square(P_before_).as() = covariance().as();
+  if (is_wanted(Wants::update_covariance)) square(P_before_).as() = covariance().as();
 }
 
 StepRecord Engine::step_record(Time t1) {

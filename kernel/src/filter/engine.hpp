@@ -100,8 +100,8 @@ class Engine final : private TimeLine::Work {
 
   // Records for the observer
   bool is_wanted(Wants part) const { return includes(wants_, part); }
-  /// Before P changes, by a step, a correction or an inflation: keeps x, and P where it is wanted.
-  void keep_before(Wants wanted);
+  /// Before x or P changes, by a correction or an inflation: keeps x, and P where it is wanted.
+  void keep_before();
   StepRecord step_record(Time t1);
   /// Of a sample that was linearized.
   UpdateRecord innovation_record(const MeasurementPlan& measurement);

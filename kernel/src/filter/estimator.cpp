@@ -33,6 +33,8 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto& block : plan.blocks)
     if (block.holds_frozen) held_.push_back(&block);
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
+  list_gathers(plan.gathers, phi_, gathers_);
+  list_gathers(plan.noise_gathers, noise_, noise_gathers_);
   if (!plan.is_unscented) return;
   std::vector<Place<std::byte>> memories;
   for (const auto& process : plan.processes)
@@ -94,7 +96,8 @@ void Estimator::allocate() {
 }
 
 void Estimator::list_ports(const ProcessPlan& process, int index) {
-  auto& [inputs, outputs] = ports_.emplace_back();
+  auto& [inputs, outputs, reads_as_it_stands] = ports_.emplace_back();
+  reads_as_it_stands = process.fields.is_as_it_stands();
   for (const int value : process.ports) {
     inputs.push_back(value < 0 ? nullptr : values_[as_size(value)]);
     const bool is_advanced = value >= 0 && plan_.is_block(value) && plan_.blocks[as_size(value)].process == index;

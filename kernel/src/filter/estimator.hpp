@@ -247,10 +247,12 @@ class Estimator {
   void write(SampleWriter& slot, const double* x, ConstMatrixView P);
 
  private:
-  /// Per port of a process: the value, null where it is open; where x⁺ is written, null for ports that are only read.
+  /// What a process reads and writes. Per port: the value, null where it is open; where x⁺ is written, null for ports that
+  /// are only read.
   struct Ports {
     std::vector<const double*> inputs;
     std::vector<double*> outputs;
+    bool reads_as_it_stands = false;  // the driving input, without conversions
   };
   /// The diagonal of a block of Qd or GQGᵀ that a process writes.
   struct Diagonal {
@@ -266,6 +268,15 @@ class Estimator {
     const double* now = nullptr;
     int count = 0;
   };
+  /// What the kernel gathers of a table: elements as they stand, and blocks that are sums.
+  struct Gathering {
+    struct Copy {
+      const double* from = nullptr;
+      double* to = nullptr;
+    };
+    std::vector<Copy> copies;
+    std::vector<const GatherPlan*> summed;
+  };
   enum class Jacobians : unsigned char { none, wanted };
   class Elsewhere;
   struct Reset {
@@ -277,6 +288,7 @@ class Estimator {
   void allocate();
   void list_ports(const ProcessPlan& process, int index);
   void list_scalings(const ProcessPlan& process);
+  void list_gathers(const std::vector<GatherPlan>& plans, const std::vector<double*>& table, Gathering& gathering);
 
   // The state, and what models see
   double* x() { return plan_.state.in(arena_); }
@@ -301,13 +313,13 @@ class Estimator {
 
   void run_process(std::size_t index, const Step& step, std::span<const InputSample> samples, bool is_kept);
   void scale_blocks();
-  Step read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples);
-  Result run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted);
+  void read_input(std::size_t index, std::span<const InputSample> samples, Step& step);
+  Result run_model(std::size_t index, const Step& step, std::span<const InputSample> samples, Jacobians wanted);
   void run_continuous(std::size_t index);
   void check_noise(Time t) const;
   void discretize_group(const VanLoanGroup& group, double dt);
   void advance_group(const VanLoanGroup& group);
-  void gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table);
+  void gather(const Gathering& gathering, const std::vector<double*>& table);
   double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
   void hold_frozen(const double* x);
   std::string culprit(Time t1) const;
@@ -391,6 +403,7 @@ class Estimator {
   std::vector<Diagonal> diagonals_;
   std::vector<const double*> noise_variances_;  // their elements that have a place in P
   std::vector<Scaling> scalings_;
+  Gathering gathers_, noise_gathers_;  // of Φ, of Qd
   std::vector<const BlockPlan*> held_;                         // blocks that hold what is frozen
   std::vector<double> group_x_;                                // what a Van Loan group reads
   double kept_dt_ = std::numeric_limits<double>::quiet_NaN();  // length of the step that all in the tables is of [s]

@@ -12,8 +12,8 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 void convert(const FieldMap& map, const double* fields, double dt, double* converted) {
   for (const auto& item : map.epoch) {
     double value = item.index < 0 ? not_a_number : fields[item.index];
-    if (item.conversion == FieldMap::Conversion::to_rate) value /= dt;
-    if (item.conversion == FieldMap::Conversion::to_increment) value *= dt;
+    if (item.conversion != FieldMap::Conversion::none)
+      item.conversion == FieldMap::Conversion::to_rate ? value /= dt : value *= dt;
     *converted++ = value;
   }
 }

@@ -105,6 +105,12 @@ struct FieldMap {
   std::vector<Item> row;
 
   std::size_t doubles(int max_rows) const { return epoch.size() + row.size() * as_size(max_rows); }
+  /// Whether the per-epoch fields are the channel's first ones as they stand.
+  bool is_as_it_stands() const {
+    for (std::size_t i = 0; i < epoch.size(); ++i)
+      if (epoch[i].index != static_cast<int>(i) || epoch[i].conversion != Conversion::none) return false;
+    return true;
+  }
 };
 
 /// Per-epoch fields of a channel as a component declared them, converted. dt: length that they belong to.

@@ -40,8 +40,8 @@ void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSamp
   for (const auto& group : plan_.van_loan) advance_group(group);
   if (is_kept) scale_blocks();
   hold_frozen(state());
-  gather(plan_.gathers, phi_);
-  gather(plan_.noise_gathers, noise_);
+  gather(gathers_, phi_);
+  gather(noise_gathers_, noise_);
   if (sigma_) regress_step(now, step, samples, is_nominal);
 }
 
@@ -67,9 +67,15 @@ void Estimator::scale_blocks() {
 }
 
 /// The step as a process with input sees it.
-Step Estimator::read_input(const ProcessPlan& process, Step step, std::span<const InputSample> samples) {
+void Estimator::read_input(std::size_t index, std::span<const InputSample> samples, Step& step) {
+  const auto& process = plan_.processes[index];
   const auto width = process.fields.epoch.size();
   step.dt = 0;
+  if (ports_[index].reads_as_it_stands) {
+    for (const InputSample& sample : samples) step.dt += sample.dt;
+    step.samples = samples;
+    return;
+  }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples_[i] = samples[i];
     samples_[i].fields = fields_.data() + i * width;
@@ -77,17 +83,17 @@ Step Estimator::read_input(const ProcessPlan& process, Step step, std::span<cons
     step.dt += samples[i].dt;
   }
   step.samples = {samples_.data(), samples.size()};
-  return step;
 }
 
-Result Estimator::run_model(std::size_t index, Step step, std::span<const InputSample> samples, Jacobians wanted) {
+Result Estimator::run_model(std::size_t index, const Step& step, std::span<const InputSample> samples,
+                            Jacobians wanted) {
   const auto& process = plan_.processes[index];
-  if (process.uses_input) step = read_input(process, step, samples);
   ProcessOutput out{ports_[index].outputs.data(), {}, {}};
   if (wanted == Jacobians::wanted)
     out.phi = phi_.data() + process.first_transition, out.Qd = noise_.data() + process.first_noise;
-  const ProcessInput in{step, ports_[index].inputs.data(), auxiliary(process.auxiliary), memory_of(process.memory),
-                        calls_.notes()};
+  ProcessInput in{step, ports_[index].inputs.data(), auxiliary(process.auxiliary), memory_of(process.memory),
+                  calls_.notes()};
+  if (process.uses_input) read_input(index, samples, in.step);
   return calls_.during(process, "propagate", [&] { return process.model->propagate(in, out); });
 }
 
@@ -281,15 +287,40 @@ double Estimator::gathered(const GatherPlan::Term& term, const double* block, in
   return value;
 }
 
-void Estimator::gather(const std::vector<GatherPlan>& plans, const std::vector<double*>& table) {
+/// Blocks of one term without a derived value are copies of elements; what a diagonal one lacks stays zero.
+void Estimator::list_gathers(const std::vector<GatherPlan>& plans, const std::vector<double*>& table,
+                             Gathering& gathering) {
   for (const auto& plan : plans) {
+    const auto& own = plan.terms.front();
+    if (plan.terms.size() > 1 || own.derived >= 0) {
+      gathering.summed.push_back(&plan);
+      continue;
+    }
     const auto& to = plan_.blocks[as_size(plan.to_block)];
     const auto& from = plan_.blocks[as_size(plan.from_block)];
+    double* target = at(plan.target);
+    for (const int column : from.active)
+      for (const int row : to.active) {
+        double* const element = target++;
+        const bool is_diagonal = own.structure == Structure::diagonal;
+        if (is_diagonal && row != column) continue;
+        gathering.copies.push_back({table[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
+      }
+  }
+}
+
+void Estimator::gather(const Gathering& gathering, const std::vector<double*>& table) {
+  const Gathering::Copy* const end = gathering.copies.data() + gathering.copies.size();
+  for (const auto* copy = gathering.copies.data(); copy != end; ++copy)
+    *copy->to = 0.0 + *copy->from;  // as a sum: no negative zero
+  for (const GatherPlan* const plan : gathering.summed) {
+    const auto& to = plan_.blocks[as_size(plan->to_block)];
+    const auto& from = plan_.blocks[as_size(plan->from_block)];
     const int rows = static_cast<int>(to.active.size());
     const int columns = static_cast<int>(from.active.size());
-    double* target = at(plan.target);
+    double* target = at(plan->target);
     std::fill_n(target, rows * columns, 0.0);
-    for (const auto& term : plan.terms) {
+    for (const auto& term : plan->terms) {
       const double* block = table[as_size(term.source)];
       for (int c = 0; c < columns; ++c)
         for (int r = 0; r < rows; ++r)

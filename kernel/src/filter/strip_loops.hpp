@@ -32,6 +32,25 @@ struct RowRuns {
   constexpr const RowRun* end() const { return first + count; }
 };
 
+/// Rows of Φ that share their columns: coefficients[r + c·rows] for r < rows ≤ 3, c < count.
+struct CombinedRows {
+  int rows = 0;
+  int count = 0;
+  const int* columns = nullptr;
+  const double* coefficients = nullptr;
+};
+
+/// What a prediction makes of the coupled rows A, which the groups give in order; all memory is the caller's.
+struct CoupledParts {
+  int ld = 0, ld_coupled = 0;  // of P and M; of Mt
+  const CombinedRows* groups = nullptr;
+  int count = 0;
+  double* M = nullptr;   // ld × A, rounded up to whole strips
+  double* Mt = nullptr;  // its transpose
+  double* AA = nullptr;  // may be P
+  int ld_AA = 0;
+};
+
 /// What a prediction puts together to P: A are the coupled rows, B the others.
 struct PredictedParts {
   int ld = 0, ld_coupled = 0;  // of P and M; of AA
@@ -39,7 +58,7 @@ struct PredictedParts {
   int scaled_rows = 0;         // behind the last of B whose diagonal element is not 1
   const double* d = nullptr;   // ld: the diagonal of Φ, 1 in rows of A
   const double* M = nullptr;   // ld × A: P Φ_Aᵀ
-  const double* AA = nullptr;  // ld_coupled × A: Φ_A M
+  const double* AA = nullptr;  // ld_coupled × A: Φ_A M; null: A are the first rows, and P has it
 };
 
 /// What an update of m rows works with; all memory is the caller's. Matrices are column-major.
@@ -66,6 +85,9 @@ struct StripLoops {
                   const double* coefficients, int stride, double* out);
   /// out(j, i) = in(i, j) for ld rows and `columns` columns, both of whole strips.
   void (*transpose)(const double* in, int ld, int columns, double* out, int ld_out);
+  /// M = P Φ_Aᵀ and AA = Φ_A M: of each column of AA the strips from the first of its group's rows on. P is read before AA
+  /// is written.
+  void (*couple)(const double* P, const CoupledParts& parts);
   /// The lower triangle of P: P_BB ← d d′ P_BB, P_BA = d M_BA and P_AA = AA.
   void (*store)(double* P, const PredictedParts& parts);
   /// P(j, i) = P(i, j) for i > j.

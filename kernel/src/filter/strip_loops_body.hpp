@@ -17,12 +17,13 @@ typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
 // Scratch is 16-byte aligned at best.
 typedef double LooseLanes __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 inline Lanes load(const double* p) { return *reinterpret_cast<const LooseLanes*>(p); }
+inline int strip_of(int row) { return row / strip * strip; }
 inline void store(double* p, Lanes value) { *reinterpret_cast<LooseLanes*>(p) = value; }
 
 /// Rows 0 … lanes·Strips−1 of out(·, r) = Σ_c coefficients[r + c·stride] · in(·, columns[c]), for r < R.
 template <int R, int Strips>
 inline void combine_strip(const double* in, int ld, int count, const int* columns, const double* coefficients,
-                          int stride, double* out) {
+                          int stride, double* out, int ld_out) {
   Lanes sum[R][Strips];
 #pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
@@ -37,27 +38,38 @@ inline void combine_strip(const double* in, int ld, int count, const int* column
   }
 #pragma GCC unroll 3
   for (int r = 0; r < R; ++r)
-    for (int k = 0; k < Strips; ++k) store(column_at(out, ld, r) + lanes * k, sum[r][k]);
+    for (int k = 0; k < Strips; ++k) store(column_at(out, ld_out, r) + lanes * k, sum[r][k]);
 }
 
-/// The same for rows first…ld−1, three strips at a time: nine sums, three values and a factor fit sixteen registers.
+/// The same for rows first…end−1, three strips at a time: nine sums, three values and a factor fit sixteen registers.
 template <int R>
-inline void combine_rows(const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
-                         int stride, double* out) {
+inline void combine_rows(const double* in, int ld, int first, int end, int count, const int* columns,
+                         const double* coefficients, int stride, double* out, int ld_out) {
   int i = first;
-  for (; i + 3 * lanes <= ld; i += 3 * lanes)
-    combine_strip<R, 3>(in + i, ld, count, columns, coefficients, stride, out + i);
-  for (; i + 2 * lanes <= ld; i += 2 * lanes)
-    combine_strip<R, 2>(in + i, ld, count, columns, coefficients, stride, out + i);
-  for (; i < ld; i += lanes) combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i);
+  for (; i + 3 * lanes <= end; i += 3 * lanes)
+    combine_strip<R, 3>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
+  for (; i + 2 * lanes <= end; i += 2 * lanes)
+    combine_strip<R, 2>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
+  for (; i < end; i += lanes)
+    combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
 }
 
 void combine(int rows, const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
              int stride, double* out) {
   switch (rows) {
-    case 1: combine_rows<1>(in, ld, first, count, columns, coefficients, stride, out); break;
-    case 2: combine_rows<2>(in, ld, first, count, columns, coefficients, stride, out); break;
-    default: combine_rows<3>(in, ld, first, count, columns, coefficients, stride, out); break;
+    case 1: combine_rows<1>(in, ld, first, ld, count, columns, coefficients, stride, out, ld); break;
+    case 2: combine_rows<2>(in, ld, first, ld, count, columns, coefficients, stride, out, ld); break;
+    default: combine_rows<3>(in, ld, first, ld, count, columns, coefficients, stride, out, ld); break;
+  }
+}
+
+inline void combine_group(const CombinedRows& group, const double* in, int ld, int first, int end, double* out,
+                          int ld_out) {
+  const auto& [rows, count, columns, coefficients] = group;
+  switch (rows) {
+    case 1: combine_rows<1>(in, ld, first, end, count, columns, coefficients, 1, out, ld_out); break;
+    case 2: combine_rows<2>(in, ld, first, end, count, columns, coefficients, 2, out, ld_out); break;
+    default: combine_rows<3>(in, ld, first, end, count, columns, coefficients, 3, out, ld_out); break;
   }
 }
 
@@ -96,7 +108,22 @@ void transpose(const double* in, int ld, int columns, double* out, int ld_out) {
       transpose_tile(column_at(in, ld, j) + i, ld, column_at(out, ld_out, i) + j, ld_out, lanes);
 }
 
-inline int strip_of(int row) { return row / strip * strip; }
+void couple(const double* P, const CoupledParts& given) {
+  const CoupledParts parts = given;
+  double* out = parts.M;
+  for (int g = 0; g < parts.count; ++g) {
+    combine_group(parts.groups[g], P, parts.ld, 0, parts.ld, out, parts.ld);
+    out = column_at(out, parts.ld, parts.groups[g].rows);
+  }
+  transpose(parts.M, parts.ld, parts.ld_coupled, parts.Mt, parts.ld_coupled);
+  out = parts.AA;
+  int position = 0;
+  for (int g = 0; g < parts.count; ++g) {
+    combine_group(parts.groups[g], parts.Mt, parts.ld_coupled, strip_of(position), parts.ld_coupled, out, parts.ld_AA);
+    out = column_at(out, parts.ld_AA, parts.groups[g].rows);
+    position += parts.groups[g].rows;
+  }
+}
 
 /// Column j of A, the a-th: what is above j is written over. Copies of all that says where, which no store can change.
 inline void store_coupled_column(double* P, const PredictedParts parts, int j, int a) {
@@ -119,6 +146,17 @@ inline void store_coupled_column(double* P, const PredictedParts parts, int j, i
   }
 }
 
+/// Columns of A, which are the first, from the first row of B on.
+inline void store_below(double* P, const PredictedParts parts, int coupled) {
+  for (int j = 0; j < coupled; ++j) {
+    double* const to = column_at(P, parts.ld, j);
+    const double* const m = column_at(parts.M, parts.ld, j);
+    int i = coupled;
+    for (; i % lanes != 0 && i < parts.ld; ++i) to[i] = parts.d[i] * m[i];
+    for (; i < parts.ld; i += lanes) store(to + i, load(parts.d + i) * load(m + i));
+  }
+}
+
 /// Columns of B are scaled whole, and rows of A in them come out of columns of A.
 void store_predicted(double* P, const PredictedParts& given) {
   const PredictedParts parts = given;
@@ -128,6 +166,7 @@ void store_predicted(double* P, const PredictedParts& given) {
       const double own = parts.d[j];
       for (int i = strip_of(j); i < parts.ld; i += lanes) store(to + i, load(to + i) * (load(parts.d + i) * own));
     }
+  if (!parts.AA) return store_below(P, parts, parts.coupled.count > 0 ? parts.coupled.first->count : 0);
   for (const RowRun columns : parts.coupled)
     for (int j = columns.first; j < columns.end(); ++j)
       store_coupled_column(P, parts, j, columns.position + j - columns.first);
@@ -221,7 +260,7 @@ inline void correct_lower(double* P, int n, const UpdateWork& work) {
   for (; c < n; ++c) add_products<1>(P, ld, c, m, work.K, work.U);
 }
 
-constexpr StripLoops loops = {combine, transpose, store_predicted, mirror, gain_columns, correct_lower};
+constexpr StripLoops loops = {combine, transpose, couple, store_predicted, mirror, gain_columns, correct_lower};
 
 }  // namespace
 }  // namespace binnacle::internal::filter

@@ -41,9 +41,11 @@ void TimeLine::start(Time t) {
 }
 
 bool TimeLine::is_complete(const SampleView& sample) const {
+  const unsigned char* const is_used = plan_.input_used.data();
+  double sum = 0;  // of zeros, where all are finite
   for (int i = 0; i < plan_.input_fields; ++i)
-    if (plan_.input_used[as_size(i)] && !std::isfinite(sample.fields[i])) return false;
-  return true;
+    if (is_used[i]) sum += sample.fields[i] * 0.0;
+  return sum == 0.0;
 }
 
 /// A sensor that hangs repeats its numbers; one that works is noisy.
@@ -156,7 +158,7 @@ void TimeLine::advance_to(Time t) {
   while (whole < head_.pending && pending_[whole].t1 <= t) ++whole;
   if (whole > 0) step_pending(whole);
   if (head_.pending == 0 || pending_[0].t0 >= t) return;
-  samples_[0] = cut(0, t, sample_fields_.data());
+  cut(0, t, sample_fields_.data(), samples_[0]);
   pending_[0].t0 = t;
   step(t, 1);
 }
@@ -210,13 +212,19 @@ void TimeLine::flush(Outcome outcome, const char* reason) {
 // ---- steps
 
 /// The part of a pending sample up to t1: increments in proportion of time, rates as they are.
-InputSample TimeLine::cut(int index, Time t1, double* raw) const {
+void TimeLine::cut(int index, Time t1, double* raw, InputSample& sample) const {
   const PendingInput& pending = pending_[index];
   const bool is_whole = pending.t0 == pending.whole_t0 && t1 == pending.whole_t1;
   const double fraction = is_whole ? 1.0 : seconds(t1 - pending.t0) / seconds(pending.whole_t1 - pending.whole_t0);
   for (int f = 0; f < plan_.input_fields; ++f)
     raw[f] = pending_fields_[index * plan_.input_fields + f] * (is_increment(f) ? fraction : 1.0);
-  return {pending.t0, t1, pending.whole_dt * fraction, pending.whole_t0, pending.whole_t1, raw, pending.bridges != 0};
+  sample.t0 = pending.t0;
+  sample.t1 = t1;
+  sample.dt = pending.whole_dt * fraction;
+  sample.whole_t0 = pending.whole_t0;
+  sample.whole_t1 = pending.whole_t1;
+  sample.fields = raw;
+  sample.bridges = pending.bridges != 0;
 }
 
 void TimeLine::step_pending(int whole) {
@@ -227,7 +235,7 @@ void TimeLine::step_pending(int whole) {
     if (!is_fragment(done))
       while (done + group < whole && group < plan_.samples_per_step && !is_fragment(done + group)) ++group;
     for (int i = 0; i < group; ++i)
-      samples_[as_size(i)] = cut(done + i, pending_[done + i].t1, sample_fields_.data() + i * width);
+      cut(done + i, pending_[done + i].t1, sample_fields_.data() + i * width, samples_[as_size(i)]);
     step(pending_[done + group - 1].t1, group);
     done += group;
   }

@@ -71,7 +71,7 @@ class TimeLine {
   QueueEntry take();
   void advance_to(Time t);
   void step_pending(int whole);
-  InputSample cut(int index, Time t1, double* raw) const;
+  void cut(int index, Time t1, double* raw, InputSample& sample) const;
   void step(Time t1, int samples);
 
   const FilterPlan& plan_;

@@ -123,6 +123,7 @@ void Runtime::reset(std::uint64_t seed, int run) {
     channel.is_present = channel.is_repeated = false;
     channel.span = {};
   }
+  is_any_repeated_ = false;
   std::fill(filter_times_.begin(), filter_times_.end(), FilterTime{});
   std::ranges::fill(sequences_, 0);
   std::ranges::fill(emitted_, Emitted{});
@@ -200,8 +201,10 @@ void Runtime::exchange_account(StateBytes& bytes) {
 void Runtime::deliver(int index, const SampleView& sample, Time late) {
   const auto& plan = plan_.channels[as_size(index)];
   auto& channel = channels_[as_size(index)];
-  double* const data = channel.storage.data();
-  channel.view = unpack(plan, pack(plan, sample, data), data);
+  pack(plan, sample, channel.storage.data());
+  const double* const covariance = sample.covariance ? channel.slot.covariance : nullptr;
+  channel.view = {sample.t,   sample.t0, sample.rows, channel.slot.fields, channel.slot.row_fields,
+                  covariance, sample.t != no_time};
   channel.is_present = true;
   channel.is_taken = false;
   channel.late = late;
@@ -222,7 +225,9 @@ class Runtime::TransformEmitter : public Emitter {
     output(channel).publish();
     output(channel).late = late;
   }
-  void emit_again(OutputChannel channel) override { output(channel).is_repeated = true; }
+  void emit_again(OutputChannel channel) override {
+    output(channel).is_repeated = runtime_.is_any_repeated_ = true;
+  }
 
   const SampleWriter& slot(OutputChannel channel) { return output(channel).slot; }
 
@@ -434,6 +439,7 @@ void Runtime::end_instant(Time t) {
 
 /// Whether samples of this instant come once more.
 bool Runtime::repeat() {
+  if (!std::exchange(is_any_repeated_, false)) return false;
   bool is_any = false;
   for (auto& channel : channels_)
     if (std::exchange(channel.is_repeated, false)) channel.is_present = is_any = true;

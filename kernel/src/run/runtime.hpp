@@ -210,6 +210,7 @@ class Runtime {
   std::vector<Channel> channels_;
   std::vector<std::vector<SampleWriter>> source_slots_;
   std::vector<double> input_numbers_;  // of what is being read
+  bool is_any_repeated_ = false;       // of the channels
   const std::vector<Node>& nodes_;
   Role role_;
   std::unique_ptr<Arrivals> arrivals_;

@@ -3,7 +3,6 @@
 #include "inertial/inertial_process.hpp"
 
 #include <array>
-#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -74,6 +73,10 @@ constexpr NoisePlace noise_places[] = {
     {velocity, attitude, &NoiseBlocks::v_phi, Order::second}, {attitude, attitude, &NoiseBlocks::phi_phi, Order::first},
 };
 
+/// Where no sensor error is plugged in.
+const strapdown::InputSensitivity no_sensitivity{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(),
+                                                 Vector3d::Zero()};
+
 /// Of an attitude that moves alone: itself and the gyros.
 constexpr bool turns_attitude(Place from) { return from == attitude || from == gyro_bias || from == gyro_scale; }
 
@@ -81,16 +84,12 @@ FieldSpec increment_field(std::string name, std::string unit, std::string text) 
   return field::increment(std::move(name), std::move(unit)).about(std::move(text));
 }
 
-strapdown::MeanRates corrected(const strapdown::MeanRates& measured, const strapdown::SensorErrors& errors) {
-  if (!(measured.dt > 0.0)) return {};
-  const strapdown::Increment rates = correct({1.0, measured.omega, measured.f, 0.0, 0.0}, errors);
-  return {measured.dt, rates.dtheta, rates.dv};
-}
-
-/// Φ and Q of several updates, as matrices: only steps of more than one come here.
+/// Φ and Q of several updates, as matrices, which are not even zeroed in steps of one.
 class Folded {
  public:
+  bool is_begun() const { return is_begun_; }
   void then(const Linearized& sample) {
+    if (!std::exchange(is_begun_, true)) rows_.setIdentity(), Q_.setZero();
     const Rows next = assemble(sample.transition);
     const Square phi = next.leftCols<9>();
     rows_ = phi.lazyProduct(rows_).eval();
@@ -124,8 +123,9 @@ class Folded {
     return Q;
   }
 
-  Rows rows_ = Rows::Identity();
-  Square Q_ = Square::Zero();
+  Rows rows_;
+  Square Q_;
+  bool is_begun_ = false;
 };
 
 }  // namespace
@@ -242,7 +242,7 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
                             in.x[ports_[attitude]].as<4>()};
   const bool wants_errors = out.phi || out.Qd;
   SampleMemory remembered = in.memory[memory_];
-  std::optional<Folded> folded;
+  Folded folded;
   bool is_moved = false;
   for (auto rest = in.step.samples; !rest.empty();) {
     SampleGroup group;
@@ -255,15 +255,15 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
       nav = advanced.nav;
       continue;
     }
-    const strapdown::InputSensitivity input = input_sensitivity(correct(group.sum(), errors), errors);
+    const strapdown::InputSensitivity input =
+        has_sensor_errors_ ? input_sensitivity(correct(group.sum(), errors), errors) : no_sensitivity;
     const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
                                 strapdown::process_noise(advanced.mid, noise_density)};
     nav = advanced.nav;
     if (!is_moved && rest.empty()) {
       write(linearized, out);
     } else {
-      if (!folded) folded.emplace();
-      folded->then(linearized);
+      folded.then(linearized);
     }
     is_moved = true;
   }
@@ -273,10 +273,24 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
   out.x[ports_[attitude]].as<4>() = nav.q_nb;
   if (!is_moved) {
     write_identity(out);
-  } else if (folded) {
-    write(folded->blocks(), out);
+  } else if (folded.is_begun()) {
+    write(folded.blocks(), out);
   }
   return Result::ok();
+}
+
+/// Without errors to take off it is what was measured, to the bit.
+strapdown::Increment InertialProcess::corrected(const strapdown::Increment& measured,
+                                                const strapdown::SensorErrors& errors) const {
+  return has_sensor_errors_ ? correct(measured, errors) : measured;
+}
+
+strapdown::MeanRates InertialProcess::corrected(const strapdown::MeanRates& measured,
+                                                const strapdown::SensorErrors& errors) const {
+  if (!(measured.dt > 0.0)) return {};
+  if (!has_sensor_errors_) return measured;
+  const strapdown::Increment rates = correct({1.0, measured.omega, measured.f, 0.0, 0.0}, errors);
+  return {measured.dt, rates.dtheta, rates.dv};
 }
 
 strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
@@ -285,7 +299,7 @@ strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const st
     // Through the rates held over a hole and those measured before it no line goes that means anything.
     const strapdown::Previous neighbours =
         group.sample(0).bridges ? strapdown::Previous{} : remembered.before(group.sample(0));
-    const strapdown::Increment increment = correct(group.measured(0), errors);
+    const strapdown::Increment increment = corrected(group.measured(0), errors);
     const strapdown::MeanRates neighbour =
         corrected(increment.sample_offset > 0.0 ? neighbours.before : neighbours.last, errors);
     remembered.remember(neighbours, group.measured(0), group.sample(0));
@@ -293,7 +307,7 @@ strapdown::BodyMotion InertialProcess::motion(const SampleGroup& group, const st
   }
   std::array<strapdown::Increment, attitude::most_samples> increments;
   for (std::size_t i = 0; i < group.count(); ++i) {
-    increments[i] = correct(group.measured(i), errors);
+    increments[i] = corrected(group.measured(i), errors);
     remembered.remember(remembered.before(group.sample(i)), group.measured(i), group.sample(i));
   }
   return body_motion(std::span(increments).first(group.count()), algorithm_);

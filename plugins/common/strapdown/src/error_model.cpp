@@ -141,6 +141,13 @@ Matrix3d times_cross(const Matrix3d& m, const Vector3d& a) {
   return r;
 }
 
+/// [a×] M: its columns are a crossed with those of M.
+Matrix3d cross_times(const Vector3d& a, const Matrix3d& m) {
+  Matrix3d r;
+  set_columns(r, a.cross(m.col(0)), a.cross(m.col(1)), a.cross(m.col(2)));
+  return r;
+}
+
 TransitionBlocks second_order(const Generator& a, const Midpoint& mid, const InputSensitivity& input) {
   TransitionBlocks t;
   const double half_dt = 0.5 * a.dt;
@@ -219,9 +226,8 @@ TransitionBlocks transition(const Midpoint& mid, const InputSensitivity& input, 
 NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density) {
   const double h = mid.dt;
   const Matrix3d gyro = mid.C_nb * density.gyro.asDiagonal() * mid.C_nb.transpose();
-  const Matrix3d k = skew(mid.f_n);
-  const Matrix3d k_gyro = k * gyro;
-  const Matrix3d k_gyro_k = k_gyro * k.transpose();
+  const Matrix3d k_gyro = cross_times(mid.f_n, gyro);
+  const Matrix3d k_gyro_k = -times_cross(k_gyro, mid.f_n);
   Matrix3d accel = mid.C_nb * density.accel.asDiagonal() * mid.C_nb.transpose();
   if (density.turned_squared > 0.0) accel += density.turned_squared * k_gyro_k;
   const double h2 = h * h;

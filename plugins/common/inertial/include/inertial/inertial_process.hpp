@@ -70,6 +70,8 @@ class InertialProcess : public ProcessModel {
 
   strapdown::BodyMotion motion(const SampleGroup& group, const strapdown::SensorErrors& errors,
                                SampleMemory& remembered) const;
+  strapdown::Increment corrected(const strapdown::Increment& measured, const strapdown::SensorErrors& errors) const;
+  strapdown::MeanRates corrected(const strapdown::MeanRates& measured, const strapdown::SensorErrors& errors) const;
   strapdown::NoiseDensity density(const Step& step) const;
   strapdown::SensorErrors sensor_errors(const PortValues& x) const;
   void declare_transition();

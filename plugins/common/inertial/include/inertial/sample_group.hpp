@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <type_traits>
 
 #include "attitude/rotation_vector.hpp"
 #include "binnacle/process_model.hpp"
@@ -26,11 +28,11 @@ class SampleGroup {
     while (!rest.empty() && count_ < static_cast<std::size_t>(most)) {
       const InputSample& sample = rest.front();
       if (sample.is_fragment() && count_ > 0) return true;
-      if (count_ > 0 && sample.dt > 0.0 && !is_alike(sample.dt, measured_[0].dt)) return true;
+      if (count_ > 0 && sample.dt > 0.0 && !is_alike(sample.dt, measured(0).dt)) return true;
       rest = rest.subspan(1);
       if (!(sample.dt > 0.0)) continue;
-      measured_[count_] = SampleMemory::increment(sample, fields);
-      if (!is_plausible(measured_[count_])) return false;
+      std::construct_at(&measured_.of[count_], SampleMemory::increment(sample, fields));
+      if (!is_plausible(measured(count_))) return false;
       samples_[count_++] = &sample;
       if (sample.is_fragment()) return true;
     }
@@ -39,11 +41,11 @@ class SampleGroup {
 
   std::size_t count() const { return count_; }
   const InputSample& sample(std::size_t i) const { return *samples_[i]; }
-  const strapdown::Increment& measured(std::size_t i) const { return measured_[i]; }
+  const strapdown::Increment& measured(std::size_t i) const { return measured_.of[i]; }
   strapdown::Increment sum() const {
-    strapdown::Increment all = measured_[0];
+    strapdown::Increment all = measured(0);
     for (std::size_t i = 1; i < count_; ++i)
-      all.dt += measured_[i].dt, all.dtheta += measured_[i].dtheta, all.dv += measured_[i].dv;
+      all.dt += measured(i).dt, all.dtheta += measured(i).dtheta, all.dv += measured(i).dv;
     return all;
   }
 
@@ -51,11 +53,19 @@ class SampleGroup {
   static bool is_alike(double a, double b) { return a <= 2.0 * b && b <= 2.0 * a; }
   static bool is_plausible(const strapdown::Increment& measured) {
     constexpr double longest = 1e3, largest_turn = 1e3, largest_velocity = 1e5;  // s, rad, m/s
-    return measured.dt <= longest && measured.dtheta.norm() <= largest_turn && measured.dv.norm() <= largest_velocity;
+    return measured.dt <= longest && measured.dtheta.squaredNorm() <= largest_turn * largest_turn &&
+           measured.dv.squaredNorm() <= largest_velocity * largest_velocity;
   }
 
-  std::array<const InputSample*, attitude::most_samples> samples_{};
-  std::array<strapdown::Increment, attitude::most_samples> measured_;
+  /// Not made before they are needed: most groups are of one sample.
+  union Increments {
+    Increments() {}
+    std::array<strapdown::Increment, attitude::most_samples> of;
+  };
+  static_assert(std::is_trivially_destructible_v<strapdown::Increment>);
+
+  std::array<const InputSample*, attitude::most_samples> samples_;
+  Increments measured_;
   std::size_t count_ = 0;
 };
 
