@@ -29,6 +29,7 @@
 #include "study/workers.hpp"
 #include "study_results.hpp"
 #include "study_text.hpp"
+#include "table.hpp"
 #include "tune_text.hpp"
 
 namespace binnacle::python {
