@@ -146,6 +146,20 @@ bool is_trusted(const PluginPath& named, const std::vector<fs::path>& folders) {
   return std::ranges::all_of(libraries_in(path), [](const auto& file) { return plugin::is_built_here(file.second); });
 }
 
+/// Unless there is more to say against it; none of its code runs.
+void report_untrusted(const PluginPath& named, Diagnostics& diagnostics) {
+  const auto& [path, origin, pointer] = named;
+  Diagnostics found;
+  std::error_code error;
+  if (fs::is_directory(path, error) || plugin::examine_plugin(path, {}, found))
+    diagnostics.error("B048", origin, pointer,
+                      "'" + path.string() +
+                          "' is not loaded: a config may only name plugins that lie in a trusted folder "
+                          "or were built here; --allow-plugins loads it all the same");
+  else
+    diagnostics.merge(found);
+}
+
 }  // namespace
 
 void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& diagnostics) {
@@ -190,10 +204,7 @@ void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagn
     if (!fs::exists(path, error))
       diagnostics.error("B040", origin, pointer, "there is no plugin file or folder '" + path.string() + "'");
     else if (!is_trusted(named, folders))
-      diagnostics.error("B048", origin, pointer,
-                        "'" + path.string() +
-                            "' is not loaded, since a config may only name plugins that lie in a "
-                            "trusted folder or were built here; if you trust it, say --allow-plugins");
+      report_untrusted(named, diagnostics);
     else if (fs::is_directory(path, error))
       load_folder(path, loading, diagnostics);
     else
