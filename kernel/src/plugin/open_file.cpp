@@ -71,13 +71,14 @@ std::string exposure(const OpenFile& file, const fs::path& path) {
 }
 
 bool is_built_here(const fs::path& path) {
-  const struct stat status = OpenFile(path).status;
+  const OpenFile file(path);
+  const struct stat& status = file.status;
   char now[64];
   std::snprintf(now, sizeof now, "%ju %jd.%09ld", std::uintmax_t{status.st_ino}, std::intmax_t{status.st_ctim.tv_sec},
                 status.st_ctim.tv_nsec);
   std::ifstream note(path.string() + ".built");
   std::string then;
-  return std::getline(note, then) && then == now;
+  return file.failure.empty() && std::getline(note, then) && then == now;
 }
 
 }  // namespace binnacle::internal::plugin
