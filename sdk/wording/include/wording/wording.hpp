@@ -17,7 +17,7 @@ inline std::size_t as_size(int i) { return static_cast<std::size_t>(i); }
 inline std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 /// What a terminal would obey becomes visible: ESC is "\x1b". `kept` stays as it is. Control characters of Unicode count
-/// (C1, two bytes in UTF-8), with which a terminal can be told as much as with ESC.
+/// (C1, two bytes in UTF-8), which a terminal obeys as it does ESC.
 inline std::string visible(std::string_view text, std::string_view kept = "") {
   constexpr const char* digits = "0123456789abcdef";
   std::string safe;
