@@ -179,8 +179,11 @@ TEST_CASE("a relative folder of BINNACLE_PLUGIN_PATH is not searched, and the wh
   good_in(scratch.path);
   fs::create_directory(scratch.path / "inner");
   const fs::path before = fs::current_path();
-  for (const auto& [at, folder] : {std::pair(scratch.path, "."), std::pair(scratch.path / "inner", ".."),
-                                   std::pair(scratch.path / "inner", "../../" + scratch.path.filename().string())}) {
+  const std::vector<std::pair<fs::path, std::string>> cases = {{scratch.path, "."},
+                                                               {scratch.path / "inner", ".."},
+                                                               {scratch.path / "inner",
+                                                                "../../" + scratch.path.filename().string()}};
+  for (const auto& [at, folder] : cases) {
     fs::current_path(at);
     const Variable folders("BINNACLE_PLUGIN_PATH", folder);
     Catalog catalog;
@@ -189,7 +192,7 @@ TEST_CASE("a relative folder of BINNACLE_PLUGIN_PATH is not searched, and the wh
     fs::current_path(before);
     CHECK(catalog.plugins().empty());
     CHECK(
-        diagnostics.text().find("warning[B040]: BINNACLE_PLUGIN_PATH: '" + std::string(folder) +
+        diagnostics.text().find("warning[B040]: BINNACLE_PLUGIN_PATH: '" + folder +
                                 "' is not searched, for it would be another folder wherever this is started; write '" +
                                 scratch.path.string()) == 0);
   }
