@@ -29,8 +29,12 @@ function(binnacle_plugin_link_options target)
   if(NOT (BINNACLE_SANITIZE AND CMAKE_CXX_COMPILER_ID MATCHES "Clang"))
     target_link_options(${target} PRIVATE LINKER:--no-undefined)
   endif()
-  # The loader refuses a plugin that anybody may write, which a umask of 0 would make of it.
-  add_custom_command(TARGET ${target} POST_BUILD COMMAND chmod o-w "$<TARGET_FILE:${target}>" VERBATIM)
+  # The loader refuses a plugin that others may write, which a umask of 0 would make of it; and it lets a config name one
+  # that was built here: FILE.built holds inode and time of change, which no archive can carry along.
+  add_custom_command(TARGET ${target} POST_BUILD
+    COMMAND chmod go-w "$<TARGET_FILE:${target}>"
+    COMMAND sh -c "stat -c '%i %.9Z' \"$1\" >\"$1.built\" || rm -f \"$1.built\"" sh "$<TARGET_FILE:${target}>"
+    VERBATIM)
 endfunction()
 
 # binnacle_add_plugin(NAME SOURCES … [LIBRARIES …])

@@ -42,7 +42,7 @@ std::string budget_text(const Json& summary) {
 }  // namespace
 
 std::string covariance_text(const Json& summary, const study::Study& study, bool has_budget) {
-  const std::string title = study.title().empty() ? "" : study.title() + "\n\n";
+  const std::string title = heading(study.title());
   return title + metrics_text(summary, study) + tables_text(summary, study) + (has_budget ? budget_text(summary) : "");
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "table.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::command {
 
@@ -16,7 +17,7 @@ std::string text_of(const Json& object, const char* key) { return object.at(key)
 /// A double-quoted DOT string; "\n" in it starts a new line.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
-  for (const char c : text) {
+  for (const char c : wording::visible(text, "\n")) {
     if (c == '\n') {
       result += "\\n";
       continue;
@@ -148,7 +149,7 @@ std::string dot_text(const Json& explained) {
       "digraph binnacle {\n  rankdir=LR;\n  node [fontname=\"sans-serif\", fontsize=10];\n"
       "  edge [fontname=\"sans-serif\", fontsize=9];\n";
   if (const std::string title = text_of(explained, "title"); !title.empty())
-    text += "  label=" + quoted(title) + ";\n  labelloc=t;\n";
+    text += "  label=" + quoted(wording::visible(title)) + ";\n  labelloc=t;\n";
   for (const auto& source : explained.at("sources"))
     text += "  " + node("/sources/" + escaped(text_of(source, "name")), two_lines(source), "shape=cylinder");
   for (const auto& transform : explained.at("transforms"))

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -37,8 +39,6 @@ Launch launch() {
   return {};
 }
 
-using Join = study::Team* (*)();
-
 fs::path module() { return fs::read_symlink("/proc/self/exe").parent_path() / "../lib/binnacle/mpi/binnacle_mpi.so"; }
 
 /// One of them reports what is wrong with all.
@@ -51,7 +51,7 @@ fs::path module() { return fs::read_symlink("/proc/self/exe").parent_path() / ".
                   launch.size, why));
 }
 
-Join find_join(const Launch& launch) {
+study::JoinTeam find_join(const Launch& launch) {
   std::error_code error;
   if (!fs::exists(module(), error))
     refuse(launch,
@@ -59,17 +59,31 @@ Join find_join(const Launch& launch) {
   // Open MPI has plugins of its own, which look for its symbols among those of all.
   void* const library = dlopen(module().lexically_normal().c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (!library) refuse(launch, fmt::format("MPI cannot be loaded: {}", dlerror()));
-  const auto join = reinterpret_cast<Join>(dlsym(library, "binnacle_join_team_1"));
+  const auto join = reinterpret_cast<study::JoinTeam>(dlsym(library, "binnacle_join_team_2"));
   if (!join) refuse(launch, fmt::format("'{}' is of another version", module().lexically_normal().string()));
   return join;
 }
 
 }  // namespace
 
-std::unique_ptr<study::Team> join_team() {
+study::Timeouts team_timeouts() {
+  study::Timeouts timeouts;
+  const char* const text = std::getenv("BINNACLE_MPI_TIMEOUT");
+  if (!text || !*text) return timeouts;
+  char* end = nullptr;
+  const double s = std::strtod(text, &end);
+  if (*end || !(s >= 1 && s <= 86400))
+    throw UsageError(fmt::format("BINNACLE_MPI_TIMEOUT takes seconds, from 1 to 86400; found '{}'", text));
+  timeouts.silence = std::chrono::milliseconds(static_cast<long>(1000 * s));
+  timeouts.sign_of_life = std::min(timeouts.sign_of_life, timeouts.silence / 5);
+  return timeouts;
+}
+
+std::unique_ptr<study::Team> join_team(const study::Timeouts& timeouts) {
   const Launch started = launch();
   if (started.size <= 1) return nullptr;
-  std::unique_ptr<study::Team> team(find_join(started)());
+  std::unique_ptr<study::Team> team(
+      find_join(started)(timeouts.silence, [](const char* message) { abandon(message); }));
   if (team->size() != started.size)
     refuse(started, "they do not find each other: they were started by another MPI than this binnacle was built with");
   return team;

@@ -153,6 +153,7 @@ int guarded_main(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ,
               SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is reported like a full disk
+  binnacle::command::keep_command_line(argc, argv);
   binnacle::command::watch_exit();
   return binnacle::command::leave(guarded_main(argc, argv));
 }

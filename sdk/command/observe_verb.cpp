@@ -15,6 +15,7 @@
 #include "score/run.hpp"
 #include "sentinel.hpp"
 #include "step_observers.hpp"
+#include "table.hpp"
 #include "verbs.hpp"
 
 namespace binnacle::command {
@@ -117,7 +118,7 @@ int observe_config(const Options& options) {
   if (options.json)
     print_json({{"filters", filters}});
   else if (!options.quiet)
-    print((composition->title().empty() ? "" : composition->title() + "\n\n") + observability_text(filters));
+    print(heading(composition->title()) + observability_text(filters));
   print_diagnostics(result.failures);
   return result.failures.empty() ? ok : failed;
 }

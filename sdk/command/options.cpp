@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What several verbs share: --var, --set, --variant, and the plugins where there is no config.
+#include <cstdlib>
+
 #include <fmt/format.h>
 
 #include "output.hpp"
@@ -15,6 +17,8 @@ void ConfigOptions::add_to(CLI::App& app) {
   app.add_option("--set", sets_, "Replace a value of the config, by JSON pointer; VALUE is JSON, else text")
       ->type_name("PTR=VALUE")
       ->allow_extra_args(false);
+  app.add_flag("--allow-plugins", allows_plugins_,
+               "Load what the config's \"plugins\" names, wherever it lies: its code runs");
 }
 
 LoadOptions ConfigOptions::load_options() const {
@@ -25,6 +29,7 @@ LoadOptions ConfigOptions::load_options() const {
     options.vars[text.substr(0, at)] = text.substr(at + 1);
   }
   options.sets = sets_;
+  if (allows_plugins_) ::setenv("BINNACLE_ALLOW_PLUGINS", "1", 1);  // for all that this process composes
   return options;
 }
 
@@ -43,7 +48,7 @@ std::string ConfigOptions::as_typed() const {
   if (!variant_.empty()) text += " --variant " + shell_quoted(variant_);
   for (const auto& var : vars_) text += " --var " + shell_quoted(var);
   for (const auto& set : sets_) text += " --set " + shell_quoted(set);
-  return text;
+  return allows_plugins_ ? text + " --allow-plugins" : text;
 }
 
 std::string shell_quoted(const std::string& text) {

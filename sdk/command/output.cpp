@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -9,7 +10,9 @@
 #include <unistd.h>
 
 #include "table.hpp"
+#include "verbs.hpp"
 #include "wording/diagnostics_json.hpp"
+#include "wording/wording.hpp"
 
 namespace binnacle::command {
 
@@ -24,8 +27,11 @@ std::string coloured(const std::string& text, Severity severity) {
   return (severity == Severity::error ? "\x1b[1;31m" : "\x1b[1;33m") + text + "\x1b[0m";
 }
 
+/// Names and titles of a config are anybody's.
+std::string safe(std::string_view text) { return wording::visible(text, "\n\t"); }
+
 std::string line_of(const Diagnostic& diagnostic) {
-  std::string line = to_string(diagnostic);
+  std::string line = safe(to_string(diagnostic));
   if (!has_colour()) return line;
   std::string mark = diagnostic.severity == Severity::error ? "error" : "warning";
   if (!diagnostic.code.empty()) mark += "[" + diagnostic.code + "]";
@@ -44,28 +50,47 @@ std::string count_line(const Diagnostics& diagnostics) {
 
 void to_stderr(const std::string& line) { fmt::print(stderr, "{}\n", line); }
 
+std::string& command_line() {
+  static std::string kept;
+  return kept;
+}
+
 }  // namespace
+
+void keep_command_line(int argc, const char* const* argv) {
+  command_line() = "binnacle";
+  for (int i = 1; i < argc; ++i) command_line() += " " + shell_quoted(argv[i]);
+}
 
 bool stderr_is_terminal() { return isatty(STDERR_FILENO) == 1; }
 
-void print(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+void print(std::string_view text) {
+  const std::string shown = safe(text);
+  std::fwrite(shown.data(), 1, shown.size(), stdout);
+}
 
-void print_json(const Json& json) { print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
+void print_json(const Json& json) {
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
 
 void flush_stdout() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw OutputError("stdout could not be written");
 }
 
 void print_error(const std::string& message) {
-  to_stderr((has_colour() ? coloured("error", Severity::error) : "error") + ": " + message);
+  to_stderr((has_colour() ? coloured("error", Severity::error) : "error") + ": " + safe(message));
 }
 
-void print_note(const std::string& message) { to_stderr("note: " + message); }
+void print_note(const std::string& message) { to_stderr("note: " + safe(message)); }
 
 void print_diagnostics(const Diagnostics& diagnostics) {
   if (diagnostics.empty()) return;
   for (const auto& item : diagnostics.sorted()) to_stderr(line_of(item));
   to_stderr(count_line(diagnostics));
+  const auto is_untrusted = [](const Diagnostic& item) { return item.code == "B048"; };
+  if (std::ranges::any_of(diagnostics.items(), is_untrusted))
+    print_note("to run that code all the same: " + command_line() + " --allow-plugins");
 }
 
 void print_diagnostic(const Diagnostic& diagnostic) { to_stderr(line_of(diagnostic)); }

@@ -31,7 +31,10 @@ class OutputError : public std::runtime_error {
 
 bool stderr_is_terminal();
 
-/// To stdout as it is.
+/// The command as it was typed, which messages repeat with the option that it lacks.
+void keep_command_line(int argc, const char* const* argv);
+
+/// To stdout, control characters but those of lines and tabs made visible.
 void print(std::string_view text);
 void print_json(const Json& json);
 /// Throws OutputError when stdout did not take everything.

@@ -232,10 +232,10 @@ void announce_workers(const Options& options, const study::Team& team, const stu
 }
 
 /// A rank other than 0: does runs and says nothing.
-int serve(study::Team& team, const Options& options, int jobs) {
+int serve(study::Team& team, const Options& options, int jobs, const study::Timeouts& timeouts) {
   watch_signals("rank 0 has what is finished");
   const bool is_complete = study::serve(
-      team, [&options] { return load(options); }, jobs, goes_on);
+      team, [&options] { return load(options); }, jobs, goes_on, timeouts);
   stand_down();
   if (!is_complete) die_of_signal();
   return ok;
@@ -243,13 +243,14 @@ int serve(study::Team& team, const Options& options, int jobs) {
 
 int run_study(const Options& options) {
   const auto begin = Clock::now();
-  const auto team = join_team();
+  const study::Timeouts timeouts = team_timeouts();
+  const auto team = join_team(timeouts);
   const int jobs = options.jobs > 0 ? options.jobs : study::processors(team ? team->size_here() : 1);
-  if (team && team->rank() > 0) return serve(*team, options, jobs);
+  if (team && team->rank() > 0) return serve(*team, options, jobs, timeouts);
   std::optional<study::Coordinator> coordinator;
-  if (team) coordinator.emplace(*team);
+  if (team) coordinator.emplace(*team, timeouts);
   watch_signals(left(options));
-  const auto study = load(options);
+  const auto study = coordinator ? coordinator->load([&options] { return load(options); }) : load(options);
   watch_exit();  // again, now that the plugins are loaded
   study::Results results(study.variants().size(), static_cast<std::size_t>(study.runs()));
   std::optional<Outputs> outputs;
@@ -269,7 +270,9 @@ int run_study(const Options& options) {
     print_error(interruption(options, coordinator.has_value()));
     die_of_signal();
   }
-  coordinator.reset();
+  const bool have_all_left = !coordinator || coordinator->dismiss();
+  if (!have_all_left)
+    print_error("a rank has not come to its end, it or its machine may be stopped; the results are complete");
   const Json figures = study::summarize(study, results);
   Json timed = figures;
   timed["wall_s"] = seconds_since(begin);
@@ -280,7 +283,7 @@ int run_study(const Options& options) {
   else if (!options.quiet)
     print(study_text(timed, study) + study_end_text(timed, study));
   const bool is_lost = options.strict && any_lost(study, results);
-  return tell_failures(options, study, results) == 0 && !is_lost ? ok : failed;
+  return tell_failures(options, study, results) == 0 && !is_lost && have_all_left ? ok : failed;
 }
 
 }  // namespace

@@ -371,7 +371,7 @@ std::string verdict_text(const Json& verdict) {
 }  // namespace
 
 std::string summary_text(const Json& summary, const Composition& composition) {
-  std::string text = composition.title().empty() ? "" : composition.title() + "\n\n";
+  std::string text = heading(composition.title());
   for (const auto& filter : score::filters_of(composition))
     text += filter_text(filter.name, summary.at("filters").at(filter.name), filter) + "\n";
   if (composition.filters().size() > 1 && summary.contains("windows")) text += across_table(summary.at("windows"));

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "wording/wording.hpp"
+
 namespace binnacle::command {
 
 namespace {
@@ -24,6 +26,7 @@ Table::Table(std::string alignment, int indent)
 
 void Table::row(std::vector<std::string> cells) {
   if (cells.size() > alignment_.size()) throw std::logic_error("a row has more cells than the table columns");
+  for (auto& cell : cells) cell = wording::visible(cell);
   rows_.push_back(std::move(cells));
 }
 
@@ -43,6 +46,8 @@ std::string Table::text() const {
   }
   return text;
 }
+
+std::string heading(const std::string& title) { return title.empty() ? "" : wording::visible(title) + "\n\n"; }
 
 std::string joined(const std::vector<std::string>& items, std::string_view separator) {
   return fmt::format("{}", fmt::join(items, separator));

@@ -25,6 +25,9 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// A config's title above a text, in one line; "" where it has none.
+std::string heading(const std::string& title);
+
 /// "a, b, c"
 std::string joined(const std::vector<std::string>& items, std::string_view separator = ", ");
 

@@ -64,7 +64,7 @@ std::string judged_text(const std::string& name, const Json& judged) {
 }  // namespace
 
 std::string tune_text(const Json& result, const tune::Plan& plan) {
-  std::string text = plan.title.empty() ? "" : plan.title + "\n\n";
+  std::string text = heading(plan.title);
   text += parameters_text(result) + "\n";
   for (const auto& open : result.at("undetermined"))
     text += "  not determined: " + open.at("text").get<std::string>() + "\n";

@@ -39,7 +39,7 @@ Verb new_verb(CLI::App& command);
 Verb version_verb(CLI::App& command);
 Verb conform_verb(CLI::App& command);
 
-/// --var and --set, and --variant where one variant of a study is meant.
+/// --var, --set and --allow-plugins, and --variant where one variant of a study is meant.
 class ConfigOptions {
  public:
   void add_to(CLI::App& app);
@@ -54,6 +54,7 @@ class ConfigOptions {
  private:
   std::vector<std::string> vars_, sets_;
   std::string variant_;
+  bool allows_plugins_ = false;
 };
 
 /// A word of a command line, quoted where a shell wants it.

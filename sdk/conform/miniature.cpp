@@ -292,7 +292,11 @@ std::string component_pointer(Role role) {
 }
 
 std::shared_ptr<const Composition> compose(const Trial& trial, const Json& config) {
-  return Composition::parse(config.dump(), trial.scratch / "miniature.json", trial.options);
+  LoadOptions options = trial.options;
+  // Named by the user, not by a config.
+  if (const auto library = config.find("plugins"); library != config.end())
+    options.sets.push_back("/plugins=" + library->dump());
+  return Composition::parse(config.dump(), trial.scratch / "miniature.json", options);
 }
 
 std::shared_ptr<const Composition> compose_example(const Trial& trial) {

@@ -90,8 +90,10 @@ constexpr CodeEntry entries[] = {
     {"B043", "guard warning",
      "The plugin was built with other settings than this program, harmless as far as is known.",
      "Rebuild it if something is odd."},
-    {"B044", "plugin file world-writable", "Everybody could replace the plugin's code, so it is not loaded.",
-     "chmod o-w FILE"},
+    {"B044", "plugin that others could exchange",
+     "Others may write the plugin's file or a folder that it lies in, or own it, and could exchange its code, so it is "
+     "not loaded.",
+     "Do what the message says: chmod, chown, or a copy of your own."},
     {"B045", "plugin failed to register",
      "The plugin's registration threw, or it registers other types than its BINNACLE_TYPES lists.",
      "Report the message to the plugin's author, who corrects the list or deletes it."},
@@ -102,6 +104,9 @@ constexpr CodeEntry entries[] = {
      "may "
      "bring.",
      "Rebuild or remove the file; the message gives the reason."},
+    {"B048", "plugin of a config not trusted",
+     "The config names a plugin that lies in no trusted folder and was not built here. Loading it runs its code.",
+     "If you trust it, repeat the command with --allow-plugins; else do without it, or build it from its source."},
     {"B060", "data file missing", "A file of samples cannot be opened.",
      "Correct the path; \"vars\" and --var are made for the folders of data."},
     {"B061", "truncated or corrupt data", "The file ends in the middle, or its checksum is wrong.",

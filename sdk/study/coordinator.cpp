@@ -51,6 +51,16 @@ std::string quoted_place(const std::string& machine, int rank) {
   throw Error(status, diagnostics);
 }
 
+/// Whether this process itself was stopped since the last look, as a batch system does with all: no other is to blame.
+bool have_stood_still(Clock::time_point& last_look, const Timeouts& timeouts) {
+  const auto now = Clock::now();
+  return now - std::exchange(last_look, now) > timeouts.silence / 2;
+}
+
+std::string silent_for(const Timeouts& timeouts) {
+  return "no message for " + std::to_string(timeouts.silence.count() / 1000) + " s, so it is taken for dead";
+}
+
 Json makings_of(const Study& study) {
   Json makings = Json::object();
   for (const auto& making : study.makings()) makings[making.what] = making.hash;
@@ -179,7 +189,9 @@ std::uint64_t arithmetic_hash() {
 // ---- rank 0
 
 Coordinator::Coordinator(Team& team, Timeouts timeouts)
-    : team_(team), timeouts_(timeouts), ranks_(static_cast<std::size_t>(team.size())) {}
+    : team_(team), timeouts_(timeouts), ranks_(static_cast<std::size_t>(team.size())) {
+  for (Rank& rank : ranks_) rank.last_message = Clock::now();
+}
 
 Coordinator::~Coordinator() { dismiss(); }
 
@@ -187,13 +199,38 @@ std::string Coordinator::name_of(int rank) const {
   return quoted_place(ranks_[static_cast<std::size_t>(rank)].machine, rank);
 }
 
+Study Coordinator::load(const std::function<Study()>& load) {
+  std::optional<Study> study;
+  std::atomic<bool> is_over{false};
+  Thread loading([&] {
+    const Stop over{is_over};
+    study = load();
+  });
+  for (Pause pause; !is_over; std::this_thread::sleep_for(pause.next())) {
+    give_sign_of_life();
+    while (auto message = team_.receive()) {
+      ranks_[static_cast<std::size_t>(message->from)].last_message = Clock::now();
+      early_.push_back(std::move(*message));
+    }
+  }
+  loading.join();
+  return std::move(*study);
+}
+
+void Coordinator::give_sign_of_life() {
+  const auto now = Clock::now();
+  if (now - last_sign_ < timeouts_.sign_of_life) return;
+  last_sign_ = now;
+  for (int rank = 1; rank < team_.size(); ++rank) team_.send(rank, line_of(Json::array({"alive"})));
+}
+
 void Coordinator::take_report(const Study& study, int rank, const std::string& text) {
   const Json message = read_message(text);
+  Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+  entry.last_message = Clock::now();
   if (!is(message, "report")) return;
   const Json& report = message[1];
-  Rank& entry = ranks_[static_cast<std::size_t>(rank)];
   entry.has_reported = true;
-  entry.last_message = Clock::now();
   entry.machine = report.at("machine").get<std::string>();
   entry.jobs = report.at("jobs").get<int>();
   entry.status = report.at("status").get<int>();
@@ -220,17 +257,19 @@ void Coordinator::refuse_troubled() {
 }
 
 bool Coordinator::assemble(const Study& study, const std::function<bool()>& goes_on) {
-  Pause pause;
-  for (int reported = 1; reported < team_.size();) {
+  for (const Message& message : std::exchange(early_, {})) take_report(study, message.from, message.text);
+  const auto have_all_reported = [this] {
+    return std::all_of(ranks_.begin() + 1, ranks_.end(), [](const Rank& rank) { return rank.has_reported; });
+  };
+  for (Pause pause; !have_all_reported();) {
     if (!goes_on()) return false;
-    const auto message = team_.receive();
-    if (!message) {
-      std::this_thread::sleep_for(pause.next());
+    give_sign_of_life();
+    if (const auto message = team_.receive()) {
+      take_report(study, message->from, message->text);
       continue;
     }
-    take_report(study, message->from, message->text);
-    reported = 1 + static_cast<int>(
-                       std::count_if(ranks_.begin(), ranks_.end(), [](const Rank& rank) { return rank.has_reported; }));
+    look_for_silent();
+    std::this_thread::sleep_for(pause.next());
   }
   refuse_troubled();
   return true;
@@ -243,14 +282,15 @@ int Coordinator::threads() const {
 }
 
 void Coordinator::look_for_silent() {
-  const auto now = Clock::now();
+  const bool has_stood_still = have_stood_still(last_look_, timeouts_);
   for (int rank = 1; rank < team_.size(); ++rank) {
-    if (now - ranks_[static_cast<std::size_t>(rank)].last_message < timeouts_.silence) continue;
+    Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+    if (has_stood_still) entry.last_message = last_look_;
+    if (last_look_ - entry.last_message < timeouts_.silence) continue;
     is_over_ = true;  // there is nobody to wait for
-    const auto silence = std::chrono::duration_cast<std::chrono::seconds>(timeouts_.silence);
     fail(1, name_of(rank),
-         "no message for " + std::to_string(silence.count()) +
-             " s, so it is taken for dead; its runs are still to be done");
+         silent_for(timeouts_) +
+             (entry.has_reported ? "; its runs are still to be done" : "; it has not read its study"));
   }
 }
 
@@ -307,6 +347,7 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
         take_in(*message);
         continue;
       }
+      give_sign_of_life();
       look_for_silent();
       std::this_thread::sleep_for(pause.next());
     }
@@ -314,18 +355,19 @@ void Coordinator::carry_out_all(const Study& study, Results& results, int jobs, 
   own.join();
 }
 
-void Coordinator::dismiss() {
-  if (is_over_) return;
+bool Coordinator::dismiss() {
+  if (is_over_) return true;
   is_over_ = true;
   for (int rank = 1; rank < team_.size(); ++rank) team_.send(rank, line_of(Json::array({"over"})));
-  team_.leave();
+  return team_.leave(timeouts_.silence);
 }
 
 // ---- the others
 
-bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::function<bool()>& goes_on,
-           Timeouts timeouts) {
-  std::optional<Study> study;
+namespace {
+
+/// Of a rank that has read its study, or could not.
+Json report_of(const Team& team, int jobs, const std::function<Study()>& load, std::optional<Study>& study) {
   Json report{{"machine", team.machine()}, {"jobs", jobs}, {"status", 0}, {"trouble", ""}};
   try {
     study = load();
@@ -338,46 +380,84 @@ bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::
     report["status"] = 1;
     report["trouble"] = std::string("it cannot read the study: ") + error.what();
   }
-  team.send(0, line_of(Json::array({"report", std::move(report)})));
+  return report;
+}
 
+/// What goes on between a rank and rank 0 while threads of the rank are at work.
+class Correspondence {
+ public:
+  Correspondence(Team& team, WorkQueue& work_queue, Timeouts timeouts)
+      : team_(team), work_queue_(work_queue), timeouts_(timeouts) {}
+
+  /// Takes in what has come and sends what is finished, then waits a little. Throws where rank 0 is silent for too long.
+  void go_on() {
+    while (const auto message = team_.receive()) take_in(read_message(message->text));
+    if (have_stood_still(last_look_, timeouts_)) heard_ = last_look_;
+    if (!is_dismissed_ && last_look_ - heard_ >= timeouts_.silence) fail(1, "rank 0", silent_for(timeouts_));
+    for (auto& text : work_queue_.take_out(pause_.next())) team_.send(0, std::move(text));
+    if (Clock::now() - reported_ < timeouts_.sign_of_life) return;
+    team_.send(0, line_of(Json::array({"alive"})));
+    reported_ = Clock::now();
+  }
+  bool is_dismissed() const { return is_dismissed_; }
+
+ private:
+  void take_in(const Json& message) {
+    pause_.reset();
+    heard_ = Clock::now();
+    is_dismissed_ = is_dismissed_ || is(message, "over");
+    if (!is(message, "runs")) return;
+    for (const auto& batch : message[1])
+      work_queue_.put({batch[0].get<std::vector<std::size_t>>(), batch[1].get<std::size_t>()});
+  }
+
+  Team& team_;
+  WorkQueue& work_queue_;
+  Timeouts timeouts_;
+  Pause pause_;
+  Clock::time_point heard_ = Clock::now(), last_look_ = Clock::now(), reported_ = Clock::now();
+  bool is_dismissed_ = false;
+};
+
+/// At the end of the scope, whatever happens, so that the threads come to theirs.
+struct Close {
+  WorkQueue& work_queue;
+  ~Close() { work_queue.close(); }
+};
+
+}  // namespace
+
+bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::function<bool()>& goes_on,
+           Timeouts timeouts) {
   WorkQueue work_queue;
   std::atomic<bool> is_stopped{false};
   const std::function<bool()> may_go_on = [&] { return !is_stopped && goes_on(); };
-  std::optional<Thread> work;
-  if (study)
-    work.emplace([&] {
-      carry_out_runs(
-          *study, jobs, [&] { return work_queue.take(); },
-          [&](const Batch& batch, std::vector<Figures>&& figures) {
-            Json entries = Json::array();
-            for (std::size_t i = 0; i < figures.size(); ++i)
-              entries.push_back(entry_of({batch.variants[i], batch.run}, figures[i]));
-            work_queue.put_out(line_of(Json::array({"done", std::move(entries)})));
-          },
-          may_go_on);
-    });
-  auto reported = Clock::now();
-  bool is_dismissed = false;
-  Pause pause;
-  while (!is_dismissed && !(work && work->has_thrown()) && goes_on()) {
-    while (const auto message = team.receive()) {
-      pause.reset();
-      const Json json = read_message(message->text);
-      is_dismissed = is_dismissed || is(json, "over");
-      if (is(json, "runs"))
-        for (const auto& batch : json[1])
-          work_queue.put({batch[0].get<std::vector<std::size_t>>(), batch[1].get<std::size_t>()});
-    }
-    for (auto& text : work_queue.take_out(pause.next())) team.send(0, std::move(text));
-    if (Clock::now() - reported < timeouts.sign_of_life) continue;
-    team.send(0, line_of(Json::array({"alive"})));
-    reported = Clock::now();
+  Thread work([&] {
+    std::optional<Study> study;
+    work_queue.put_out(line_of(Json::array({"report", report_of(team, jobs, load, study)})));
+    if (!study) return;
+    carry_out_runs(
+        *study, jobs, [&] { return work_queue.take(); },
+        [&](const Batch& batch, std::vector<Figures>&& figures) {
+          Json entries = Json::array();
+          for (std::size_t i = 0; i < figures.size(); ++i)
+            entries.push_back(entry_of({batch.variants[i], batch.run}, figures[i]));
+          work_queue.put_out(line_of(Json::array({"done", std::move(entries)})));
+        },
+        may_go_on);
+  });
+  Correspondence correspondence(team, work_queue, timeouts);
+  {
+    const Close close{work_queue};
+    const Stop stop{is_stopped};
+    while (!correspondence.is_dismissed() && !work.has_thrown() && goes_on()) correspondence.go_on();
   }
-  is_stopped = true;
-  work_queue.close();
-  if (work) work->join();
-  if (is_dismissed) team.leave();
-  return is_dismissed;
+  work.join();
+  if (correspondence.is_dismissed() && !team.leave(timeouts.silence))
+    fail(1, "a rank",
+         "has not come to its end within " + std::to_string(timeouts.silence.count() / 1000) +
+             " s, it or its machine may be stopped");
+  return correspondence.is_dismissed();
 }
 
 }  // namespace binnacle::study

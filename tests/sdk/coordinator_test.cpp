@@ -23,7 +23,7 @@ struct Office {
   explicit Office(int size) : boxes(static_cast<std::size_t>(size)) {}
   std::mutex mutex;
   std::vector<std::deque<study::Message>> boxes;
-  std::atomic<int> gone{0};
+  std::atomic<int> gone{0}, reports{0};
 };
 
 class Member final : public study::Team {
@@ -35,6 +35,7 @@ class Member final : public study::Team {
   std::string machine() const override { return "box" + std::to_string(rank_); }
   void send(int to, std::string text) override {
     const std::lock_guard lock(office_.mutex);
+    if (text.starts_with(R"(["report")")) ++office_.reports;
     office_.boxes[static_cast<std::size_t>(to)].push_back({rank_, std::move(text)});
   }
   std::optional<study::Message> receive() override {
@@ -45,9 +46,14 @@ class Member final : public study::Team {
     box.pop_front();
     return message;
   }
-  void leave() override {
+  bool leave(std::chrono::milliseconds longest) override {
     ++office_.gone;
-    while (office_.gone < size()) std::this_thread::sleep_for(1ms);
+    const auto begin = std::chrono::steady_clock::now();
+    while (office_.gone < size()) {
+      if (std::chrono::steady_clock::now() - begin > longest) return false;
+      std::this_thread::sleep_for(1ms);
+    }
+    return true;
   }
 
  private:
@@ -179,7 +185,7 @@ TEST_CASE("a rank that falls silent is reported, and what the others did is kept
   const auto begin = std::chrono::steady_clock::now();
   // Reports, and gives no further sign: a killed one that nobody has noticed.
   const Server second(
-      office, 1, [&] { return load(bench); }, [] { return false; });
+      office, 1, [&] { return load(bench); }, [&] { return office.reports == 0; });
   study::Coordinator coordinator(first, {10ms, 300ms});
   REQUIRE(coordinator.assemble(study, always));
   int done = 0;
@@ -193,6 +199,87 @@ TEST_CASE("a rank that falls silent is reported, and what the others did is kept
   CHECK(done >= 1);   // its own; how many is a matter of time
   CHECK(done <= 16);  // less what was handed to the other
   CHECK(std::chrono::steady_clock::now() - begin < 20s);
+}
+
+TEST_CASE("a rank that is stopped before it has read its study is reported") {
+  const Workbench bench;
+  write_drive(bench);
+  const auto study = load(bench);
+  Office office(3);
+  Member first(office, 0);
+  const Server second(office, 1, [&] { return load(bench); });  // of rank 2 nothing comes
+  const auto begin = std::chrono::steady_clock::now();
+  study::Coordinator coordinator(first, {10ms, 1500ms});
+  std::string error;
+  try {
+    coordinator.assemble(study, always);
+  } catch (const binnacle::Error& thrown) {
+    error = thrown.what();
+  }
+  CHECK(error == "rank 2: error: no message for 1 s, so it is taken for dead; it has not read its study");
+  CHECK(std::chrono::steady_clock::now() - begin < 20s);
+  first.send(1, R"(["over"])");
+  office.gone = 2;
+}
+
+TEST_CASE("a rank that takes long to read its study is waited for, and so is rank 0") {
+  const Workbench bench;
+  write_drive(bench);
+  Office office(2);
+  Member first(office, 0);
+  const auto slow = [&] {
+    std::this_thread::sleep_for(3s);
+    return load(bench);
+  };
+  for (const bool is_first_slow : {true, false}) {
+    office.gone = 0;
+    bool was_dismissed = false;
+    std::string error;
+    std::thread second([&] {
+      Member member(office, 1);
+      try {
+        const std::function<study::Study()> quick = [&] { return load(bench); };
+        was_dismissed = study::serve(member, is_first_slow ? quick : slow, 1, always, {10ms, 1500ms});
+      } catch (const binnacle::Error& thrown) {
+        error = thrown.what();
+      }
+    });
+    {
+      study::Coordinator coordinator(first, {10ms, 1500ms});
+      const auto study = coordinator.load([&] { return is_first_slow ? slow() : load(bench); });
+      CHECK(coordinator.assemble(study, always));
+      CHECK(coordinator.dismiss());
+    }
+    second.join();
+    CHECK(was_dismissed);
+    CHECK(error == "");
+  }
+}
+
+TEST_CASE("rank 0 that is stopped is reported by the others, loading and at work") {
+  const Workbench bench;
+  write_drive(bench);
+  for (const bool gets_work : {false, true}) {
+    Office office(2);
+    Member first(office, 0), second(office, 1);
+    if (gets_work) first.send(1, R"(["runs", [[[0], 0]]])");
+    const auto begin = std::chrono::steady_clock::now();
+    std::string error;
+    try {
+      study::serve(second, [&] { return load(bench); }, 1, always, {10ms, 1500ms});
+    } catch (const binnacle::Error& thrown) {
+      error = thrown.what();
+    }
+    CHECK(error == "rank 0: error: no message for 1 s, so it is taken for dead");
+    CHECK(std::chrono::steady_clock::now() - begin < 20s);
+  }
+}
+
+TEST_CASE("a rank that does not leave holds rank 0 up no longer than a time-out") {
+  Office office(2);
+  Member first(office, 0);
+  study::Coordinator coordinator(first, {10ms, 300ms});
+  CHECK_FALSE(coordinator.dismiss());
 }
 
 TEST_CASE("what cannot be entered ends the work of all") {

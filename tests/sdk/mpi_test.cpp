@@ -182,6 +182,46 @@ TEST_CASE("ranks that would not do the same study are refused, and rank 0 says w
   CHECK(wrong.err.find("B003") == wrong.err.rfind("B003"));
 }
 
+TEST_CASE("a rank that is stopped, at whatever moment, ends the study in the stated time with a message") {
+  if (!has_mpi()) return;
+  const Workbench bench;
+  write_drive(bench);
+  for (const int rank : {1, 0})
+    for (const int delay_ms : {0, 100, 200, 300, 500, 800}) {
+      INFO("rank " << rank << " after " << delay_ms << " ms");
+      Start start = mpirun({"-n", "2"});
+      start.environment["BINNACLE_MPI_TIMEOUT"] = "2";
+      Command running(bench, {"study", "drive.json", "--runs", "5000", "--jobs", "1", "--quiet"}, start);
+      int victim = 0;
+      while (running.is_running() && victim == 0) victim = process_of(running.id(), rank);
+      REQUIRE(victim > 0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+      kill(victim, SIGSTOP);
+      const auto begin = std::chrono::steady_clock::now();
+      const auto outcome = running.wait();
+      CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(30));
+      INFO(outcome.err);
+      CHECK(outcome.status != 0);
+      const bool is_named = has(outcome.err, "no message for 2 s, so it is taken for dead");
+      const bool is_joining = has(outcome.err, "error: the ranks have not found each other within 2 s");
+      CHECK((is_named || is_joining));
+      if (is_named) CHECK(has(outcome.err, "rank " + std::to_string(rank)));
+      CHECK_FALSE(is_alive_after_a_while(victim));
+    }
+}
+
+TEST_CASE("a time-out that is no number of seconds is refused") {
+  const Workbench bench;
+  for (const char* text : {"soon", "0", "-1", "nan", "1e9"}) {
+    Start start;
+    start.environment["BINNACLE_MPI_TIMEOUT"] = text;
+    const auto outcome = binnacle::test::binnacle(bench, {"study", "good.json"}, start);
+    CHECK(outcome.status == 2);
+    CHECK(has(outcome.err,
+              std::string("error: BINNACLE_MPI_TIMEOUT takes seconds, from 1 to 86400; found '") + text + "'"));
+  }
+}
+
 TEST_CASE("the Slurm script of the guide carries out a study") {
   if (!has_mpi()) return;
   const Workbench bench;

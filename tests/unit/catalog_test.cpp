@@ -224,13 +224,13 @@ TEST_CASE("the search path: files and folders of the config, then the environmen
   const Scratch scratch;
   fs::copy_file(plugin_at("good"), scratch.path / "good.so");
   std::ofstream(scratch.path / "README") << "no plugin";
-  ::setenv("BINNACLE_PLUGIN_PATH", (scratch.path.string() + "::/nowhere/at/all").c_str(), 1);
+  const Variable path("BINNACLE_PLUGIN_PATH", scratch.path.string() + "::/nowhere/at/all");
+  const Variable allowed("BINNACLE_ALLOW_PLUGINS", "1");
   Catalog catalog;
   Diagnostics diagnostics;
   catalog.load_search_path({{plugin_at("second"), {"c.json", 2, 14}, "/plugins/0"},
                             {"/missing/x.so", {"c.json", 2, 30}, "/plugins/1"}},
                            diagnostics);
-  ::unsetenv("BINNACLE_PLUGIN_PATH");
   REQUIRE(diagnostics.items().size() >= 2);
   CHECK(to_string(diagnostics.items()[0]) ==
         "c.json:2:30: error[B040] /plugins/1: there is no plugin file or folder '/missing/x.so'");
@@ -292,6 +292,7 @@ TEST_CASE("what is wrong with a plugin of the program is refused like that of a 
 
 TEST_CASE("a stale library in a searched folder is a warning, until a type is wanted that it may have", "[catalog]") {
   const Scratch scratch;
+  const Variable allowed("BINNACLE_ALLOW_PLUGINS", "1");
   fs::copy_file(plugin_at("good"), scratch.path / "good.so");
   fs::copy_file(plugin_at("newer"), scratch.path / "newer.so");
   const std::string why = "API minor: host " + std::to_string(abi::api_minor) + ", plugin " +

@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -42,6 +43,13 @@ inline Lines load(const std::string& name) {
   if (diagnostics.has_errors()) CHECK(catalog.types().empty());
   return lines(diagnostics);
 }
+
+/// A variable of the environment, for as long as this lives.
+struct Variable {
+  Variable(const char* name_, const std::string& value) : name(name_) { ::setenv(name, value.c_str(), 1); }
+  ~Variable() { ::unsetenv(name); }
+  const char* name;
+};
 
 /// A folder that is gone with the test.
 struct Scratch {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 #include <system_error>
 #include <tuple>
@@ -27,7 +28,9 @@ const char* role_name(Role role) {
   return names[static_cast<std::size_t>(role)];
 }
 
-std::vector<std::string> exported_symbols(const fs::path& file) { return plugin::inspect_library(file).exported; }
+std::vector<std::string> exported_symbols(const fs::path& file) {
+  return plugin::inspect_library(plugin::OpenFile(file)).exported;
+}
 
 namespace {
 
@@ -68,8 +71,11 @@ void Catalog::add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagn
   plugin::link_plugin(std::move(plugin), plugins_, components_, diagnostics);
 }
 
-void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& diagnostics) {
-  std::vector<std::pair<fs::path, fs::path>> files;  // as it is named, canonical
+namespace {
+
+/// The libraries in a folder, as they are named, and canonical.
+std::vector<std::pair<fs::path, fs::path>> libraries_in(const fs::path& folder) {
+  std::vector<std::pair<fs::path, fs::path>> files;
   std::error_code error;
   const fs::path canonical_folder = fs::canonical(folder, error);
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -82,7 +88,82 @@ void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& 
   }
   // So that messages come in the same order everywhere; as texts, since a path is compared part by part.
   std::ranges::sort(files, {}, [](const auto& file) -> const std::string& { return file.first.native(); });
-  for (const auto& [file, canonical] : files) {
+  return files;
+}
+
+/// Those of BINNACLE_PLUGIN_PATH.
+std::vector<fs::path> folders_of_user(Diagnostics& diagnostics) {
+  const auto warn = [&](const std::string& text) {
+    diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: " + text);
+  };
+  std::vector<fs::path> folders;
+  std::error_code error;
+  const char* named = std::getenv("BINNACLE_PLUGIN_PATH");
+  std::istringstream list(named ? named : "");
+  for (std::string folder; std::getline(list, folder, ':');) {
+    if (folder.empty()) continue;
+    if (fs::path(folder).is_relative())
+      warn("'" + folder + "' is not searched, for it would be another folder wherever this is started; write '" +
+           fs::absolute(folder).lexically_normal().string() + "'");
+    else if (fs::is_directory(folder, error))
+      folders.emplace_back(folder);
+    else
+      warn("there is no folder '" + folder + "'");
+  }
+  return folders;
+}
+
+/// In lib/binnacle beside the program, and beside the library that the kernel may be in.
+std::vector<fs::path> folders_beside() {
+  std::vector<fs::path> folders;
+  const auto add_beside = [&](const fs::path& binary) {
+    folders.push_back((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal());
+  };
+  std::error_code error;
+  const fs::path program = boost::dll::program_location(error);
+  if (!error) add_beside(program);
+  // A relative name would be looked up in whatever folder is the working one now.
+  const fs::path own = boost::dll::symbol_location(role_name, error);
+  if (own.is_absolute() && !fs::equivalent(own, program, error) && !error) add_beside(own);
+  return folders;
+}
+
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const fs::path way = file.lexically_relative(fs::canonical(folder, error));
+  return !error && !way.empty() && *way.begin() != "..";
+}
+
+/// Whether a config may have this loaded: what the command line or the program says, or what lies where plugins are searched
+/// anyway, or was built here.
+bool is_trusted(const PluginPath& named, const std::vector<fs::path>& folders) {
+  const char* const allowed = std::getenv("BINNACLE_ALLOW_PLUGINS");
+  if (named.origin.file.empty() || named.origin.file == "--set" || (allowed && *allowed)) return true;
+  std::error_code error;
+  const fs::path path = fs::canonical(named.path, error);
+  if (std::ranges::any_of(folders, [&](const fs::path& folder) { return is_below(path, folder); })) return true;
+  if (!fs::is_directory(path, error)) return plugin::is_built_here(path);
+  return std::ranges::all_of(libraries_in(path), [](const auto& file) { return plugin::is_built_here(file.second); });
+}
+
+/// Unless there is more to say against it; none of its code runs.
+void report_untrusted(const PluginPath& named, Diagnostics& diagnostics) {
+  const auto& [path, origin, pointer] = named;
+  Diagnostics found;
+  std::error_code error;
+  if (fs::is_directory(path, error) || plugin::examine_plugin(path, {}, found))
+    diagnostics.error("B048", origin, pointer,
+                      "'" + path.string() +
+                          "' is not loaded: a config may only name plugins that lie in a trusted folder "
+                          "or were built here; --allow-plugins loads it all the same");
+  else
+    diagnostics.merge(found);
+}
+
+}  // namespace
+
+void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& diagnostics) {
+  for (const auto& [file, canonical] : libraries_in(folder)) {
     Diagnostics found;
     take(canonical, loading, found);
     note(file, found, diagnostics);
@@ -115,33 +196,24 @@ void Catalog::load_waiting(Diagnostics& diagnostics) {
 
 void Catalog::load_search_path(const std::vector<PluginPath>& from_config, Diagnostics& diagnostics,
                                const std::vector<fs::path>& more_folders, Loading loading) {
+  Diagnostics of_user;
+  std::vector<fs::path> folders = folders_of_user(of_user);
+  // The program may be an interpreter, beside which another installation lies.
+  std::ranges::copy(more_folders.empty() ? folders_beside() : more_folders, std::back_inserter(folders));
   std::error_code error;
-  for (const auto& [path, origin, pointer] : from_config) {
-    if (fs::is_directory(path, error))
-      load_folder(path, loading, diagnostics);
-    else if (fs::exists(path, error))
-      load(path, diagnostics);
-    else
+  for (const PluginPath& named : from_config) {
+    const auto& [path, origin, pointer] = named;
+    if (!fs::exists(path, error))
       diagnostics.error("B040", origin, pointer, "there is no plugin file or folder '" + path.string() + "'");
+    else if (!is_trusted(named, folders))
+      report_untrusted(named, diagnostics);
+    else if (fs::is_directory(path, error))
+      load_folder(path, loading, diagnostics);
+    else
+      load(path, diagnostics);
   }
-  const char* named = std::getenv("BINNACLE_PLUGIN_PATH");
-  std::istringstream folders(named ? named : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (folder.empty()) continue;
-    if (!fs::is_directory(folder, error))
-      diagnostics.warning("B040", {}, "", "BINNACLE_PLUGIN_PATH: there is no folder '" + folder + "'");
-    load_folder(folder, loading, diagnostics);
-  }
-  for (const auto& folder : more_folders) load_folder(folder, loading, diagnostics);
-  if (!more_folders.empty()) return;  // the program may be an interpreter, beside which another installation lies
-  const auto load_beside = [&](const fs::path& binary) {
-    load_folder((binary.parent_path() / ".." / "lib" / "binnacle").lexically_normal(), loading, diagnostics);
-  };
-  const fs::path program = boost::dll::program_location(error);
-  if (!error) load_beside(program);
-  // The kernel may be in a shared library; a relative name would be looked up in whatever folder is the working one now.
-  const fs::path own = boost::dll::symbol_location(role_name, error);
-  if (own.is_absolute() && !fs::equivalent(own, program, error) && !error) load_beside(own);
+  diagnostics.merge(of_user);
+  for (const auto& folder : folders) load_folder(folder, loading, diagnostics);
 }
 
 namespace {
@@ -155,7 +227,7 @@ std::string article(const std::string& noun) {
 
 /// Of the plugin in a library that is not loaded, where its guard can be read.
 std::string name_in(const fs::path& file) {
-  const plugin::LibraryFile library = plugin::inspect_library(file);
+  const plugin::LibraryFile library = plugin::inspect_library(plugin::OpenFile(file));
   return library.guard ? abi::text_of(library.guard->name) : "";
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A plugin's shared library: as a file, before any of its code may run (library_file.cpp); its ABI guard against the
-// host's, field by field (guard.cpp); and loaded (loader.cpp).
+// host's, field by field (guard.cpp); who may change it (open_file.cpp); and loaded (loader.cpp).
 #pragma once
+
+#include <sys/stat.h>
 
 #include <deque>
 #include <filesystem>
@@ -62,11 +64,31 @@ struct LibraryFile {
   std::vector<std::string> exported;  // symbols that other libraries could bind to
   std::optional<abi::Guard> guard;    // as it lies in the file; its unread tail is zero when it is a shorter one
   std::string types;                  // what BINNACLE_TYPES says; "" where there is none
+  bool looks_beside = false;          // $ORIGIN in its run path
 };
+
+/// Opened once, so that what is checked is what is loaded, whatever comes to stand under its name meanwhile.
+struct OpenFile {
+  explicit OpenFile(const std::filesystem::path& file);
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile();
+
+  int id;
+  struct stat status {};
+  std::string failure;  // why it cannot be opened
+};
+
+/// Who else could exchange the file, or a folder that it lies in (a sticky one may be written by all), and the remedy; ""
+/// where nobody could.
+std::string exposure(const OpenFile& file, const std::filesystem::path& path);
+/// Linked on this machine and not changed since: binnacle_add_plugin() leaves inode and time of change in FILE.built, which
+/// no archive can carry along.
+bool is_built_here(const std::filesystem::path& path);
 
 /// Reads the dynamic symbol table, which a stripped library has as well (Boost.DLL's library_info up to 1.8x reads the
 /// static one, and bounds nothing). Never throws for what the file holds.
-LibraryFile inspect_library(const std::filesystem::path& file);
+LibraryFile inspect_library(const OpenFile& file);
 
 /// The plugins that there are already, in several lists.
 using Others = std::initializer_list<const std::vector<PluginInfo>*>;

@@ -2,9 +2,7 @@
 // Reading the guard out of an ELF file (System V ABI, gABI chapters 4 and 5), every offset checked against the file.
 #include <elf.h>
 
-#include <fcntl.h>
 #include <link.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -37,17 +35,8 @@ constexpr const char* damaged = "it is damaged or cut short";
 /// tables of a small library, at once, and what lies elsewhere piece by piece.
 class Reader {
  public:
-  explicit Reader(const char* file) : file_(::open(file, O_RDONLY | O_CLOEXEC)) {
-    struct stat status {};
-    if (file_ >= 0 && ::fstat(file_, &status) == 0 && status.st_size > 0) {
-      size_ = static_cast<std::size_t>(status.st_size);
-      if (!read_file(0, head_.data(), std::min(size_, head_.size()))) size_ = 0;
-    }
-  }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() {
-    if (file_ >= 0) ::close(file_);
+  explicit Reader(const OpenFile& file) : file_(file.id), size_(static_cast<std::size_t>(file.status.st_size)) {
+    if (!read_file(0, head_.data(), std::min(size_, head_.size()))) size_ = 0;
   }
 
   std::size_t size() const { return size_; }
@@ -79,14 +68,14 @@ class Reader {
   }
 
   int file_;
-  std::size_t size_ = 0;
+  std::size_t size_;
   std::array<char, 4096> head_{};
 };
 
 /// The machine that this program was built for is that of its own header.
 Header own_header() {
   Header own{};
-  Reader("/proc/self/exe").read(0, &own, sizeof own);
+  Reader(OpenFile("/proc/self/exe")).read(0, &own, sizeof own);
   return own;
 }
 
@@ -129,10 +118,10 @@ abi::Guard guard_in(const std::string& bytes) {
 
 }  // namespace
 
-LibraryFile inspect_library(const std::filesystem::path& file) {
+LibraryFile inspect_library(const OpenFile& file) {
   LibraryFile result;
   try {
-    const Reader reader(file.c_str());
+    const Reader reader(file);
     const Header header = read_header(reader);
     const auto segments = reader.table<Segment>(header.e_phoff, header.e_phnum * sizeof(Segment));
     const auto sections = reader.table<Section>(header.e_shoff, header.e_shnum * sizeof(Section));
@@ -141,6 +130,8 @@ LibraryFile inspect_library(const std::filesystem::path& file) {
       if (section.sh_link >= sections.size()) throw Unreadable{damaged};
       const Section& texts = sections[section.sh_link];
       const auto names = reader.table<char>(texts.sh_offset, texts.sh_size);
+      const std::string_view all(names.data(), names.size());
+      result.looks_beside = all.find("$ORIGIN") != all.npos || all.find("${ORIGIN}") != all.npos;
       for (const Symbol& symbol : reader.table<Symbol>(section.sh_offset, section.sh_size)) {
         if (!is_exported(symbol) || symbol.st_name >= names.size()) continue;
         const char* start = names.data() + symbol.st_name;

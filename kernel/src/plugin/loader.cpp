@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loading one plugin file, and the library boundary at which what a plugin throws is caught.
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cctype>
 #include <exception>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
-
-#define BOOST_DLL_USE_STD_FS
-#include <boost/dll/shared_library.hpp>
 
 #include "plugin/library.hpp"
 #include "spec/check.hpp"
@@ -34,13 +36,16 @@ std::vector<std::string> words(const std::string& text) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-/// "… (dlerror system message: X)" is X.
-std::string loader_message(const std::string& text) {
-  constexpr std::string_view before = "(dlerror system message: ";
-  const std::size_t start = text.find(before);
-  const std::size_t end = text.rfind(')');
-  if (start == std::string::npos || end == std::string::npos) return text;
-  return text.substr(start + before.size(), end - start - before.size());
+/// Where a library is opened that has passed. The loader knows a library by the name that it was opened under, so the file
+/// stays open for good, lest another get its number; debuggers open that name too, hence the number of this process in it.
+std::string name_for_good(OpenFile& file) {
+  static std::mutex mutex;
+  static auto& files = *new std::map<std::pair<dev_t, ino_t>, int>;
+  const std::lock_guard lock(mutex);
+  const auto [kept, is_new] = files.try_emplace({file.status.st_dev, file.status.st_ino}, file.id);
+  if (is_new) file.id = -1;
+  std::error_code error;
+  return "/proc/" + fs::read_symlink("/proc/self", error).string() + "/fd/" + std::to_string(kept->second);
 }
 
 bool refuse(Diagnostics& diagnostics, const PluginInfo& info, const char* code, std::string text) {
@@ -62,28 +67,32 @@ bool check_name(const PluginInfo& info, Others others, Diagnostics& diagnostics)
 /// Looks at a file none of whose code may run yet. What is wrong goes to the diagnostics; checks say whether it is good.
 class Examination {
  public:
-  Examination(const fs::path& file, Diagnostics& diagnostics) : diagnostics_(diagnostics) { info_.file = file; }
+  Examination(const fs::path& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {
+    info_.file = file;
+  }
 
   std::optional<PluginInfo> outcome(Others others) {
     if (!check_file()) return std::nullopt;
-    const LibraryFile library = inspect_library(info_.file);
+    const LibraryFile library = inspect_library(file_);
     if (!check_exports(library) || !check_guard(*library.guard)) return std::nullopt;
     info_.name = abi::text_of(library.guard->name);
     info_.version = abi::text_of(library.guard->version);
     info_.listed = words(library.types);
+    looks_beside_ = library.looks_beside;
     return check_name(info_, others, diagnostics_) ? std::optional(info_) : std::nullopt;
   }
+  /// A library that looks for others beside itself has to be opened there.
+  std::string loadable_name() { return looks_beside_ ? info_.file.string() : name_for_good(file_); }
 
  private:
   bool check_file() {
-    std::error_code error;
-    const fs::file_status status = fs::status(info_.file, error);
-    if (error) return refuse(diagnostics_, info_, "B040", "the plugin cannot be opened: " + error.message());
-    if (!fs::is_regular_file(status)) return refuse(diagnostics_, info_, "B040", "the plugin is not a file");
-    if ((status.permissions() & fs::perms::others_write) != fs::perms::none)
-      return refuse(diagnostics_, info_, "B044",
-                    "the plugin file is world-writable, so it is not loaded; chmod o-w it");
-    return true;
+    const auto no_file = [&](const std::string& why) {
+      return refuse(diagnostics_, info_, "B040", "the plugin " + why);
+    };
+    if (!file_.failure.empty()) return no_file("cannot be opened: " + file_.failure);
+    if (!S_ISREG(file_.status.st_mode)) return no_file("is not a file");
+    const std::string text = exposure(file_, info_.file);
+    return text.empty() || refuse(diagnostics_, info_, "B044", text);
   }
 
   bool check_exports(const LibraryFile& library) {
@@ -109,7 +118,9 @@ class Examination {
     return is_good;
   }
 
+  OpenFile file_;
   PluginInfo info_;
+  bool looks_beside_ = false;
   Diagnostics& diagnostics_;
 };
 
@@ -122,13 +133,24 @@ class PluginRegistry final : public Registry {
   PluginRegistry(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics)
       : plugins_(plugins), all_types_(types), diagnostics_(diagnostics) {}
 
+  /// Examined again, by the open file that is then loaded: another may lie there by now.
   bool load(const PluginInfo& plugin) {
     info_ = plugin;
+    Diagnostics found;
+    Examination examination(plugin.file, found);
+    const auto now = examination.outcome({});
+    if (!now) return diagnostics_.merge(found), false;
+    if (now->name != plugin.name || now->version != plugin.version || now->listed != plugin.listed)
+      return refuse(diagnostics_, info_, "B045", "the plugin was exchanged while it was being loaded; start again");
     return take_types(register_symbol, [&] {
-      using namespace boost::dll;
-      auto library = std::make_shared<shared_library>(info_.file, load_mode::rtld_now | load_mode::rtld_local);
-      library_ = library;
-      return [library](Registry& registry) { library->get<void(Registry&)>(register_symbol)(registry); };
+      const std::string name = examination.loadable_name();
+      void* const library = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
+      if (!library) {
+        const std::string why = ::dlerror();
+        throw std::runtime_error(why.starts_with(name + ": ") ? why.substr(name.size() + 2) : why);
+      }
+      library_ = std::shared_ptr<void>(library, ::dlclose);
+      return reinterpret_cast<void (*)(Registry&)>(::dlsym(library, register_symbol));
     });
   }
 
@@ -161,7 +183,7 @@ class PluginRegistry final : public Registry {
     try {
       add_types = open();
     } catch (const std::exception& error) {
-      return refuse(diagnostics_, info_, "B045", "the plugin cannot be loaded: " + loader_message(error.what()));
+      return refuse(diagnostics_, info_, "B045", std::string("the plugin cannot be loaded: ") + error.what());
     }
     try {
       add_types(*this);

@@ -29,6 +29,7 @@
 #include "study/workers.hpp"
 #include "study_results.hpp"
 #include "study_text.hpp"
+#include "table.hpp"
 #include "tune_text.hpp"
 
 namespace binnacle::python {
@@ -144,9 +145,8 @@ py::dict observed(const Loaded& loaded, const std::vector<std::string>& texts, s
     result = score::run(loaded.composed(), options);
     if (goes_on()) filters = observability.figures(loaded.path, loaded.options, {seed, run, goes_on});
   });
-  const std::string title = loaded.composed()->title();
   py::dict dict = figures_and_text({{"filters", filters}},
-                                   (title.empty() ? "" : title + "\n\n") + command::observability_text(filters));
+                                   command::heading(loaded.composed()->title()) + command::observability_text(filters));
   dict["warnings"] = to_python(result.warnings);
   dict["failures"] = to_python(result.failures);
   return dict;

@@ -14,10 +14,11 @@
 
 namespace binnacle::study {
 
-/// How soon one side misses the other. mpirun ends a job when a process of it dies; this is for what it cannot see.
+/// How soon one side misses the other. mpirun ends a job when a process of it dies; this is for what it cannot see: one that
+/// is stopped, or a machine that hangs.
 struct Timeouts {
-  std::chrono::milliseconds sign_of_life{5000};  // the others give one at least so often
-  std::chrono::milliseconds silence{60000};      // after which a rank is taken for dead
+  std::chrono::milliseconds sign_of_life{5000};  // each side gives one at least so often, while it loads too
+  std::chrono::milliseconds silence{60000};      // after which the other is taken for dead
 };
 
 class Coordinator {
@@ -28,8 +29,12 @@ class Coordinator {
   Coordinator(const Coordinator&) = delete;
   Coordinator& operator=(const Coordinator&) = delete;
 
+  /// Reads the study of this process, and lets the others know meanwhile that it is alive.
+  Study load(const std::function<Study()>& load);
+
   /// Waits until all have read their study. Throws Error where one could not, or has another study: another config, program
-  /// or plugin, or a processor whose last digits differ. False once `goes_on` says so.
+  /// or plugin, or a processor whose last digits differ; or where one is silent for too long. False once
+  /// `goes_on` says so.
   bool assemble(const Study& study, const std::function<bool()>& goes_on);
 
   /// Of the others, all together.
@@ -40,8 +45,8 @@ class Coordinator {
   void carry_out_all(const Study& study, Results& results, int jobs, const std::function<bool()>& goes_on,
                      const OnRun& on_run);
 
-  /// Lets the others go. Waits for them.
-  void dismiss();
+  /// Lets the others go. Waits for them; false where one has not come to its end.
+  bool dismiss();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -56,16 +61,20 @@ class Coordinator {
   };
   void take_report(const Study& study, int rank, const std::string& text);
   void refuse_troubled();
+  void give_sign_of_life();
   void look_for_silent();
   std::string name_of(int rank) const;
 
   Team& team_;
   Timeouts timeouts_;
   std::vector<Rank> ranks_;
+  std::vector<Message> early_;  // reports of those that were sooner ready
+  Clock::time_point last_sign_ = Clock::now(), last_look_ = Clock::now();
   bool is_over_ = false;
 };
 
-/// What the others do: `load`, then runs until rank 0 dismisses them (true) or `goes_on` says no (false).
+/// What the others do: `load`, then runs until rank 0 dismisses them (true) or `goes_on` says no (false). Throws Error where
+/// rank 0 is silent for too long.
 bool serve(Team& team, const std::function<Study()>& load, int jobs, const std::function<bool()>& goes_on,
            Timeouts timeouts = {});
 

@@ -2,6 +2,7 @@
 // Team: the processes that carry out one study together, as mpirun started them.
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -12,7 +13,7 @@ struct Message {
   std::string text;
 };
 
-/// Passes messages. One thread of a process makes all calls, and none of them waits but leave().
+/// Passes messages. One thread of a process makes all calls, and none of them waits but leave(), which has a limit.
 class Team {
  public:
   virtual ~Team() = default;
@@ -27,8 +28,13 @@ class Team {
   virtual void send(int to, std::string text) = 0;
   /// What arrived, if anything.
   virtual std::optional<Message> receive() = 0;
-  /// Once all have called it, it returns, and all that was sent has arrived.
-  virtual void leave() = 0;
+  /// Once all have called it, it returns, and all that was sent has arrived. False where somebody has not come within
+  /// `longest`.
+  virtual bool leave(std::chrono::milliseconds longest) = 0;
 };
+
+/// What the MPI module exports as binnacle_join_team_2: joins the others. When that, or MPI's own end, takes longer than
+/// `longest`, it calls `give_up`, which ends the process with that message.
+using JoinTeam = Team* (*)(std::chrono::milliseconds longest, void (*give_up)(const char* message));
 
 }  // namespace binnacle::study
