@@ -22,8 +22,15 @@ Reader Reader::operator[](std::string_view key) const {
   Reader member = *this;
   member.key_ = key;
   if (!is_default_) member.pointer_ = join_pointer(pointer_, key);
-  const bool is_there = is_object() && JsonOf::at(*this).contains(key);
-  member.json_ = is_there ? &JsonOf::at(*this).at(member.key_) : nullptr;
+  member.json_ = nullptr;
+  if (!is_object()) return member;
+  const spec::Json& object = JsonOf::at(*this);
+  constexpr std::size_t many = 32;
+  if (object.size() > many && !is_default_) {  // found without a search
+    member.json_ = document_->value(member.pointer_);
+  } else if (const auto found = object.find(member.key_); found != object.end()) {
+    member.json_ = &*found;
+  }
   return member;
 }
 
