@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "base/time_range.hpp"
 #include "config/node.hpp"
 #include "spec/check.hpp"
 
@@ -163,8 +164,9 @@ std::optional<When> Reader::when() const {
     return std::nullopt;
   };
   if (json.is_number()) {
-    if (std::abs(json.get<double>()) < 9.2e9) return When{from_seconds(json.get<double>()), false};
-    return refuse(json.dump() + " s is beyond 292 years");
+    if (std::abs(json.get<double>()) <= seconds(base::farthest_time))
+      return When{from_seconds(json.get<double>()), false};
+    return refuse(json.dump() + " s is beyond " + base::farthest_text);
   }
   if (!json.is_string()) return refuse(shown() + " is no time");
   std::string_view text = json.get_ref<const std::string&>();
