@@ -219,7 +219,8 @@ CellFault parse_number(std::string_view cell, double& value) {
   if (error == std::errc::result_out_of_range) {
     Decimal decimal;
     const bool is_known = parse_decimal(cell, decimal);
-    const bool is_small = is_known ? decimal.exponent < 0 : cell.find("e-") != cell.npos || cell.find("E-") != cell.npos;
+    const bool is_small =
+        is_known ? decimal.exponent < 0 : cell.find("e-") != cell.npos || cell.find("E-") != cell.npos;
     if (!is_small) return CellFault::out_of_range;
     value = *begin == '-' ? -0.0 : 0.0;  // too small for a double
   }

@@ -64,9 +64,10 @@ AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : targ
     // Nobody waits for a reader who may never come.
     file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
     if (file_ < 0 && errno == ENXIO && std::filesystem::is_fifo(status))
-      throw UsageError(fmt::format("cannot write '{}': it is a FIFO that nobody reads from; name a regular file, or start "
-                                   "the reader first",
-                                   target_.string()));
+      throw UsageError(
+          fmt::format("cannot write '{}': it is a FIFO that nobody reads from; name a regular file, or start "
+                      "the reader first",
+                      target_.string()));
   } else {
     open_temporary(temporary);
   }

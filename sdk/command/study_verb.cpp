@@ -172,12 +172,12 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
       const auto& figures = results.at(v, run);
       if (figures.state != study::Figures::State::failed || ++failures > most_shown) continue;
       to_stderr(to_string(Diagnostic{Severity::error,
-                                      "B093",
-                                      {options.config_path, 0, 0},
-                                      "",
-                                      fmt::format("variant '{}', seed {}, run {}: {}; to see it: {}",
-                                                  study.variants()[v].name, study.seed(), run, figures.failure,
-                                                  repeated_by(options, study, study.variants()[v], run))}));
+                                     "B093",
+                                     {options.config_path, 0, 0},
+                                     "",
+                                     fmt::format("variant '{}', seed {}, run {}: {}; to see it: {}",
+                                                 study.variants()[v].name, study.seed(), run, figures.failure,
+                                                 repeated_by(options, study, study.variants()[v], run))}));
     }
   if (failures > 0)
     print_error(fmt::format("{} of {} runs broke{}", failures, study.variants().size() * results.runs(),

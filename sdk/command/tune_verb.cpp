@@ -38,8 +38,7 @@ int tune_config(const Options& options) {
   tune::TuneOptions tuning = options.tune;
   tuning.jobs = options.jobs > 0 ? options.jobs : study::processors();
   tuning.goes_on = [] { return interrupted_by() == 0; };
-  if (!options.quiet && stderr_is_terminal())
-    tuning.on_round = [](const std::string& line) { to_stderr(line); };
+  if (!options.quiet && stderr_is_terminal()) tuning.on_round = [](const std::string& line) { to_stderr(line); };
   Json result;
   try {
     result = tune::tune(plan, tuning);

@@ -81,7 +81,8 @@ constexpr CodeEntry entries[] = {
      "A component found something suspicious in what it was given: a model that fits data poorly, say.",
      "Read the message; `binnacle explain` shows the figures that the component found."},
     {"B033", "too large",
-     "A config is larger than what it may take: 16 MiB and 500 000 values with all that it extends, 10 000 `extends` in chains "
+     "A config is larger than what it may take: 16 MiB and 500 000 values with all that it extends, 10 000 `extends` "
+     "in chains "
      "of 100, 16 MiB of texts made of variables, 1000 members of a section, 2000 error states of a filter.",
      "Read the message; tables belong into files of data, and what differs between runs into a study."},
     {"B040", "plugin file not found", "The plugin is not in any of the folders searched.",

@@ -26,13 +26,14 @@ struct Member;
 
 // ---- what a config may take, whoever wrote it
 
-constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< of a file, and of texts made of variables
-constexpr std::size_t most_values = 500'000;          ///< of a file, and of all that is copied by `extends`
+constexpr std::size_t most_bytes = 16 * 1024 * 1024;     ///< of a file, and of texts made of variables
+constexpr std::size_t most_values = 500'000;             ///< of a file, and of all that is copied by `extends`
 constexpr std::size_t most_pointers = 64 * 1024 * 1024;  ///< bytes of the pointers to all values: keys that are long
-constexpr std::size_t most_extends = 10'000;          ///< that are followed
-constexpr std::size_t deepest_chain = 100;            ///< of `extends`, and of variables made of others
-constexpr const char* too_large = "B033";             ///< the code of an error about one of these
-constexpr const char* pointers_too_long = "its keys are too long: the JSON pointers to its values have more than 64 MiB";
+constexpr std::size_t most_extends = 10'000;             ///< that are followed
+constexpr std::size_t deepest_chain = 100;               ///< of `extends`, and of variables made of others
+constexpr const char* too_large = "B033";                ///< the code of an error about one of these
+constexpr const char* pointers_too_long =
+    "its keys are too long: the JSON pointers to its values have more than 64 MiB";
 
 /// Where the members of a node are, by key: made when there are many and one is looked for. A copy begins anew.
 class KeyIndex {

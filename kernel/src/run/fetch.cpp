@@ -62,7 +62,8 @@ void Runtime::fetch(std::size_t index) {
   if (slot.t == no_time || slot.rows < 0 || slot.rows > slot.max_rows)
     throw fault("B045", "emitted a sample that it did not declare");
   if (!base::is_near(slot.t) || (slot.t0 != no_time && !base::is_near(slot.t0)))
-    throw fault("B062", "emitted a sample at " + time_text(slot.t) + ", more than " + base::farthest_text + " from zero");
+    throw fault("B062",
+                "emitted a sample at " + time_text(slot.t) + ", more than " + base::farthest_text + " from zero");
   const bool may_be_late = source.object->declaration().live;
   if (!may_be_late && previous != no_time && slot.t < previous)
     throw fault("B063", "goes back in time, to " + time_text(slot.t));

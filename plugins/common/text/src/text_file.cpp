@@ -56,7 +56,8 @@ std::FILE* open_file(const std::string& path) {
   if (S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)) return ::fdopen(file, "rb");
   ::close(file);
   throw FileFault(
-      "is no regular file: write what it gives into one first, or read it as it comes, by a source with \"from\"", "B060");
+      "is no regular file: write what it gives into one first, or read it as it comes, by a source with \"from\"",
+      "B060");
 }
 
 }  // namespace

@@ -152,7 +152,9 @@ class LineReader {
   bool refill();
   void pass_blank_lines();
   /// Behind the two thousand millionth line they are not told apart any more.
-  void count_lines(int more) { line_ = more > std::numeric_limits<int>::max() - line_ ? std::numeric_limits<int>::max() : line_ + more; }
+  void count_lines(int more) {
+    line_ = more > std::numeric_limits<int>::max() - line_ ? std::numeric_limits<int>::max() : line_ + more;
+  }
 
   AheadStream stream_;
   std::vector<char> buffer_;  // of which the last eight bytes are never filled
