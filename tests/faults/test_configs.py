@@ -88,7 +88,7 @@ def test_extends_nested_deep_in_each_other(binnacle, bench):
 def test_closed_streams(binnacle, bench, tmp_path, closed):
     bench("c.json", config())
     ended = binnacle("run", "c.json", "--out", "out", "--summary", "s.json", closed=closed)
-    assert ended.status == (5 if 1 in closed else 0)  # what stdout did not take is told by the status
+    assert ended.status == (5 if 1 in closed else 0)  # what stdout did not take is an error
     assert json.loads((tmp_path / "s.json").read_text())["filters"]
     for name in ("summary.json", "config.json"):
         json.loads((tmp_path / "out" / name).read_text())  # nothing else was written into a result
