@@ -231,9 +231,9 @@ void RowReader::note(Time label) {
 /// The first labels behind this row that are others, one after the other; no_time where there are none close by.
 std::pair<Time, Time> RowReader::labels_behind(Time label) {
   constexpr std::size_t near = 16 * 1024;
-  const std::vector<std::string> own(cells_.begin(), cells_.end());
+  own_.assign(cells_.begin(), cells_.end());  // what is looked at ahead may take the place of the line
   std::string_view text = rows_.reader().look_ahead(near);
-  cells_.assign(own.begin(), own.end());
+  cells_.assign(own_.begin(), own_.end());
   std::vector<Time> others;
   std::vector<std::string_view> cells;
   while (!text.empty() && others.size() < 2) {

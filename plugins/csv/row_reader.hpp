@@ -115,6 +115,7 @@ class RowReader {
   Rows rows_;
   std::optional<PlainRows> plain_;
   std::vector<std::string_view> cells_;
+  std::vector<std::string> own_;  // theirs, after a look ahead
   std::vector<double> row_;
   std::string text_;                          // a number with a point for its comma
   std::vector<std::pair<double, int>> keys_;  // of the sample under way, and their lines

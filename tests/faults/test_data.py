@@ -15,9 +15,9 @@ YEAR = 365.25 * DAY
 def run(binnacle, write, tmp_path):
     """Runs a filter of one state over rows of t and b: how it ended, and its summary."""
 
-    def run(rows, head="t,b\n", name="x.csv", end="\n", within=20, kind=None, **source):
-        if rows is not None:
-            write(name, head + "\n".join(rows) + end)
+    def run(lines, head="t,b\n", name="x.csv", end="\n", within=20, kind=None, **source):
+        if lines is not None:
+            write(name, head + "\n".join(lines) + end)
         column = {"column": "b", "unit": "1"} | ({"kind": kind} if kind else {})
         measurement = {"type": "linear_measurement", "channel": "a", "blocks": {"x": "x"}, "sigma": [1]}
         write("c.json", {
