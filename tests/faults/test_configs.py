@@ -147,7 +147,7 @@ def test_a_config_that_nobody_writes_ends_with_sigterm(binnacle, bench, tmp_path
     {"type": "nmea", "path": "pipe"},
     {"type": "ublox", "path": "pipe"},
     {"type": "rtklib_pos", "path": "pipe"},
-    {"type": "rinex_navigation", "path": "pipe"},
+    {"type": "rinex", "observations": "pipe", "navigation": "pipe"},
     {"type": "oxts", "path": "pipe"},
 ], ids=lambda source: source["type"])
 def test_sources_of_a_fifo(binnacle, bench, tmp_path, source):

@@ -63,6 +63,7 @@ void Diagnostics::warning(std::string code, Origin origin, std::string pointer, 
 }
 
 void Diagnostics::merge(const Diagnostics& other) {
+  if (&other == this) return;
   for (const Diagnostic& item : other.items_) add(item);
 }
 
