@@ -217,9 +217,12 @@ CellFault parse_number(std::string_view cell, double& value) {
   const auto [rest, error] = std::from_chars(begin, end, value);
   if (error == std::errc::invalid_argument || rest != end) return CellFault::not_a_number;
   if (error == std::errc::result_out_of_range) {
-    if (cell.find("e-") == std::string_view::npos && cell.find("E-") == std::string_view::npos)
-      return CellFault::out_of_range;
-    value = 0;  // too small for a double
+    Decimal decimal;
+    const bool is_known = parse_decimal(cell, decimal);
+    const bool is_small =
+        is_known ? decimal.exponent < 0 : cell.find("e-") != cell.npos || cell.find("E-") != cell.npos;
+    if (!is_small) return CellFault::out_of_range;
+    value = *begin == '-' ? -0.0 : 0.0;  // too small for a double
   }
   return CellFault::none;
 }

@@ -182,6 +182,9 @@ class Table::Parts {
     }
     width_ = reader->width();
     faults.report(reporter);
+    if (reader->is_cut())
+      reporter.warn("B061", layout_.format.path, reader->line(),
+                    "the last line has no line end: the file may be cut there, and its last number with it");
     if (count_ == 0) require_samples(layout_, reader->progress(), faults.any(), reader->is_done());
   }
 
@@ -215,7 +218,7 @@ class Table::Parts {
     if (gaps_) {
       max_gap_ = *layout_.max_gap;
     } else if (lengths_.count() > 0) {
-      max_gap_ = 10 * lengths_.median(pass);
+      max_gap_ = 10 * std::min(lengths_.median(pass), std::numeric_limits<Time>::max() / 10);
       gaps_.emplace(max_gap_);
       if (!lengths_.collect(*gaps_)) pass([&](const Step& step) { gaps_->add(step); });
     }

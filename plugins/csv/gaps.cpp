@@ -37,7 +37,7 @@ void Gaps::add(const Step& first, std::size_t count) {
   if (count_ == 0 || first.from < first_.from) first_ = first;
   if (first.length > longest_.length) longest_ = first;
   count_ += count;
-  total_ += first.length * static_cast<Time>(count);
+  total_ += first.length * static_cast<Time>(count);  // all of them fit between the first label and the last
 }
 
 std::string Gaps::message() const {

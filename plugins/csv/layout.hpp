@@ -55,6 +55,11 @@ struct Column {
   }
 };
 
+/// Labels and times are at most this far from zero: then every difference of two of them is a number.
+constexpr Time farthest_time = (Time{1} << 62) - 1;  // 146 years
+
+constexpr bool is_near(Time t) { return t >= -farthest_time && t <= farthest_time; }
+
 enum class OnInvalid { error, skip };
 
 /// Consecutive lines with one label are the rows of one sample.

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "cells.hpp"
 
@@ -124,7 +125,7 @@ void PlainRows::take(text_file::LineReader& reader, Progress& progress, Block& b
   while (at != end && block.size() < most) {
     Time label = 0, t = 0;
     const char* const next = read_row(at, label);
-    if (!next || __builtin_add_overflow(label, layout_.time_offset, &t)) break;
+    if (!next || !is_near(label) || __builtin_add_overflow(label, layout_.time_offset, &t) || !is_near(t)) break;
     if ((progress.last_label != no_time && label <= progress.last_label) || t > layout_.to) break;
     if (t >= layout_.from) {
       if (layout_.local && !layout_.local->turn(row_)) break;
@@ -135,7 +136,7 @@ void PlainRows::take(text_file::LineReader& reader, Progress& progress, Block& b
     }
     if (progress.label_min == no_time) progress.label_min = label;
     progress.label_max = std::max(progress.label_max, label);
-    progress.last_label = label;
+    progress.before_label = std::exchange(progress.last_label, label);
     ++progress.rows;
     at = next;
     ++lines;

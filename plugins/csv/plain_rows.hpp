@@ -15,9 +15,10 @@ namespace binnacle::csv {
 
 /// What has been read.
 struct Progress {
-  Time last_label = no_time;  // before the offset
-  Time last_time = no_time;   // of a sample
-  Time label_min = no_time;   // of all labels, good rows or not; no_time: there were none
+  Time last_label = no_time;    // before the offset
+  Time before_label = no_time;  // the one before that, as far as it is known
+  Time last_time = no_time;     // of a sample
+  Time label_min = no_time;     // of all labels, good rows or not; no_time: there were none
   Time label_max = std::numeric_limits<Time>::min();
   std::size_t rows = 0;  // good ones
 };

@@ -44,6 +44,10 @@ bool is_missing(const Missing& missing, std::string_view cell, CellFault fault, 
   return std::find(missing.numbers.begin(), missing.numbers.end(), value) != missing.numbers.end();
 }
 
+RowFault far_ahead(Time label) {
+  return {"B063", "time jumps ahead to " + time_text(label) + ", and back: the rows behind go on before it"};
+}
+
 }  // namespace
 
 std::string count_of(std::size_t count, const char* thing) {
@@ -60,15 +64,18 @@ bool Rows::next(std::vector<std::string_view>& cells) {
   return false;
 }
 
+bool Rows::take(std::string_view line, std::vector<std::string_view>& cells) const {
+  const std::size_t start = line.find_first_not_of(" \t");
+  if (start == std::string_view::npos) return false;
+  if (!format_.comment.empty() && line.compare(start, format_.comment.size(), format_.comment) == 0) return false;
+  split(line, format_.delimiter, cells);
+  return true;
+}
+
 bool Rows::any(std::vector<std::string_view>& cells) {
   std::string_view line;
-  while (reader_.next(line)) {
-    const std::size_t start = line.find_first_not_of(" \t");
-    if (start == std::string_view::npos) continue;
-    if (!format_.comment.empty() && line.compare(start, format_.comment.size(), format_.comment) == 0) continue;
-    split(line, format_.delimiter, cells);
-    return true;
-  }
+  while (reader_.next_filled(line))
+    if (take(line, cells)) return true;
   return false;
 }
 
@@ -79,6 +86,7 @@ RowReader::RowReader(const Layout& layout, const Limits& limits, const Standing&
       rows_(layout.format, from.place, places, limits.window),
       row_(layout.columns.size()),
       width_(width),
+      is_skipping_(layout.on_invalid == OnInvalid::skip),
       is_started_(from.place.offset > 0 || !layout.format.has_header) {
   progress_.last_label = from.last_label;
   progress_.last_time = from.last_time;
@@ -101,7 +109,9 @@ bool RowReader::fill(Block& block, std::size_t most) {
     begin_sample(block, std::exchange(pending_.t, no_time));
     block.values.insert(block.values.end(), row_.begin(), row_.end());
   }
-  const auto wants_more = [&] { return !at_end_ && pending_.t == no_time && (layout_.rows || block.size() < most); };
+  // The last sample of a block is one for sure when the next one follows.
+  const bool reads_on = layout_.rows || is_skipping_;
+  const auto wants_more = [&] { return !at_end_ && pending_.t == no_time && (reads_on || block.size() < most); };
   while (wants_more()) {
     if (!plain_ && width_ > 0 && PlainRows::suit(layout_)) plain_.emplace(layout_, width_);
     if (plain_) plain_->take(rows_.reader(), progress_, block, most);
@@ -111,7 +121,7 @@ bool RowReader::fill(Block& block, std::size_t most) {
 }
 
 void RowReader::take_line(Block& block, std::size_t most) {
-  if (layout_.rows) before_ = standing();
+  if (layout_.rows || is_skipping_) before_ = standing();
   if (!rows_.next(cells_)) {
     at_end_ = true;
     return;
@@ -135,21 +145,22 @@ RowFault RowReader::take_row(Block& block, std::size_t most) {
                                                    : "first row") +
                         " has " + std::to_string(width_)};
   Time label = 0;
-  if (RowFault fault = take_time(label)) return fault;
+  if (RowFault fault = take_time(block, label)) return fault;
   const Time t = label + layout_.time_offset;
   if (t > layout_.to) {
+    if (is_skipping_ && is_far_ahead(label)) return far_ahead(label);
     is_done_ = true;
     return {};
   }
   if (t < layout_.from) {
-    progress_.last_label = label;
+    note(label);
     return {};
   }
   if (RowFault fault = take_values()) return fault;
   const bool continues = layout_.rows && block.size() > 0 && block.times.back() == t;
   if (layout_.rows)
     if (RowFault fault = take_row_of(t, continues)) return fault;
-  progress_.last_label = label;
+  note(label);
   if (!continues && block.size() == most) {
     pending_ = {before_, t, line_};
     return {};
@@ -183,24 +194,25 @@ RowFault RowReader::take_row_of(Time t, bool continues) {
   return {};
 }
 
-RowFault RowReader::read_label(Time& label) {
-  const std::string_view cell = cells_[layout_.time.index];
+RowFault RowReader::read_label(const std::vector<std::string_view>& cells, Time& label) {
+  const std::string_view cell = cells[layout_.time.index];
   const bool has_comma = layout_.format.has_decimal_comma;
   CellFault fault = CellFault::none;
   if (layout_.calendar) {
     const CalendarTime& calendar = *layout_.calendar;
     const bool is_number = calendar.form == CalendarTime::Form::week_and_seconds;
     std::string flaw = calendar.read(is_number && has_comma ? with_point(cell) : cell, layout_.time.name,
-                                     cells_[calendar.other], layout_.time_unit, label);
+                                     cells[calendar.other], layout_.time_unit, label);
     if (!flaw.empty()) return {"B062", std::move(flaw)};
   } else {
     fault = parse_time(has_comma ? with_point(cell) : cell, layout_.time_unit, label);
   }
   Time shifted = 0;
-  if (fault == CellFault::none && __builtin_add_overflow(label, layout_.time_offset, &shifted))
+  if (fault == CellFault::none &&
+      (!is_near(label) || __builtin_add_overflow(label, layout_.time_offset, &shifted) || !is_near(shifted)))
     fault = CellFault::out_of_range;
   if (fault != CellFault::none)
-    return {"B062", "time column '" + layout_.time.name + "'" + describe(fault, cell, "+-292 years")};
+    return {"B062", "time column '" + layout_.time.name + "'" + describe(fault, cell, "+-146 years")};
   return {};
 }
 
@@ -212,11 +224,68 @@ std::string_view RowReader::with_point(std::string_view cell) {
   return text_;
 }
 
-RowFault RowReader::take_time(Time& label) {
-  if (RowFault fault = read_label(label)) return fault;
+void RowReader::note(Time label) {
+  if (label != progress_.last_label) progress_.before_label = std::exchange(progress_.last_label, label);
+}
+
+/// The first labels behind this row that are others, one after the other; no_time where there are none close by.
+std::pair<Time, Time> RowReader::labels_behind(Time label) {
+  constexpr std::size_t near = 16 * 1024;
+  own_.assign(cells_.begin(), cells_.end());  // what is looked at ahead may take the place of the line
+  std::string_view text = rows_.reader().look_ahead(near);
+  cells_.assign(own_.begin(), own_.end());
+  std::vector<Time> others;
+  std::vector<std::string_view> cells;
+  while (!text.empty() && others.size() < 2) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    Time next = 0;
+    if (!rows_.take(line, cells) || cells.size() != width_) continue;
+    if (layout_.format.where && !is_chosen(*layout_.format.where, cells)) continue;
+    if (read_label(cells, next) || next == (others.empty() ? label : others.back())) continue;
+    others.push_back(next);
+  }
+  others.resize(2, no_time);
+  return {others[0], others[1]};
+}
+
+/// Of a label behind the window: the rows go on before it.
+bool RowReader::is_far_ahead(Time label) {
+  const auto [next, second] = labels_behind(label);
+  return next != no_time && second != no_time && next < second && second < label &&
+         (progress_.last_label == no_time || next > progress_.last_label);
+}
+
+/// The label is before the last one: if two rows go on where the last one jumped ahead, it is that one which is left out.
+bool RowReader::takes_back_last(Block& block, Time label) {
+  const Time last = progress_.last_label, before = progress_.before_label;
+  const Time next = labels_behind(label).first;
+  if (next == no_time || next <= label || next > last || (before != no_time && label <= before)) return false;
+  const Time t = last + layout_.time_offset;
+  const bool is_here = block.size() > 0 && block.times.back() == t;
+  if (!is_here && t >= layout_.from) return false;
+  if (is_here) {
+    const std::size_t row = block.row_begin(block.size() - 1);
+    const std::size_t rows = block.values.size() / row_.size() - row;
+    for (std::size_t i = 0; i < rows; ++i) faults_.refuse(far_ahead(last), block.lines.back());
+    progress_.rows -= rows;
+    block.values.resize(row * row_.size());
+    block.times.pop_back();
+    block.lines.pop_back();
+    if (!block.begins.empty()) block.begins.pop_back();
+    progress_.last_time = block.size() > 0 ? block.times.back() : block.before;
+  }
+  progress_.last_label = before;
+  progress_.before_label = no_time;
+  return true;
+}
+
+RowFault RowReader::take_time(Block& block, Time& label) {
+  if (RowFault fault = read_label(cells_, label)) return fault;
   if (progress_.label_min == no_time) progress_.label_min = label;
   progress_.label_max = std::max(progress_.label_max, label);
-  if (progress_.last_label != no_time && (layout_.rows ? label < progress_.last_label : label <= progress_.last_label))
+  const bool is_back = label < progress_.last_label && !(is_skipping_ && takes_back_last(block, label));
+  if (progress_.last_label != no_time && (is_back || (!layout_.rows && label == progress_.last_label)))
     return {"B063", std::string(layout_.rows ? "time goes back: " : "time does not increase: ") + time_text(label) +
                         " after " + time_text(progress_.last_label)};
   return {};

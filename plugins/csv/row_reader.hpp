@@ -49,9 +49,12 @@ class Rows {
       : format_(format), reader_(format.path, from, places, window) {}
 
   bool next(std::vector<std::string_view>& cells);
+  /// Whether it is a row; then its cells.
+  bool take(std::string_view line, std::vector<std::string_view>& cells) const;
   /// Of whatever kind: the header.
   bool any(std::vector<std::string_view>& cells);
   int line() const { return reader_.line(); }
+  bool is_cut() const { return reader_.is_cut(); }
   text_file::Place place() const { return reader_.place(); }
   text_file::LineReader& reader() { return reader_; }
 
@@ -79,9 +82,12 @@ class RowReader {
   Standing standing() const;
 
   std::size_t width() const { return width_; }
+  int line() const { return rows_.line(); }
   const Progress& progress() const { return progress_; }
   /// The window has ended before the file.
   bool is_done() const { return is_done_; }
+  /// The last line of the file, which was read, has no end: it may be cut.
+  bool is_cut() const { return rows_.is_cut(); }
 
  private:
   /// A row of a sample that has no place in the block any more.
@@ -95,16 +101,21 @@ class RowReader {
   RowFault take_row(Block& block, std::size_t most);
   RowFault take_row_of(Time t, bool continues);
   void begin_sample(Block& block, Time t);
-  RowFault read_label(Time& label);
+  RowFault read_label(const std::vector<std::string_view>& cells, Time& label);
   std::string_view with_point(std::string_view cell);
-  RowFault take_time(Time& label);
+  RowFault take_time(Block& block, Time& label);
   RowFault take_values();
+  void note(Time label);
+  bool takes_back_last(Block& block, Time label);
+  bool is_far_ahead(Time label);
+  std::pair<Time, Time> labels_behind(Time label);
 
   const Layout& layout_;
   RowFaults& faults_;
   Rows rows_;
   std::optional<PlainRows> plain_;
   std::vector<std::string_view> cells_;
+  std::vector<std::string> own_;  // theirs, after a look ahead
   std::vector<double> row_;
   std::string text_;                          // a number with a point for its comma
   std::vector<std::pair<double, int>> keys_;  // of the sample under way, and their lines
@@ -113,6 +124,7 @@ class RowReader {
   Pending pending_;  // t == no_time: nothing is
   std::size_t width_;
   int line_ = 0;
+  bool is_skipping_;  // rows with faults
   bool is_started_;
   bool is_done_ = false;
   bool at_end_ = false;

@@ -165,7 +165,7 @@ void NmeaSource::read_file(Reporter& reporter) {
   Decoder decoder(clock_, options_);
   Faults faults(path_);
   text_file::LineReader reader(path_);
-  for (std::string_view line; reader.next(line);) {
+  for (std::string_view line; reader.next_filled(line);) {
     const Outcome outcome = decoder.take(line, epochs_);
     if (outcome == Outcome::used || outcome == Outcome::ignored) continue;
     if (stops_on_error_)

@@ -85,7 +85,7 @@ class NavigationReader {
  private:
   bool read_header(text_file::LineReader& reader) {
     std::string_view line;
-    while (reader.next(line)) {
+    while (reader.next_filled(line)) {
       const auto name = label(line);
       if (name == "END OF HEADER") {
         finish_klobuchar();
@@ -126,10 +126,10 @@ class NavigationReader {
 
   void read_records(text_file::LineReader& reader) {
     std::string_view line;
-    bool has_line = reader.next(line);
+    bool has_line = reader.next_filled(line);
     while (has_line) {
       if (trimmed(line).empty()) {
-        has_line = reader.next(line);
+        has_line = reader.next_filled(line);
         continue;
       }
       const std::string first(line);
@@ -137,12 +137,12 @@ class NavigationReader {
       if (!begins_record(first)) {
         faults_.add("B062", first_line, "line",
                     "a message begins with its satellite; '" + first.substr(0, 20) + "' does not");
-        while ((has_line = reader.next(line)) && !begins_record(line)) {
+        while ((has_line = reader.next_filled(line)) && !begins_record(line)) {
         }
         continue;
       }
       std::vector<std::string> rest;
-      while ((has_line = reader.next(line)) && !begins_record(line))
+      while ((has_line = reader.next_filled(line)) && !begins_record(line))
         if (!trimmed(line).empty()) rest.emplace_back(line);
       take_record(first, first_line, rest, !has_line);
     }

@@ -92,7 +92,7 @@ void PosSource::peek() {
   try {
     text_file::LineReader reader(path_);
     Header header;
-    for (std::string_view line; reader.next(line);) {
+    for (std::string_view line; reader.next_filled(line);) {
       if (is_blank(line)) continue;
       if (!is_comment(line)) {
         if (!header.layout() && !stated_)
@@ -188,7 +188,7 @@ void PosSource::read_file(text_file::Faults& faults, Reporter& reporter) {
   try {
     text_file::LineReader reader(path_);
     Header header;
-    for (std::string_view line; reader.next(line);) try {
+    for (std::string_view line; reader.next_filled(line);) try {
         auto solution = take(line, header);
         if (!solution) continue;
         if (solution->quality == 0) {

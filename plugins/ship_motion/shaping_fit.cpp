@@ -7,6 +7,8 @@
 #include <numeric>
 #include <vector>
 
+#include "binnacle/parameters.hpp"
+
 namespace binnacle::ship_motion {
 
 namespace {
@@ -75,6 +77,9 @@ ShapingFit fit_seen(int order, const Spectrum& given, double variance,
                     const std::function<Eigen::VectorXd(const ShapingFilter&)>& seen) {
   const double sigma = std::sqrt(variance), last = given.omega[given.omega.size() - 1];
   const double power = (given.density.array().square() * given.width.array()).sum();
+  if (!std::isnormal(power) || !std::isnormal(variance) || !std::isfinite(given.moment(1)))
+    throw ComponentError("what is to be fitted is too small or too large for numbers: its power is out of their range",
+                         "/fit");
   const Cost cost = [&](const Eigen::VectorXd& x) {
     const ShapingFilter filter = filter_of(x, sigma);
     if (!is_sensible(filter, last)) return 1e6;
@@ -94,6 +99,8 @@ ShapingFit fit_seen(int order, const Spectrum& given, double variance,
         Vertex found = descended(cost, start);
         if (found.cost < best.cost) best = std::move(found);
       }
+  if (!std::isfinite(best.cost))
+    throw ComponentError("nothing fits: no beginning has a misfit that is a number", "/fit");
   best = descended(cost, best.x);
 
   ShapingFit result;

@@ -8,10 +8,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "interrupt.hpp"
 #include "output.hpp"
 
 namespace binnacle::command {
@@ -59,10 +61,17 @@ AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : targ
   is_direct_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   if (is_direct_ && temporary == Temporary::named)
     throw UsageError(fmt::format("cannot write '{}': it is no regular file", target_.string()));
-  if (is_direct_)
-    file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-  else
+  if (is_direct_) {
+    // Nobody waits for a reader who may never come.
+    file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file_ < 0 && errno == ENXIO && std::filesystem::is_fifo(status))
+      throw UsageError(
+          fmt::format("cannot write '{}': it is a FIFO that nobody reads from; name a regular file, or start "
+                      "the reader first",
+                      target_.string()));
+  } else {
     open_temporary(temporary);
+  }
   if (file_ < 0) throw UsageError(fmt::format("cannot write '{}': {}", target_.string(), std::strerror(errno)));
   buffer_.reserve(buffer_size);
 }
@@ -92,10 +101,22 @@ void AtomicFile::fail(const std::string& why) const {
   throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, remedy));
 }
 
+/// Of a pipe that is full, until a signal asks to stop.
+void AtomicFile::wait_for_reader() const {
+  constexpr int look_again = 100;  // ms
+  pollfd pipe{file_, POLLOUT, 0};
+  if (interrupted_by() != 0) fail("interrupted, and its reader does not read");
+  ::poll(&pipe, 1, look_again);
+}
+
 void AtomicFile::write_through(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     const auto written = ::write(file_, text.data() + at, text.size() - at);
     if (written < 0 && errno == EINTR) continue;
+    if (written < 0 && errno == EAGAIN) {
+      wait_for_reader();
+      continue;
+    }
     if (written <= 0) fail(std::strerror(errno));
     at += static_cast<std::size_t>(written);
   }

@@ -14,7 +14,7 @@ namespace binnacle::command {
 /// Written beside its final place and moved there by commit(). Where the file system can (O_TMPFILE of Linux) it has no
 /// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-PID" that the
 /// destructor removes, or Unfinished::remove_all() where there is no destructor. What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its
-/// file.
+/// file; a FIFO needs a reader, and one that does not read is waited for until a signal asks to stop.
 class AtomicFile {
  public:
   /// `named`: for a library that opens the file itself, by path(). A killed process leaves the hidden name behind; the
@@ -45,6 +45,7 @@ class AtomicFile {
   void open_temporary(Temporary temporary);
   void flush();
   void write_through(std::string_view text);
+  void wait_for_reader() const;
 
   std::filesystem::path target_;
   std::filesystem::path temporary_;

@@ -151,6 +151,7 @@ int guarded_main(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  binnacle::command::hold_standard_streams();
   std::signal(SIGXFSZ,
               SIG_IGN);  // a write that goes beyond the limit fails with EFBIG, and is reported like a full disk
   binnacle::command::keep_command_line(argc, argv);

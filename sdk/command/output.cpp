@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -48,14 +49,24 @@ std::string count_line(const Diagnostics& diagnostics) {
   return line;
 }
 
-void to_stderr(const std::string& line) { fmt::print(stderr, "{}\n", line); }
-
 std::string& command_line() {
   static std::string kept;
   return kept;
 }
 
 }  // namespace
+
+void hold_standard_streams() {
+  // The lowest number that is free is the one that was found closed. Without /dev/null there is nothing to be done.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDONLY) != stream) return;
+}
+
+void to_stderr(std::string_view line, bool is_whole) {
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  if (is_whole) std::fputc('\n', stderr);
+  std::fflush(stderr);
+}
 
 void keep_command_line(int argc, const char* const* argv) {
   command_line() = "binnacle";

@@ -29,7 +29,13 @@ class OutputError : public std::runtime_error {
   explicit OutputError(const std::string& message) : std::runtime_error(message) {}
 };
 
+/// First of all: a standard stream that is closed is held open, on /dev/null for reading, so that no file of results is given
+/// its number. What is printed on it fails as before.
+void hold_standard_streams();
+
 bool stderr_is_terminal();
+/// A line, or with `is_whole` false a part of one. Where nobody can read it nothing else is lost: what fails is no error.
+void to_stderr(std::string_view line, bool is_whole = true);
 
 /// The command as it was typed, which messages repeat with the option that it lacks.
 void keep_command_line(int argc, const char* const* argv);

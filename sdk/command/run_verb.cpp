@@ -55,7 +55,7 @@ class ProgressLine {
   explicit ProgressLine(bool is_shown) : is_shown_(is_shown) {}
   ~ProgressLine() { clear(); }
   void clear() {
-    if (std::exchange(is_drawn_, false)) fmt::print(stderr, "\r\x1b[K");
+    if (std::exchange(is_drawn_, false)) to_stderr("\r\x1b[K", false);
   }
   void show(Time t) {
     if (!is_shown_) return;
@@ -69,8 +69,7 @@ class ProgressLine {
     is_drawn_ = true;
     const double wall = std::chrono::duration<double>(now - begin_).count();
     const double speed = wall > 0 ? seconds(t - first_) / wall : 0;
-    fmt::print(stderr, "\r{:.1f} s of data, {:.0f} x real time\x1b[K", seconds(t - first_), speed);
-    std::fflush(stderr);
+    to_stderr(fmt::format("\r{:.1f} s of data, {:.0f} x real time\x1b[K", seconds(t - first_), speed), false);
   }
 
  private:
@@ -232,7 +231,7 @@ std::unique_ptr<live::RunPage> served_page(const Options& options, const Composi
   try {
     auto page = std::make_unique<live::RunPage>(*options.page, Json::parse(composition.config()),
                                                 provenance_of(options, composition));
-    fmt::print(stderr, "page: {}\n", page->url());
+    to_stderr("page: " + page->url());
     return page;
   } catch (const live::AddressError& error) {
     throw UsageError(error.what());

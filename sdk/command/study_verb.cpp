@@ -64,7 +64,7 @@ class ProgressLine {
   ProgressLine(bool is_shown, std::size_t done, std::size_t all)
       : is_shown_(is_shown), done_(done), first_(done), all_(all) {}
   ~ProgressLine() {
-    if (is_drawn_) fmt::print(stderr, "\r\x1b[K");
+    if (is_drawn_) to_stderr("\r\x1b[K", false);
   }
   void add(bool has_failed) {
     ++done_;
@@ -74,10 +74,10 @@ class ProgressLine {
     drawn_ = now;
     is_drawn_ = true;
     const double per_run = seconds_since(begin_) / static_cast<double>(done_ - first_);
-    fmt::print(stderr, "\r{} of {} runs{}, {} left\x1b[K", done_, all_,
-               failed_ ? fmt::format(", {} broke", failed_) : "",
-               time_left(per_run * static_cast<double>(all_ - done_)));
-    std::fflush(stderr);
+    to_stderr(fmt::format("\r{} of {} runs{}, {} left\x1b[K", done_, all_,
+                          failed_ ? fmt::format(", {} broke", failed_) : "",
+                          time_left(per_run * static_cast<double>(all_ - done_))),
+              false);
   }
   std::size_t done() const { return done_; }
 
@@ -171,14 +171,13 @@ std::size_t tell_failures(const Options& options, const study::Study& study, con
     for (std::size_t run = 0; run < results.runs(); ++run) {
       const auto& figures = results.at(v, run);
       if (figures.state != study::Figures::State::failed || ++failures > most_shown) continue;
-      fmt::print(stderr, "{}\n",
-                 to_string(Diagnostic{Severity::error,
-                                      "B093",
-                                      {options.config_path, 0, 0},
-                                      "",
-                                      fmt::format("variant '{}', seed {}, run {}: {}; to see it: {}",
-                                                  study.variants()[v].name, study.seed(), run, figures.failure,
-                                                  repeated_by(options, study, study.variants()[v], run))}));
+      to_stderr(to_string(Diagnostic{Severity::error,
+                                     "B093",
+                                     {options.config_path, 0, 0},
+                                     "",
+                                     fmt::format("variant '{}', seed {}, run {}: {}; to see it: {}",
+                                                 study.variants()[v].name, study.seed(), run, figures.failure,
+                                                 repeated_by(options, study, study.variants()[v], run))}));
     }
   if (failures > 0)
     print_error(fmt::format("{} of {} runs broke{}", failures, study.variants().size() * results.runs(),
@@ -194,7 +193,7 @@ bool carry_out(const study::Study& study, study::Results& results, Outputs& outp
   const std::size_t restored = outputs.journal ? outputs.journal->restored() : 0;
   const std::size_t all = study.variants().size() * results.runs();
   if (restored > 0 && !options.quiet)
-    fmt::print(stderr, "{} of {} are in the journal\n", restored, counted(all, "run"));
+    to_stderr(fmt::format("{} of {} are in the journal", restored, counted(all, "run")));
   ProgressLine progress(stderr_is_terminal() && !options.quiet, restored, all);
   const auto on_run = [&](std::size_t variant, std::size_t run, const study::Figures& figures) {
     if (outputs.journal) outputs.journal->add(variant, run, figures);
@@ -226,9 +225,9 @@ std::string interruption(const Options& options, bool is_led) {
 void announce_workers(const Options& options, const study::Team& team, const study::Coordinator& coordinator,
                       int jobs) {
   if (!options.quiet)
-    fmt::print(stderr, "{}, {}{}\n", counted(static_cast<std::size_t>(team.size()), "rank"),
-               counted(static_cast<std::size_t>(jobs + coordinator.threads()), "thread"),
-               options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there");
+    to_stderr(fmt::format("{}, {}{}", counted(static_cast<std::size_t>(team.size()), "rank"),
+                          counted(static_cast<std::size_t>(jobs + coordinator.threads()), "thread"),
+                          options.out.empty() ? "" : "; stopped or broken off, the same command goes on from there"));
 }
 
 /// A rank other than 0: does runs and says nothing.

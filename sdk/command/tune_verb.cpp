@@ -38,8 +38,7 @@ int tune_config(const Options& options) {
   tune::TuneOptions tuning = options.tune;
   tuning.jobs = options.jobs > 0 ? options.jobs : study::processors();
   tuning.goes_on = [] { return interrupted_by() == 0; };
-  if (!options.quiet && stderr_is_terminal())
-    tuning.on_round = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  if (!options.quiet && stderr_is_terminal()) tuning.on_round = [](const std::string& line) { to_stderr(line); };
   Json result;
   try {
     result = tune::tune(plan, tuning);
@@ -66,7 +65,7 @@ int tune_config(const Options& options) {
   else if (!options.quiet)
     print(tune_text(result, plan));
   if (!options.quiet)
-    for (const auto& note : result.at("notes")) fmt::print(stderr, "note: {}\n", note.get<std::string>());
+    for (const auto& note : result.at("notes")) print_note(note.get<std::string>());
   for (const auto& open : result.at("undetermined"))
     print_error("not determined, and left as it is: " + open.at("text").get<std::string>());
   return result.at("undetermined").empty() && result.at("converged").get<bool>() ? ok : failed;

@@ -80,6 +80,11 @@ constexpr CodeEntry entries[] = {
     {"B032", "a component's note",
      "A component found something suspicious in what it was given: a model that fits data poorly, say.",
      "Read the message; `binnacle explain` shows the figures that the component found."},
+    {"B033", "too large",
+     "A config is larger than what it may take: 16 MiB and 500 000 values with all that it extends, 10 000 `extends` "
+     "in chains "
+     "of 100, 16 MiB of texts made of variables, 1000 members of a section, 2000 error states of a filter.",
+     "Read the message; tables belong into files of data, and what differs between runs into a study."},
     {"B040", "plugin file not found", "The plugin is not in any of the folders searched.",
      "Build or install it, or add its folder to \"plugins\" or BINNACLE_PLUGIN_PATH."},
     {"B041", "guard missing", "The file is not a Binnacle plugin, or is one for another major version.",

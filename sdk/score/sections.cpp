@@ -97,6 +97,9 @@ void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
     plan.place = place_of(evaluate);
     read_end(evaluate["after"], plan.span.from, plan.span.from_is_relative);
     read_end(evaluate["until"], plan.span.to, plan.span.to_is_relative);
+    const bool has_both = evaluate["after"] && evaluate["until"];
+    if (has_both && plan.span.from_is_relative == plan.span.to_is_relative && plan.span.from >= plan.span.to)
+      evaluate["until"].error("B024", "'until' is not later than 'after': nothing would be scored");
     for (const Reader& window : evaluate["windows"].members("'windows'")) read_window(draft, window, plan);
     for (const SmoothingPlan& smoothing : plan.smoothings) {
       std::vector<NamedWindow> copies;
@@ -109,6 +112,8 @@ void read_evaluate(const CompositionDraft& draft, ScorePlan& plan) {
   if (record.is_object("'record'")) {
     record.check_keys({"every"}, "'record'");
     if (const auto every = record["every"].time()) plan.record_every = *every;
+    if (plan.record_every < 0)
+      record["every"].error("B009", "'every' is a time of at least 0 s; 0 s records every epoch");
   }
 }
 

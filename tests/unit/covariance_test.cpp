@@ -300,3 +300,49 @@ TEST_CASE("what cannot be the covariance of noise is refused, what is symmetric 
   R(0, 2) = R(2, 0) = std::nan("");
   CHECK_FALSE(flaw_of_noise(view()).empty());
 }
+
+TEST_CASE("a variance that an update makes smaller than zero by rounding is zero, with its row and column") {
+  std::mt19937 engine(5);
+  int rounded = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const int n = 1 + static_cast<int>(engine() % 6);
+    MatrixXd H = MatrixXd::Zero(1, n);
+    H(0, 0) = std::uniform_real_distribution<double>(0.1, 1)(engine);
+    Stored stored(random_covariance(n, engine));
+    Update update(H, MatrixXd::Constant(1, 1, 1e-40), VectorXd::Zero(1), n, 1);
+    const TransitionPlan plan = identity(n);
+    Joseph form(plan, n, stored.data.data());
+    form.project(update.columns, update.work);
+    REQUIRE_FALSE(form.factor(update.columns, update.work));
+    form.gain({}, update.work);
+    form.correct({}, update.work);
+    REQUIRE(form.is_below(1e30));
+    REQUIRE(stored.is_symmetric_to_the_bit());
+    if (form.rounded().empty()) continue;
+    ++rounded;
+    REQUIRE(form.rounded().size() == 1);
+    REQUIRE(form.rounded()[0] == 0);
+    REQUIRE(stored.matrix().row(0).isZero(0));
+    REQUIRE(stored.matrix().col(0).isZero(0));
+    if (n > 1) REQUIRE(form.variance(1) > 0);  // of the others nothing is taken
+  }
+  REQUIRE(rounded > 10);
+}
+
+TEST_CASE("a variance that is further below zero stays as it is, and is found") {
+  MatrixXd P(2, 2);
+  P << 1, 2, 2, 1;  // no covariance
+  for (const double excess : {1.0, 1e-6, 1e-11}) {
+    P(1, 1) = 4 - 4 * excess;
+    Stored stored(P);
+    Update update(MatrixXd::Identity(1, 2), MatrixXd::Constant(1, 1, 1e-40), VectorXd::Zero(1), 2, 1);
+    const TransitionPlan plan = identity(2);
+    Joseph form(plan, 2, stored.data.data());
+    form.project(update.columns, update.work);
+    REQUIRE_FALSE(form.factor(update.columns, update.work));
+    form.gain({}, update.work);
+    form.correct({}, update.work);
+    CHECK(form.variance(1) < 0);
+    CHECK_FALSE(form.is_below(1e30));
+  }
+}

@@ -2,6 +2,7 @@
 // Diagnostics: their text, their collection, the errors that carry them, and the search for what was meant.
 #include "binnacle/diagnostic.hpp"
 
+#include <chrono>
 #include <set>
 #include <string>
 #include <vector>
@@ -57,6 +58,17 @@ TEST_CASE("diagnostics drop duplicates and sort by place", "[diagnostic]") {
         "a.json:9:5: error[B010] /x: first\n"
         "a.json:10:1: warning[B031] /x: second\n"
         "b.json:2:1: error[B010] /x: third");
+}
+
+TEST_CASE("a hundred thousand diagnostics are added in a moment", "[diagnostic]") {
+  const auto begin = std::chrono::steady_clock::now();
+  Diagnostics all;
+  constexpr int many = 100'000;
+  for (int i = 0; i < many; ++i)
+    for (int twice = 0; twice < 2; ++twice) all.error("B012", {"a.json", i, 1}, "/x", "unknown");
+  all.merge(all);
+  CHECK(all.items().size() == many);
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
 }
 
 TEST_CASE("warnings are no errors", "[diagnostic]") {

@@ -180,6 +180,7 @@ class BlockReader {
     if (composer.failures() != failures) return nullptr;
     for (const auto& item : map.epoch) initial.fields.push_back(item.index);
     const Time max_age = init["max_age"].time().value_or(0);
+    if (max_age < 0) init["max_age"].error("B009", "'max_age' is a time of at least 0 s");
     initial.channel = latest_of(filter_.plan.initial, channel);
     auto& latest = filter_.plan.initial[as_size(initial.channel)];
     if (max_age > 0) latest.max_age = latest.max_age == 0 ? max_age : std::min(latest.max_age, max_age);

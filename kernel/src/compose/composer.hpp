@@ -210,6 +210,8 @@ class Composer {
  private:
   // composition.cpp
   void read_head();
+  /// What grows with the square of a section's size stays within seconds.
+  bool are_sections_small() const;
   bool load_plugins();
   void order_nodes();
   void lay_out();
@@ -235,6 +237,7 @@ class Composer {
   std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
   std::vector<FilterComposer> filters_;
   std::size_t silent_failures_ = 0;
+  mutable std::size_t seen_ = 0, errors_ = 0;  // of the diagnostics, which only grow
 };
 
 /// Index of the channel among those whose latest sample is kept, added if it is new.

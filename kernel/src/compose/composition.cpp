@@ -8,6 +8,7 @@
 #include "binnacle/local_axes.hpp"
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
+#include "config/node.hpp"
 
 namespace binnacle::internal::compose {
 
@@ -21,8 +22,9 @@ Composer::Composer(Document document, const LoadOptions& options, Diagnostics& d
 }
 
 std::size_t Composer::failures() const {
-  const auto is_error = [](const Diagnostic& item) { return item.severity == Severity::error; };
-  return static_cast<std::size_t>(std::ranges::count_if(diagnostics_.items(), is_error)) + silent_failures_;
+  for (const auto& items = diagnostics_.items(); seen_ < items.size(); ++seen_)
+    if (items[seen_].severity == Severity::error) ++errors_;
+  return errors_ + silent_failures_;
 }
 
 void Composer::refuse(const ComponentError& refusal, const Reader& at) {
@@ -80,6 +82,29 @@ void Composer::check_section_keys(const Reader& at, std::vector<std::string> own
 }
 
 // The config's keys that the kernel reads; the composition is known by what stands under them.
+namespace {
+
+constexpr std::size_t most_members = 1000;
+
+bool is_small(const Reader& section) {
+  const std::size_t count = section.is_object() ? config::JsonOf::at(section).size() : 0;
+  if (count > most_members)
+    section.key_error(config::too_large,
+                      "'" + section.key() + "' has " + std::to_string(count) + " members; it may have 1000");
+  return count <= most_members;
+}
+
+}  // namespace
+
+bool Composer::are_sections_small() const {
+  bool are_small = true;
+  for (const char* name : {"sources", "transforms", "filters", "sinks"}) are_small &= is_small(place("")[name]);
+  if (!are_small) return false;
+  for (const Reader& filter : place("/filters").children())
+    for (const char* name : {"blocks", "derived", "process", "measurements"}) are_small &= is_small(filter[name]);
+  return are_small;
+}
+
 const std::vector<std::string> own_keys = {"binnacle", "title",   "description", "plugins", "vars",
                                            "origin",   "sources", "transforms",  "filters", "sinks"};
 
@@ -251,7 +276,7 @@ void Composer::check_subscribers() {
 
 std::unique_ptr<CompositionPlan> Composer::compose() {
   read_head();
-  if (!load_plugins()) return nullptr;
+  if (!are_sections_small() || !load_plugins()) return nullptr;
   add_sources();
   const Reader filters = place("/filters");
   if (!filters) place("").key_error("B010", "the config has no 'filters'; there is nothing to run");

@@ -173,7 +173,7 @@ class MeasurementComposer {
     const auto after = recover["after"].integer(parameter::integer("after").at_least(1));
     plan_.recover_after = static_cast<int>(after.value_or(plan_.recover_after));
     plan_.recover_against = recover["against"].time().value_or(plan_.recover_against);
-    if (plan_.recover_against < 0) recover["against"].error("B007", "'against' is a time of at least 0 s");
+    if (plan_.recover_against < 0) recover["against"].error("B009", "'against' is a time of at least 0 s");
     for (const Reader& inflation : recover["inflate"].members("'inflate'")) add_inflation(inflation);
   }
 
@@ -199,8 +199,10 @@ class MeasurementComposer {
     Reader windows = at_["withhold"];
     if (windows.is_object()) {
       windows.check_keys({"every", "windows"}, "'withhold'");
-      const auto every = windows["every"].integer(parameter::integer("every").at_least(1));
+      const auto every = windows["every"].integer(parameter::integer("every").at_least(1).at_most(1'000'000'000));
       plan_.withhold_every = static_cast<int>(every.value_or(0));
+      if (plan_.withhold_every == 1)
+        windows["every"].warning("B031", "every sample is withheld: the filter never uses '" + plan_.name + "'");
       windows = windows["windows"];
     }
     for (const Reader& window : windows.elements("'withhold'"))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compose/composer.hpp"
+#include "config/node.hpp"
 
 namespace binnacle::internal::compose {
 
@@ -49,6 +50,12 @@ int latest_of(std::vector<LatestPlan>& kept, int channel) {
 
 void FilterComposer::finish() {
   const std::size_t failures = composer.failures();
+  constexpr int most_states = 2000;
+  if (plan.n > most_states) {
+    at["blocks"].key_error(config::too_large, "filter '" + plan.name + "' has " + std::to_string(plan.n) +
+                                                  " error states; it may have " + std::to_string(most_states));
+    return fail();
+  }
   read_initial_values();
   find_input();
   add_derived();
@@ -325,7 +332,10 @@ bool FilterComposer::add_process(const Reader& process_at, bool is_whole) {
     const PortSpec& port = component.spec().ports[p];
     if (process.ports[p] < 0 || port.access == PortAccess::reads) continue;
     auto& block = plan.blocks[as_size(process.ports[p])];
-    if (block.process >= 0)
+    if (block.process == count_of(plan.processes))
+      component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is on two ports of '" + process.name +
+                                                          "' that advance it; each wants a block of its own");
+    else if (block.process >= 0)
       component.at["blocks"][port.name].error("B019", "block '" + block.name + "' is advanced by '" +
                                                           plan.processes[as_size(block.process)].name +
                                                           "' already; exactly one process model moves a block");

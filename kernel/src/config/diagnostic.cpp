@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -47,7 +48,10 @@ std::string to_string(const Diagnostic& diagnostic) {
 }
 
 void Diagnostics::add(Diagnostic diagnostic) {
-  if (std::ranges::find(items_, diagnostic) == items_.end()) items_.push_back(std::move(diagnostic));
+  // Equal ones come close together, and of a hundred thousand none is looked for among all others.
+  constexpr std::ptrdiff_t most = 300;
+  const auto first = items_.end() - std::min<std::ptrdiff_t>(most, std::ssize(items_));
+  if (std::find(first, items_.end(), diagnostic) == items_.end()) items_.push_back(std::move(diagnostic));
 }
 
 void Diagnostics::error(std::string code, Origin origin, std::string pointer, std::string message) {
@@ -59,6 +63,7 @@ void Diagnostics::warning(std::string code, Origin origin, std::string pointer, 
 }
 
 void Diagnostics::merge(const Diagnostics& other) {
+  if (&other == this) return;
   for (const Diagnostic& item : other.items_) add(item);
 }
 
@@ -116,10 +121,12 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return last[b.size()];
 }
 
-std::size_t cost(const std::string& name, const std::string& candidate) {
-  const bool is_prefix =
-      std::min(name.size(), candidate.size()) >= 3 && (name.starts_with(candidate) || candidate.starts_with(name));
-  const std::size_t edits = distance(name, candidate);
+/// Exact below `least`, and not below it otherwise.
+std::size_t cost(const std::string& name, const std::string& candidate, std::size_t least) {
+  const auto [shorter, longer] = std::minmax(name.size(), candidate.size());
+  const bool is_prefix = shorter >= 3 && (name.starts_with(candidate) || candidate.starts_with(name));
+  const std::size_t at_least = (longer - shorter) * edit;  // names may be of any length
+  const std::size_t edits = at_least >= least ? at_least : distance(name, candidate);
   return is_prefix ? std::min(edits, cut_short) : edits;
 }
 
@@ -131,7 +138,7 @@ std::string closest(std::string_view name, const std::vector<std::string>& candi
   const std::size_t size = wanted.size();
   std::size_t least = 1 + (size < 2 ? 0 : size < 3 ? edit : size < 5 ? cut_short : size < 9 ? 2 * edit : 3 * edit);
   for (const std::string& candidate : candidates) {
-    const std::size_t its_cost = cost(wanted, folded(candidate));
+    const std::size_t its_cost = cost(wanted, folded(candidate), least);
     if (its_cost < least) best = candidate;
     least = std::min(least, its_cost);
   }

@@ -110,6 +110,10 @@ Document Document::load(const fs::path& path, const LoadOptions& options, Diagno
   Document document;
   if (!text && options.text) text = *options.text;
   std::optional<Node> root = resolve_extends(path, text, diagnostics);
+  if (root && pointer_bytes(*root) > most_pointers) {
+    diagnostics.error(too_large, root->origin, "", pointers_too_long);
+    root.reset();
+  }
   if (!root) return document;
   std::vector<Tokens> patches;
   for (const auto& section : options.sections)
@@ -129,21 +133,27 @@ Document Document::load(const fs::path& path, const LoadOptions& options, Diagno
   set(false);
   drop_nulls(*root, patches);
   fill_in_variables(*root, options.vars, current_folder, diagnostics);
-  document.root_ = document.take(*root, root->origin, "");
+  const auto json = std::make_shared<Json>();
+  document.take(*root, root->origin, "", *json);
+  document.root_ = json;
   return document;
 }
 
-Json Document::take(const Node& node, const Origin& key, const std::string& pointer) {
-  places_[pointer] = {node.origin, key, node.folder ? *node.folder : fs::path()};
-  Json json = node.json;
-  for (const Member& child : node.children) {
-    Json value = take(child.value, child.key_origin, join_pointer(pointer, child.key));
-    if (json.is_array())
-      json.push_back(std::move(value));
-    else
-      json[child.key] = std::move(value);
+void Document::take(const Node& node, const Origin& key, const std::string& pointer, Json& json) {
+  places_[pointer] = {node.origin, key, node.folder ? *node.folder : fs::path(), &json};
+  json = node.json;
+  if (node.children.empty()) return;
+  // All are made before the first is filled, and stay where they are. Keys are there once: none is looked for.
+  if (json.is_array()) {
+    json.get_ref<Json::array_t&>().resize(node.children.size());
+  } else {
+    auto& members = json.get_ref<Json::object_t&>();
+    members.reserve(node.children.size());
+    for (const Member& child : node.children) members.Json::object_t::Container::emplace_back(child.key, nullptr);
   }
-  return json;
+  auto value = json.begin();
+  for (const Member& child : node.children)
+    take(child.value, child.key_origin, join_pointer(pointer, child.key), *value++);
 }
 
 const Document::Place& Document::place(std::string_view pointer) const {
@@ -157,18 +167,16 @@ const Document::Place& Document::place(std::string_view pointer) const {
 }
 
 const Json* Document::value(std::string_view pointer) const {
-  try {
-    const Json::json_pointer where{std::string(pointer)};
-    return root_.contains(where) ? &root_.at(where) : nullptr;
-  } catch (const Json::exception&) {
-    return nullptr;
-  }
+  if (pointer.empty()) return root_.get();
+  const auto found = places_.find(std::string(pointer));
+  return found == places_.end() ? nullptr : found->second.json;
 }
 
 std::uint64_t Document::hash(const std::vector<std::string>& keys) const {
   auto hashed = Json::object();
-  for (const auto& [key, value] : root_.items())
-    if (keys.empty() || std::ranges::find(keys, key) != keys.end()) hashed[key] = value;
+  for (const auto& [key, value] : root().items())
+    if (keys.empty() || std::ranges::find(keys, key) != keys.end())
+      hashed.get_ref<Json::object_t&>().Json::object_t::Container::emplace_back(key, value);
   base::Fnv1a hash;
   hash.add(hashed.dump());
   return hash.value();

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -28,7 +29,7 @@ class Document {
                        std::optional<std::string_view> text = std::nullopt);
 
   /// Always an object; without `extends`.
-  const nlohmann::ordered_json& root() const { return root_; }
+  const nlohmann::ordered_json& root() const { return *root_; }
 
   /// The value at the pointer; null where there is none, or the text is no pointer.
   const nlohmann::ordered_json* value(std::string_view pointer) const;
@@ -52,12 +53,14 @@ class Document {
     Origin value;
     Origin key;
     std::filesystem::path folder;
+    const nlohmann::ordered_json* json = nullptr;  // in *root_
   };
   const Place& place(std::string_view pointer) const;
-  /// Notes the places of a value and of all in it; the value itself.
-  nlohmann::ordered_json take(const Node& node, const Origin& key, const std::string& pointer);
+  /// Notes the places of a value, which goes to `json`, and of all in it.
+  void take(const Node& node, const Origin& key, const std::string& pointer, nlohmann::ordered_json& json);
 
-  nlohmann::ordered_json root_ = nlohmann::ordered_json::object();
+  std::shared_ptr<const nlohmann::ordered_json> root_ =  // of all copies
+      std::make_shared<nlohmann::ordered_json>(nlohmann::ordered_json::object());
   std::unordered_map<std::string, Place> places_{{std::string(), Place{}}};
   bool is_patched_ = false;
 };

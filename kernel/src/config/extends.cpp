@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <span>
-#include <system_error>
 #include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/text.hpp"
 #include "config/node.hpp"
@@ -18,21 +20,47 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A config that doubles itself in a few levels must not fill the memory.
-constexpr std::size_t most_values = 1'000'000;
-
 using base::in_quotes;
 
-/// The text, or why it cannot be read.
-std::pair<std::string, std::string> slurp(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return {"", "it is a folder"};
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return {"", std::strerror(errno != 0 ? errno : ENOENT)};
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (stream.bad()) return {"", "reading it fails"};
-  return {std::move(text), ""};
+/// A file's text, or why it cannot be read and the code of that.
+struct Slurped {
+  std::string text;
+  std::string problem = {};
+  const char* code = "B003";
+};
+
+std::string mebibytes(std::size_t bytes) { return std::to_string(bytes >> 20U) + " MiB"; }
+
+/// Nobody waits for a writer of what is opened without `may_wait`.
+struct OpenFile {
+  OpenFile(const fs::path& path, bool may_wait)
+      : number(::open(path.c_str(), O_RDONLY | O_CLOEXEC | (may_wait ? 0 : O_NONBLOCK))) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (number >= 0) ::close(number);
+  }
+  int number;
+};
+
+/// `is_main`: the config itself, which may also come through a pipe: /dev/stdin, <(…).
+Slurped slurp(const fs::path& path, bool is_main) {
+  const OpenFile file(path, is_main);
+  struct stat status = {};
+  if (file.number < 0 || ::fstat(file.number, &status) != 0) return {"", std::strerror(errno)};
+  if (S_ISDIR(status.st_mode)) return {"", "it is a folder"};
+  if (!S_ISREG(status.st_mode) && !is_main)
+    return {"", "it is no regular file; write what it gives into one, and name that"};
+  std::string text;
+  std::vector<char> piece(std::size_t{1} << 16);
+  while (text.size() <= most_bytes) {
+    const ssize_t count = ::read(file.number, piece.data(), piece.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return {"", std::strerror(errno)};
+    if (count == 0) return {std::move(text)};
+    text.append(piece.data(), static_cast<std::size_t>(count));
+  }
+  return {"", "it has more than " + mebibytes(most_bytes), too_large};
 }
 
 std::optional<Node> merged(std::optional<Node> base, std::optional<Node> over) {
@@ -79,6 +107,16 @@ class Extends {
     std::optional<Node> node;
     bool hides = false;
   };
+  /// One of the calls within each other, however deep values and `extends` are nested.
+  struct Level {
+    explicit Level(std::size_t& depth) : of(depth) { ++of; }
+    Level(const Level&) = delete;
+    Level& operator=(const Level&) = delete;
+    ~Level() { --of; }
+    std::size_t& of;
+  };
+  static constexpr std::size_t deepest_level = 1500;
+
   struct Statement {
     Origin origin;
     std::string pointer;         // where it stands in its file
@@ -97,9 +135,14 @@ class Extends {
     const auto [entry, is_new] = files_.try_emplace(absolute, File{name.string(), std::nullopt});
     File& file = entry->second;
     if (!is_new) return file;
-    const auto [read, problem] = text ? std::pair(std::string(*text), std::string()) : slurp(name);
+    const auto [read, problem, code] = text ? Slurped{std::string(*text)} : slurp(name, files_.size() == 1);
     if (!problem.empty()) {
-      report(by, "cannot read " + in_quotes(file.name) + ": " + problem, "B003");
+      report(by, "cannot read " + in_quotes(file.name) + ": " + problem, code);
+      return file;
+    }
+    bytes_ += read.size();
+    if (bytes_ > most_bytes) {
+      report(by, "the config and what it extends have more than " + mebibytes(most_bytes), too_large);
       return file;
     }
     file.content = read_json(read, file.name, std::make_shared<const fs::path>(absolute.parent_path()), diagnostics_);
@@ -111,6 +154,7 @@ class Extends {
   }
 
   Node whole(const Place& place) {
+    const Level level(depth_);
     Node own{place.node.json, place.node.origin, place.node.folder};
     for (const Member& member : place.node.children)
       if (member.key != "extends") own.children.push_back({member.key, member.key_origin, whole(place.child(member))});
@@ -118,6 +162,7 @@ class Extends {
   }
 
   Found at(const Place& place, Path path) {
+    const Level level(depth_);
     const bool is_object = place.node.json.is_object();
     if (path.empty()) return {whole(place), !is_object};
     std::optional<Node> result = inherited(place, path);
@@ -170,6 +215,15 @@ class Extends {
       report(statement, "extends forms a cycle: " + chain);
       return {};
     }
+    if (open_.size() >= deepest_chain || depth_ > deepest_level) {
+      report(statement, "a chain of more than " + std::to_string(deepest_chain) + " extends", too_large);
+      return {};
+    }
+    if (++followed_ > most_extends) {
+      if (followed_ == most_extends + 1)
+        report(statement, "more than " + std::to_string(most_extends) + " extends are to be followed", too_large);
+      return {};
+    }
     open_.push_back(statement);
     const File& other = file(target, std::nullopt, statement);
     Found found;
@@ -178,7 +232,7 @@ class Extends {
       tokens->insert(tokens->end(), path.begin(), path.end());
       found = at(root, *tokens);
       if (found.node) copied_ += node_count(*found.node);
-      if (copied_ >= most_values) report(statement, "extends multiplies without end");
+      if (copied_ >= most_values) report(statement, "extends multiplies without end", too_large);
       if (path.empty() && !is_object(found, root, *tokens, statement)) found = {};
     }
     open_.pop_back();
@@ -205,7 +259,10 @@ class Extends {
   Diagnostics& diagnostics_;
   std::map<fs::path, File> files_;  // by absolute names
   std::vector<Statement> open_;
-  std::size_t copied_ = 0;
+  std::size_t copied_ = 0;    // values
+  std::size_t followed_ = 0;  // extends
+  std::size_t bytes_ = 0;     // of all files
+  std::size_t depth_ = 0;
 };
 
 }  // namespace

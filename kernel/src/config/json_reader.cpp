@@ -54,12 +54,14 @@ class JsonReader {
  private:
   static constexpr int deepest = 200;
 
-  [[noreturn]] void stop(const std::string& message) {
-    report(message, here());
+  [[noreturn]] void stop(const std::string& message, const char* code = "B001") {
+    report(message, here(), code);
     throw SyntaxStop{};
   }
 
-  void report(const std::string& message, const Origin& origin) { diagnostics_.error("B001", origin, "", message); }
+  void report(const std::string& message, const Origin& origin, const char* code = "B001") {
+    diagnostics_.error(code, origin, "", message);
+  }
 
   Origin here() const { return has_places_ ? Origin{file_name_, line_, column_} : Origin{file_name_, 0, 0}; }
 
@@ -119,6 +121,8 @@ class JsonReader {
 
   Node value(const std::string& pointer, int depth) {
     if (depth > deepest) stop("nested more than " + std::to_string(deepest) + " deep");
+    if (++values_ > most_values)
+      stop("more than " + std::to_string(most_values) + " values; large tables belong into a file of data", too_large);
     Node node{nullptr, here(), folder_};
     if (peek() == '{' || peek() == '[')
       fill(node, pointer, depth);
@@ -186,6 +190,8 @@ class JsonReader {
       pass();
     }
     const std::string own_pointer = join_pointer(pointer, key);
+    pointers_ += own_pointer.size();
+    if (pointers_ > most_pointers) stop(pointers_too_long, too_large);
     Node own = value(own_pointer, depth + 1);
     const Member* first = is_member ? node.find(key) : nullptr;
     if (first)
@@ -223,6 +229,7 @@ class JsonReader {
   bool has_places_;
   Diagnostics& diagnostics_;
   std::size_t at_ = 0;
+  std::size_t values_ = 0, pointers_ = 0;  // how many, and bytes
   int line_ = 1;
   int column_ = 1;
 };

@@ -38,9 +38,20 @@ std::optional<Tokens> split_pointer(std::string_view pointer) {
   }
 }
 
+std::size_t KeyIndex::find(const std::vector<Member>& children, std::string_view key) {
+  constexpr std::size_t many = 32;
+  if (children.size() < many)
+    return static_cast<std::size_t>(std::ranges::find(children, key, &Member::key) - children.begin());
+  if (!places_) places_ = std::make_unique<Places>();
+  for (std::size_t& known = places_->known; known < children.size(); ++known)
+    places_->by_key.try_emplace(children[known].key, known);
+  const auto found = places_->by_key.find(std::string(key));
+  return found == places_->by_key.end() ? children.size() : found->second;
+}
+
 Member* Node::find(std::string_view key) {
-  const auto found = std::ranges::find(children, key, &Member::key);
-  return found == children.end() ? nullptr : &*found;
+  const std::size_t found = index.find(children, key);
+  return found == children.size() ? nullptr : &children[found];
 }
 
 std::vector<std::string> Node::keys() const {
@@ -51,9 +62,7 @@ std::vector<std::string> Node::keys() const {
 }
 
 void Node::erase(std::string_view key) {
-  std::erase_if(children, [&](const Member& child) { return child.key == key; });
-  if (json.is_array())
-    for (std::size_t i = 0; i < children.size(); ++i) children[i].key = std::to_string(i);
+  erase_if([&](const Member& child) { return child.key == key; });
 }
 
 std::string kind_name(const Node& node) {
@@ -70,24 +79,33 @@ void merge_patch(Node& target, Node patch) {
   }
   target.origin = std::move(patch.origin);
   target.folder = std::move(patch.folder);
+  std::vector<std::size_t> replaced;  // each key is there once
   for (Member& member : patch.children) {
-    Member* known = target.find(member.key);
-    if (member.value.json.is_null() || (known && known->value.json.is_null())) {
-      target.erase(member.key);
-      known = nullptr;
-    }
-    if (known) {
+    Member* const known = target.find(member.key);
+    if (known && !member.value.json.is_null() && !known->value.json.is_null()) {
       known->key_origin = std::move(member.key_origin);
       merge_patch(known->value, std::move(member.value));
-    } else {
-      target.children.push_back(std::move(member));
+      continue;
     }
+    if (known) replaced.push_back(static_cast<std::size_t>(known - target.children.data()));
+    target.children.push_back(std::move(member));
   }
+  if (replaced.empty()) return;
+  std::vector<bool> is_replaced(target.children.size());
+  for (const std::size_t place : replaced) is_replaced[place] = true;
+  target.erase_if(
+      [&](const Member& child) { return is_replaced[static_cast<std::size_t>(&child - target.children.data())]; });
+}
+
+std::size_t pointer_bytes(const Node& node, std::size_t own) {
+  std::size_t bytes = own;
+  for (const Member& child : node.children) bytes += pointer_bytes(child.value, own + 1 + child.key.size());
+  return bytes;
 }
 
 void drop_nulls(Node& node, const std::vector<Tokens>& patches, std::size_t depth) {
   const bool is_object = node.json.is_object();
-  if (is_object) std::erase_if(node.children, [](const Member& member) { return member.value.json.is_null(); });
+  if (is_object) node.erase_if([](const Member& member) { return member.value.json.is_null(); });
   if (std::ranges::any_of(patches, [&](const Tokens& place) { return place.size() == depth; })) return;
   for (Member& child : node.children) {
     std::vector<Tokens> below;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "base/time_range.hpp"
 #include "binnacle/diagnostic.hpp"
 
 namespace binnacle {
@@ -327,8 +328,8 @@ Parsed<std::int64_t> parse_time(std::string_view text) {
   if (!unit || unit->dimension != dimension(0, 1))
     return Result::failure("unit " + in_quotes(written->unit) + " is no time; use ns, us, ms, s, min, h or day");
   const long double nanoseconds = written->value * std::round(unit->scale * 1e9L);
-  if (!written->fits || !(std::abs(nanoseconds) < 9223372036854775807.0L))
-    return Result::failure("the time " + quoted + " is out of range");
+  if (!written->fits || !(std::abs(nanoseconds) <= static_cast<long double>(internal::base::farthest_time)))
+    return Result::failure("the time " + quoted + " is beyond " + internal::base::farthest_text);
   return static_cast<std::int64_t>(std::llround(nanoseconds));
 }
 

@@ -76,7 +76,10 @@ class Variables {
     for (Member& child : node.children) fill_in(child.value, join_pointer(pointer, child.key));
   }
 
-  std::string suggestion(const std::string& name) const { return base::suggestion(name, declared_.keys()); }
+  std::string suggestion(const std::string& name) {
+    constexpr int most = 20;  // of thousands of errors the first ones will do
+    return ++suggestions_ > most ? std::string() : base::suggestion(name, declared_.keys());
+  }
 
   void report(const char* code, const Node& node, const std::string& pointer, std::string message) {
     diagnostics_.error(code, node.origin, pointer, std::move(message));
@@ -101,6 +104,7 @@ class Variables {
       }
       std::optional<Node> value = value_of(name, node, pointer);
       if (!value) return node;
+      if (!has_room_for(*value, node, pointer)) return node;
       if (at == 0) result.folder = value->folder;
       if (at == 0 && close + 1 == text.size()) return *std::move(value);
       output += value->json.is_string() ? value->json.get<std::string>() : value->json.dump();
@@ -123,6 +127,7 @@ class Variables {
     }
     used_.insert(name);
     if (given != given_.end()) return given->second;
+    if (const auto known = filled_.find(name); known != filled_.end()) return known->second;
     if (const auto first = std::ranges::find(open_, name); first != open_.end()) {
       std::string chain;
       for (auto open = first; open != open_.end(); ++open) chain += *open + " -> ";
@@ -132,15 +137,34 @@ class Variables {
     const Node& value = declared->value;
     if (value.json.is_number()) return value;
     if (!value.json.is_string()) return std::nullopt;  // reported by declare
+    if (open_.size() >= deepest_chain) {
+      report(too_large, user, pointer,
+             "a chain of more than " + std::to_string(deepest_chain) + " variables that are made of others");
+      return std::nullopt;
+    }
     open_.push_back(name);
     Node result = filled(value, join_pointer("/vars", name));
     open_.pop_back();
+    filled_.emplace(name, result);
     return result;
+  }
+
+  /// Variables that multiply must not fill the memory. Reported once.
+  bool has_room_for(const Node& value, const Node& user, const std::string& pointer) {
+    if (bytes_ > most_bytes) return false;
+    bytes_ += value.json.is_string() ? value.json.get_ref<const std::string&>().size() : sizeof(double);
+    if (bytes_ <= most_bytes) return true;
+    report(too_large, user, pointer,
+           "the texts that are made of variables have more than " + std::to_string(most_bytes >> 20U) + " MiB");
+    return false;
   }
 
   Node declared_;
   Diagnostics& diagnostics_;
   std::map<std::string, Node> given_;
+  std::map<std::string, Node> filled_;  // those made of others, once each
+  std::size_t bytes_ = 0;               // that variables gave to texts
+  int suggestions_ = 0;
   std::set<std::string> used_;
   std::vector<std::string> open_;
 };

@@ -27,6 +27,8 @@ Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
   if (!is_coupled_first_) PAA_.resize(as_size(ld_coupled_) * as_size(ld_coupled_));
   transformed_.resize(as_size(ld_) * as_size(most_dof));
   for (int row = 0; row < plan.n; ++row) rows_.push_back(row);
+  before_.resize(as_size(plan.n));
+  rounded_.reserve(2 * as_size(plan.n));
 }
 
 /// M = P Φ_Aᵀ and P'_AA = Φ_A M.
@@ -93,13 +95,33 @@ void Joseph::gain(const std::vector<unsigned char>& corrected, const UpdateWork&
   leave_considered(corrected, plan_.n, work);
 }
 
+void Joseph::keep_variances(int first, int end) {
+  for (int i = first; i < end; ++i) before_[as_size(i)] = column_at(P_, ld_, i)[i];
+}
+
+// What is left of a variance that an update takes away is the difference of two large numbers. A component that it makes known
+// to fewer than twelve digits of what it was is one that is known: with a variance of zero, and correlated with nothing.
+void Joseph::settle_variances(int first, int end) {
+  constexpr double rounding = 1e-12;
+  for (int row = first; row < end; ++row) {
+    const double variance = column_at(P_, ld_, row)[row];
+    if (!(variance < 0) || variance < -rounding * before_[as_size(row)]) continue;
+    for (int i = 0; i < plan_.n; ++i) column_at(P_, ld_, row)[i] = column_at(P_, ld_, i)[row] = 0;
+    if (rounded_.size() < rounded_.capacity()) rounded_.push_back(row);
+  }
+}
+
 // Holds for any K: rows of considered components are zero in it.
 void Joseph::correct(const std::vector<unsigned char>&, const UpdateWork& work) {
+  rounded_.clear();
+  keep_variances(0, plan_.n);
   strip_loops().correct(P_, plan_.n, work);
   strip_loops().mirror(P_, plan_.n);
+  settle_variances(0, plan_.n);
 }
 
 void Joseph::transform(const double* T, int first, int d) {
+  keep_variances(first, first + d);
   double* const PTt = transformed_.data();  // P Tᵀ in the block's columns
   for (int r = 0; r < d; r += 3)
     strip_loops().combine(std::min(3, d - r), P_, ld_, 0, d, rows_.data() + first, T + r, d, column_at(PTt, ld_, r));
@@ -116,6 +138,7 @@ void Joseph::transform(const double* T, int first, int d) {
       for (int c = 0; c < d; ++c) sum += column_at(T, d, c)[s] * column_at(PTt, ld_, r)[first + c];
       column_at(P_, ld_, first + r)[first + s] = column_at(P_, ld_, first + s)[first + r] = sum;
     }
+  settle_variances(first, first + d);
 }
 
 void Joseph::scale(const double* d) {

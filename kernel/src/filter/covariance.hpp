@@ -26,6 +26,7 @@ class Joseph final : public CovarianceForm {
   const char* factor(const std::vector<int>& columns, const UpdateWork& work) override;
   void gain(const std::vector<unsigned char>& corrected, const UpdateWork& work) const override;
   void correct(const std::vector<unsigned char>& corrected, const UpdateWork& work) override;
+  std::span<const int> rounded() const override { return rounded_; }
   void transform(const double* T, int first, int d) override;
   void inflate(int row, double variance) override { matrix()(row, row) += variance; }
   void scale(const double* d) override;
@@ -44,6 +45,8 @@ class Joseph final : public CovarianceForm {
  private:
   MatrixView matrix() const { return {P_, plan_.n, plan_.n, ld_}; }
   void predict_coupled(const double* const* phi);
+  void keep_variances(int first, int end);
+  void settle_variances(int first, int end);
 
   const TransitionPlan& plan_;
   double* P_;
@@ -58,6 +61,8 @@ class Joseph final : public CovarianceForm {
   bool is_coupled_first_ = false;            // A is one run from row 0 on
   base::AlignedVector<double> transformed_;   // ld × most_dof
   std::vector<int> rows_;                     // 0, 1, 2, …
+  std::vector<double> before_;                // variances before an update
+  std::vector<int> rounded_;
 };
 
 }  // namespace binnacle::internal::filter

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "binnacle/view.hpp"
@@ -133,6 +134,9 @@ class CovarianceForm {
   virtual void gain(const std::vector<unsigned char>& corrected, const UpdateWork& work) const = 0;
   /// P ← (I − K H) P (I − K H)ᵀ + K R Kᵀ.
   virtual void correct(const std::vector<unsigned char>& corrected, const UpdateWork& work) = 0;
+  /// Rows that the last correct(), or a transform() after it, set to zero with their columns: their variance came out below
+  /// zero by no more than rounding. Forms by factors have none.
+  virtual std::span<const int> rounded() const { return {}; }
   /// P ← T P Tᵀ, where T is the identity but for a d×d block (column-major) at row `first`.
   virtual void transform(const double* T, int first, int d) = 0;
   /// Adds a variance to one component.

@@ -376,6 +376,7 @@ class Estimator {
 
   void weigh(const MeasurementPlan& measurement, Time t, double dt);
   void inject();
+  void note_rounded();
   void keep_reset(const BlockPlan& block, MatrixView G);
   double* kept_G(const BlockPlan& block) { return reset_jacobians_.data() + block.first * plan_.n; }
 

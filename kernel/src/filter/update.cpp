@@ -225,7 +225,17 @@ void Estimator::correct(const MeasurementPlan& measurement) {
     P_->project(measurement.columns, rows_);
   }
   for (const auto& reset : resets_) P_->transform(reset.jacobian, reset.first, reset.dof);
+  note_rounded();
   std::ranges::copy(x_corrected_, x());
+}
+
+void Estimator::note_rounded() {
+  for (const int row : P_->rounded())
+    for (const auto& block : plan_.blocks) {
+      if (row < block.first || row >= block.first + base::count_of(block.active)) continue;
+      calls_.note_book.keep(block.type, block.pointer, "update", calls_.time(),
+                            "a variance came out below zero by rounding, and was set to zero with its row and column");
+    }
 }
 
 /// x⁺ = x ⊞ δ, and the reset Jacobians.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The next sample of a source: its own, or one that was made for several runtimes.
+#include "base/time_range.hpp"
 #include "run/runtime.hpp"
 #include "run/shared_feed.hpp"
 
@@ -60,6 +61,9 @@ void Runtime::fetch(std::size_t index) {
   const SampleWriter slot = is_own ? slots[as_size(channel)] : SampleWriter{};
   if (slot.t == no_time || slot.rows < 0 || slot.rows > slot.max_rows)
     throw fault("B045", "emitted a sample that it did not declare");
+  if (!base::is_near(slot.t) || (slot.t0 != no_time && !base::is_near(slot.t0)))
+    throw fault("B062",
+                "emitted a sample at " + time_text(slot.t) + ", more than " + base::farthest_text + " from zero");
   const bool may_be_late = source.object->declaration().live;
   if (!may_be_late && previous != no_time && slot.t < previous)
     throw fault("B063", "goes back in time, to " + time_text(slot.t));

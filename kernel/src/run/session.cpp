@@ -12,6 +12,7 @@
 
 #include "base/index.hpp"
 #include "base/text.hpp"
+#include "base/time_range.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
 
@@ -165,6 +166,9 @@ void Session::take(ChannelId channel, const SampleView& sample) {
   if ((!sample.fields && plan.epoch_fields > 0) || (!sample.row_fields && sample.rows * plan.row_fields > 0))
     throw std::invalid_argument("a sample on channel '" + plan.name + "' has no fields");
   if (sample.t == no_time) throw std::invalid_argument("a sample on channel '" + plan.name + "' has no time");
+  if (!base::is_near(sample.t) || (sample.t0 != no_time && !base::is_near(sample.t0)))
+    throw std::invalid_argument("a sample on channel '" + plan.name + "' at " + std::to_string(sample.t) +
+                                " ns is more than " + base::farthest_text + " from zero");
   if (sample.t0 != no_time && sample.t0 >= sample.t)
     throw std::invalid_argument("a sample on channel '" + plan.name + "' begins at " + std::to_string(sample.t0) +
                                 " ns and ends at " + std::to_string(sample.t) + " ns; t0 < t, or no_time");

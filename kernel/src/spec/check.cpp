@@ -9,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "base/text.hpp"
+#include "base/time_range.hpp"
 
 namespace binnacle::internal::spec {
 
@@ -232,8 +233,8 @@ struct Check {
       if (!exact) return error("B008", name + ": " + exact.error());
       return made(Type::integer, &ParameterValue::integer, *exact);
     }
-    if (std::abs(in_seconds.number) >= 9.2e9)
-      return error("B009", name + " is " + json().dump() + " s, beyond 292 years");
+    if (std::abs(in_seconds.number) > seconds(base::farthest_time))
+      return error("B009", name + " is " + json().dump() + " s, beyond " + base::farthest_text);
     return made(Type::integer, &ParameterValue::integer, from_seconds(in_seconds.number));
   }
 

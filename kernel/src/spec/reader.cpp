@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "base/time_range.hpp"
 #include "config/node.hpp"
 #include "spec/check.hpp"
 
@@ -22,8 +23,15 @@ Reader Reader::operator[](std::string_view key) const {
   Reader member = *this;
   member.key_ = key;
   if (!is_default_) member.pointer_ = join_pointer(pointer_, key);
-  const bool is_there = is_object() && JsonOf::at(*this).contains(key);
-  member.json_ = is_there ? &JsonOf::at(*this).at(member.key_) : nullptr;
+  member.json_ = nullptr;
+  if (!is_object()) return member;
+  const spec::Json& object = JsonOf::at(*this);
+  constexpr std::size_t many = 32;
+  if (object.size() > many && !is_default_) {  // found without a search
+    member.json_ = document_->value(member.pointer_);
+  } else if (const auto found = object.find(member.key_); found != object.end()) {
+    member.json_ = &*found;
+  }
   return member;
 }
 
@@ -156,8 +164,9 @@ std::optional<When> Reader::when() const {
     return std::nullopt;
   };
   if (json.is_number()) {
-    if (std::abs(json.get<double>()) < 9.2e9) return When{from_seconds(json.get<double>()), false};
-    return refuse(json.dump() + " s is beyond 292 years");
+    if (std::abs(json.get<double>()) <= seconds(base::farthest_time))
+      return When{from_seconds(json.get<double>()), false};
+    return refuse(json.dump() + " s is beyond " + base::farthest_text);
   }
   if (!json.is_string()) return refuse(shown() + " is no time");
   std::string_view text = json.get_ref<const std::string&>();

@@ -10,6 +10,10 @@
 #include <cstring>
 #include <iterator>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 namespace binnacle::text_file {
 
 namespace {
@@ -41,7 +45,24 @@ struct ByteStream::Gzip {
   bool inside_member = true;
 };
 
-ByteStream::ByteStream(const std::string& path) : file_(std::fopen(path.c_str(), "rb"), &std::fclose) {
+namespace {
+
+/// A file is read from more than one place, and nobody may be waited for: a pipe is no file, and none is opened by waiting for
+/// its writer.
+std::FILE* open_file(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  struct stat status = {};
+  if (file < 0 || ::fstat(file, &status) != 0) throw unreadable("cannot be opened");
+  if (S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)) return ::fdopen(file, "rb");
+  ::close(file);
+  throw FileFault(
+      "is no regular file: write what it gives into one first, or read it as it comes, by a source with \"from\"",
+      "B060");
+}
+
+}  // namespace
+
+ByteStream::ByteStream(const std::string& path) : file_(open_file(path), &std::fclose) {
   if (!file_) throw unreadable("cannot be opened");
   unsigned char magic[2];
   const std::size_t size = read_raw(magic, sizeof magic);
@@ -293,14 +314,63 @@ bool LineReader::next(std::string_view& line) {
       if (size == 0) return false;
       line = {buffer_.data() + begin_, size};
       begin_ = end_;
+      is_cut_ = line.find_first_not_of(" \t\r") != std::string_view::npos;
       break;
     }
   }
-  ++line_;
+  count_lines(1);
   if (line_ == 1 && line.substr(0, byte_order_mark.size()) == byte_order_mark)
     line.remove_prefix(byte_order_mark.size());
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return true;
+}
+
+bool LineReader::next_filled(std::string_view& line) {
+  do {
+    pass_blank_lines();
+    if (!next(line)) return false;
+  } while (line.find_first_not_of(" \t") == std::string_view::npos);
+  return true;
+}
+
+/// Of those at hand.
+void LineReader::pass_blank_lines() {
+  constexpr std::size_t block = 64;
+  const std::string_view text = ahead();
+  if (text.empty() || (text[0] != '\n' && text[0] != '\r' && text[0] != ' ' && text[0] != '\t')) return;
+  const auto is_blank = [all = text.data()](std::size_t i) -> unsigned {  // there is a byte behind the last one
+    const char c = all[i];
+    const auto is = [](bool it) { return static_cast<unsigned>(it); };
+    return is(c == '\n') | is(c == ' ') | is(c == '\t') | (is(c == '\r') & is(all[i + 1] == '\n'));
+  };
+  std::size_t at = 0, begin = 0;  // a line begins there
+  int lines = 0;
+  for (; at + block <= text.size(); at += block) {  // a loop without branches, for vector registers
+    unsigned are_blank = 1, newlines = 0;
+    for (std::size_t i = at; i < at + block; ++i) {
+      are_blank &= is_blank(i);
+      newlines += static_cast<unsigned>(text.data()[i] == '\n');
+    }
+    if (are_blank == 0) break;
+    lines += static_cast<int>(newlines);
+    if (text[at + block - 1] == '\n') begin = at + block;
+  }
+  int passed = lines;  // those before `begin`
+  if (begin != at) {   // the last of them is not at its end yet
+    begin = at;
+    while (begin > 0 && text[begin - 1] != '\n') --begin;
+  }
+  for (; at < text.size() && is_blank(at) != 0; ++at)
+    if (text[at] == '\n') {
+      begin = at + 1;
+      ++passed;
+    }
+  pass(begin, passed);
+}
+
+std::string_view LineReader::look_ahead(std::size_t bytes) {
+  while (end_ - begin_ < bytes && !at_end_) refill();
+  return {buffer_.data() + begin_, end_ - begin_};
 }
 
 std::string_view LineReader::ahead() const {
@@ -314,7 +384,8 @@ bool LineReader::refill() {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
     offset_ += begin_;
-    begin_ = lines_end_ = 0;
+    lines_end_ = lines_end_ > begin_ ? lines_end_ - begin_ : 0;
+    begin_ = 0;
   }
   if (end_ + padding == buffer_.size()) {
     if (end_ >= longest_line) throw FileFault("is not text: no line ends within 16 MiB", "B061");

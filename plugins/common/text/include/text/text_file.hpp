@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <deque>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -88,6 +89,7 @@ class AheadStream {
 
   /// As ByteStream::read. What the thread threw is thrown here, after all that it had read before.
   std::size_t read(char* to, std::size_t size);
+  bool is_packed() const { return stream_.is_packed(); }
 
  private:
   bool stream_is_ahead();
@@ -125,7 +127,11 @@ class LineReader {
 
   /// The next line, valid until the next call; false at the end. Throws FileFault.
   bool next(std::string_view& line);
+  /// The next line with more than blanks; those without are counted, at the speed of memory.
+  bool next_filled(std::string_view& line);
   int line() const { return line_; }
+  /// The last line of a plain file came without its end: the file may be cut.
+  bool is_cut() const { return is_cut_ && !stream_.is_packed(); }
   /// Where the next line begins.
   Place place() const { return {offset_ + begin_, line_}; }
 
@@ -135,13 +141,20 @@ class LineReader {
   /// Passes over so many bytes of them, in so many lines.
   void pass(std::size_t bytes, int lines) {
     begin_ += bytes;
-    line_ += lines;
+    count_lines(lines);
   }
+  /// What follows, so many bytes or more as far as the file has them. What next() gave is void.
+  std::string_view look_ahead(std::size_t bytes);
 
   static constexpr std::size_t usual_window = 256 * 1024;
 
  private:
   bool refill();
+  void pass_blank_lines();
+  /// Behind the two thousand millionth line they are not told apart any more.
+  void count_lines(int more) {
+    line_ = more > std::numeric_limits<int>::max() - line_ ? std::numeric_limits<int>::max() : line_ + more;
+  }
 
   AheadStream stream_;
   std::vector<char> buffer_;  // of which the last eight bytes are never filled
@@ -150,6 +163,7 @@ class LineReader {
   std::size_t end_ = 0;
   std::size_t lines_end_ = 0;  // behind the last line end in the buffer
   bool at_end_ = false;
+  bool is_cut_ = false;
   int line_ = 0;
 };
 
