@@ -143,7 +143,7 @@ class Session {
   Verdict verdict(FilterId filter) const;
   /// Why it is not `ok`: writes as many reasons as there is room for, returns how many there are. Allocates nothing.
   std::size_t reasons(FilterId filter, std::span<TrustReason> into) const;
-  /// The same reasons in the same order as warnings (B100 to B110), with their places in the config.
+  /// The same reasons in the same order as warnings (B100 and following), with their places in the config.
   Diagnostics doubts(FilterId filter) const;
 
   MeasurementCounts counts(MeasurementId measurement) const;
@@ -161,7 +161,7 @@ class Session {
   /// latency or history its size changes with what is under way; the other Session shows the same Estimates.
   std::size_t snapshot_size() const;
   void snapshot(std::span<std::byte> into) const;
-  /// Throws ConfigError (B082) when the bytes are of another composition or version, and then changes nothing.
+  /// Throws ConfigError (B082) when the bytes are damaged, or of another composition or version, and then changes nothing.
   void restore(std::span<const std::byte> from);
   /// Back to before the first sample.
   void reset(std::uint64_t seed = 0, int run = 0);

@@ -28,8 +28,12 @@ class StateBytes {
   std::size_t size() const { return size_; }
   bool is_reading() const { return from_; }
   bool is_writing() const { return to_; }
-  /// False once there were fewer bytes than what was asked for; what was read then is of no use.
+  /// False once there were fewer bytes than what was asked for, or refuse(); what was read then is of no use.
   bool holds() const { return holds_; }
+  /// What was read is no state that there can be. Whoever uses a number of it as an index or a count looks at it first.
+  void refuse() { holds_ = false; }
+  /// refuse() unless it is true, of what has been read.
+  void expect(bool is_right) { holds_ = holds_ && (!is_reading() || is_right); }
 
   void exchange(std::byte* data, std::size_t bytes) {
     if ((to_ || from_) && bytes > limit_ - size_) holds_ = false;
@@ -42,6 +46,13 @@ class StateBytes {
   void value(T& item) {
     static_assert(std::is_trivially_copyable_v<T>, "it is a copy of bytes");
     exchange(reinterpret_cast<std::byte*>(&item), sizeof item);
+  }
+  /// Of a byte that is neither 0 nor 1 there is no bool.
+  void value(bool& item) {
+    unsigned char byte = item;
+    value(byte);
+    expect(byte <= 1);
+    if (is_reading() && holds_) item = byte == 1;
   }
   /// An Eigen matrix or array of fixed size.
   template <class Matrix>

@@ -2,11 +2,7 @@
 // Hashes: of what a composition is, and of what keys a random stream.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <span>
 #include <string_view>
 
 namespace binnacle::internal::base {
@@ -28,18 +24,6 @@ class Fnv1a {
   constexpr void add(unsigned char byte) { value_ = (value_ ^ byte) * 1099511628211ull; }
   std::uint64_t value_;
 };
-
-/// Of many bytes, eight at a time. No change of one of them, or of their number, goes unseen.
-inline std::uint64_t checksum(std::span<const std::byte> bytes, std::uint64_t start = 0) {
-  std::uint64_t sum = start ^ bytes.size();
-  for (std::size_t i = 0; i < bytes.size(); i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + i, std::min<std::size_t>(8, bytes.size() - i));
-    sum = (sum ^ word) * 0x9e3779b97f4a7c15ull;
-    sum ^= sum >> 32;
-  }
-  return sum;
-}
 
 /// A 64-bit seed of a component's own, from (seed, run, JSON pointer).
 constexpr std::uint64_t stream_seed(std::uint64_t seed, int run, std::string_view pointer) {

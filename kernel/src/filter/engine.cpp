@@ -208,7 +208,21 @@ void Engine::step(Time t1, std::span<const InputSample> samples) {
   estimator_.advance();
 }
 
-void Engine::stepped() { estimator_.check_step(status().t); }
+void Engine::stepped() {
+  constexpr std::int64_t now_and_then = 1024;
+  estimator_.check_step(status().t);
+  if (status().steps % now_and_then == 0) ledger_.examine(estimator_.form(), status().t);
+}
+
+/// Before the update.
+void Engine::look_for_lost_digits(int measurement, Time t) {
+  if (plan_.covariance_kind != CovarianceKind::joseph) return;
+  const SampleRows& rows = estimator_.rows();
+  for (int i = 0; i < rows.m; ++i) {
+    const double seen = rows.HPHt[i * (rows.m_max + 1)], noise = rows.R[i * (rows.m_max + 1)];
+    if (seen >= unresolved_from * noise && noise > 0) ledger_.note_unresolved(measurement, seen / noise, t);
+  }
+}
 
 // ---- a sample
 
@@ -294,6 +308,7 @@ void Engine::correct(int measurement, Time t) {
   const auto& plan = plan_.measurements[as_size(measurement)];
   keep_before();
   ledger_.end_silence(measurement, t, estimator_.form());
+  look_for_lost_digits(measurement, t);
   estimator_.correct(plan);
   ledger_.settle(measurement, t, estimator_.form());
   const SampleRows& rows = estimator_.rows();

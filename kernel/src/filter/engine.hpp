@@ -54,6 +54,8 @@ class Engine final : private TimeLine::Work {
   Verdict verdict() const { return ledger_.verdict(estimator_.form()); }
   std::size_t reasons(std::span<TrustReason> into) const { return ledger_.reasons(estimator_.form(), into); }
   bool has_started() const { return time_.head().starts > 0; }
+  /// Whether the numbers of its state are ones to go on from; of one that is at work.
+  bool is_sound() const { return broken() || !started() || estimator_.is_sound(); }
   bool broken() const { return ledger_.is_broken(); }
   const double* state() const { return estimator_.state(); }
   ConstMatrixView covariance() const { return estimator_.covariance(); }
@@ -84,6 +86,7 @@ class Engine final : private TimeLine::Work {
   bool can_start(Time t, bool anew) const;
   bool is_withheld(const MeasurementPlan& plan, std::int64_t reached, Time t) const;
   void iterate(int measurement, const SampleView& sample);
+  void look_for_lost_digits(int measurement, Time t);
   void correct(int measurement, Time t);
   void open_biased(int measurement, Time t);
   void keep_open(int measurement, Time t);

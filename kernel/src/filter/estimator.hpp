@@ -232,7 +232,9 @@ class Estimator {
   /// Adds a measurement's named variances to P.
   void inflate(const MeasurementPlan& measurement);
 
-  /// Stops a filter whose state is not finite or whose variances are negative or beyond all bounds.
+  /// Whether its state is finite, and its variances are neither negative nor beyond all bounds.
+  bool is_sound() const;
+  /// Stops a filter that is not.
   void check_step(Time t) const {
     if (!is_sound()) stop_unsound(t, culprit(t));
   }
@@ -308,7 +310,6 @@ class Estimator {
   void start_value(const BlockPlan& block, const InitialPlan& initial, double* stored);
   void start_covariance(const BlockPlan& block, bool anew, MatrixView P);
   std::string component_name(int row) const;
-  bool is_sound() const;
   [[noreturn]] void stop_unsound(Time t, const std::string& culprit) const;
 
   void run_process(std::size_t index, const Step& step, std::span<const InputSample> samples, bool is_kept);

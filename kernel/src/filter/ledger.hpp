@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "binnacle/step_log.hpp"
+#include "filter/definite.hpp"
 #include "filter/plan.hpp"
 
 namespace binnacle::internal::filter {
@@ -26,7 +28,8 @@ enum class Belief : unsigned char { none, by_votes, by_time };
 ///     offered = Σ outcomes + waiting + open.
 class Ledger {
  public:
-  Ledger(const FilterPlan& plan, std::byte* arena) : plan_(plan), arena_(arena) {}
+  Ledger(const FilterPlan& plan, std::byte* arena)
+      : plan_(plan), arena_(arena), factor_(as_size(plan.n) * as_size(plan.n)) {}
 
   void reset();
   void attach(StepObserver* observer) { observer_ = observer; }
@@ -83,6 +86,14 @@ class Ledger {
   /// The filter starts anew.
   void forget_refusals();
 
+  /// Looks whether P is a covariance, which the diagonal alone does not say; keeps when it was farthest from one.
+  void examine(const CovarianceForm& P, Time t);
+  /// What an update sees is so many times its noise, more than P has digits for.
+  void note_unresolved(int measurement, double ratio, Time t);
+  const Health& health() const { return *plan_.health.in(arena_); }
+  /// Of P as it is now. Allocates nothing.
+  VarianceLeft indefinite(const CovarianceForm& P) const;
+
   /// The filter stops.
   void stop(const std::string& diagnosis);
   bool is_broken() const { return plan_.health.in(arena_)->is_broken != 0; }
@@ -135,6 +146,7 @@ class Ledger {
 
   const FilterPlan& plan_;
   std::byte* arena_;
+  mutable std::vector<double> factor_;  // scratch
   StepObserver* observer_ = nullptr;
   int open_ = -1;              // measurement of the open sample
   bool open_repeats_ = false;  // it repeats the one before

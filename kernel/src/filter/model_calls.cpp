@@ -77,7 +77,9 @@ void NoteBook::exchange(StateBytes& bytes) {
     bytes.value(note.first);
     bytes.value(note.count);
     bytes.value(note.text);
+    note.text[sizeof note.text - 1] = '\0';
   });
+  bytes.expect(notes_.size() <= most);
   bytes.value(left_out_);
 }
 

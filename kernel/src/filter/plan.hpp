@@ -405,6 +405,14 @@ struct TimeHead {
 struct Health {
   std::int32_t is_broken = 0;
   char diagnosis[252] = {};  // why it broke
+  // What P was farthest from a covariance by, where it was looked at: the row, the share of its variance, and when.
+  std::int32_t indefinite_row = -1;
+  // The update that P had fewest digits for: its measurement, how many times its noise it saw, and when.
+  std::int32_t unresolved_by = -1;
+  double indefinite_share = 0;
+  Time indefinite_at = no_time;
+  double unresolved_ratio = 0;
+  Time unresolved_at = no_time;
 };
 
 struct PendingInput {

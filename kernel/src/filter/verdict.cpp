@@ -30,6 +30,7 @@ class Examination {
             .limit = seconds(plan_.longest_bridge)});
     if (head_.starts > 1)
       see_({.doubt = Doubt::restarted, .since = head_.first_restart, .figure = double(head_.starts - 1)});
+    examine_covariance();
     if (is_unaided()) see_({.doubt = Doubt::unaided, .verdict = Verdict::lost});
     find_score_limits();
     for (int m = 0; m < static_cast<int>(plan_.measurements.size()); ++m)
@@ -53,6 +54,25 @@ class Examination {
   }
 
  private:
+  /// P as it is now, or as it was found before; and what it could not hold.
+  void examine_covariance() {
+    constexpr double gross = 1e-3;
+    const Health& health = ledger_.health();
+    VarianceLeft least{health.indefinite_row, health.indefinite_share};
+    Time since = health.indefinite_at;
+    if (const auto now = head_.started != 0 ? ledger_.indefinite(P_) : VarianceLeft{};
+        now.row >= 0 && now.share < least.share) {
+      if (least.row < 0) since = head_.t;
+      least = now;
+    }
+    if (least.row >= 0)
+      see_({Doubt::indefinite, least.share < -gross ? Verdict::lost : Verdict::doubtful, -1, -1, least.row, since,
+            least.share, definite_within});
+    if (health.unresolved_by >= 0)
+      see_({Doubt::unresolved, Verdict::doubtful, health.unresolved_by, -1, 0, health.unresolved_at,
+            health.unresolved_ratio, unresolved_from});
+  }
+
   /// It has measurements, and no sample of any was of use. What a filter never meant to use is not missed.
   bool is_unaided() const {
     bool is_watched = false;
@@ -231,6 +251,25 @@ class Examination {
 };
 
 }  // namespace
+
+VarianceLeft Ledger::indefinite(const CovarianceForm& P) const { return indefinite_row(P.expand(), factor_.data()); }
+
+void Ledger::examine(const CovarianceForm& P, Time t) {
+  const VarianceLeft found = indefinite(P);
+  Health& health = *plan_.health.in(arena_);
+  if (found.row < 0 || found.share >= health.indefinite_share) return;
+  if (health.indefinite_row < 0) health.indefinite_at = t;
+  health.indefinite_row = found.row;
+  health.indefinite_share = found.share;
+}
+
+void Ledger::note_unresolved(int measurement, double ratio, Time t) {
+  Health& health = *plan_.health.in(arena_);
+  if (ratio <= health.unresolved_ratio) return;
+  health.unresolved_by = measurement;
+  health.unresolved_ratio = ratio;
+  health.unresolved_at = t;
+}
 
 Verdict Ledger::verdict(const CovarianceForm& P) const {
   Verdict worst = is_broken() ? Verdict::lost : Verdict::ok;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/hash.hpp"
+#include "filter/intact.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -27,7 +28,10 @@ void Arrivals::reset(std::uint64_t seed, int run) {
 
 void Arrivals::exchange(StateBytes& bytes) {
   store_.exchange(bytes);
-  for (Source& source : sources_) bytes.value(source);
+  for (Source& source : sources_) {
+    bytes.value(source);
+    bytes.expect(filter::is_count(source.sequence) && filter::is_count(source.without_latency));
+  }
 }
 
 Time Arrivals::latency(std::size_t source, int channel, const SampleView& sample) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "base/hash.hpp"
+#include "run/checksum.hpp"
 
 namespace binnacle::internal::runtime {
 
@@ -32,9 +32,9 @@ constexpr char machine[16] =
 std::uint64_t checksum_of_file(const std::string& path, std::uint64_t start) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 1 << 16> block;
-  std::uint64_t sum = base::checksum(std::as_bytes(std::span(path)), start);
+  std::uint64_t sum = checksum(std::as_bytes(std::span(path)), start);
   while (file.read(block.data(), block.size()) || file.gcount() > 0)
-    sum = base::checksum(std::as_bytes(std::span(block).first(static_cast<std::size_t>(file.gcount()))), sum);
+    sum = checksum(std::as_bytes(std::span(block).first(static_cast<std::size_t>(file.gcount()))), sum);
   return sum;
 }
 
@@ -50,11 +50,11 @@ std::uint64_t checksum_of_data(const CompositionPlan& plan) {
 }  // namespace
 
 struct Checkpointing::Head {
-  char magic[8] = {'b', 'i', 'n', 'c', 'k', 'p', 't', '1'};
+  char magic[8] = {'b', 'i', 'n', 'c', 'k', 'p', 't', '2'};
   char kind[16] = {};
   std::uint64_t composition = 0, data = 0, seed = 0, size = 0;
   std::int64_t run = 0, shown = 0;
-  std::uint64_t checksum = 0;  // of what follows
+  std::uint64_t checksum = 0;  // of all, as if it were zero
 };
 
 Checkpointing::Checkpointing(Runtime& runtime, std::uint64_t composition, const RunOptions& options,
@@ -93,7 +93,7 @@ void Checkpointing::exchange(StateBytes& bytes) {
 void Checkpointing::keep() {
   const Time t = runtime_.time();
   if (t != no_time) next_ = next_ == no_time ? t + options_.checkpoints.every : next_;
-  while (t != no_time && next_ <= t) next_ += options_.checkpoints.every;
+  if (t != no_time && next_ <= t) next_ += ((t - next_) / options_.checkpoints.every + 1) * options_.checkpoints.every;
   StateBytes count;
   exchange(count);
   bytes_.resize(sizeof(Head) + count.size());
@@ -101,7 +101,7 @@ void Checkpointing::keep() {
   auto bytes = StateBytes::write(payload);
   exchange(bytes);
   Head head = this->head(payload.size());
-  head.checksum = base::checksum(payload);
+  head.checksum = checksum_of(head, payload);
   std::memcpy(bytes_.data(), &head, sizeof head);
   options_.checkpoints.keep(bytes_);
 }
@@ -118,7 +118,7 @@ void Checkpointing::resume() {
   if (std::memcmp(found.kind, own.kind, sizeof own.kind) != 0)
     refuse("the checkpoint was made on another kind of machine, " +
            std::string(found.kind, strnlen(found.kind, sizeof found.kind)) + ", and this is " + own.kind);
-  if (found.size != own.size || base::checksum(payload) != found.checksum) refuse("the checkpoint is torn");
+  if (found.size != own.size || checksum_of(found, payload) != found.checksum) refuse("the checkpoint is torn");
   if (found.composition != own.composition)
     refuse("the checkpoint is of another config, or of other plugins or another version of this program");
   if (found.seed != own.seed || found.run != own.run)
@@ -139,8 +139,10 @@ void Checkpointing::restore(std::span<const std::byte> from) {
   }
   auto bytes = StateBytes::read(from);
   exchange(bytes);
-  if (!bytes.holds() || bytes.size() != from.size()) refuse("the checkpoint is of other options");
+  if (!bytes.holds()) refuse("what it holds is damaged, or of other options");
+  if (bytes.size() != from.size()) refuse("the checkpoint is of other options");
   for (const auto& [memory, as_started] : live) std::ranges::copy(as_started, memory);
+  runtime_.restored();
 }
 
 }  // namespace binnacle::internal::runtime

@@ -34,6 +34,17 @@ std::string subject(const TrustReason& reason, const MeasurementInfo& measuremen
          std::to_string(reason.key);
 }
 
+/// "velocity.x", of a row of P.
+std::string component_name(const FilterInfo& filter, int row) {
+  for (const auto& block : filter.blocks) {
+    const int active = internal::base::count_of(block.active), own = row - block.first_row;
+    if (own >= 0 && own < active)
+      return block.name + "." +
+             block.declaration->error[internal::base::as_size(block.active[internal::base::as_size(own)])].name;
+  }
+  return "";
+}
+
 /// Of a reason against the filter as a whole; empty: it is one against a measurement. `last_refusal`: why the newest refused
 /// sample was.
 std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, const std::string& last_refusal) {
@@ -60,6 +71,11 @@ std::string text_of_filter(const TrustReason& reason, const FilterInfo& filter, 
   if (reason.doubt == Doubt::lagging)
     return "live estimates of '" + filter.name + "' lagged " + figure + " s behind what had arrived, first at " +
            since(reason) + " (history " + limit + " s): the budget of steps is too small; late samples were not used";
+  if (reason.doubt == Doubt::indefinite)
+    return "P of '" + filter.name + "' is no covariance, first at " + since(reason) + ": '" +
+           component_name(filter, static_cast<int>(reason.key)) + "' has " + figure +
+           " of its variance left once other components are known (limit -" + limit +
+           "), as of a correlation beyond one; \"covariance\": \"ud\" or \"square_root\" cannot become so by rounding";
   return "";
 }
 
@@ -96,6 +112,11 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
     case Doubt::silent:
       return "no sample of " + who + " was of use for " + figure + " s from " + since(reason) + " on (limit " + limit +
              " s), and what it sees became 3 times as uncertain or more";
+    case Doubt::unresolved:
+      return who + " saw " + figure + " times the variance of its noise at " + since(reason) + " (limit " + limit +
+             "): \"covariance\": \"joseph\" has no digits for that, and sigmas after it are zero or wrong; \"ud\" and " +
+             "\"square_root\" hold it";
+    case Doubt::indefinite:
     case Doubt::bridged:
     case Doubt::unaided:
     case Doubt::restarted:
@@ -108,7 +129,7 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 
 const char* code_of(Doubt doubt) {
   constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107",
-                                   "B108", "B109", "B110", "B117", "B115", "B118", "B116", "B123"};
+                                   "B108", "B109", "B110", "B117", "B115", "B118", "B116", "B123", "B126", "B127"};
   return codes[static_cast<int>(doubt)];
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "filter/intact.hpp"
+
 namespace binnacle::internal::runtime {
 
 History::History(const CompositionPlan& plan) : plan_(plan), store_(plan.channels), is_present_(plan.channels.size()) {}
@@ -174,12 +176,44 @@ void History::exchange(StateBytes& bytes) {
   bytes.value(lag_);
   std::uint64_t count = snapshots_.size();
   bytes.value(count);
-  if (bytes.is_reading() && bytes.holds() && count <= 2 * HistoryPlan::most_snapshots) snapshots_.resize(count);
+  bytes.expect(count <= 2 * HistoryPlan::most_snapshots);
+  if (bytes.is_reading() && bytes.holds()) snapshots_.resize(count);
   for (Snapshot& snapshot : snapshots_) {
     bytes.value(snapshot.t);
     bytes.list(snapshot.arena);
     if (bytes.is_reading()) snapshot.notes.assign(plan_.filters.size(), NoteBook{});
   }
+  if (bytes.is_reading() && bytes.holds()) bytes.expect(is_intact());
+}
+
+/// Places in the store are in it; there is always a snapshot to go back to, older than what is not too late.
+bool History::is_intact() const {
+  using namespace filter;
+  const bool has_times = is_time(newest_) && is_time(live_t_) && is_time(lag_.since) && is_count(lag_.longest) &&
+                         is_count(rewinds_) && is_count(left_.live == HistoryPlan::unbounded ? 0 : left_.live) &&
+                         is_count(left_.settled == HistoryPlan::unbounded ? 0 : left_.settled);
+  const bool has_places = live_next_ <= store_.size() && settled_next_ <= store_.size() &&
+                          (store_.empty() || newest_ != no_time) &&
+                          (live_next_ == store_.size() || live_ == nullptr || is_behind_);
+  if (!has_times || !has_places || dropped_.size() != plan_.channels.size()) return false;
+  for (const Dropped& dropped : dropped_)
+    if (!is_count(dropped.count) || !is_count(dropped.longest) || !is_count(dropped.while_lagging)) return false;
+  if (!live_) return snapshots_.empty();
+  if (snapshots_.empty() || snapshots_.back().t > live_t_) return false;
+  const Time oldest = snapshots_.front().t;
+  if (oldest != no_time && (newest_ == no_time || oldest >= newest_ - plan_.history.length)) return false;
+  for (std::size_t i = 0; i < snapshots_.size(); ++i) {
+    const Snapshot& its = snapshots_[i];
+    if (!is_time(its.t) || (i > 0 && its.t <= snapshots_[i - 1].t)) return false;
+    if (its.arena.size() != live_->arena_size()) return false;
+    if (!live_->is_intact(its.arena.data())) return false;
+  }
+  return true;
+}
+
+void History::restored() {
+  for (auto* runtime : {live_.get(), settled_.get()})
+    if (runtime) runtime->restored();
 }
 
 void History::exchange_account(StateBytes& bytes) {

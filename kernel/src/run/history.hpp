@@ -43,6 +43,7 @@ class History {
   void finish();
   void exchange(StateBytes& bytes);
   void exchange_account(StateBytes& bytes);
+  void restored();
 
   /// Samples that came too late for any filter.
   struct Dropped {
@@ -80,6 +81,7 @@ class History {
   void step_live();
   void keep_snapshot();
   void forget();
+  bool is_intact() const;
 
   const CompositionPlan& plan_;
   std::unique_ptr<Runtime> live_, settled_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "filter/intact.hpp"
 #include "run/arrival_watch.hpp"
 #include "run/arrivals.hpp"
 #include "run/history.hpp"
@@ -184,15 +185,46 @@ void Runtime::exchange(StateBytes& bytes) {
   if (arrivals_) arrivals_->exchange(bytes);
   if (history_) bytes.list(emitted_);
   if (history_) history_->exchange(bytes);
-  if (bytes.is_reading() && bytes.holds())
-    for (auto& engine : engines_)
-      if (engine) engine->restored();
+  if (bytes.is_reading() && bytes.holds()) bytes.expect(is_intact());
+}
+
+/// Without what the history looks at itself.
+bool Runtime::is_intact() const {
+  const auto are_counts = [](const std::vector<std::int64_t>& counts) {
+    return std::ranges::all_of(counts, filter::is_count);
+  };
+  return is_intact(arena()) && are_counts(sequences_) && (!history_ || emitted_.size() == plan_.filters.size()) &&
+         std::ranges::all_of(emitted_,
+                             [](const Emitted& its) { return filter::is_count(its.count) && filter::is_time(its.t); }) &&
+         std::ranges::all_of(engines_, [](const auto& engine) { return !engine || engine->is_sound(); });
+}
+
+bool Runtime::is_intact(const std::byte* arena) const {
+  const auto is_good = [&](const SourcePlan& source) {
+    const SourceHead& head = *source.head.in(arena);
+    if (head.status < 0 || head.status > 2 || !filter::is_time(head.sample.t)) return false;
+    if (head.status != 1) return true;
+    return head.channel >= 0 && as_size(head.channel) < source.channels.size() && head.sample.t != no_time &&
+           filter::is_intact(head.sample, plan_.channels[as_size(source.channels[as_size(head.channel)])]);
+  };
+  return std::ranges::all_of(plan_.sources, is_good) && std::ranges::all_of(engines_, [&](const auto& engine) {
+           return !engine || filter::is_intact(engine->plan(), plan_.channels, arena);
+         });
+}
+
+void Runtime::restored() {
+  for (auto& engine : engines_)
+    if (engine) engine->restored();
+  if (history_) history_->restored();
 }
 
 void Runtime::exchange_account(StateBytes& bytes) {
   for (auto& channel : channels_) bytes.value(channel.span);
   bytes.list(filter_times_);
+  bytes.expect(filter_times_.size() == plan_.filters.size());
+  if (!bytes.holds()) filter_times_.resize(plan_.filters.size());
   bytes.value(time_);
+  bytes.expect(filter::is_time(time_));
   for (auto& engine : engines_)
     if (engine) engine->calls().note_book.exchange(bytes);
   if (history_) history_->exchange_account(bytes);

@@ -144,8 +144,12 @@ class Runtime {
   /// The arena as it was; step observers are informed.
   void put(std::span<const std::byte> arena);
   bool has_more_than_arena() const { return arrivals_ || history_; }
-  /// All that outlives an instant.
+  /// All that outlives an instant. What is read back is refused, by `bytes`, where it is no state to go on from.
   void exchange(StateBytes& bytes);
+  /// After all was read back: step observers are informed.
+  void restored();
+  /// Whether an arena, this runtime's own or one that it had, is one to go on from.
+  bool is_intact(const std::byte* arena) const;
   /// What is reported of a run besides: spans, times, notes.
   void exchange_account(StateBytes& bytes);
 
@@ -178,6 +182,7 @@ class Runtime {
   /// Which filters run here.
   enum class Role { all, without_history, with_history };
   Runtime(const CompositionPlan& plan, const std::vector<Node>& nodes, Role role);
+  bool is_intact() const;
   class TransformEmitter;
   class SharingEmitter;
   class FilterWatch;

@@ -2,10 +2,24 @@
 #include "run/sample_store.hpp"
 
 #include <algorithm>
+#include <cstring>
+
+#include "filter/intact.hpp"
 
 namespace binnacle::internal::runtime {
 
 using base::as_size;
+
+namespace {
+
+/// Of memory that was copied: another byte than 0 or 1 must not be read as one.
+bool is_bool(const bool& item) {
+  unsigned char byte = 0;
+  std::memcpy(&byte, &item, 1);
+  return byte <= 1;
+}
+
+}  // namespace
 
 void SampleStore::clear() {
   drop_front(size());
@@ -67,6 +81,42 @@ void SampleStore::exchange(StateBytes& bytes) {
     bytes.list(pool.numbers);
     bytes.list(pool.free);
   }
+  if (!bytes.is_reading()) return;
+  if (bytes.holds()) bytes.expect(is_intact());
+  if (!bytes.holds()) begin_ = items_.size();  // none, until what was before is read back
+}
+
+/// Each place of a pool belongs to one sample that waits, or is free.
+bool SampleStore::is_intact() const {
+  if (begin_ > items_.size()) return false;
+  std::vector<std::vector<bool>> is_taken;
+  for (std::size_t c = 0; c < pools_.size(); ++c) {
+    const std::size_t doubles = channels_[c].doubles(), numbers = pools_[c].numbers.size();
+    if (doubles == 0 ? numbers > 0 : numbers % doubles != 0) return false;
+    is_taken.emplace_back(doubles == 0 ? 0 : numbers / doubles, false);
+  }
+  const auto take = [&](std::size_t channel, std::int32_t slot) -> bool {
+    if (channels_[channel].doubles() == 0) return slot == 0;
+    auto& taken = is_taken[channel];
+    if (slot < 0 || as_size(slot) >= taken.size() || taken[as_size(slot)]) return false;
+    taken[as_size(slot)] = true;
+    return true;
+  };
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Item& item = (*this)[i];
+    if (item.channel < 0 || as_size(item.channel) >= channels_.size()) return false;
+    if (!is_bool(item.is_done) || !is_bool(item.is_live)) return false;
+    if (!filter::is_moment(item.key.first) || !filter::is_time(item.key.second) || !filter::is_count(item.key.place) ||
+        !filter::is_count(item.key.sequence) || !filter::is_count(item.late) || !filter::is_moment(item.head.t))
+      return false;
+    if (i > 0 && !((*this)[i - 1].key < item.key)) return false;
+    if (!filter::is_intact(item.head, channels_[as_size(item.channel)])) return false;
+    if (!take(as_size(item.channel), item.slot)) return false;
+  }
+  for (std::size_t c = 0; c < pools_.size(); ++c)
+    for (const std::int32_t slot : pools_[c].free)
+      if (!take(c, slot)) return false;
+  return true;
 }
 
 std::size_t SampleStore::bytes() const {

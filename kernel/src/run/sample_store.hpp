@@ -56,6 +56,7 @@ class SampleStore {
   /// The first whose key.first is beyond t.
   std::size_t after(Time t) const;
   std::size_t bytes() const;
+  /// Read back, it is refused where an index of it leads out of it.
   void exchange(StateBytes& bytes);
 
  private:
@@ -64,6 +65,7 @@ class SampleStore {
     std::vector<double> numbers;
     std::vector<std::int32_t> free;
   };
+  bool is_intact() const;
   void release(const Item& item) { pools_[base::as_size(item.channel)].free.push_back(item.slot); }
 
   const std::vector<ChannelPlan>& channels_;

@@ -13,6 +13,7 @@
 #include "base/index.hpp"
 #include "base/text.hpp"
 #include "base/time_range.hpp"
+#include "run/checksum.hpp"
 #include "run/history.hpp"
 #include "run/runtime.hpp"
 
@@ -26,9 +27,10 @@ using namespace runtime;
 using base::as_size;
 
 struct SnapshotHead {
-  char magic[8] = {'b', 'i', 'n', 's', 'n', 'a', 'p', '1'};
+  char magic[8] = {'b', 'i', 'n', 's', 'n', 'a', 'p', '2'};
   std::uint64_t composition = 0;
   std::uint64_t size = 0;
+  std::uint64_t checksum = 0;  // of all, as if it were zero
 };
 
 /// Where a name stands among those there are.
@@ -391,9 +393,10 @@ void Session::snapshot(std::span<std::byte> into) const {
   SnapshotHead head;
   head.composition = composition_->hash();
   head.size = into.size() - sizeof head;
-  std::memcpy(into.data(), &head, sizeof head);
   auto bytes = StateBytes::write(into.subspan(sizeof head));
   runtime_->exchange(bytes);
+  head.checksum = runtime::checksum_of(head, into.subspan(sizeof head));
+  std::memcpy(into.data(), &head, sizeof head);
 }
 
 void Session::restore(std::span<const std::byte> from) {
@@ -411,15 +414,26 @@ void Session::restore(std::span<const std::byte> from) {
   if (head.size < least || from.size() != sizeof head + head.size ||
       (!runtime_->has_more_than_arena() && head.size != least))
     refuse("its size is " + std::to_string(from.size()) + ", not " + std::to_string(sizeof head + head.size));
-  std::vector<std::byte> before(runtime_->has_more_than_arena() ? snapshot_size() : 0);
-  if (!before.empty()) snapshot(before);
-  auto bytes = StateBytes::read(from.subspan(sizeof head));
-  runtime_->exchange(bytes);
-  if (!bytes.holds()) {
-    auto back = StateBytes::read(std::span<const std::byte>(before).subspan(sizeof head));
-    runtime_->exchange(back);
-    refuse("it is torn");
+  if (checksum_of(head, from.subspan(sizeof head)) != head.checksum)
+    refuse("its checksum is not that of its bytes: it is damaged");
+  const auto exchange = [&](StateBytes bytes) {
+    runtime_->exchange(bytes);
+    return bytes;
+  };
+  // Notes of a history's own snapshots too, which are not in this one.
+  const auto exchange_all = [&](StateBytes bytes) {
+    runtime_->exchange(bytes);
+    runtime_->exchange_account(bytes);
+    return bytes;
+  };
+  std::vector<std::byte> before(exchange_all(StateBytes()).size());
+  exchange_all(StateBytes::write(before));
+  const StateBytes bytes = exchange(StateBytes::read(from.subspan(sizeof head)));
+  if (!bytes.holds() || bytes.size() != head.size) {
+    exchange_all(StateBytes::read(before));
+    refuse("what it holds is damaged");
   }
+  runtime_->restored();
   for (auto& taken : intake_) taken.newest = no_time;
   instant_ = no_time;
 }

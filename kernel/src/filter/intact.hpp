@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether memory that came from outside, of a snapshot or a checkpoint, is what a filter may go on with: its counts, indices
+// and times are in range, whatever its checksum says. Numbers of the state are judged by the health check.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "filter/monitor.hpp"
+#include "filter/plan.hpp"
+
+namespace binnacle::internal::filter {
+
+/// No difference of two numbers below it overflows; 146 years in nanoseconds.
+inline constexpr std::int64_t beyond_count = std::int64_t{1} << 62;
+
+inline bool is_count(std::int64_t count) { return count >= 0 && count < beyond_count; }
+inline bool is_moment(Time t) { return t > -beyond_count && t < beyond_count; }
+inline bool is_time(Time t) { return t == no_time || is_moment(t); }
+
+/// Of a sample as it is kept on the channel.
+bool is_intact(const SampleHead& head, const ChannelPlan& channel);
+/// Of a filter in this arena.
+bool is_intact(const FilterPlan& plan, const std::vector<ChannelPlan>& channels, const std::byte* arena);
+
+}  // namespace binnacle::internal::filter
