@@ -14,7 +14,7 @@ import time
 import h5py
 
 COMMAND = os.environ["BINNACLE_COMMAND"]
-ROWS = 40000
+ROWS = 40001
 KILLS = int(os.environ.get("BINNACLE_KILLS", "16"))
 SEED = int(os.environ.get("BINNACLE_KILLS_SEED", "1"))
 DRIVE = {
