@@ -3,6 +3,7 @@
 include_guard(GLOBAL)
 
 option(BINNACLE_WERROR "Warnings are errors (CI)" OFF)
+option(BINNACLE_FUZZ "Instrument everything for libFuzzer, and build the fuzz targets with it (clang)")
 set(BINNACLE_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize takes them")
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -44,6 +45,10 @@ if(BINNACLE_SANITIZE)
     # what runs of the kernel, on objects in its arena, keeps the check of alignment (kernel/CMakeLists.txt).
     add_compile_options(-fno-sanitize=null,alignment)
   endif()
+endif()
+
+if(BINNACLE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
 find_program(BINNACLE_CCACHE ccache)

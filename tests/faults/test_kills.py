@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SIGKILL at any moment: what lies in the folder is whole, of one run or the other, and what was kept goes on to the same figures.
+
+BINNACLE_KILLS=200 says how many of `run`; studies and runs with checkpoints get a quarter of it.
+"""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import time
+
+import h5py
+
+COMMAND = os.environ["BINNACLE_COMMAND"]
+ROWS = 40001
+KILLS = int(os.environ.get("BINNACLE_KILLS", "16"))
+SEED = int(os.environ.get("BINNACLE_KILLS_SEED", "1"))
+DRIVE = {
+    "binnacle": 1,
+    "sources": {"ship": {"type": "target_simulator", "duration": "40000 s", "rate": "1 Hz", "sigma": "0.1 deg",
+                         "target": {"position": ["5 km", 0], "velocity": 0, "position_sigma": ["1.5 km", "10 m"],
+                                    "velocity_sigma": "1 m/s", "q": 0.02},
+                         "legs": [{"duration": "20000 s", "velocity": [0, 10]}, {"duration": "20000 s", "velocity": [0, -10]}]}},
+    "filters": {"track": {
+        "trust": False,
+        "blocks": {"position": {"type": "vector", "size": 2, "unit": "m", "components": ["north", "east"], "init": ["5 km", 0],
+                                "sigma": ["1.5 km", "10 m"]},
+                   "velocity": {"type": "vector", "size": 2, "unit": "m/s", "components": ["vn", "ve"], "init": 0, "sigma": "1 m/s"}},
+        "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
+                    "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.02}},
+        "measurements": {"sonar": {"type": "bearing", "channel": "ship.bearing", "blocks": {"target": "position"}, "sigma": "0.1 deg"}}}},
+    "reference": [{"channel": "ship.truth", "blocks": {"track/position": ["north", "east"]}}],
+}
+STUDY = {"study": {"runs": 60, "seed": 3, "metrics": ["track/position.norm/final"]},
+         "sources": {"ship": DRIVE["sources"]["ship"] | {"duration": "2000 s"}}}
+
+
+def command(*words):
+    return [COMMAND, *map(str, words)]
+
+
+def finish(words, folder):
+    done = subprocess.run(command(*words), cwd=folder, capture_output=True, text=True)
+    assert done.returncode in (0, 1), done.stderr
+
+
+def seconds_of(words, folder):
+    begin = time.monotonic()
+    finish(words, folder)
+    return time.monotonic() - begin
+
+
+def kill(words, folder, after):
+    """Starts it and kills it after so many seconds; False: it was over before."""
+    process = subprocess.Popen(command(*words), cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    time.sleep(after)
+    process.send_signal(signal.SIGKILL)
+    return process.wait() == -signal.SIGKILL
+
+
+def moments(count, length):
+    """Of all of the run, and as many of its end, where files get their names."""
+    choose = random.Random(SEED)
+    return [choose.uniform(0, length) if i % 2 == 0 else choose.uniform(0.85 * length, 1.1 * length) for i in range(count)]
+
+
+def generation_of(folder, name):
+    """Which seed's a file is; each is read whole."""
+    if name == "run.nc":
+        with h5py.File(folder / name) as file:
+            assert file["track"]["time"].shape == (ROWS,)
+            return int(file.attrs["seed"])
+    if name == "track.csv":
+        text = (folder / name).read_bytes()
+        assert text.endswith(b"\n")
+        return {hash(kept): seed for seed, kept in TABLES.items()}[hash(text)]
+    if name == "summary.json":
+        return json.loads((folder / name).read_text())["seed"]
+    return None
+
+
+TABLES = {}  # track.csv by its seed
+
+
+def test_a_run_leaves_whole_files_of_one_run_or_the_other(tmp_path):
+    (tmp_path / "c.json").write_text(json.dumps(DRIVE))
+    words = {seed: ["run", "c.json", "--out", "out", "--only", "nc,csv", "--seed", seed, "--quiet"] for seed in (1, 2)}
+    out = tmp_path / "out"
+    for seed in (2, 1):
+        length = seconds_of(words[seed], tmp_path)
+        TABLES[seed] = (out / "track.csv").read_bytes()
+    assert TABLES[1] != TABLES[2]
+    killed = whole = 0
+    for after in moments(KILLS, length):
+        killed += kill(words[2], tmp_path, after)
+        there = {path.name for path in out.iterdir() if not path.name.startswith(".")}
+        found = {name: generation_of(out, name) for name in there - {"config.json"}}
+        if "summary.json" in there:
+            assert {"run.nc", "track.csv", "config.json"} <= there
+            assert len(set(found.values())) == 1, found
+            whole += 1
+        finish(words[1], tmp_path)
+        left = [path.name for path in out.iterdir() if path.name.startswith(".")]
+        assert not left, f"left behind: {left}"
+    print(f"{KILLS} kills, {killed} of a run under way, {whole} left all of one run")
+    assert killed > KILLS / 4
+
+
+def test_a_study_goes_on_to_the_same_figures(tmp_path):
+    (tmp_path / "c.json").write_text(json.dumps(DRIVE | STUDY))
+    words = ["study", "c.json", "--out", "whole", "--quiet", "--jobs", "1"]
+    length = seconds_of(words, tmp_path)
+    table = (tmp_path / "whole" / "study.csv").read_bytes()
+    killed = 0
+    for i, after in enumerate(moments(max(4, KILLS // 4), length)):
+        words[3] = f"out{i}"
+        killed += kill(words, tmp_path, after)
+        killed += kill(words, tmp_path, after / 2)
+        finish(words, tmp_path)
+        assert (tmp_path / words[3] / "study.csv").read_bytes() == table
+    assert killed > 2
+
+
+def test_a_run_with_checkpoints_goes_on_to_the_same_bits(tmp_path):
+    (tmp_path / "c.json").write_text(json.dumps(DRIVE))
+    plain = ["run", "c.json", "--out", "whole", "--only", "csv", "--quiet"]
+    length = seconds_of(plain, tmp_path)
+    table = (tmp_path / "whole" / "track.csv").read_bytes()
+    resumed = 0
+    for i, after in enumerate(moments(max(4, KILLS // 4), length)):
+        words = ["run", "c.json", "--out", f"out{i}", "--only", "csv", "--quiet", "--checkpoint", "k@1000s"]
+        if kill(words, tmp_path, after) and (tmp_path / "k").exists():
+            words += ["--resume", "k"]
+            resumed += 1
+        finish(words, tmp_path)
+        assert (tmp_path / f"out{i}" / "track.csv").read_bytes() == table
+        assert not (tmp_path / "k").exists()
+    assert resumed > 0
