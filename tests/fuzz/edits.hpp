@@ -14,7 +14,8 @@ inline std::string edited(std::string good, std::string_view edits) {
   std::size_t place = 0;
   for (; edits.size() >= 4 && !good.empty(); edits.remove_prefix(4)) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(edits[i]); };
-    const std::size_t offset = byte(0) | static_cast<std::size_t>(byte(1)) << 8 | static_cast<std::size_t>(byte(2)) << 16;
+    const std::size_t offset =
+        byte(0) | static_cast<std::size_t>(byte(1)) << 8 | static_cast<std::size_t>(byte(2)) << 16;
     if (offset == 0xFFFFFF) {
       good.resize(place);
       continue;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is read of a plugin file before any of its code runs: ELF, the guard, the list of types.
+#include "plugin/library.hpp"
 #include "../reader.hpp"
 #include "binnacle/catalog.hpp"
-#include "plugin/library.hpp"
 
 void binnacle::fuzz::try_bytes(std::string_view bytes) {
   static const test::Folder folder;
   const std::string file = folder.write("plugin.so", std::string(bytes));
-  const auto found = internal::plugin::inspect_library(file);
+  const auto found = internal::plugin::inspect_library(internal::plugin::OpenFile(file));
   Diagnostics diagnostics;
   internal::plugin::examine_plugin(file, {}, diagnostics);
   // One that agrees in every byte of its guard may be loaded; all others are refused with words.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A config, composed and run, until it has no more data or for so many instants.
-#include "../composing.hpp"
 #include "score/run.hpp"
+#include "../composing.hpp"
 
 namespace binnacle::fuzz {
 

@@ -32,7 +32,8 @@ void try_bytes(std::string_view bytes) {
     case 0: return read_stream<stream::JsonSource>(lines, {{"fields", {{"wx", field}, {"wy", field}}}});
     case 1:
       return read_stream<stream::JsonSource>(
-          lines, {{"channels", {{"imu", {{"fields", {{"wx", field}}}}}, {"gnss", {{"fields", {{"x", {{"unit", "m"}}}}}}}}}});
+          lines,
+          {{"channels", {{"imu", {{"fields", {{"wx", field}}}}}, {"gnss", {{"fields", {{"x", {{"unit", "m"}}}}}}}}}});
     case 2: return read_stream<stream::CsvSource>(lines, {{"columns", {{"wx", field}}}});
     case 3: return read_stream<nmea::NmeaSource>(lines, json::object());
     default: return read_stream<ublox::UbloxSource>(lines, json::object());
