@@ -61,8 +61,8 @@ Matrix3d turned_twice(const Vector3d& a, const GravityGradient& g) {
   const double xx = a[0] * a[0], yy = a[1] * a[1], zz = a[2] * a[2];
   const double xy = 0.5 * (a[0] * a[1]), xz = 0.5 * (a[0] * a[2]), yz = 0.5 * (a[1] * a[2]);
   Matrix3d m;
-  m << 1 + 0.5 * (g.north - (yy + zz)), -a[2] + xy, a[1] + xz,                       //
-      a[2] + xy, 1 + 0.5 * (g.east - (xx + zz)), -a[0] + yz,                         //
+  m << 1 + 0.5 * (g.north - (yy + zz)), -a[2] + xy, a[1] + xz,  //
+      a[2] + xy, 1 + 0.5 * (g.east - (xx + zz)), -a[0] + yz,    //
       -a[1] + 0.5 * (a[0] * a[2] + g.down_north), a[0] + yz, 1 + 0.5 * (g.down - (xx + yy));
   return m;
 }
@@ -88,8 +88,7 @@ Matrix3d tilted(const Vector3d& f, const Vector3d& a, const Vector3d& b) {
       f[1] + 0.5 * (a[2] * f[0] + f[2] * b[0]),  //
       f[2] + 0.5 * (a[0] * f[1] + f[0] * b[1]), 0.5 * (-(x + z) - (u + w)),
       -f[0] + 0.5 * (a[2] * f[1] + f[2] * b[1]),  //
-      -f[1] + 0.5 * (a[0] * f[2] + f[0] * b[2]), f[0] + 0.5 * (a[1] * f[2] + f[1] * b[2]),
-      0.5 * (-(x + y) - (u + v));
+      -f[1] + 0.5 * (a[0] * f[2] + f[0] * b[2]), f[0] + 0.5 * (a[1] * f[2] + f[1] * b[2]), 0.5 * (-(x + y) - (u + v));
   return m;
 }
 

@@ -21,7 +21,8 @@ TEST_CASE("predict equals the dense product for random structures") {
   std::mt19937 engine(7);
   for (int trial = 0; trial < 200; ++trial) {
     const int n = 1 + static_cast<int>(engine() % 30);
-    const RandomTransition transition(n, engine);
+    const int coupled_first = trial % 2 ? -1 : static_cast<int>(engine() % static_cast<unsigned>(n + 1));
+    const RandomTransition transition(n, engine, coupled_first);
     const auto& [Phi, Q, plan, blocks, noise] = transition;
     std::vector<const double*> phi_table, noise_table;
     for (const auto& block : blocks) phi_table.push_back(block.data());
@@ -163,6 +164,53 @@ TEST_CASE("every instruction set puts the same prediction together") {
       const auto lower = [&](const std::vector<double>& P) { return P.data() + j * ld + j; };
       REQUIRE(std::memcmp(lower(P1), lower(P2), static_cast<std::size_t>(n - j) * sizeof(double)) == 0);
     }
+  }
+}
+
+TEST_CASE("coupled rows that are the first ones are predicted in place, to the same bits") {
+  std::mt19937 engine(17);
+  for (int trial = 0; trial < 100; ++trial) {
+    const int n = 1 + static_cast<int>(engine() % 40), ld = padded(n);
+    const int coupled = 1 + static_cast<int>(engine() % static_cast<unsigned>(n));
+    const RandomTransition transition(n, engine, coupled);
+    const TransitionPlan& plan = transition.plan;
+    REQUIRE(plan.coupled.size() == 1);
+    std::vector<const double*> phi;
+    for (const auto& block : transition.blocks) phi.push_back(block.data());
+    std::vector<std::vector<double>> coefficients;
+    std::vector<CombinedRows> groups;
+    for (const auto& group : plan.groups) {
+      auto& own = coefficients.emplace_back(1 + group.columns.size() * static_cast<std::size_t>(group.rows));
+      collect(group, phi.data(), own.data());
+      groups.push_back({group.rows, static_cast<int>(group.indices.size()), group.indices.data(), own.data()});
+    }
+    const int ld_coupled = padded(plan.coupled_rows);
+    const auto doubles = [](int count) { return std::vector<double>(static_cast<std::size_t>(count)); };
+    auto d = doubles(ld);
+    for (double& own : d) own = 1;
+    for (const auto& diagonal : plan.diagonals)
+      d[static_cast<std::size_t>(diagonal.row)] = phi[static_cast<std::size_t>(diagonal.block)][diagonal.offset];
+    const Stored given(random_covariance(n, engine));
+    const auto runs = [](const std::vector<RowRun>& of) { return RowRuns{of.data(), static_cast<int>(of.size())}; };
+    const auto predicted = [&](const StripLoops& loops, bool in_place) {
+      Stored P = given;
+      auto M = doubles(ld * ld_coupled), Mt = M, AA = doubles(ld_coupled * ld_coupled);
+      double* const P_data = P.data.data();
+      loops.couple(P_data, {ld, ld_coupled, groups.data(), static_cast<int>(groups.size()), M.data(), Mt.data(),
+                            in_place ? P_data : AA.data(), in_place ? ld : ld_coupled});
+      loops.store(P_data, {ld, ld_coupled, runs(plan.coupled), runs(plan.uncoupled), plan.scaled_rows, d.data(),
+                           M.data(), in_place ? nullptr : AA.data()});
+      loops.mirror(P_data, n);
+      return P.data;
+    };
+    const auto expected = predicted(base_strip_loops, false);
+    const auto is_expected = [&](const auto& P) {
+      return std::memcmp(P.data(), expected.data(), expected.size() * sizeof(double)) == 0;
+    };
+    REQUIRE(is_expected(predicted(base_strip_loops, true)));
+    if (!runs_avx2()) continue;
+    REQUIRE(is_expected(predicted(avx2_strip_loops, false)));
+    REQUIRE(is_expected(predicted(avx2_strip_loops, true)));
   }
 }
 

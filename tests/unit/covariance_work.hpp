@@ -54,11 +54,14 @@ struct Stored {
 
 /// A transition of random structure, sparse and dense.
 struct RandomTransition {
-  RandomTransition(int n, std::mt19937& engine) : Phi(MatrixXd::Identity(n, n)), Q(MatrixXd::Zero(n, n)) {
+  /// coupled_first: groups are the rows before it, and no others; −1: any.
+  RandomTransition(int n, std::mt19937& engine, int coupled_first = -1)
+      : Phi(MatrixXd::Identity(n, n)), Q(MatrixXd::Zero(n, n)) {
     plan.n = n;
     for (int row = 0; row < n;) {
       const int rows = std::min<int>(1 + static_cast<int>(engine() % 3), n - row);
-      const int kind = static_cast<int>(engine() % 3);
+      const int drawn = static_cast<int>(engine() % 3);
+      const int kind = coupled_first < 0 ? drawn : row < coupled_first ? 2 : drawn % 2;
       if (kind == 1) {  // diagonal only
         std::vector<double> block;
         for (int r = 0; r < rows; ++r) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/aligned.hpp"
+#include "base/largest_bits.hpp"
 #include "filter/covariance_form.hpp"
 
 namespace binnacle::internal::filter {
@@ -35,7 +36,10 @@ class Joseph final : public CovarianceForm {
     for (const int row : rows) *into++ = matrix()(row, row);
   }
   bool is_below(double limit) const override {
-    const double* variance = P_;
+    base::LargestBits largest;
+    for (int i = 0; i < plan_.n; ++i) largest.take(P_[i * (ld_ + 1)]);
+    if (largest.are_below(limit)) return true;
+    const double* variance = P_;  // one may be −0
     for (int i = 0; i < plan_.n; ++i, variance += ld_ + 1)
       if (!(*variance >= 0 && *variance < limit)) return false;
     return true;

@@ -63,8 +63,9 @@ void combine(int rows, const double* in, int ld, int first, int count, const int
   }
 }
 
-inline void combine_group(const CombinedRows& group, const double* in, int ld, int first, int end, double* out,
-                          int ld_out) {
+/// Of a few columns: what a call costs counts.
+[[gnu::always_inline]] inline void combine_group(const CombinedRows group, const double* in, int ld, int first, int end,
+                                                 double* out, int ld_out) {
   const auto& [rows, count, columns, coefficients] = group;
   switch (rows) {
     case 1: combine_rows<1>(in, ld, first, end, count, columns, coefficients, 1, out, ld_out); break;
@@ -148,12 +149,12 @@ inline void store_coupled_column(double* P, const PredictedParts parts, int j, i
 
 /// Columns of A, which are the first, from the first row of B on.
 inline void store_below(double* P, const PredictedParts parts, int coupled) {
-  for (int j = 0; j < coupled; ++j) {
-    double* const to = column_at(P, parts.ld, j);
-    const double* const m = column_at(parts.M, parts.ld, j);
-    int i = coupled;
-    for (; i % lanes != 0 && i < parts.ld; ++i) to[i] = parts.d[i] * m[i];
-    for (; i < parts.ld; i += lanes) store(to + i, load(parts.d + i) * load(m + i));
+  const int ld = parts.ld, whole = (coupled + lanes - 1) / lanes * lanes;
+  const double* const d = parts.d;
+  const double* m = parts.M;
+  for (int j = 0; j < coupled; ++j, P += ld, m += ld) {
+    for (int i = coupled; i < whole; ++i) P[i] = d[i] * m[i];
+    for (int i = whole; i < ld; i += lanes) store(P + i, load(d + i) * load(m + i));
   }
 }
 

@@ -21,7 +21,10 @@ TimeLine::TimeLine(const FilterPlan& plan, const std::vector<ChannelPlan>& chann
       queue_(plan.queue.in(arena)),
       queue_data_(plan.queue_data.in(arena)),
       samples_(as_size(plan.samples_per_step)),
-      sample_fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.input_fields))) {}
+      sample_fields_(as_size(plan.samples_per_step) * as_size(std::max(1, plan.input_fields))) {
+  for (int field = 0; field < plan.input_fields; ++field)
+    if (plan.input_used[as_size(field)]) used_fields_.push_back(field);
+}
 
 void TimeLine::reset() {
   head_ = TimeHead{};
@@ -41,10 +44,8 @@ void TimeLine::start(Time t) {
 }
 
 bool TimeLine::is_complete(const SampleView& sample) const {
-  const unsigned char* const is_used = plan_.input_used.data();
   double sum = 0;  // of zeros, where all are finite
-  for (int i = 0; i < plan_.input_fields; ++i)
-    if (is_used[i]) sum += sample.fields[i] * 0.0;
+  for (const int field : used_fields_) sum += sample.fields[field] * 0.0;
   return sum == 0.0;
 }
 
@@ -94,11 +95,26 @@ void TimeLine::input(const SampleView& sample) {
       if (!head_.just_started || t0 > head_.input_end) ++head_.gaps;
       if (!bridge(has_interval ? t0 : sample.t, sample)) return;
     }
+    if (is_stepped_at_once(sample.t)) return step_whole(sample, dt);
     if (sample.t > head_.input_end) add_pending(head_.input_end, sample.t, head_.input_end, dt, sample.fields);
   }
   head_.just_started = 0;
   drain_queue(sample.t);
   if (head_.pending >= plan_.samples_per_step) step_pending(head_.pending);
+}
+
+/// Of a sample that nothing waits for: no others of its group, and no measurement in its interval.
+bool TimeLine::is_stepped_at_once(Time t) const {
+  return plan_.samples_per_step == 1 && head_.pending == 0 && t > head_.input_end &&
+         (head_.queued == 0 || queue_[0].sample.t > t);
+}
+
+/// The same as through the pending ones, without copies.
+void TimeLine::step_whole(const SampleView& sample, double dt) {
+  const Time t0 = std::exchange(head_.input_end, sample.t);
+  head_.just_started = 0;
+  samples_[0] = {t0, sample.t, dt, t0, sample.t, sample.fields, false};
+  step(sample.t, 1);
 }
 
 /// The bridge is no sample of the sensor: it is stepped alone, never in a group with its neighbours. False where the hole

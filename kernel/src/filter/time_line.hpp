@@ -63,6 +63,8 @@ class TimeLine {
   }
   double* queued_data(int slot) const { return queue_data_ + as_size(slot) * plan_.queue_doubles; }
   void watch_repeats(const SampleView& sample);
+  bool is_stepped_at_once(Time t) const;
+  void step_whole(const SampleView& sample, double dt);
   bool is_complete(const SampleView& sample) const;
   bool bridge(Time until, const SampleView& sample);
   void add_pending(Time t0, Time t1, Time whole_t0, double whole_dt, const double* fields, bool bridges = false);
@@ -87,6 +89,7 @@ class TimeLine {
   double* queue_data_;
   std::vector<InputSample> samples_;   // of one step
   std::vector<double> sample_fields_;  // theirs, raw
+  std::vector<int> used_fields_;       // of the input: they must be finite
 };
 
 }  // namespace binnacle::internal::filter

@@ -235,7 +235,7 @@ void Runtime::deliver(int index, const SampleView& sample, Time late) {
   auto& channel = channels_[as_size(index)];
   pack(plan, sample, channel.storage.data());
   const double* const covariance = sample.covariance ? channel.slot.covariance : nullptr;
-  channel.view = {sample.t,   sample.t0, sample.rows, channel.slot.fields, channel.slot.row_fields,
+  channel.view = {sample.t,   sample.t0,          sample.rows, channel.slot.fields, channel.slot.row_fields,
                   covariance, sample.t != no_time};
   channel.is_present = true;
   channel.is_taken = false;
@@ -257,9 +257,7 @@ class Runtime::TransformEmitter : public Emitter {
     output(channel).publish();
     output(channel).late = late;
   }
-  void emit_again(OutputChannel channel) override {
-    output(channel).is_repeated = runtime_.is_any_repeated_ = true;
-  }
+  void emit_again(OutputChannel channel) override { output(channel).is_repeated = runtime_.is_any_repeated_ = true; }
 
   const SampleWriter& slot(OutputChannel channel) { return output(channel).slot; }
 
