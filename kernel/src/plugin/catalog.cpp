@@ -58,12 +58,7 @@ void Catalog::take(const fs::path& file, Loading loading, Diagnostics& diagnosti
       load_waiting_that([&](const PluginInfo& plugin) { return plugin.file == file; }, diagnostics);
     return;
   }
-  const auto plugin = plugin::examine_plugin(file, {&plugins_, &waiting_}, diagnostics);
-  if (!plugin) return;
-  if (loading == Loading::when_wanted && !plugin->listed.empty())
-    waiting_.push_back(*plugin);
-  else
-    plugin::load_plugin(*plugin, plugins_, components_, diagnostics);
+  plugin::take_plugin(file, loading == Loading::when_wanted, waiting_, plugins_, components_, diagnostics);
 }
 
 void Catalog::add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagnostics) {
@@ -183,7 +178,7 @@ void Catalog::load_waiting_that(const Predicate& is_wanted, Diagnostics& diagnos
   waiting_.erase(others.begin(), others.end());
   for (const PluginInfo& plugin : wanted) {
     Diagnostics found;
-    plugin::load_plugin(plugin, plugins_, components_, found);
+    plugin::load_waiting_plugin(plugin, plugins_, components_, found);
     note(plugin.file, found, diagnostics);
   }
 }

@@ -95,10 +95,13 @@ using Others = std::initializer_list<const std::vector<PluginInfo>*>;
 
 /// Checks a plugin file, its guard, and that no other is called the same; none of its code runs. Errors when it is refused.
 std::optional<PluginInfo> examine_plugin(const std::filesystem::path& file, Others others, Diagnostics& diagnostics);
-/// Loads one that was examined, and lets it register; adds it to those that are loaded, and its types. Nothing but errors
-/// in the diagnostics when it is refused.
-void load_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
-                 Diagnostics& diagnostics);
+/// Checks one and loads it: lets it register, adds it to those that are loaded, and its types; nothing but errors in the
+/// diagnostics when it is refused. One that lists its types waits if it may.
+void take_plugin(const std::filesystem::path& file, bool may_wait, std::vector<PluginInfo>& waiting,
+                 std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics);
+/// Loads one that waited; checked again, for another may lie there by now.
+void load_waiting_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+                         Diagnostics& diagnostics);
 /// The same of one that is no file.
 void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,
                  std::deque<ComponentType>& types, Diagnostics& diagnostics);

@@ -133,15 +133,8 @@ class PluginRegistry final : public Registry {
   PluginRegistry(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics)
       : plugins_(plugins), all_types_(types), diagnostics_(diagnostics) {}
 
-  /// Examined again, by the open file that is then loaded: another may lie there by now.
-  bool load(const PluginInfo& plugin) {
+  bool load(const PluginInfo& plugin, Examination& examination) {
     info_ = plugin;
-    Diagnostics found;
-    Examination examination(plugin.file, found);
-    const auto now = examination.outcome({});
-    if (!now) return diagnostics_.merge(found), false;
-    if (now->name != plugin.name || now->version != plugin.version || now->listed != plugin.listed)
-      return refuse(diagnostics_, info_, "B045", "the plugin was exchanged while it was being loaded; start again");
     return take_types(register_symbol, [&] {
       const std::string name = examination.loadable_name();
       void* const library = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -242,9 +235,27 @@ std::optional<PluginInfo> examine_plugin(const fs::path& file, Others others, Di
   return Examination(file, diagnostics).outcome(others);
 }
 
-void load_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
-                 Diagnostics& diagnostics) {
-  PluginRegistry(plugins, types, diagnostics).load(plugin);
+void take_plugin(const fs::path& file, bool may_wait, std::vector<PluginInfo>& waiting,
+                 std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics) {
+  Examination examination(file, diagnostics);
+  const auto plugin = examination.outcome({&plugins, &waiting});
+  if (plugin && may_wait && !plugin->listed.empty())
+    waiting.push_back(*plugin);
+  else if (plugin)
+    PluginRegistry(plugins, types, diagnostics).load(*plugin, examination);
+}
+
+void load_waiting_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+                         Diagnostics& diagnostics) {
+  Diagnostics found;  // warnings were given before
+  Examination examination(plugin.file, found);
+  const auto now = examination.outcome({});
+  if (!now)
+    diagnostics.merge(found);
+  else if (now->name != plugin.name || now->version != plugin.version || now->listed != plugin.listed)
+    refuse(diagnostics, plugin, "B045", "the plugin was exchanged while it was being loaded; start again");
+  else
+    PluginRegistry(plugins, types, diagnostics).load(plugin, examination);
 }
 
 void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,
