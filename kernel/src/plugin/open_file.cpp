@@ -59,17 +59,18 @@ OpenFile::~OpenFile() {
   if (id >= 0) ::close(id);
 }
 
-std::string exposure(const OpenFile& file, const fs::path& path) {
-  std::string text = flaw(nullptr, file.status, false);
-  struct stat status {};
-  // All libraries of a folder are looked at by every start: as a text, since a path is taken apart at each step.
+std::string exposure(const OpenFile& file, const fs::path& path, FolderLook& look) {
+  if (std::string text = flaw(nullptr, file.status, false); !text.empty()) return text;
   std::string at = path.parent_path().string();
-  for (bool is_own = true; text.empty() && !at.empty() && ::stat(at.c_str(), &status) == 0; is_own = false) {
+  if (look.folder == at) return look.exposure;
+  look = {at, ""};
+  struct stat status {};
+  for (bool is_own = true; look.exposure.empty() && !at.empty() && ::stat(at.c_str(), &status) == 0; is_own = false) {
     if ((status.st_mode & S_ISVTX) != 0) status.st_mode &= ~static_cast<mode_t>(S_IWGRP | S_IWOTH);
-    text = flaw(&at, status, !is_own);
+    look.exposure = flaw(&at, status, !is_own);
     at.resize(at.find_last_of('/') == std::string::npos ? 0 : at.find_last_of('/'));
   }
-  return text;
+  return look.exposure;
 }
 
 bool is_built_here(const fs::path& path) {
