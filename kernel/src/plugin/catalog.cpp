@@ -58,12 +58,8 @@ void Catalog::take(const fs::path& file, Loading loading, Diagnostics& diagnosti
       load_waiting_that([&](const PluginInfo& plugin) { return plugin.file == file; }, diagnostics);
     return;
   }
-  const auto plugin = plugin::examine_plugin(file, {&plugins_, &waiting_}, diagnostics);
-  if (!plugin) return;
-  if (loading == Loading::when_wanted && !plugin->listed.empty())
-    waiting_.push_back(*plugin);
-  else
-    plugin::load_plugin(*plugin, plugins_, components_, diagnostics);
+  plugin::FolderLook look;
+  plugin::take_plugin(file, look, loading == Loading::when_wanted, waiting_, plugins_, components_, diagnostics);
 }
 
 void Catalog::add(std::shared_ptr<const LinkedPlugin> plugin, Diagnostics& diagnostics) {
@@ -163,9 +159,13 @@ void report_untrusted(const PluginPath& named, Diagnostics& diagnostics) {
 }  // namespace
 
 void Catalog::load_folder(const fs::path& folder, Loading loading, Diagnostics& diagnostics) {
+  plugin::FolderLook look;
   for (const auto& [file, canonical] : libraries_in(folder)) {
     Diagnostics found;
-    take(canonical, loading, found);
+    if (!seen_.insert(canonical).second)
+      take(canonical, loading, found);
+    else
+      plugin::take_plugin(canonical, look, loading == Loading::when_wanted, waiting_, plugins_, components_, found);
     note(file, found, diagnostics);
   }
 }
@@ -185,7 +185,7 @@ void Catalog::load_waiting_that(const Predicate& is_wanted, Diagnostics& diagnos
   waiting_.erase(first, waiting_.end());
   for (const PluginInfo& plugin : wanted) {
     Diagnostics found;
-    plugin::load_plugin(plugin, plugins_, components_, found);
+    plugin::load_waiting_plugin(plugin, plugins_, components_, found);
     note(plugin.file, found, diagnostics);
   }
 }

@@ -79,9 +79,13 @@ struct OpenFile {
   std::string failure;  // why it cannot be opened
 };
 
+/// What was found of a folder, for all the libraries in it: every start looks at them.
+struct FolderLook {
+  std::string folder, exposure;
+};
 /// Who else could exchange the file, or a folder that it lies in (a sticky one may be written by all), and the remedy; ""
 /// where nobody could.
-std::string exposure(const OpenFile& file, const std::filesystem::path& path);
+std::string exposure(const OpenFile& file, const std::filesystem::path& path, FolderLook& look);
 /// Linked on this machine and not changed since: binnacle_add_plugin() leaves inode and time of change in FILE.built, which
 /// no archive can carry along.
 bool is_built_here(const std::filesystem::path& path);
@@ -95,10 +99,13 @@ using Others = std::initializer_list<const std::vector<PluginInfo>*>;
 
 /// Checks a plugin file, its guard, and that no other is called the same; none of its code runs. Errors when it is refused.
 std::optional<PluginInfo> examine_plugin(const std::filesystem::path& file, Others others, Diagnostics& diagnostics);
-/// Loads one that was examined, and lets it register; adds it to those that are loaded, and its types. Nothing but errors
-/// in the diagnostics when it is refused.
-void load_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
-                 Diagnostics& diagnostics);
+/// Checks one and loads it: lets it register, adds it to those that are loaded, and its types; nothing but errors in the
+/// diagnostics when it is refused. One that lists its types waits if it may.
+void take_plugin(const std::filesystem::path& file, FolderLook& look, bool may_wait, std::vector<PluginInfo>& waiting,
+                 std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics);
+/// Loads one that waited; checked again, for another may lie there by now.
+void load_waiting_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+                         Diagnostics& diagnostics);
 /// The same of one that is no file.
 void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,
                  std::deque<ComponentType>& types, Diagnostics& diagnostics);

@@ -67,7 +67,8 @@ bool check_name(const PluginInfo& info, Others others, Diagnostics& diagnostics)
 /// Looks at a file none of whose code may run yet. What is wrong goes to the diagnostics; checks say whether it is good.
 class Examination {
  public:
-  Examination(const fs::path& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {
+  Examination(const fs::path& file, FolderLook& look, Diagnostics& diagnostics)
+      : file_(file), look_(look), diagnostics_(diagnostics) {
     info_.file = file;
   }
 
@@ -91,7 +92,7 @@ class Examination {
     };
     if (!file_.failure.empty()) return no_file("cannot be opened: " + file_.failure);
     if (!S_ISREG(file_.status.st_mode)) return no_file("is not a file");
-    const std::string text = exposure(file_, info_.file);
+    const std::string text = exposure(file_, info_.file, look_);
     return text.empty() || refuse(diagnostics_, info_, "B044", text);
   }
 
@@ -119,6 +120,7 @@ class Examination {
   }
 
   OpenFile file_;
+  FolderLook& look_;
   PluginInfo info_;
   bool looks_beside_ = false;
   Diagnostics& diagnostics_;
@@ -133,15 +135,8 @@ class PluginRegistry final : public Registry {
   PluginRegistry(std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics)
       : plugins_(plugins), all_types_(types), diagnostics_(diagnostics) {}
 
-  /// Examined again, by the open file that is then loaded: another may lie there by now.
-  bool load(const PluginInfo& plugin) {
+  bool load(const PluginInfo& plugin, Examination& examination) {
     info_ = plugin;
-    Diagnostics found;
-    Examination examination(plugin.file, found);
-    const auto now = examination.outcome({});
-    if (!now) return diagnostics_.merge(found), false;
-    if (now->name != plugin.name || now->version != plugin.version || now->listed != plugin.listed)
-      return refuse(diagnostics_, info_, "B045", "the plugin was exchanged while it was being loaded; start again");
     return take_types(register_symbol, [&] {
       const std::string name = examination.loadable_name();
       void* const library = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -239,12 +234,32 @@ class PluginRegistry final : public Registry {
 };
 
 std::optional<PluginInfo> examine_plugin(const fs::path& file, Others others, Diagnostics& diagnostics) {
-  return Examination(file, diagnostics).outcome(others);
+  FolderLook look;
+  return Examination(file, look, diagnostics).outcome(others);
 }
 
-void load_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
-                 Diagnostics& diagnostics) {
-  PluginRegistry(plugins, types, diagnostics).load(plugin);
+void take_plugin(const fs::path& file, FolderLook& look, bool may_wait, std::vector<PluginInfo>& waiting,
+                 std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types, Diagnostics& diagnostics) {
+  Examination examination(file, look, diagnostics);
+  const auto plugin = examination.outcome({&plugins, &waiting});
+  if (plugin && may_wait && !plugin->listed.empty())
+    waiting.push_back(*plugin);
+  else if (plugin)
+    PluginRegistry(plugins, types, diagnostics).load(*plugin, examination);
+}
+
+void load_waiting_plugin(const PluginInfo& plugin, std::vector<PluginInfo>& plugins, std::deque<ComponentType>& types,
+                         Diagnostics& diagnostics) {
+  Diagnostics found;  // warnings were given before
+  FolderLook look;
+  Examination examination(plugin.file, look, found);
+  const auto now = examination.outcome({});
+  if (!now)
+    diagnostics.merge(found);
+  else if (now->name != plugin.name || now->version != plugin.version || now->listed != plugin.listed)
+    refuse(diagnostics, plugin, "B045", "the plugin was exchanged while it was being loaded; start again");
+  else
+    PluginRegistry(plugins, types, diagnostics).load(plugin, examination);
 }
 
 void link_plugin(std::shared_ptr<const LinkedPlugin> plugin, std::vector<PluginInfo>& plugins,

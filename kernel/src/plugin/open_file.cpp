@@ -37,13 +37,14 @@ bool is_open(const struct stat& status) {
   return (status.st_mode & S_IWOTH) != 0 || ((status.st_mode & S_IWGRP) != 0 && !is_own_group);
 }
 
-/// Why it is not to be trusted, and the remedy; "" where it is.
-std::string flaw(const std::string& what, const struct stat& status, bool is_any_owner_right) {
+/// Why the file, or the folder, is not to be trusted, and the remedy; "" where it is.
+std::string flaw(const std::string* folder, const struct stat& status, bool is_any_owner_right) {
+  if (!is_open(status) && (is_any_owner_right || is_trusted(status.st_uid))) return "";
+  const std::string it = folder ? "the plugin's folder '" + *folder + "'" : "the plugin file";
   if (is_open(status))
-    return what + ((status.st_mode & S_IWOTH) != 0 ? " is world-writable, so it is not loaded; chmod o-w it"
-                                                   : " may be written by a group, so it is not loaded; chmod g-w it");
-  if (is_any_owner_right || is_trusted(status.st_uid)) return "";
-  return what + " belongs to user " + std::to_string(status.st_uid) +
+    return it + ((status.st_mode & S_IWOTH) != 0 ? " is world-writable, so it is not loaded; chmod o-w it"
+                                                 : " may be written by a group, so it is not loaded; chmod g-w it");
+  return it + " belongs to user " + std::to_string(status.st_uid) +
          ", who is neither root, nor you, nor the owner of this program, so it is not loaded; copy it, or chown it";
 }
 
@@ -58,16 +59,18 @@ OpenFile::~OpenFile() {
   if (id >= 0) ::close(id);
 }
 
-std::string exposure(const OpenFile& file, const fs::path& path) {
-  std::string text = flaw("the plugin file", file.status, false);
+std::string exposure(const OpenFile& file, const fs::path& path, FolderLook& look) {
+  if (std::string text = flaw(nullptr, file.status, false); !text.empty()) return text;
+  std::string at = path.parent_path().string();
+  if (look.folder == at) return look.exposure;
+  look = {at, ""};
   struct stat status {};
-  const fs::path folder = path.parent_path();
-  for (fs::path at = folder; text.empty() && ::stat(at.c_str(), &status) == 0; at = at.parent_path()) {
+  for (bool is_own = true; look.exposure.empty() && !at.empty() && ::stat(at.c_str(), &status) == 0; is_own = false) {
     if ((status.st_mode & S_ISVTX) != 0) status.st_mode &= ~static_cast<mode_t>(S_IWGRP | S_IWOTH);
-    text = flaw("the plugin's folder '" + at.string() + "'", status, at != folder);
-    if (!at.has_relative_path()) break;
+    look.exposure = flaw(&at, status, !is_own);
+    at.resize(at.find_last_of('/') == std::string::npos ? 0 : at.find_last_of('/'));
   }
-  return text;
+  return look.exposure;
 }
 
 bool is_built_here(const fs::path& path) {
