@@ -135,6 +135,16 @@ def test_labels_that_go_back_once(run):
     assert "2 rows skipped, the first: time does not increase: 1 s after 3 s" in ended.err
 
 
+@pytest.mark.parametrize("label", ["4", "4,x", "3.99999"])
+def test_a_file_of_rows_that_go_back(run, label):
+    """Each is looked behind, and the file is read in linear time for all that."""
+    ended = run(["0,1", "5,1"] + [f"{label},1"] * 1_000_000, invalid_rows="skip")
+    assert ended.status == 0, ended.err
+    assert ended.offered == 2
+    assert "1000000 rows skipped" in ended.err
+    assert ended.work < 10, ended.work
+
+
 @pytest.mark.parametrize("place", range(0, 16))
 def test_labels_far_ahead_wherever_blocks_end(run, place):
     """A block of one column is 10922 samples."""
