@@ -230,13 +230,14 @@ void RowReader::note(Time label) {
 
 /// The first labels behind this row that are others, one after the other; no_time where there are none close by.
 std::pair<Time, Time> RowReader::labels_behind(Time label) {
-  constexpr std::size_t near = 16 * 1024;
+  constexpr std::size_t near = 4 * 1024;
   own_.assign(cells_.begin(), cells_.end());  // what is looked at ahead may take the place of the line
   std::string_view text = rows_.reader().look_ahead(near);
   cells_.assign(own_.begin(), own_.end());
   std::vector<Time> others;
   std::vector<std::string_view> cells;
-  while (!text.empty() && others.size() < 2) {
+  // Not many lines: a file may have nothing but rows that are looked behind.
+  for (int lines = layout_.rows ? 64 : 4; lines > 0 && !text.empty() && others.size() < 2; --lines) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     Time next = 0;

@@ -15,12 +15,14 @@ COMMAND = os.environ["BINNACLE_COMMAND"]
 
 
 class Ended:
-    """How a process ended: exit status, or the signal's number negated; what it wrote; seconds; peak of its memory [MiB]."""
+    """How a process ended: exit status, or the signal's number negated; what it wrote; seconds of the clock and of processors;
+    peak of its memory [MiB]."""
 
-    def __init__(self, process, out, err, seconds, peak):
+    def __init__(self, process, out, err, seconds, usage):
         self.status = process.returncode
         self.out, self.err = out, err
-        self.seconds, self.peak = seconds, peak
+        self.seconds, self.work = seconds, usage.ru_utime + usage.ru_stime
+        self.peak = usage.ru_maxrss >> 10
 
     def refused(self, status, *words):
         """It ended with the status, and its messages have the words."""
@@ -47,12 +49,10 @@ def binnacle(tmp_path):
         if asked is not None:
             time.sleep(asked)
             process.send_signal(signal.SIGTERM)
-        peak = 0
         while True:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
             if pid:
                 process.returncode = os.waitstatus_to_exitcode(status)
-                peak = usage.ru_maxrss >> 10
                 break
             if time.monotonic() - begin > within:
                 process.kill()
@@ -65,7 +65,7 @@ def binnacle(tmp_path):
             file.seek(0)
             texts.append(file.read().decode(errors="replace"))
             file.close()
-        return Ended(process, *texts, seconds, peak)
+        return Ended(process, *texts, seconds, usage)
 
     return run
 

@@ -70,7 +70,7 @@ def test_a_chain_of_extends(binnacle, bench):
     for i in range(2500):
         bench(f"c{i}.json", {"extends": f"c{i + 1}.json"})
     bench("c2500.json", config())
-    binnacle("check", "c0.json", within=5).refused(3, "B033", "a chain of more than 100 extends")
+    binnacle("check", "c0.json", within=15).refused(3, "B033", "a chain of more than 100 extends")
     assert binnacle("check", "c2402.json").status == 0
 
 
@@ -81,7 +81,7 @@ def test_extends_nested_deep_in_each_other(binnacle, bench):
             tree = {"a": tree}
         bench(f"c{i}.json", tree)
     bench("c99.json", config())
-    binnacle("check", "c0.json", within=10).refused(3)
+    binnacle("check", "c0.json", within=30).refused(3)
 
 
 @pytest.mark.parametrize("closed", [(0,), (1,), (2,), (0, 1, 2)])
@@ -115,17 +115,17 @@ def test_a_variance_below_zero_by_rounding(binnacle, bench):
 
 def test_extends_of_a_device(binnacle, bench):
     bench("c.json", {"extends": "/dev/zero"})
-    binnacle("check", "c.json", within=3).refused(3, "B003", "no regular file")
+    binnacle("check", "c.json", within=10).refused(3, "B003", "no regular file")
 
 
 def test_extends_of_a_fifo(binnacle, bench, tmp_path):
     os.mkfifo(tmp_path / "pipe")
     bench("c.json", {"extends": "pipe"})
-    binnacle("check", "c.json", within=3).refused(3, "B003", "no regular file")
+    binnacle("check", "c.json", within=10).refused(3, "B003", "no regular file")
 
 
 def test_a_config_without_end(binnacle, bench):
-    binnacle("check", "/dev/zero", within=5).refused(3, "B033", "more than 16 MiB")
+    binnacle("check", "/dev/zero", within=15).refused(3, "B033", "more than 16 MiB")
 
 
 def test_a_config_through_a_pipe(binnacle, bench, tmp_path):
@@ -139,7 +139,7 @@ def test_a_config_through_a_pipe(binnacle, bench, tmp_path):
 
 def test_a_config_that_nobody_writes_ends_with_sigterm(binnacle, bench, tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    assert binnacle("check", "pipe", asked=0.5, within=5).status != 0
+    assert binnacle("check", "pipe", asked=0.5, within=15).status != 0
 
 
 @pytest.mark.parametrize("source", [
@@ -156,13 +156,13 @@ def test_sources_of_a_fifo(binnacle, bench, tmp_path, source):
     c["filters"]["f"]["measurements"] = {}
     bench("c.json", c)
     wanted = "holds no timestamps.txt" if source["type"] == "oxts" else "is no regular file"
-    binnacle("run", "c.json", within=3).refused(5, "B060", wanted)
+    binnacle("run", "c.json", within=10).refused(5, "B060", wanted)
 
 
 def test_a_summary_into_a_fifo_that_nobody_reads(binnacle, bench, tmp_path):
     os.mkfifo(tmp_path / "pipe")
     bench("c.json", config())
-    binnacle("run", "c.json", "--summary", "pipe", within=5).refused(2, "FIFO that nobody reads")
+    binnacle("run", "c.json", "--summary", "pipe", within=15).refused(2, "FIFO that nobody reads")
 
 
 def test_a_summary_into_a_fifo_whose_reader_does_not_read(binnacle, bench, tmp_path):
@@ -173,7 +173,7 @@ def test_a_summary_into_a_fifo_whose_reader_does_not_read(binnacle, bench, tmp_p
     bench("c.json", c)
     reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
     try:
-        binnacle("run", "c.json", "--summary", "pipe", "--quiet", asked=3, within=8).refused(5, "its reader does not read")
+        binnacle("run", "c.json", "--summary", "pipe", "--quiet", asked=3, within=20).refused(5, "its reader does not read")
     finally:
         os.close(reader)
 
@@ -181,19 +181,19 @@ def test_a_summary_into_a_fifo_whose_reader_does_not_read(binnacle, bench, tmp_p
 def test_variables_that_multiply(binnacle, bench):
     variables = {"v0": "x" * 10} | {f"v{i}": "".join("${v%d}" % (i - 1) for _ in range(10)) for i in range(1, 9)}
     bench("c.json", config(vars=variables, title="${v8}"))
-    ended = binnacle("check", "c.json", within=5, memory=1024)
+    ended = binnacle("check", "c.json", within=15, memory=1024)
     ended.refused(3, "B033", "16 MiB")
 
 
 def test_a_chain_of_variables(binnacle, bench):
     chain = {f"v{i}": "${v%d}" % (i - 1) for i in range(MANY - 1, 0, -1)} | {"v0": "x"}
     bench("c.json", config(vars=chain, title="${v%d}" % (MANY - 1)))
-    binnacle("check", "c.json", within=10).refused(3, "B033", "a chain of more than 100 variables")
+    binnacle("check", "c.json", within=30).refused(3, "B033", "a chain of more than 100 variables")
 
 
 def test_unknown_variables(binnacle, bench):
     bench("c.json", config(vars={f"v{i}": i for i in range(MANY)}, description=["${w%d}" % i for i in range(MANY)]))
-    binnacle("check", "c.json", within=10).refused(3, "B005")
+    binnacle("check", "c.json", within=30).refused(3, "B005")
 
 
 LARGE = {f"k{i}": i for i in range(MANY)}
@@ -211,65 +211,65 @@ LARGE = {f"k{i}": i for i in range(MANY)}
 def test_large_objects(binnacle, bench, name, content):
     bench("large.json", config() | LARGE)
     bench("c.json", content)
-    ended = binnacle("check", "c.json", within=10, memory=2048)
+    ended = binnacle("check", "c.json", within=30, memory=2048)
     assert ended.status in (0, 3, 5), ended.err[:1000]
     assert ended.peak < 1024
 
 
 def test_large_objects_take_linear_time(binnacle, bench):
-    seconds = {}
+    work = {}
     for count in (50_000, 200_000):
         bench("c.json", config(vars={f"k{i}": i for i in range(count)}))
-        seconds[count] = min(binnacle("check", "c.json").seconds for _ in range(2))
-    assert seconds[200_000] < 8 * seconds[50_000], seconds
+        work[count] = min(binnacle("check", "c.json").work for _ in range(2))
+    assert work[200_000] < 8 * work[50_000], work
 
 
 def test_duplicates(binnacle, bench):
     bench("c.json", "{" + ",".join(f'"k{i % 50000}": {i}' for i in range(MANY)) + "}")
-    binnacle("check", "c.json", within=10).refused(3, "B002")
+    binnacle("check", "c.json", within=30).refused(3, "B002")
 
 
 def test_too_many_values(binnacle, bench):
     bench("c.json", config(description=[1] * 1_000_000))
-    ended = binnacle("check", "c.json", within=10)
+    ended = binnacle("check", "c.json", within=30)
     ended.refused(3, "B033", "more than 500000 values")
     assert ended.peak < 1024
 
 
 def test_as_many_values_as_there_may_be(binnacle, bench):
     bench("c.json", config(description=[1] * 450_000))
-    ended = binnacle("check", "c.json", within=10)
+    ended = binnacle("check", "c.json", within=30)
     assert "B033" not in ended.err
     assert ended.peak < 1024, ended.peak
 
 
 def test_long_keys(binnacle, bench):
     bench("c.json", {"k" * 1_000_000: [1] * 10_000})
-    ended = binnacle("check", "c.json", within=10, memory=1024)
+    ended = binnacle("check", "c.json", within=30, memory=1024)
     ended.refused(3, "B033", "keys are too long")
 
 
 def test_a_misspelt_key_of_a_million_letters(binnacle, bench):
     bench("c.json", {"filter" * 1_000_000: 1})
-    binnacle("check", "c.json", within=10).refused(3, "B012")
+    binnacle("check", "c.json", within=30).refused(3, "B012")
 
 
 def test_long_lists_of_extends(binnacle, bench):
     bench("e.json", config())
     bench("c.json", {"extends": ["e.json"] * MANY})
-    binnacle("check", "c.json", within=10).refused(3, "B033", "more than 10000 extends")
+    binnacle("check", "c.json", within=30).refused(3, "B033", "more than 10000 extends")
 
 
 def test_objects_that_double_themselves(binnacle, bench):
     levels = {"l0": {"v": 1}} | {f"l{i}": {side: {"extends": f"#/l{i - 1}"} for side in "ab"} for i in range(1, 60)}
     bench("c.json", levels)
-    binnacle("check", "c.json", within=10, memory=2048).refused(3, "B033")
+    binnacle("check", "c.json", within=30, memory=2048).refused(3, "B033")
 
 
 def test_too_many_states(binnacle, bench):
     blocks = {f"b{i}": vector(size=64) for i in range(40)}
     bench("c.json", {"binnacle": 1, "filters": {"f": filter_of(blocks, {f"m{i}": {"type": "random_constant", "blocks": {"x": f"b{i}"}} for i in range(40)})}})
-    binnacle("check", "c.json", within=10).refused(3, "B033", "2560 error states")
+    binnacle("check", "c.json", within=30).refused(3, "B033", "2560 error states")
 
 
 # ---- accepted without sense

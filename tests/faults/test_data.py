@@ -15,7 +15,7 @@ YEAR = 365.25 * DAY
 def run(binnacle, write, tmp_path):
     """Runs a filter of one state over rows of t and b: how it ended, and its summary."""
 
-    def run(lines, head="t,b\n", name="x.csv", end="\n", within=20, kind=None, **source):
+    def run(lines, head="t,b\n", name="x.csv", end="\n", within=60, kind=None, measured=True, **source):
         if lines is not None:
             write(name, head + "\n".join(lines) + end)
         column = {"column": "b", "unit": "1"} | ({"kind": kind} if kind else {})
@@ -27,11 +27,11 @@ def run(binnacle, write, tmp_path):
                 "trust": False,
                 "blocks": {"x": {"type": "vector", "size": 1, "unit": "1", "init": 0, "sigma": 1}},
                 "process": {"m": {"type": "random_constant", "blocks": {"x": "x"}}},
-                "measurements": {"z": measurement},
+                "measurements": {"z": measurement} if measured else {},
             }},
         })
         ended = binnacle("run", "c.json", "--summary", "s.json", within=within)
-        if ended.status == 0:
+        if ended.status == 0 and measured:
             ended.offered = json.loads((tmp_path / "s.json").read_text())["filters"]["f"]["measurements"]["z"]["offered"]
         return ended
 
@@ -58,10 +58,10 @@ def newlines(path, head, tail, gib, line):
 @pytest.mark.parametrize("line", [b"\n", b"\r\n", b"  \t \n"], ids=["empty", "with a carriage return", "of blanks"])
 def test_gibibytes_of_blank_lines(run, tmp_path, line):
     newlines(tmp_path / "x.csv.gz", b"t,b\n0,1\n", b"1,2\n", 1, line)
-    ended = run(None, name="x.csv.gz", within=20)
+    ended = run(None, name="x.csv.gz", within=60)
     assert ended.status == 0, ended.err
     assert ended.offered == 2
-    assert ended.seconds < 10, ended.seconds
+    assert ended.work < 10, ended.work
     assert ended.peak < 200
 
 
@@ -70,17 +70,17 @@ def test_more_lines_than_an_int_counts(run, tmp_path):
     newlines(tmp_path / "x.csv.gz", b"t,b\n0,1\n", b"1,x\n", 4, b"\n")
     ended = run(None, name="x.csv.gz", within=60)
     ended.refused(5, "2147483647", "is not a number")
-    assert ended.seconds < 25, ended.seconds
+    assert ended.work < 25, ended.work
 
 
 def test_nothing_but_newlines(run, tmp_path):
     newlines(tmp_path / "x.csv.gz", b"\n", b"\n", 1, b"\n")
-    run(None, name="x.csv.gz", within=20).refused(5, "B066", "the file is empty")
+    run(None, name="x.csv.gz", within=60).refused(5, "B066", "the file is empty")
 
 
 @pytest.mark.parametrize("path", ["/dev/zero", "/dev/random", "/dev/tty"])
 def test_devices(run, path):
-    ended = run(None, name=path, within=3)
+    ended = run(None, name=path, within=10)
     assert ended.status == 5
     assert "regular file" in ended.err or "cannot be opened" in ended.err, ended.err
 
@@ -135,6 +135,16 @@ def test_labels_that_go_back_once(run):
     assert "2 rows skipped, the first: time does not increase: 1 s after 3 s" in ended.err
 
 
+@pytest.mark.parametrize("label", ["4", "4,x", "3.99999"])
+def test_a_file_of_rows_that_go_back(run, label):
+    """Each is looked behind, and the file is read in linear time for all that."""
+    ended = run(["0,1", "5,1"] + [f"{label},1"] * 1_000_000, invalid_rows="skip")
+    assert ended.status == 0, ended.err
+    assert ended.offered == 2
+    assert "1000000 rows skipped" in ended.err
+    assert ended.work < 10, ended.work
+
+
 @pytest.mark.parametrize("place", range(0, 16))
 def test_labels_far_ahead_wherever_blocks_end(run, place):
     """A block of one column is 10922 samples."""
@@ -148,7 +158,8 @@ def test_rows_of_one_sample_far_ahead(run):
     head = "t,b,k\n"
     rows = [f"{t},1,{k}" for t in AHEAD for k in (1, 2)]
     columns = {"z0": {"column": "b", "unit": "1"}, "key": {"column": "k", "unit": "1"}}
-    ended = run(rows, head=head, invalid_rows="skip", columns=columns, rows={"key": "key"})
+    ended = run(rows, head=head, invalid_rows="skip", columns=columns, rows={"key": "key"}, measured=False)
+    assert ended.status == 0, ended.err
     assert "2 rows skipped, the first: time jumps ahead to 100000 s" in ended.err, ended.err
 
 

@@ -252,6 +252,18 @@ def test_rows_of_one_time_are_one_sample(tmp_path):
         bn.parse(config, data={"ranges": bn.Arrays(t, fields, rows={"key": "satellite", "max_rows": 2}), **z})
 
 
+def test_times_decades_apart(tmp_path):
+    years = 365.25 * 86400
+    z = {"z": ([1.0, 2], {"z": ("m", [0.0, 0])})}
+    rates = lambda t: bn.Arrays(t, {"w": ("rad/s", np.zeros(len(t)))}, kind="rate")  # noqa: E731
+    config = {**WALK, "sinks": {"far": {"type": "json_writer", "input": "far", "to": f"file:{tmp_path}/far.jsonl"}}}
+    run = bn.parse(config, data={"far": rates([0.0, 29.3 * years, 58.6 * years, 87.9 * years]), **z}).run(keep="far")
+    assert len(run.channels["far"].t) == 4
+    assert not [warning for warning in run.warnings if warning.code == "B065"]  # ten times the usual step is no negative one
+    with pytest.raises(bn.DataError, match="more than 146 years from zero"):
+        bn.parse(config, data={"far": rates([-200 * years, 0.0, 200 * years]), **z}).run()
+
+
 def test_channels_are_kept_and_the_figures_stay(project, figures_of):
     composition = bn.load(project / "configs" / "quickstart.json")
     plain, kept = composition.run(seed=2), composition.run(seed=2, keep=["drive.imu", "drive.gnss"])

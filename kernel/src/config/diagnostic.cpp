@@ -123,7 +123,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 /// Exact below `least`, and not below it otherwise.
 std::size_t cost(const std::string& name, const std::string& candidate, std::size_t least) {
-  const auto [shorter, longer] = std::minmax(name.size(), candidate.size());
+  const std::size_t shorter = std::min(name.size(), candidate.size()), longer = std::max(name.size(), candidate.size());
   const bool is_prefix = shorter >= 3 && (name.starts_with(candidate) || candidate.starts_with(name));
   const std::size_t at_least = (longer - shorter) * edit;  // names may be of any length
   const std::size_t edits = at_least >= least ? at_least : distance(name, candidate);
