@@ -12,8 +12,8 @@
 namespace binnacle::command {
 
 /// Written beside its final place and moved there by commit(). Where the file system can (O_TMPFILE of Linux) it has no
-/// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-PID" that the
-/// destructor removes, or Unfinished::remove_all() where there is no destructor. What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its
+/// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-HOST-PID-RANDOM", which no
+/// other process makes on any machine, that the destructor removes, or Unfinished::remove_all() where there is no destructor. What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its
 /// file.
 class AtomicFile {
  public:

@@ -40,8 +40,8 @@ std::string from_covariance() {
       "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1, 1]}}}}})";
 }
 
-Session started_with(double correlation) {
-  Session session(composition_of(from_covariance()));
+Session started_with(double correlation, const std::string& config = from_covariance()) {
+  Session session(composition_of(config));
   const double fields[] = {0, 0}, covariance[] = {1, correlation, correlation, 1};
   SampleView sample;
   sample.t = 0;
@@ -126,14 +126,24 @@ TEST_CASE("a correlation beyond one makes a filter lost, with the component's na
   CHECK(doubt(doubts, "B126")->message.find("'x.x1' has -1.25 of its variance left") != std::string::npos);
 }
 
-TEST_CASE("what P was is remembered: looked at every 1024 steps, and told at the end") {
-  Session session = started_with(1.5);
-  for (int k = 1; k <= 1024; ++k) {
+TEST_CASE("P is looked at now and then: what it was is told at the end, though it has become a covariance") {
+  std::string config = from_covariance();
+  const auto put = [&](const std::string& what, const std::string& instead) {
+    config.replace(config.find(what), what.size(), instead);
+  };
+  put(R"("random_constant", "blocks": {"x": "x"})", R"("random_walk", "blocks": {"x": "x"}, "q": 0.01)");
+  put("[1, 1]", "[1e6, 1e6]");
+  for (const int steps : {1000, 1100}) {
+    Session session = started_with(1.5, config);
     const double z[] = {0, 0};
-    if (k == 1024) session.push(session.channel("z"), no_time, nanoseconds(k), z);
+    for (int k = 1; k <= steps; ++k) session.push(session.channel("z"), no_time, nanoseconds(k), z);
+    CHECK(session.verdict({0}) == Verdict::lost);  // now
+    session.push(session.channel("z"), no_time, nanoseconds(1e6), z);
+    const Diagnostics doubts = session.doubts({0});
+    CAPTURE(steps);
+    CHECK((doubt(doubts, "B126") != nullptr) == (steps > 1024));
+    if (steps > 1024) CHECK(doubt(doubts, "B126")->message.find("first at 1024.0 s") != std::string::npos);
   }
-  // An update along both components makes a covariance of it, or not; the verdict says it was none.
-  CHECK(session.verdict({0}) == Verdict::lost);
 }
 
 TEST_CASE("an update that an expanded P has no digits for is told, with the forms that hold it") {

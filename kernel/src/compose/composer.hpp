@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -232,6 +233,7 @@ class Composer {
   std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins_;
   std::vector<std::filesystem::path> plugin_folders_;
   Diagnostics& diagnostics_;
+  std::map<std::string, const ComponentType*> used_;  // one of each plugin
   std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
   std::vector<FilterComposer> filters_;
   std::size_t silent_failures_ = 0;
