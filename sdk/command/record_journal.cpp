@@ -51,7 +51,7 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  [[noreturn]] void refuse() const { command::refuse(path_, "are damaged"); }
+  [[noreturn]] void refuse_damaged() const { refuse(path_, "are damaged"); }
   bool is_over() const { return left_ == 0; }
   std::uint64_t left() const { return left_; }
   void get(void* data, std::size_t size) {
@@ -86,7 +86,7 @@ class ReadSample {
     reader.get(reason_, head_.reason_length);
     reason_.push_back('\0');
     if (!head_.is_linearized) return;
-    if (head_.rows > most_rows) reader.refuse();
+    if (head_.rows > most_rows) reader.refuse_damaged();
     reader.get(keys_, head_.rows);
     reader.get(groups_, head_.rows);
     reader.get(residual_, head_.rows);
@@ -224,7 +224,7 @@ void RecordJournal::replay(std::uint64_t length, std::uint64_t checksum) {
   Reader reader(resumed_, length);
   std::vector<double> values;
   const auto check_filter = [&](int filter) {
-    if (filter < 0 || static_cast<std::size_t>(filter) >= observers_.size()) reader.refuse();
+    if (filter < 0 || static_cast<std::size_t>(filter) >= observers_.size()) reader.refuse_damaged();
   };
   while (!reader.is_over()) {
     const auto entry = reader.get<std::int32_t>();
@@ -234,7 +234,7 @@ void RecordJournal::replay(std::uint64_t length, std::uint64_t checksum) {
       if (StepObserver* const next = takers_.step_observer(sample.filter())) next->offered(sample.record());
       continue;
     }
-    if (entry != static_cast<std::int32_t>(Entry::record)) reader.refuse();
+    if (entry != static_cast<std::int32_t>(Entry::record)) reader.refuse_damaged();
     const auto filter = reader.get<std::int32_t>();
     check_filter(filter);
     const auto t = reader.get<Time>();
