@@ -22,7 +22,8 @@ namespace {
 
 /// The file that was opened still has that name: whoever had it before removed its own at its end.
 bool is_at(int file, const std::filesystem::path& path) {
-  struct stat opened{}, named{};
+  struct stat opened {
+  }, named{};
   return ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
          opened.st_ino == named.st_ino;
 }

@@ -36,9 +36,7 @@ std::string hexadecimal(std::uint64_t value) {
   return text;
 }
 
-std::string checksum(std::string_view text) {
-  return hexadecimal(XXH3_64bits(text.data(), text.size()));
-}
+std::string checksum(std::string_view text) { return hexadecimal(XXH3_64bits(text.data(), text.size())); }
 
 std::string signed_line(const Json& json) {
   const std::string text = line_of(json);

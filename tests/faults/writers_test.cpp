@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two processes that write results into one folder: one of them does, the other is told who has it; nothing is mixed.
+// Two processes that write results into one folder: one of them does, the other reads who has it; nothing is mixed.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "catch.hpp"
 #include "command.hpp"
@@ -95,8 +96,7 @@ TEST_CASE("records of filters that an earlier run into the folder had are remove
   REQUIRE(binnacle::test::binnacle(bench, {"run", "good.json", "--out", "out"}).status == 0);
   bench.write("out/mine.csv", "t[s],x\n1,2\n");
   std::string renamed = read_file(bench.path("good.json"));
-  for (const char* name : {"\"walk\"", "\"walk/"})
-    renamed.replace(renamed.find(name) + 1, 4, "march");
+  for (const char* name : {"\"walk\"", "\"walk/"}) renamed.replace(renamed.find(name) + 1, 4, "march");
   bench.write("renamed.json", renamed);
   const auto outcome = binnacle::test::binnacle(bench, {"run", "renamed.json", "--out", "out"});
   INFO(outcome.err);

@@ -126,7 +126,7 @@ TEST_CASE("a correlation beyond one makes a filter lost, with the component's na
   CHECK(doubt(doubts, "B126")->message.find("'x.x1' has -1.25 of its variance left") != std::string::npos);
 }
 
-TEST_CASE("P is looked at now and then: what it was is told at the end, though it has become a covariance") {
+TEST_CASE("P is looked at now and then: what it was is reported at the end, though it has become a covariance") {
   std::string config = from_covariance();
   const auto put = [&](const std::string& what, const std::string& instead) {
     config.replace(config.find(what), what.size(), instead);
@@ -146,7 +146,7 @@ TEST_CASE("P is looked at now and then: what it was is told at the end, though i
   }
 }
 
-TEST_CASE("an update that an expanded P has no digits for is told, with the forms that hold it") {
+TEST_CASE("an update that an expanded P has no digits for is reported with the forms that hold it") {
   for (const char* form : {"joseph", "ud", "square_root"}) {
     CAPTURE(form);
     const bool is_expanded = std::string(form) == "joseph";

@@ -5,11 +5,13 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <random>
 #include <string>
 
 #include "catch.hpp"
+#include "compose/composition_plan.hpp"
 #include "line.hpp"
 
 using namespace binnacle;
@@ -153,8 +155,8 @@ TEST_CASE("a forged count, index or time is refused by what it is") {
   CHECK(is_refused(forged(plan.head.offset + offsetof(TimeHead, input_end), no_time)));
   CHECK(is_refused(forged(plan.queue.offset + offsetof(QueueEntry, slot), std::int32_t{1})));
   CHECK(is_refused(forged(plan.queue.offset + offsetof(QueueEntry, measurement), std::int32_t{1})));
-  CHECK(is_refused(forged(plan.measurements[0].rows.offset + offsetof(internal::filter::RowMonitor, group),
-                          std::int32_t{40})));
+  CHECK(is_refused(
+      forged(plan.measurements[0].rows.offset + offsetof(internal::filter::RowMonitor, group), std::int32_t{40})));
   CHECK(is_refused(forged(plan.state.offset, std::nan(""))));
   CHECK(is_refused(forged(plan.covariance.offset, -1.0)));
   CHECK(refusal(session, whole) == "taken");

@@ -146,7 +146,7 @@ TEST_CASE("a snapshot of a session with history goes on bit for bit, also what i
   }
 }
 
-TEST_CASE("a damaged snapshot of a session with history is refused; a forged one is too, or it is gone on with") {
+TEST_CASE("a damaged snapshot of a session with history is refused, and a forged one is too or it is gone on with") {
   const auto composition = composition_of(with_history("\"2 s\""));
   const auto samples = arriving(4, 100, 1.9);
   for (const Estimates shown : {Estimates::live, Estimates::settled}) {

@@ -234,7 +234,7 @@ class Composer {
   std::vector<std::filesystem::path> plugin_folders_;
   Diagnostics& diagnostics_;
   std::map<std::string, const ComponentType*> used_;  // one of each plugin
-  std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
+  std::set<std::string> failed_components_;           // sources and transforms whose channels are unknown
   std::vector<FilterComposer> filters_;
   std::size_t silent_failures_ = 0;
 };

@@ -71,7 +71,7 @@ LibraryFile inspect_library(const std::filesystem::path& file);
 /// Of the library that the address is in, loaded from the file.
 std::string build_of(const void* address, const std::filesystem::path& file);
 
-/// What tells the loaded library of a type from any other that was built: its build ID, which the linker makes of its
+/// What distinguishes the loaded library of a type from any other that was built: its build ID, which the linker makes of its
 /// contents; without one a checksum of the file. Empty: it is linked into this program.
 std::string contents_of(const ComponentType& type, const std::vector<PluginInfo>& plugins);
 
