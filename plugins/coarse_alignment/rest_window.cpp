@@ -39,6 +39,7 @@ RestWindow::Event RestWindow::add(const RestLimits& limits, double dt, const Eig
     clear();
     return Event::disturbed;
   }
+  if (count_ < 0 || count_ > capacity) count_ = 0;  // of a forged snapshot
   if (!is_like_the_others(limits, mean)) count_ = 0;
   if (count_ == capacity) {
     std::move(block_.begin() + 1, block_.end(), block_.begin());

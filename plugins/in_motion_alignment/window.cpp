@@ -82,6 +82,7 @@ void Integrals::add(double dt, const Vector3d& rate, const Vector3d& specific_fo
 }
 
 void Window::add(const Epoch& epoch, Time length) {
+  if (count_ > capacity) clear();  // of a forged snapshot
   if (count_ == capacity) {
     ++first_;
     --count_;

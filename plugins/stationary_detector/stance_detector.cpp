@@ -111,6 +111,7 @@ void StanceDetector::on_imu(const SampleView& sample, Memory& memory, Emitter& e
   const Time before = memory.t;
   memory.t = sample.t;
   if (before == no_time || sample.t < before || sample.t - before > max_gap_) memory.empty();
+  if (memory.next < 0 || memory.next >= samples_ || memory.count < 0) memory.empty();  // of a forged snapshot
   Memory::Sample& newest = memory.window[memory.next];
   vector_at<3>(newest.rate) = rate - vector_at<3>(memory.gyro_bias);
   vector_at<3>(newest.force) = force;

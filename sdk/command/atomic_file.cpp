@@ -15,6 +15,7 @@
 
 #include "interrupt.hpp"
 #include "output.hpp"
+#include "this_process.hpp"
 
 namespace binnacle::command {
 
@@ -80,7 +81,7 @@ void AtomicFile::open_temporary(Temporary temporary) {
   std::error_code ignored;
   if (std::filesystem::is_symlink(target_, ignored)) target_ = std::filesystem::weakly_canonical(target_, ignored);
   const auto folder = folder_of(target_);
-  temporary_ = folder / fmt::format(".{}.tmp-{}", target_.filename().string(), ::getpid());
+  temporary_ = folder / fmt::format(".{}.tmp-{}", target_.filename().string(), unique_suffix());
   file_ = temporary == Temporary::unnamed ? open_unnamed(folder) : -1;
   if (file_ >= 0) return;
   if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));

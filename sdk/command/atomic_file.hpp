@@ -12,9 +12,10 @@
 namespace binnacle::command {
 
 /// Written beside its final place and moved there by commit(). Where the file system can (O_TMPFILE of Linux) it has no
-/// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-PID" that the
-/// destructor removes, or Unfinished::remove_all() where there is no destructor. What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its
-/// file; a FIFO needs a reader, and one that does not read is waited for until a signal asks to stop.
+/// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-HOST-PID-RANDOM", which no
+/// other process makes on any machine, that the destructor removes, or Unfinished::remove_all() where there is no destructor.
+/// What is no regular file (/dev/stdout, a pipe) is written straight into, a link through to its file; a FIFO needs a reader,
+/// and one that does not read is waited for until a signal asks to stop.
 class AtomicFile {
  public:
   /// `named`: for a library that opens the file itself, by path(). A killed process leaves the hidden name behind; the
@@ -32,7 +33,7 @@ class AtomicFile {
   /// Of a named one, until commit().
   const std::filesystem::path& path() const { return temporary_; }
   /// Has the system begin to put on the disk what was written, so that commit() waits for little. Of a named one, after its
-  /// library wrote; the others call it themselves. Does not wait, and does not fail: commit() tells what went wrong.
+  /// library wrote; the others call it themselves. Does not wait, and does not fail: commit() reports what went wrong.
   void start_write_out();
   /// OutputError: that it could not be written, why, and what to do.
   [[noreturn]] void fail(const std::string& why) const;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record_journal.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
+
+#define XXH_INLINE_ALL  // nothing is linked
+#include <xxhash.h>
 
 #include "binnacle/diagnostic.hpp"
 #include "output.hpp"
@@ -47,7 +51,9 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
+  [[noreturn]] void refuse_damaged() const { refuse(path_, "are damaged"); }
   bool is_over() const { return left_ == 0; }
+  std::uint64_t left() const { return left_; }
   void get(void* data, std::size_t size) {
     if (size > left_ || std::fread(data, 1, size, file_) != size) refuse(path_, "are torn");
     left_ -= size;
@@ -71,6 +77,8 @@ class Reader {
   std::FILE* file_ = nullptr;
 };
 
+constexpr std::int32_t most_rows = 1 << 12;  // S and R are squares
+
 /// A sample as it was recorded: of S and R the diagonal.
 class ReadSample {
  public:
@@ -78,6 +86,7 @@ class ReadSample {
     reader.get(reason_, head_.reason_length);
     reason_.push_back('\0');
     if (!head_.is_linearized) return;
+    if (head_.rows > most_rows) reader.refuse_damaged();
     reader.get(keys_, head_.rows);
     reader.get(groups_, head_.rows);
     reader.get(residual_, head_.rows);
@@ -116,6 +125,17 @@ class ReadSample {
 
 }  // namespace
 
+/// Of all bytes so far, XXH3.
+class RecordJournal::Checksum {
+ public:
+  Checksum() { XXH3_64bits_reset(&state_); }
+  void add(const void* data, std::size_t size) { XXH3_64bits_update(&state_, data, size); }
+  std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
+
+ private:
+  XXH3_state_t state_;
+};
+
 class RecordJournal::Observer final : public StepObserver {
  public:
   Observer(RecordJournal& journal, int filter) : journal_(journal), filter_(filter) {}
@@ -127,7 +147,10 @@ class RecordJournal::Observer final : public StepObserver {
 };
 
 RecordJournal::RecordJournal(fs::path keep, fs::path resumed, RecordTakers takers, std::size_t filters)
-    : keep_(std::move(keep)), resumed_(std::move(resumed)), takers_(std::move(takers)) {
+    : keep_(std::move(keep)),
+      resumed_(std::move(resumed)),
+      takers_(std::move(takers)),
+      checksum_(std::make_unique<Checksum>()) {
   for (std::size_t f = 0; f < filters; ++f)
     observers_.push_back(std::make_unique<Observer>(*this, static_cast<int>(f)));
   if (!keep_.empty() && resumed_.empty()) open("wb");
@@ -148,6 +171,7 @@ void RecordJournal::open(const char* mode) {
 void RecordJournal::put(const void* data, std::size_t size) {
   if (!file_) return;
   length_ += size;
+  checksum_->add(data, size);
   std::fwrite(data, 1, size, file_);
 }
 
@@ -182,21 +206,37 @@ void RecordJournal::offered(int filter, const UpdateRecord& record) {
 void RecordJournal::exchange(StateBytes& bytes) {
   if (file_ && (std::fflush(file_) != 0 || std::ferror(file_)))
     throw OutputError(fmt::format("'{}' could not be written: {}", keep_.string(), std::strerror(errno)));
-  std::uint64_t length = length_;
+  std::uint64_t length = length_, checksum = checksum_->value();
   bytes.value(length);
-  if (bytes.is_reading() && bytes.holds()) replay(length);
+  bytes.value(checksum);
+  if (bytes.is_reading() && bytes.holds()) replay(length, checksum);
 }
 
-void RecordJournal::replay(std::uint64_t length) {
+/// Nothing is passed on of a file that is not whole.
+void RecordJournal::replay(std::uint64_t length, std::uint64_t checksum) {
+  for (Reader all(resumed_, length); !all.is_over();) {
+    char block[1 << 16];
+    const std::size_t size = std::min<std::uint64_t>(sizeof block, all.left());
+    all.get(block, size);
+    checksum_->add(block, size);
+  }
+  if (checksum_->value() != checksum) refuse(resumed_, "are damaged: their checksum is not that of the checkpoint");
   Reader reader(resumed_, length);
   std::vector<double> values;
+  const auto check_filter = [&](int filter) {
+    if (filter < 0 || static_cast<std::size_t>(filter) >= observers_.size()) reader.refuse_damaged();
+  };
   while (!reader.is_over()) {
-    if (reader.get<Entry>() == Entry::sample) {
+    const auto entry = reader.get<std::int32_t>();
+    if (entry == static_cast<std::int32_t>(Entry::sample)) {
       const ReadSample sample(reader);
+      check_filter(sample.filter());
       if (StepObserver* const next = takers_.step_observer(sample.filter())) next->offered(sample.record());
       continue;
     }
+    if (entry != static_cast<std::int32_t>(Entry::record)) reader.refuse_damaged();
     const auto filter = reader.get<std::int32_t>();
+    check_filter(filter);
     const auto t = reader.get<Time>();
     reader.get(values, reader.get<std::int64_t>());
     takers_.record(filter, t, values);

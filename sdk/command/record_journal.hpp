@@ -36,11 +36,12 @@ class RecordJournal {
 
   void record(int filter, Time t, std::span<const double> values);
   StepObserver* step_observer(int filter);
-  /// Throws ConfigError (B084) where the file does not hold what the checkpoint says.
+  /// The checkpoint has the length of the file and its checksum. Throws ConfigError (B084) where the file does not hold that.
   void exchange(StateBytes& bytes);
 
  private:
   class Observer;
+  class Checksum;
   void open(const char* mode);
   void put(const void* data, std::size_t size);
   template <class T>
@@ -48,13 +49,14 @@ class RecordJournal {
     put(&value, sizeof value);
   }
   void offered(int filter, const UpdateRecord& record);
-  void replay(std::uint64_t length);
+  void replay(std::uint64_t length, std::uint64_t checksum);
 
   std::filesystem::path keep_, resumed_;
   RecordTakers takers_;
   std::vector<std::unique_ptr<Observer>> observers_;
   std::FILE* file_ = nullptr;
   std::uint64_t length_ = 0;
+  std::unique_ptr<Checksum> checksum_;  // of so many bytes
 };
 
 }  // namespace binnacle::command

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_recorder.hpp"
 
+#include <algorithm>
+#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -12,6 +14,16 @@ namespace binnacle::command {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Of an earlier run into the folder, perhaps of another config, by its summary.
+std::vector<std::string> filters_in(const fs::path& summary) {
+  std::vector<std::string> names;
+  std::ifstream file(summary);
+  const Json json = Json::parse(file, nullptr, false);
+  if (!json.is_object() || !json.contains("filters") || !json["filters"].is_object()) return names;
+  for (const auto& [name, figures] : json["filters"].items()) names.push_back(name);
+  return names;
+}
 
 }  // namespace
 
@@ -32,6 +44,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
   made_ = make_folders(folder_);
   if (!made_.empty()) unfinished_.emplace(folder_, made_);
   try {
+    lock_.emplace(folder_);
     config_ = std::make_unique<AtomicFile>(folder_ / "config.json");
     summary_ = std::make_unique<AtomicFile>(folder_ / "summary.json");
     thread_.emplace();
@@ -52,6 +65,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
     netcdf_file_.reset();
     config_.reset();
     summary_.reset();
+    lock_.reset();
     if (!made_.empty()) remove_empty_folders(folder_, made_);
     throw;
   }
@@ -64,6 +78,7 @@ RunRecorder::~RunRecorder() {
   netcdf_file_.reset();
   config_.reset();
   summary_.reset();
+  lock_.reset();
   if (!made_.empty()) remove_empty_folders(folder_, made_);
 }
 
@@ -136,6 +151,9 @@ void RunRecorder::scored(int filter, const score::ErrorSeries& errors) {
 /// What would be taken for this run's.
 void RunRecorder::remove_earlier() const {
   std::error_code ignored;
+  for (const auto& name : filters_in(summary_->target()))
+    if (std::ranges::none_of(filters_, [&](const Filter& its) { return its.csv_path == folder_ / csv_name(name); }))
+      fs::remove(folder_ / csv_name(name), ignored);
   fs::remove(summary_->target(), ignored);  // its records are about to go
   fs::remove(report_in(folder_), ignored);
   if (!formats_.nc) fs::remove(folder_ / "run.nc", ignored);

@@ -13,6 +13,7 @@
 
 #include "atomic_file.hpp"
 #include "csv_records.hpp"
+#include "folder_lock.hpp"
 #include "output.hpp"
 #include "record_formats.hpp"
 #include "report/recorded_run.hpp"
@@ -65,6 +66,7 @@ class RunRecorder {
   RecordFormats formats_;
   Json provenance_;
   std::optional<Unfinished> unfinished_;
+  std::optional<FolderLock> lock_;
   std::unique_ptr<AtomicFile> config_, summary_, netcdf_file_;
   std::unique_ptr<results::RunWriter> netcdf_;
   std::unique_ptr<report::RecordedRun> page_;

@@ -10,6 +10,7 @@
 
 #include "atomic_file.hpp"
 #include "binnacle/config.hpp"
+#include "folder_lock.hpp"
 #include "folders.hpp"
 #include "interrupt.hpp"
 #include "launcher.hpp"
@@ -96,6 +97,7 @@ struct Outputs {
     folder = options.out;
     load_netcdf();
     make_folders(folder);
+    lock.emplace(folder);
     journal = std::make_unique<study::Journal>(folder / "study.journal", study, results);
     config = Json::parse(score::load_config(options.config_path, options.config.load_options()).text());
     command = fmt::format("binnacle study {} --runs {} --seed {}{}", shell_quoted(options.config_path), study.runs(),
@@ -142,6 +144,7 @@ struct Outputs {
   }
   std::unique_ptr<AtomicFile> summary;
   std::filesystem::path folder;
+  std::optional<FolderLock> lock;
   std::unique_ptr<study::Journal> journal;
   Json config;
   std::string command;

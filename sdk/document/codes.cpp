@@ -138,15 +138,18 @@ constexpr CodeEntry entries[] = {
      "it has "
      "had its rest, and its course."},
     {"B082", "snapshot of something else",
-     "The bytes are no snapshot, or one of another composition, plugin or version.",
-     "Restore it with the config, plugins and program it was taken with."},
+     "The bytes are no snapshot, or a damaged one, or one of another composition, another build of a plugin, or "
+     "another "
+     "version.",
+     "Restore it with the config, plugins and program it was taken with. A damaged one is of no use."},
     {"B083", "a model's note",
      "A model met something in the run that people should know, or a sample that is invalid. Equal notes of one "
      "component "
      "are one warning, at once, and at the end with the time of the first and their number.",
      "Read the message; the plugin's README says more."},
     {"B084", "checkpoint of something else",
-     "The file is no checkpoint, or a torn one, or one of another config, other data, options, plugins, version or "
+     "The file is no checkpoint, or a torn or damaged one, or one of another config, other data, options, plugins, "
+     "version or "
      "kind of "
      "machine.",
      "Resume with what the run began with, or let it begin anew."},
@@ -260,6 +263,19 @@ constexpr CodeEntry entries[] = {
      "path "
      "is shorter than the shortest segment.",
      "Let one channel be the reference of both blocks; take shorter `lengths` in `segments` of `evaluate`."},
+    {"B126", "P is no covariance",
+     "P of the filter has a correlation beyond one, or gives a combination of components a negative variance, by more "
+     "than "
+     "1e-6 of a component's own; `lost` beyond 1e-3. It is looked at every 1024 steps and before a verdict.",
+     "A covariance that it started from may be none. Else digits were lost: `\"covariance\": \"ud\"` or "
+     "`\"square_root\"` "
+     "cannot become so by rounding."},
+    {"B127", "more than P has digits for",
+     "A measurement saw 1e15 times the variance of its own noise, or more. P as `joseph` keeps it has no digits for "
+     "both, so "
+     "sigmas after the update are zero or wrong.",
+     "Set `\"covariance\"` of the filter to `\"ud\"` or `\"square_root\"`, which hold it; or give a sigma at the start "
+     "that is nearer to what is known."},
     {"B130", "adaptive noise in tuning",
      "A measurement's R is made of its innovations by a noise estimator, so it follows whatever is tuned.",
      "Delete its `noise` while tuning (`--set …/noise=null`), or tune by withheld samples or a metric."},

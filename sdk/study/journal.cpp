@@ -15,6 +15,9 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#define XXH_INLINE_ALL  // nothing is linked
+#include <xxhash.h>
+
 #include "figures_json.hpp"
 
 namespace binnacle::study {
@@ -33,11 +36,7 @@ std::string hexadecimal(std::uint64_t value) {
   return text;
 }
 
-std::string checksum(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return hexadecimal(hash);
-}
+std::string checksum(std::string_view text) { return hexadecimal(XXH3_64bits(text.data(), text.size())); }
 
 std::string signed_line(const Json& json) {
   const std::string text = line_of(json);
@@ -53,7 +52,7 @@ std::optional<Json> read_line(std::string_view line) {
 }
 
 Json head_of(const Study& study) {
-  return {{"binnacle study", 1}, {"hash", hexadecimal(study.hash())}, {"seed", study.seed()}};
+  return {{"binnacle study", 2}, {"hash", hexadecimal(study.hash())}, {"seed", study.seed()}};
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, int line, const std::string& message) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A session with history, sample by sample: live estimates, what is settled, what is too late, snapshots, cascades.
 #include <algorithm>
-#include <cstring>
 #include <random>
 #include <string>
 #include <tuple>
@@ -9,6 +8,7 @@
 
 #include "catch.hpp"
 #include "line.hpp"
+#include "snapshot_attack.hpp"
 
 using namespace binnacle;
 using filter_tests::composition_of;
@@ -140,10 +140,30 @@ TEST_CASE("a snapshot of a session with history goes on bit for bit, also what i
     CHECK(other.counts(other.measurement("fix")).replayed == whole.counts(whole.measurement("fix")).replayed);
     const auto before = bits(other);
     bytes.resize(bytes.size() - 100);
-    const std::uint64_t size = bytes.size() - 24;
-    std::memcpy(bytes.data() + 16, &size, sizeof size);
-    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("it is torn"));
+    snapshot_attack::reseal(bytes);
+    CHECK_THROWS_WITH(other.restore(bytes), Catch::Contains("what it holds is damaged"));
     CHECK(bits(other) == before);
+  }
+}
+
+TEST_CASE("a damaged snapshot of a session with history is refused, and a forged one is too or it is gone on with") {
+  const auto composition = composition_of(with_history("\"2 s\""));
+  const auto samples = arriving(4, 100, 1.9);
+  for (const Estimates shown : {Estimates::live, Estimates::settled}) {
+    Session session(composition, 0, 0, shown);
+    for (std::size_t k = 0; k < 150; ++k) push(session, samples[k]);
+    const auto whole = snapshot_attack::snapshot_of(session);
+    std::mt19937_64 random(9);
+    int taken = 0;
+    for (int k = 0; k < 1000; ++k) taken += snapshot_attack::is_taken(session, snapshot_attack::damaged(whole, random));
+    CHECK(taken == 0);
+    for (int k = 0; k < 3000; ++k)
+      taken += snapshot_attack::survives_forged(session, whole, random, [&](Session& its) {
+        for (std::size_t next = 150; next < samples.size(); ++next) push(its, samples[next]);
+      });
+    CAPTURE(taken);
+    CHECK(taken > 30);
+    CHECK(taken < 3000);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -234,7 +235,8 @@ class Composer {
   std::vector<std::shared_ptr<const LinkedPlugin>> linked_plugins_;
   std::vector<std::filesystem::path> plugin_folders_;
   Diagnostics& diagnostics_;
-  std::set<std::string> failed_components_;  // sources and transforms whose channels are unknown
+  std::map<std::string, const ComponentType*> used_;  // one of each plugin
+  std::set<std::string> failed_components_;           // sources and transforms whose channels are unknown
   std::vector<FilterComposer> filters_;
   std::size_t silent_failures_ = 0;
   mutable std::size_t seen_ = 0, errors_ = 0;  // of the diagnostics, which only grow

@@ -9,6 +9,7 @@
 #include "binnacle/version.hpp"
 #include "compose/composer.hpp"
 #include "config/node.hpp"
+#include "plugin/library.hpp"
 
 namespace binnacle::internal::compose {
 
@@ -47,6 +48,7 @@ Component Composer::read_component(Role role, const Reader& at, const std::vecto
   if (const auto type = at["type"].text())
     component.type = plan_->catalog.want(role, *type, at["type"].origin(), at["type"].pointer(), diagnostics_);
   if (!component.type) return component;
+  used_.emplace(component.type->plugin, component.type);
   const ComponentSpec& spec = component.spec();
   component.fields_bound.assign(spec.fields.size(), false);
   if (filter) filter->bind_ports(component);
@@ -307,7 +309,9 @@ std::unique_ptr<CompositionPlan> Composer::compose() {
 
   base::Fnv1a hash(plan_->document.hash(own_keys));
   hash.add(BINNACLE_VERSION);
-  for (const auto& plugin : plan_->catalog.plugins()) hash.add(plugin.name + "=" + plugin.version + ";");
+  const auto plugins = plan_->catalog.plugins();
+  for (const auto& plugin : plugins) hash.add(plugin.name + "=" + plugin.version + ";");
+  for (const auto& [name, type] : used_) hash.add(plugin::contents_of(*type, plugins));
   plan_->hash = hash.value();
   return std::move(plan_);
 }

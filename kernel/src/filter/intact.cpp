@@ -82,8 +82,8 @@ bool are_intact(std::initializer_list<Extreme> extremes) {
 }
 
 bool is_intact(const Tally& tally) {
-  const std::int64_t uses = tally.by_outcome[static_cast<int>(Outcome::accepted)] +
-                            tally.by_outcome[static_cast<int>(Outcome::withheld)];
+  const std::int64_t uses =
+      tally.by_outcome[static_cast<int>(Outcome::accepted)] + tally.by_outcome[static_cast<int>(Outcome::withheld)];
   return all_of(tally.by_outcome, is_count) &&
          are_counts({tally.offered, tally.before_start, tally.recoveries, tally.rows_left_out, tally.rows_used,
                      tally.nis_count, tally.replayed, tally.longest_delay, tally.iterated, tally.iterations,

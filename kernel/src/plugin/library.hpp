@@ -94,6 +94,13 @@ bool is_built_here(const std::filesystem::path& path);
 /// static one, and bounds nothing). Never throws for what the file holds.
 LibraryFile inspect_library(const OpenFile& file);
 
+/// Of the library that the address is in, loaded from the file.
+std::string build_of(const void* address, const std::filesystem::path& file);
+
+/// What distinguishes the loaded library of a type from any other that was built: its build ID, which the linker makes of its
+/// contents; without one a checksum of the file. Empty: it is linked into this program.
+std::string contents_of(const ComponentType& type, const std::vector<PluginInfo>& plugins);
+
 /// The plugins that there are already, in several lists.
 using Others = std::initializer_list<const std::vector<PluginInfo>*>;
 

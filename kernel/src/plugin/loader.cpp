@@ -149,6 +149,9 @@ class PluginRegistry final : public Registry {
     });
   }
 
+  /// In the memory of the library.
+  static const void* address_of(const ComponentType& type) { return reinterpret_cast<const void*>(type.factory_); }
+
   bool link(std::shared_ptr<const LinkedPlugin> plugin) {
     info_ = {plugin->name, plugin->version, {}};
     library_ = plugin;
@@ -232,6 +235,12 @@ class PluginRegistry final : public Registry {
   std::shared_ptr<const void> library_;
   std::vector<ComponentType> types_;
 };
+
+std::string contents_of(const ComponentType& type, const std::vector<PluginInfo>& plugins) {
+  const auto plugin = std::ranges::find(plugins, type.plugin, &PluginInfo::name);
+  if (plugin == plugins.end() || plugin->file.empty()) return "";
+  return build_of(PluginRegistry::address_of(type), plugin->file);
+}
 
 std::optional<PluginInfo> examine_plugin(const fs::path& file, Others others, Diagnostics& diagnostics) {
   FolderLook look;

@@ -114,7 +114,8 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
              " s), and what it sees became 3 times as uncertain or more";
     case Doubt::unresolved:
       return who + " saw " + figure + " times the variance of its noise at " + since(reason) + " (limit " + limit +
-             "): \"covariance\": \"joseph\" has no digits for that, and sigmas after it are zero or wrong; \"ud\" and " +
+             "): \"covariance\": \"joseph\" has no digits for that, and sigmas after it are zero or wrong; \"ud\" "
+             "and " +
              "\"square_root\" hold it";
     case Doubt::indefinite:
     case Doubt::bridged:
@@ -128,8 +129,8 @@ std::string text_of(const TrustReason& reason, const FilterInfo& filter, const s
 }
 
 const char* code_of(Doubt doubt) {
-  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107",
-                                   "B108", "B109", "B110", "B117", "B115", "B118", "B116", "B123", "B126", "B127"};
+  constexpr const char* codes[] = {"B100", "B101", "B102", "B103", "B104", "B105", "B106", "B107", "B108",
+                                   "B109", "B110", "B117", "B115", "B118", "B116", "B123", "B126", "B127"};
   return codes[static_cast<int>(doubt)];
 }
 

@@ -190,8 +190,7 @@ void History::exchange(StateBytes& bytes) {
 bool History::is_intact() const {
   using namespace filter;
   const bool has_times = is_time(newest_) && is_time(live_t_) && is_time(lag_.since) && is_count(lag_.longest) &&
-                         is_count(rewinds_) && is_count(left_.live == HistoryPlan::unbounded ? 0 : left_.live) &&
-                         is_count(left_.settled == HistoryPlan::unbounded ? 0 : left_.settled);
+                         is_count(rewinds_) && left_.live >= 0 && left_.settled > -beyond_count;
   const bool has_places = live_next_ <= store_.size() && settled_next_ <= store_.size() &&
                           (store_.empty() || newest_ != no_time) &&
                           (live_next_ == store_.size() || live_ == nullptr || is_behind_);

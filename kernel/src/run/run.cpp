@@ -315,6 +315,8 @@ class RunUnderWay {
   }
   void exchange(StateBytes& bytes) {
     bytes.list(noted_);
+    bytes.expect(noted_.size() == plan_.filters.size());
+    if (!bytes.holds()) noted_.resize(plan_.filters.size());
     for (const auto& part : parts_) part->exchange(bytes);
     observer_.exchange(bytes);
     if (options_.feeds_sinks)

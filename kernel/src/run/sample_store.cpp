@@ -107,7 +107,7 @@ bool SampleStore::is_intact() const {
     if (item.channel < 0 || as_size(item.channel) >= channels_.size()) return false;
     if (!is_bool(item.is_done) || !is_bool(item.is_live)) return false;
     if (!filter::is_moment(item.key.first) || !filter::is_time(item.key.second) || !filter::is_count(item.key.place) ||
-        !filter::is_count(item.key.sequence) || !filter::is_count(item.late) || !filter::is_moment(item.head.t))
+        !filter::is_count(item.key.sequence) || !filter::is_moment(item.late) || !filter::is_moment(item.head.t))
       return false;
     if (i > 0 && !((*this)[i - 1].key < item.key)) return false;
     if (!filter::is_intact(item.head, channels_[as_size(item.channel)])) return false;
