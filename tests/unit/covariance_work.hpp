@@ -74,17 +74,22 @@ struct RandomTransition {
         RowGroup group;
         group.first_row = row;
         group.rows = rows;
+        group.is_in_one_run = engine() % 2;
         Phi.middleRows(row, rows).setZero();
+        std::vector<double> block;
         for (int column = 0; column < n; ++column) {
           if (engine() % 2) continue;
-          std::vector<double> block;
+          group.columns.push_back({column, static_cast<int>(blocks.size()), static_cast<int>(block.size())});
           for (int r = 0; r < rows; ++r) {
             block.push_back(random_matrix(1, 1, engine)(0, 0));
             Phi(row + r, column) = block.back();
           }
-          group.columns.push_back({column, static_cast<int>(blocks.size()), 0});
+          if (group.is_in_one_run) continue;
           blocks.push_back(block);
+          block.clear();
         }
+        group.is_in_one_run &= !group.columns.empty();
+        if (group.is_in_one_run) blocks.push_back(block);
         plan.groups.push_back(group);
       }
       const MatrixXd q = random_covariance(rows, engine);

@@ -16,11 +16,8 @@ Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
   std::size_t coefficients = 0;
   for (const auto& group : plan.groups) coefficients += group.columns.size() * as_size(group.rows);
   coefficients_.resize(coefficients);
-  double* next = coefficients_.data();
-  for (const auto& group : plan.groups) {
-    groups_.push_back({group.rows, base::count_of(group.indices), group.indices.data(), next});
-    next += group.columns.size() * as_size(group.rows);
-  }
+  for (const auto& group : plan.groups)
+    groups_.push_back({group.rows, base::count_of(group.indices), group.indices.data(), nullptr});
   M_.resize(as_size(ld_) * as_size(ld_coupled_));
   Mt_.resize(M_.size());
   is_coupled_first_ = plan.coupled.size() == 1 && plan.coupled.front().first == 0;
@@ -36,10 +33,9 @@ void Joseph::predict_coupled(const double* const* phi) {
   double* next = coefficients_.data();
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const RowGroup& group = plan_.groups[g];
-    if (group.is_in_one_run)
-      groups_[g].coefficients = phi[group.columns.front().block] + group.columns.front().offset;
-    else
-      next = collect(group, phi, next);
+    groups_[g].coefficients =
+        group.is_in_one_run ? phi[group.columns.front().block] + group.columns.front().offset : next;
+    if (!group.is_in_one_run) next = collect(group, phi, next);
   }
   double* const AA = is_coupled_first_ ? P_ : PAA_.data();
   strip_loops().couple(P_, {ld_, ld_coupled_, groups_.data(), base::count_of(groups_), M_.data(), Mt_.data(), AA,
