@@ -20,6 +20,7 @@ namespace {
 
 constexpr mode_t read_write = 0666;
 constexpr std::size_t buffer_size = 1 << 18;
+constexpr std::size_t write_out_size = 8 << 20;
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
@@ -98,6 +99,16 @@ void AtomicFile::write_through(std::string_view text) {
     if (written <= 0) fail(std::strerror(errno));
     at += static_cast<std::size_t>(written);
   }
+  since_write_out_ += text.size();
+  if (since_write_out_ < write_out_size) return;
+  start_write_out();
+  since_write_out_ = 0;
+}
+
+void AtomicFile::start_write_out() {
+#ifdef SYNC_FILE_RANGE_WRITE
+  if (!is_direct_) ::sync_file_range(file_, 0, 0, SYNC_FILE_RANGE_WRITE);
+#endif
 }
 
 void AtomicFile::flush() {

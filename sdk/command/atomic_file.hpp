@@ -31,6 +31,9 @@ class AtomicFile {
   void write(std::string_view text);
   /// Of a named one, until commit().
   const std::filesystem::path& path() const { return temporary_; }
+  /// Has the system begin to put on the disk what was written, so that commit() waits for little. Of a named one, after its
+  /// library wrote; the others call it themselves. Does not wait, and does not fail: commit() tells what went wrong.
+  void start_write_out();
   /// OutputError: that it could not be written, why, and what to do.
   [[noreturn]] void fail(const std::string& why) const;
   /// Replaces what is at the target. Nothing may be written after it.
@@ -49,6 +52,7 @@ class AtomicFile {
   std::optional<Unfinished> named_;  // while the temporary has a name
   bool is_direct_ = false;
   std::string buffer_;
+  std::size_t since_write_out_ = 0;  // bytes
 };
 
 }  // namespace binnacle::command

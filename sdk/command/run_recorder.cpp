@@ -119,7 +119,10 @@ void RunRecorder::write(std::size_t filter, const results::RowBlock& rows) {
   if (its.csv) its.csv->write(rows);
   if (!netcdf_ && !page_) return;
   column_block_.take(rows, its.columns);
-  if (netcdf_) netcdf_->write(static_cast<int>(filter), column_block_);
+  if (netcdf_) {
+    netcdf_->write(static_cast<int>(filter), column_block_);
+    netcdf_file_->start_write_out();
+  }
   if (page_) page_->take(static_cast<int>(filter), column_block_);
 }
 

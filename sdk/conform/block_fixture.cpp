@@ -60,8 +60,9 @@ class CallsBlock final : public Fixture {
     });
     const int count = static_cast<int>(declared.outputs.size());
     Guarded J(static_cast<std::size_t>(count * dof), fill);
-    const bool has_J =
-        called("output_jacobian", [&] { return block.output_jacobian(x, {J.data(), count, dof, count}); });
+    const bool has_J = called("output_jacobian", [&] {
+      return block.output_jacobian(x, {J.data(), count, dof, count});
+    });
     Answer answer;
     answer.damage = inputs.damage("a call of the block");
     examine(y, "plus", fill, answer.damage);

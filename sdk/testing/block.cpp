@@ -132,7 +132,8 @@ Complaints check_output_jacobian(const PortState& at, double step, double share)
     const double greatest = numeric.row(i).cwiseProduct(at.scale.transpose()).cwiseAbs().maxCoeff();
     if (!(worst <= share * greatest + resolution[i]))
       out.add("output_jacobian() of '", declared.outputs[static_cast<std::size_t>(i)].name,
-              "' differs from differences of what is read: it is [", J.row(i), "], and should be [", numeric.row(i), "]");
+              "' differs from differences of what is read: it is [", J.row(i), "], and should be [", numeric.row(i),
+              "]");
   }
   return out;
 }

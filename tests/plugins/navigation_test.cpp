@@ -123,8 +123,7 @@ TEST_CASE("attitude: near the vertical the outputs have no Jacobian", "[navigati
   Eigen::Matrix3d J = Eigen::Matrix3d::Constant(7);
   const auto gives = [&](double from_vertical) {
     return attitude->output_jacobian(
-        numbers(strapdown::quaternion_from_euler({0.3, std::numbers::pi / 2 - from_vertical, 1})),
-        {J.data(), 3, 3, 3});
+        numbers(strapdown::quaternion_from_euler({0.3, std::numbers::pi / 2 - from_vertical, 1})), {J.data(), 3, 3, 3});
   };
   REQUIRE_FALSE(gives(0.9e-3));
   REQUIRE_FALSE(gives(0));

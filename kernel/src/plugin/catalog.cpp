@@ -178,9 +178,11 @@ void Catalog::note(const fs::path& file, const Diagnostics& found, Diagnostics& 
 
 template <class Predicate>
 void Catalog::load_waiting_that(const Predicate& is_wanted, Diagnostics& diagnostics) {
-  const auto others = std::ranges::stable_partition(waiting_, [&](const auto& plugin) { return !is_wanted(plugin); });
-  const std::vector<PluginInfo> wanted(others.begin(), others.end());
-  waiting_.erase(others.begin(), others.end());
+  // Not std::ranges': clang 14 cannot compile the subrange of the library of g++ 12.
+  const auto first =
+      std::stable_partition(waiting_.begin(), waiting_.end(), [&](const auto& plugin) { return !is_wanted(plugin); });
+  const std::vector<PluginInfo> wanted(first, waiting_.end());
+  waiting_.erase(first, waiting_.end());
   for (const PluginInfo& plugin : wanted) {
     Diagnostics found;
     plugin::load_waiting_plugin(plugin, plugins_, components_, found);
