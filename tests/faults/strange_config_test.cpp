@@ -45,7 +45,7 @@ TEST_CASE("every verb that takes a config refuses a stranger's plugin, and repea
   }
 }
 
-TEST_CASE("--allow-plugins loads it") {
+TEST_CASE("with --allow-plugins it is loaded") {
   const Workbench bench;
   write_strange(bench);
   for (const char* verb : {"check", "run"}) {
