@@ -14,6 +14,7 @@ namespace {
 using std::ranges::all_of;
 
 bool are_counts(std::initializer_list<std::int64_t> counts) { return all_of(counts, is_count); }
+bool are_lengths(std::initializer_list<Time> lengths) { return all_of(lengths, is_length); }
 bool are_times(std::initializer_list<Time> times) { return all_of(times, is_time); }
 bool are_moments(std::initializer_list<Time> times) { return all_of(times, is_moment); }
 
@@ -25,10 +26,10 @@ bool ends(const char (&text)[N]) {
 bool is_intact(const TimeHead& head, const FilterPlan& plan) {
   return are_times({head.t, head.start, head.first_restart, head.last_start, head.restart_until, head.input_end,
                     head.newest, head.longest_hole_at, head.stopped_at, head.repeats_since, head.longest_repeat_at}) &&
-         are_counts({head.steps, head.gaps, head.starts, head.started, head.pending, head.queued, head.longest_hole,
-                     head.stopped_by, head.changes, head.repeats, head.longest_repeat}) &&
-         head.starts < (1 << 30) && as_size(head.pending) <= plan.pending.count &&
-         as_size(head.queued) <= plan.queue.count &&
+         are_counts({head.steps, head.gaps, head.starts, head.started, head.pending, head.queued, head.changes,
+                     head.repeats}) &&
+         are_lengths({head.longest_hole, head.stopped_by, head.longest_repeat}) && head.starts < (1 << 30) &&
+         as_size(head.pending) <= plan.pending.count && as_size(head.queued) <= plan.queue.count &&
          (head.starts == 0 || are_moments({head.t, head.start, head.last_start, head.input_end})) &&
          (head.started == 0 || head.starts > 0) && (head.repeats == 0 || is_moment(head.repeats_since)) &&
          (head.t == no_time || head.input_end == no_time || plan.input_channel < 0 || head.started == 0 ||
@@ -86,10 +87,11 @@ bool is_intact(const Tally& tally) {
       tally.by_outcome[static_cast<int>(Outcome::accepted)] + tally.by_outcome[static_cast<int>(Outcome::withheld)];
   return all_of(tally.by_outcome, is_count) &&
          are_counts({tally.offered, tally.before_start, tally.recoveries, tally.rows_left_out, tally.rows_used,
-                     tally.nis_count, tally.replayed, tally.longest_delay, tally.iterated, tally.iterations,
-                     tally.not_converged, tally.linearized, tally.reached, tally.recoveries_in_vain, tally.changes,
-                     tally.repeated, tally.believable, tally.longest_silence, tally.first_silence}) &&
-         is_intact(tally.gated) && is_intact(tally.repeats) &&
+                     tally.nis_count, tally.replayed, tally.iterated, tally.iterations, tally.not_converged,
+                     tally.linearized, tally.reached, tally.recoveries_in_vain, tally.changes, tally.repeated,
+                     tally.believable}) &&
+         are_lengths({tally.longest_delay, tally.longest_silence, tally.first_silence}) && is_intact(tally.gated) &&
+         is_intact(tally.repeats) &&
          are_times({tally.last_accepted, tally.first_recovery, tally.last_recovery, tally.last_useful,
                     tally.longest_silence_at, tally.first_useful}) &&
          (uses == 0 || are_moments({tally.last_useful, tally.first_useful})) && ends(tally.last_reason);

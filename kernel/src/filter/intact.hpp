@@ -12,11 +12,12 @@
 
 namespace binnacle::internal::filter {
 
-/// No difference of two numbers below it overflows; 146 years in nanoseconds.
-inline constexpr std::int64_t beyond_count = std::int64_t{1} << 62;
+/// No difference of two times below it overflows: 146 years; no sum of thousands of counts below the other.
+inline constexpr std::int64_t beyond_time = std::int64_t{1} << 62, beyond_count = std::int64_t{1} << 48;
 
 inline bool is_count(std::int64_t count) { return count >= 0 && count < beyond_count; }
-inline bool is_moment(Time t) { return t > -beyond_count && t < beyond_count; }
+inline bool is_length(Time length) { return length >= 0 && length < beyond_time; }
+inline bool is_moment(Time t) { return t > -beyond_time && t < beyond_time; }
 inline bool is_time(Time t) { return t == no_time || is_moment(t); }
 
 /// Of a sample as it is kept on the channel.

@@ -189,14 +189,14 @@ void History::exchange(StateBytes& bytes) {
 /// Places in the store are in it; there is always a snapshot to go back to, older than what is not too late.
 bool History::is_intact() const {
   using namespace filter;
-  const bool has_times = is_time(newest_) && is_time(live_t_) && is_time(lag_.since) && is_count(lag_.longest) &&
+  const bool has_times = is_time(newest_) && is_time(live_t_) && is_time(lag_.since) && is_length(lag_.longest) &&
                          is_count(rewinds_) && left_.live >= 0 && left_.settled > -beyond_count;
   const bool has_places = live_next_ <= store_.size() && settled_next_ <= store_.size() &&
                           (store_.empty() || newest_ != no_time) &&
                           (live_next_ == store_.size() || live_ == nullptr || is_behind_);
   if (!has_times || !has_places || dropped_.size() != plan_.channels.size()) return false;
   for (const Dropped& dropped : dropped_)
-    if (!is_count(dropped.count) || !is_count(dropped.longest) || !is_count(dropped.while_lagging)) return false;
+    if (!is_count(dropped.count) || !is_length(dropped.longest) || !is_count(dropped.while_lagging)) return false;
   if (!live_) return snapshots_.empty();
   if (snapshots_.empty() || snapshots_.back().t > live_t_) return false;
   const Time oldest = snapshots_.front().t;
