@@ -12,7 +12,7 @@
 
 namespace binnacle::fuzz {
 
-/// `parameter`: which one names the file. Others than ComponentError are for the fuzzer to see: std::logic_error tells of
+/// `parameter`: which one names the file. Others than ComponentError are for the fuzzer to see: std::logic_error is of
 /// samples that go back in time, or of a source that wrote where it may not.
 template <class SourceType>
 void read_file(const char* name, std::string_view bytes, nlohmann::json parameters, const char* parameter = "path") {

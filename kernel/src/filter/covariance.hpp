@@ -63,9 +63,9 @@ class Joseph final : public CovarianceForm {
   base::AlignedVector<double> coefficients_;  // of groups that do not have them in one run, one after the other
   std::vector<CombinedRows> groups_;
   bool is_coupled_first_ = false;            // A is one run from row 0 on
-  base::AlignedVector<double> transformed_;   // ld × most_dof
-  std::vector<int> rows_;                     // 0, 1, 2, …
-  std::vector<double> before_;                // variances before an update
+  base::AlignedVector<double> transformed_;  // ld × most_dof
+  std::vector<int> rows_;                    // 0, 1, 2, …
+  std::vector<double> before_;               // variances before an update
   std::vector<int> rounded_;
 };
 

@@ -405,7 +405,7 @@ class Estimator {
   std::vector<Diagonal> diagonals_;
   std::vector<const double*> noise_variances_;  // their elements that have a place in P
   std::vector<Scaling> scalings_;
-  Gathering gathers_, noise_gathers_;  // of Φ, of Qd
+  Gathering gathers_, noise_gathers_;                          // of Φ, of Qd
   std::vector<const BlockPlan*> held_;                         // blocks that hold what is frozen
   std::vector<double> group_x_;                                // what a Van Loan group reads
   double kept_dt_ = std::numeric_limits<double>::quiet_NaN();  // length of the step that all in the tables is of [s]

@@ -50,8 +50,7 @@ inline void combine_rows(const double* in, int ld, int first, int end, int count
     combine_strip<R, 3>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
   for (; i + 2 * lanes <= end; i += 2 * lanes)
     combine_strip<R, 2>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
-  for (; i < end; i += lanes)
-    combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
+  for (; i < end; i += lanes) combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
 }
 
 void combine(int rows, const double* in, int ld, int first, int count, const int* columns, const double* coefficients,

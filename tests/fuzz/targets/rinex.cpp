@@ -5,9 +5,9 @@
 
 void binnacle::fuzz::try_bytes(std::string_view bytes) {
   static const test::Folder folder;
-  const std::size_t border = bytes.find("\n%\n");
-  const std::string messages(border == bytes.npos ? "" : bytes.substr(border + 3));
+  const std::size_t middle = bytes.find("\n%\n");
+  const std::string messages(middle == bytes.npos ? "" : bytes.substr(middle + 3));
   const nlohmann::json parameters{{"navigation", folder.write("site.nav", messages)},
                                   {"signals", {{"galileo", "1C"}, {"beidou", "2I"}}}};
-  read_file<rinex::RinexSource>("site.obs", bytes.substr(0, border), parameters, "observations");
+  read_file<rinex::RinexSource>("site.obs", bytes.substr(0, middle), parameters, "observations");
 }
