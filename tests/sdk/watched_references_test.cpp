@@ -24,15 +24,10 @@ std::vector<score::MetricValue> values_of(const std::shared_ptr<const Compositio
 
 TEST_CASE("metrics of runs without a summary are those of runs with one, alone and together") {
   const auto composition = score::load(BINNACLE_TEST_PROJECT "/configs/quickstart.json");
-  const std::vector<std::string> names = {"ins/velocity.north/rms",
-                                          "ins/position.horizontal/final",
-                                          "ins/attitude.yaw/max",
-                                          "ins/attitude.yaw/drift",
-                                          "ins/velocity.down/sigma",
-                                          "ins/attitude/nees",
-                                          "ins/state/nees",
-                                          "ins/position.segments/translation",
-                                          "ins/position.segments/rotation"};
+  const std::vector<std::string> names = {
+      "ins/velocity.north/rms", "ins/position.horizontal/final",     "ins/attitude.yaw/max",
+      "ins/attitude.yaw/drift", "ins/velocity.down/sigma",           "ins/attitude/nees",
+      "ins/state/nees",         "ins/position.segments/translation", "ins/position.segments/rotation"};
   const auto expected = values_of(composition, names, true);
   const auto is_expected = [&](std::size_t i, const score::MetricValue& value) {
     return value.value == expected[i].value && value.dof == expected[i].dof && value.n == expected[i].n;

@@ -307,7 +307,8 @@ void Estimator::list_gathers(const std::vector<GatherPlan>& plans, const std::ve
         double* const element = target++;
         const bool is_diagonal = own.structure == Structure::diagonal;
         if (is_diagonal && row != column) continue;
-        gathering.copies.push_back({table[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
+        gathering.copies.push_back(
+            {table[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
       }
   }
 }
