@@ -32,7 +32,7 @@ class AtomicFile {
   /// Of a named one, until commit().
   const std::filesystem::path& path() const { return temporary_; }
   /// Has the system begin to put on the disk what was written, so that commit() waits for little. Of a named one, after its
-  /// library wrote; the others call it themselves. Does not wait, and does not fail: commit() tells what went wrong.
+  /// library wrote; the others call it themselves. Does not wait, and does not fail: commit() reports what went wrong.
   void start_write_out();
   /// OutputError: that it could not be written, why, and what to do.
   [[noreturn]] void fail(const std::string& why) const;
