@@ -159,7 +159,6 @@ def test_rows_of_one_sample_far_ahead(run):
     rows = [f"{t},1,{k}" for t in AHEAD for k in (1, 2)]
     columns = {"z0": {"column": "b", "unit": "1"}, "key": {"column": "k", "unit": "1"}}
     ended = run(rows, head=head, invalid_rows="skip", columns=columns, rows={"key": "key"}, measured=False)
-    assert ended.status == 0, ended.err
     assert "2 rows skipped, the first: time jumps ahead to 100000 s" in ended.err, ended.err
 
 

@@ -201,7 +201,7 @@ class MeasurementComposer {
       windows.check_keys({"every", "windows"}, "'withhold'");
       const auto every = windows["every"].integer(parameter::integer("every").at_least(1).at_most(1'000'000'000));
       plan_.withhold_every = static_cast<int>(every.value_or(0));
-      // Patches may mean that.
+      // In a patch over a config it is what was asked for.
       if (plan_.withhold_every == 1 && !composer_.plan().document.is_patched())
         windows["every"].warning("B031", "every sample is withheld: the filter never uses '" + plan_.name + "'");
       windows = windows["windows"];
