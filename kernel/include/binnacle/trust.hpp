@@ -36,9 +36,9 @@ enum class Doubt : unsigned char {
   input_ended,  ///< measurements went on for `figure` s after the end of the driving input, longer than `limit`
   stopped,      ///< after a hole of `figure` s in the driving input, longer than `limit`, it could not start anew
   lagging,      ///< live estimates were up to `figure` s behind what had arrived, longer than the history, `limit`
-  indefinite,   ///< of component `key` (a row of P) the share `figure` of its variance is left once the others are known,
-                ///< less than −`limit`: a correlation beyond one, or another P that is no covariance
-  unresolved,   ///< an update saw `figure` times the variance of its noise, more than the digits of P resolve: `limit`
+  indefinite,  ///< of component `key` (a row of P) the share `figure` of its variance is left once the others are known,
+               ///< less than −`limit`: a correlation beyond one, or another P that is no covariance
+  unresolved,  ///< an update saw `figure` times the variance of its noise, more than the digits of P resolve: `limit`
 };
 
 /// One reason against a filter's estimates.
