@@ -62,7 +62,10 @@ void NoteBook::keep(const std::string& type, const std::string& pointer, const c
 }
 
 void NoteBook::exchange(StateBytes& bytes) {
-  if (bytes.is_reading()) read_ = std::make_shared<std::deque<std::string>>();
+  if (bytes.is_reading()) {
+    notes_.clear();  // their texts may be those that go with read_
+    read_ = std::make_shared<std::deque<std::string>>();
+  }
   const auto text = [&](const std::string* known) -> const std::string* {
     std::string copy = known ? *known : "";
     bytes.text(copy);
