@@ -305,7 +305,7 @@ TEST_CASE("a config that doubles itself does not fill the memory", "[document]")
     text += ",\n\"l" + std::to_string(i) + "\": {\"a\": " + below + ", \"b\": " + below + "}";
   }
   folder.write("a.json", text + "}");
-  CHECK(load_errors("a.json").find("extends multiplies without end") != std::string::npos);
+  CHECK(load_errors("a.json").find("error[B033]") != std::string::npos);
 }
 
 TEST_CASE("variables are filled into texts, not into keys", "[document]") {
@@ -328,8 +328,7 @@ TEST_CASE("mistakes with variables", "[document]") {
         "--var: error[B029]: '--var dr=' does not read name=value\n"
         "--var: error[B029]: the config has no variable 'drives'; did you mean 'drive'?");
   CHECK(errors_of("{\"vars\": {\"a\": \"${b}\", \"b\": \"${a}\"}}") ==
-        "a.json:1:16: error[B005] /vars/a: variables form a cycle: b -> a -> b\n"
-        "a.json:1:29: error[B005] /vars/b: variables form a cycle: a -> b -> a");
+        "a.json:1:16: error[B005] /vars/a: variables form a cycle: b -> a -> b");  // once
   CHECK(errors_of("{\"vars\": {\"a\": [1]}}") ==
         "a.json:1:16: error[B006] /vars/a: expected a text or a number, found a list");
 }
