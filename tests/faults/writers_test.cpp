@@ -71,7 +71,7 @@ TEST_CASE("pairs of runs that write into one folder: its results are those of on
 
 TEST_CASE("a folder that another process writes into is refused, with that process, by run and study") {
   const Workbench bench;
-  bench.spoil("\"evaluate\"", R"("study": {"runs": 2}, "evaluate")");
+  bench.spoil("\"evaluate\"", R"("study": {"runs": 2, "metrics": ["walk/place.x/final"]}, "evaluate")");
   fs::create_directory(bench.path("out"));
   bench.write("out/.binnacle.lock", "process 4711 on elsewhere");
   const int lock = ::open(bench.path("out/.binnacle.lock").c_str(), O_RDWR | O_CLOEXEC);

@@ -24,7 +24,7 @@ Joseph::Joseph(const TransitionPlan& plan, int most_dof, double* P)
   if (!is_coupled_first_) PAA_.resize(as_size(ld_coupled_) * as_size(ld_coupled_));
   transformed_.resize(as_size(ld_) * as_size(most_dof));
   for (int row = 0; row < plan.n; ++row) rows_.push_back(row);
-  before_.resize(as_size(plan.n));
+  before_.resize(as_size(most_dof));
   rounded_.reserve(2 * as_size(plan.n));
 }
 
@@ -91,17 +91,18 @@ void Joseph::gain(const std::vector<unsigned char>& corrected, const UpdateWork&
   leave_considered(corrected, plan_.n, work);
 }
 
-void Joseph::keep_variances(int first, int end) {
-  for (int i = first; i < end; ++i) before_[as_size(i)] = column_at(P_, ld_, i)[i];
-}
-
 // What is left of a variance that an update takes away is the difference of two large numbers. A component that it makes known
 // to fewer than twelve digits of what it was is one that is known: with a variance of zero, and correlated with nothing.
-void Joseph::settle_variances(int first, int end) {
+template <class Before>
+void Joseph::settle_variances(int first, int end, const Before& before) {
+  double least = 0;
+  const double* diagonal = column_at(P_, ld_, first) + first;
+  for (int row = first; row < end; ++row, diagonal += ld_ + 1) least = std::min(least, *diagonal);
+  if (least == 0) return;
   constexpr double rounding = 1e-12;
   for (int row = first; row < end; ++row) {
     const double variance = column_at(P_, ld_, row)[row];
-    if (!(variance < 0) || variance < -rounding * before_[as_size(row)]) continue;
+    if (!(variance < 0) || variance < -rounding * before(row)) continue;
     for (int i = 0; i < plan_.n; ++i) column_at(P_, ld_, row)[i] = column_at(P_, ld_, i)[row] = 0;
     if (rounded_.size() < rounded_.capacity()) rounded_.push_back(row);
   }
@@ -110,14 +111,17 @@ void Joseph::settle_variances(int first, int end) {
 // Holds for any K: rows of considered components are zero in it.
 void Joseph::correct(const std::vector<unsigned char>&, const UpdateWork& work) {
   rounded_.clear();
-  keep_variances(0, plan_.n);
   strip_loops().correct(P_, plan_.n, work);
   strip_loops().mirror(P_, plan_.n);
-  settle_variances(0, plan_.n);
+  settle_variances(0, plan_.n, [&](int row) {  // P + K Uᵀ + U Kᵀ is what it is now
+    double variance = column_at(P_, ld_, row)[row];
+    for (int j = 0; j < work.m; ++j) variance -= 2 * column_at(work.K, ld_, j)[row] * column_at(work.U, ld_, j)[row];
+    return variance;
+  });
 }
 
 void Joseph::transform(const double* T, int first, int d) {
-  keep_variances(first, first + d);
+  for (int i = 0; i < d; ++i) before_[as_size(i)] = column_at(P_, ld_, first + i)[first + i];
   double* const PTt = transformed_.data();  // P Tᵀ in the block's columns
   for (int r = 0; r < d; r += 3)
     strip_loops().combine(std::min(3, d - r), P_, ld_, 0, d, rows_.data() + first, T + r, d, column_at(PTt, ld_, r));
@@ -134,7 +138,7 @@ void Joseph::transform(const double* T, int first, int d) {
       for (int c = 0; c < d; ++c) sum += column_at(T, d, c)[s] * column_at(PTt, ld_, r)[first + c];
       column_at(P_, ld_, first + r)[first + s] = column_at(P_, ld_, first + s)[first + r] = sum;
     }
-  settle_variances(first, first + d);
+  settle_variances(first, first + d, [&](int row) { return before_[as_size(row - first)]; });
 }
 
 void Joseph::scale(const double* d) {

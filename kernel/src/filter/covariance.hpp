@@ -49,8 +49,8 @@ class Joseph final : public CovarianceForm {
  private:
   MatrixView matrix() const { return {P_, plan_.n, plan_.n, ld_}; }
   void predict_coupled(const double* const* phi);
-  void keep_variances(int first, int end);
-  void settle_variances(int first, int end);
+  template <class Before>
+  void settle_variances(int first, int end, const Before& before);
 
   const TransitionPlan& plan_;
   double* P_;
@@ -65,7 +65,7 @@ class Joseph final : public CovarianceForm {
   bool is_coupled_first_ = false;            // A is one run from row 0 on
   base::AlignedVector<double> transformed_;  // ld × most_dof
   std::vector<int> rows_;                    // 0, 1, 2, …
-  std::vector<double> before_;               // variances before an update
+  std::vector<double> before_;               // most_dof: variances before a transformation
   std::vector<int> rounded_;
 };
 

@@ -86,6 +86,8 @@ void Checkpointing::begin() {
 
 void Checkpointing::exchange(StateBytes& bytes) {
   runtime_.exchange(bytes);
+  // Observers forget what was before; what they kept comes next.
+  if (bytes.is_reading() && bytes.holds()) runtime_.restored();
   runtime_.exchange_account(bytes);
   exchange_(bytes);
 }
@@ -142,7 +144,6 @@ void Checkpointing::restore(std::span<const std::byte> from) {
   if (!bytes.holds()) refuse("what it holds is damaged, or of other options");
   if (bytes.size() != from.size()) refuse("the checkpoint is of other options");
   for (const auto& [memory, as_started] : live) std::ranges::copy(as_started, memory);
-  runtime_.restored();
 }
 
 }  // namespace binnacle::internal::runtime

@@ -74,8 +74,9 @@ constexpr NoisePlace noise_places[] = {
 };
 
 /// Where no sensor error is plugged in.
-const strapdown::InputSensitivity no_sensitivity{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(),
-                                                 Vector3d::Zero()};
+strapdown::InputSensitivity no_sensitivity() {
+  return {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+}
 
 /// Of an attitude that moves alone: itself and the gyros.
 constexpr bool turns_attitude(Place from) { return from == attitude || from == gyro_bias || from == gyro_scale; }
@@ -256,7 +257,7 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
       continue;
     }
     const strapdown::InputSensitivity input =
-        has_sensor_errors_ ? input_sensitivity(correct(group.sum(), errors), errors) : no_sensitivity;
+        has_sensor_errors_ ? input_sensitivity(correct(group.sum(), errors), errors) : no_sensitivity();
     const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
                                 strapdown::process_noise(advanced.mid, noise_density)};
     nav = advanced.nav;
