@@ -17,8 +17,10 @@
 using namespace binnacle;
 
 using filter_tests::composition_of;
+using filter_tests::from_covariance;
 using filter_tests::line;
 using filter_tests::push;
+using filter_tests::started_with;
 using filter_tests::with_form;
 
 namespace {
@@ -135,26 +137,11 @@ TEST_CASE("the form is known, and is what the config says") {
 }
 
 TEST_CASE("a covariance to start from that is none stops a filter that keeps a factor, by name") {
-  const std::string config = R"({"binnacle": 1,
-    "sources": {"start": {"type": "pushed", "fields": {"x0": {"unit": "m"}, "x1": {"unit": "m"}},
-                          "covariance": ["x.x0", "x.x1"]},
-                "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m"}}}},
-    "filters": {"f": {
-      "blocks": {
-        "x": {"type": "vector", "size": 2, "unit": "m", "init": {"channel": "start"}}},
-      "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
-      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1, 1]}}}}})";
   for (const char* form : forms) {
     const bool is_factored = std::string(form) != "joseph";
     CAPTURE(form);
     for (const double correlation : {0.5, 1.5}) {
-      Session session(composition_of(with_form(config, form)));
-      const double fields[] = {0, 0}, covariance[] = {1, correlation, correlation, 1};
-      SampleView sample;
-      sample.t = 0;
-      sample.fields = fields;
-      sample.covariance = covariance;
-      session.push(session.channel("start"), sample);
+      const Session session = started_with(correlation, with_form(from_covariance(), form));
       if (correlation < 1) CHECK(session.started({0}));
       if (correlation < 1 || !is_factored) continue;
       CHECK_FALSE(session.healthy({0}));

@@ -16,7 +16,9 @@
 using namespace binnacle;
 using Eigen::MatrixXd;
 using filter_tests::composition_of;
+using filter_tests::from_covariance;
 using filter_tests::push;
+using filter_tests::started_with;
 using filter_tests::with_form;
 using internal::filter::indefinite_row;
 
@@ -26,29 +28,6 @@ internal::filter::VarianceLeft look(const MatrixXd& P) {
   std::vector<double> factor(static_cast<std::size_t>(P.size()));
   const int n = static_cast<int>(P.rows());
   return indefinite_row({P.data(), n, n, n}, factor.data());
-}
-
-/// Two components that start from a sample's covariance.
-std::string from_covariance() {
-  return R"({"binnacle": 1,
-    "sources": {"start": {"type": "pushed", "fields": {"x0": {"unit": "m"}, "x1": {"unit": "m"}},
-                          "covariance": ["x.x0", "x.x1"]},
-                "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m"}}}},
-    "filters": {"f": {
-      "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "init": {"channel": "start"}}},
-      "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
-      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1, 1]}}}}})";
-}
-
-Session started_with(double correlation, const std::string& config = from_covariance()) {
-  Session session(composition_of(config));
-  const double fields[] = {0, 0}, covariance[] = {1, correlation, correlation, 1};
-  SampleView sample;
-  sample.t = 0;
-  sample.fields = fields;
-  sample.covariance = covariance;
-  session.push(session.channel("start"), sample);
-  return session;
 }
 
 std::string with_sigmas(double start, double noise) {

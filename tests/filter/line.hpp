@@ -35,6 +35,30 @@ inline void push(Session& filter, const char* channel, double t, std::vector<dou
   filter.push(filter.channel(channel), no_time, nanoseconds(t), fields);
 }
 
+/// Two components that start from a sample's covariance.
+inline std::string from_covariance() {
+  return R"({"binnacle": 1,
+    "sources": {"start": {"type": "pushed", "fields": {"x0": {"unit": "m"}, "x1": {"unit": "m"}},
+                          "covariance": ["x.x0", "x.x1"]},
+                "z": {"type": "pushed", "fields": {"z0": {"unit": "m"}, "z1": {"unit": "m"}}}},
+    "filters": {"f": {
+      "blocks": {"x": {"type": "vector", "size": 2, "unit": "m", "init": {"channel": "start"}}},
+      "process": {"keep": {"type": "random_constant", "blocks": {"x": "x"}}},
+      "measurements": {"fix": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, "sigma": [1, 1]}}}}})";
+}
+
+/// Started with this correlation of the two.
+inline Session started_with(double correlation, const std::string& config = from_covariance()) {
+  Session session(composition_of(config));
+  const double fields[] = {0, 0}, covariance[] = {1, correlation, correlation, 1};
+  SampleView sample;
+  sample.t = 0;
+  sample.fields = fields;
+  sample.covariance = covariance;
+  session.push(session.channel("start"), sample);
+  return session;
+}
+
 /// Position and velocity on a line: position integrates velocity, velocity wanders; position is measured.
 inline std::string line(const std::string& blocks_extra = "", const std::string& measurement_extra = "",
                         const std::string& velocity_extra = "") {

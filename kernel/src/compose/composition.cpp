@@ -91,8 +91,8 @@ constexpr std::size_t most_members = 1000;
 bool is_small(const Reader& section) {
   const std::size_t count = section.is_object() ? config::JsonOf::at(section).size() : 0;
   if (count > most_members)
-    section.key_error(config::too_large,
-                      "'" + section.key() + "' has " + std::to_string(count) + " members; it may have 1000");
+    section.key_error(config::too_large, "'" + section.key() + "' has " + std::to_string(count) +
+                                             " members; it may have " + std::to_string(most_members));
   return count <= most_members;
 }
 

@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/open_file.hpp"
 #include "base/text.hpp"
 #include "config/node.hpp"
 
@@ -31,30 +30,17 @@ struct Slurped {
 
 std::string mebibytes(std::size_t bytes) { return std::to_string(bytes >> 20U) + " MiB"; }
 
-/// Nobody waits for a writer of what is opened without `may_wait`.
-struct OpenFile {
-  OpenFile(const fs::path& path, bool may_wait)
-      : number(::open(path.c_str(), O_RDONLY | O_CLOEXEC | (may_wait ? 0 : O_NONBLOCK))) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() {
-    if (number >= 0) ::close(number);
-  }
-  int number;
-};
-
 /// `is_main`: the config itself, which may also come through a pipe: /dev/stdin, <(…).
 Slurped slurp(const fs::path& path, bool is_main) {
-  const OpenFile file(path, is_main);
-  struct stat status = {};
-  if (file.number < 0 || ::fstat(file.number, &status) != 0) return {"", std::strerror(errno)};
-  if (S_ISDIR(status.st_mode)) return {"", "it is a folder"};
-  if (!S_ISREG(status.st_mode) && !is_main)
+  const base::OpenFile file(path, is_main);
+  if (!file.failure.empty()) return {"", file.failure};
+  if (S_ISDIR(file.status.st_mode)) return {"", "it is a folder"};
+  if (!S_ISREG(file.status.st_mode) && !is_main)
     return {"", "it is no regular file; write what it gives into one, and name that"};
   std::string text;
   std::vector<char> piece(std::size_t{1} << 16);
   while (text.size() <= most_bytes) {
-    const ssize_t count = ::read(file.number, piece.data(), piece.size());
+    const ssize_t count = ::read(file.id, piece.data(), piece.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return {"", std::strerror(errno)};
     if (count == 0) return {std::move(text)};

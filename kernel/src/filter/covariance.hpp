@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/aligned.hpp"
-#include "base/largest_bits.hpp"
 #include "filter/covariance_form.hpp"
 
 namespace binnacle::internal::filter {
@@ -36,10 +35,7 @@ class Joseph final : public CovarianceForm {
     for (const int row : rows) *into++ = matrix()(row, row);
   }
   bool is_below(double limit) const override {
-    base::LargestBits largest;
-    for (int i = 0; i < plan_.n; ++i) largest.take(P_[i * (ld_ + 1)]);
-    if (largest.are_below(limit)) return true;
-    const double* variance = P_;  // one may be −0
+    const double* variance = P_;
     for (int i = 0; i < plan_.n; ++i, variance += ld_ + 1)
       if (!(*variance >= 0 && *variance < limit)) return false;
     return true;

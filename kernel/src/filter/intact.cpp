@@ -16,7 +16,7 @@ using std::ranges::all_of;
 bool are_counts(std::initializer_list<std::int64_t> counts) { return all_of(counts, is_count); }
 bool are_lengths(std::initializer_list<Time> lengths) { return all_of(lengths, is_length); }
 bool are_times(std::initializer_list<Time> times) { return all_of(times, is_time); }
-bool are_moments(std::initializer_list<Time> times) { return all_of(times, is_moment); }
+bool are_moments(std::initializer_list<Time> times) { return all_of(times, base::is_near); }
 
 template <std::size_t N>
 bool ends(const char (&text)[N]) {
@@ -31,7 +31,7 @@ bool is_intact(const TimeHead& head, const FilterPlan& plan) {
          are_lengths({head.longest_hole, head.stopped_by, head.longest_repeat}) && head.starts < (1 << 30) &&
          as_size(head.pending) <= plan.pending.count && as_size(head.queued) <= plan.queue.count &&
          (head.starts == 0 || are_moments({head.t, head.start, head.last_start, head.input_end})) &&
-         (head.started == 0 || head.starts > 0) && (head.repeats == 0 || is_moment(head.repeats_since)) &&
+         (head.started == 0 || head.starts > 0) && (head.repeats == 0 || base::is_near(head.repeats_since)) &&
          (head.t == no_time || head.input_end == no_time || plan.input_channel < 0 || head.started == 0 ||
           head.t <= head.input_end);
 }
@@ -64,18 +64,18 @@ bool are_intact(std::span<const QueueEntry> queue, int queued, const FilterPlan&
   }
   return all_of(queue.first(as_size(queued)), [&](const QueueEntry& entry) {
     return entry.measurement >= 0 && as_size(entry.measurement) < plan.measurements.size() &&
-           is_moment(entry.sample.t) &&
+           base::is_near(entry.sample.t) &&
            is_intact(entry.sample, channels[as_size(plan.measurements[as_size(entry.measurement)].channel)]);
   });
 }
 
 bool is_intact(const Streak& streak) {
   return are_counts({streak.count, streak.longest}) && are_times({streak.since, streak.longest_since}) &&
-         (streak.count == 0 || is_moment(streak.since));
+         (streak.count == 0 || base::is_near(streak.since));
 }
 
 bool is_intact(const Window& window) {
-  return is_count(window.count) && is_time(window.since) && (window.count == 0 || is_moment(window.since));
+  return is_count(window.count) && is_time(window.since) && (window.count == 0 || base::is_near(window.since));
 }
 
 bool are_intact(std::initializer_list<Extreme> extremes) {
@@ -106,7 +106,7 @@ bool is_intact(const RowMonitor& row, int groups) {
   return row.group >= 0 && row.group < groups &&
          are_counts({row.used, row.left_out, row.refused, row.turn, row.windows, row.long_used, row.longs}) &&
          row.long_used <= row.used && is_intact(row.streak) && is_intact(row.biased) && is_intact(row.window) &&
-         are_times({row.last, row.long_since}) && (row.used == 0 || is_moment(row.last)) &&
+         are_times({row.last, row.long_since}) && (row.used == 0 || base::is_near(row.last)) &&
          are_intact({row.bias, row.correlation, row.long_bias});
 }
 

@@ -7,18 +7,18 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/time_range.hpp"
 #include "filter/monitor.hpp"
 #include "filter/plan.hpp"
 
 namespace binnacle::internal::filter {
 
-/// No difference of two times below it overflows: 146 years; no sum of thousands of counts below the other.
-inline constexpr std::int64_t beyond_time = std::int64_t{1} << 62, beyond_count = std::int64_t{1} << 48;
+/// No sum of thousands of counts below it overflows.
+inline constexpr std::int64_t beyond_count = std::int64_t{1} << 48;
 
 inline bool is_count(std::int64_t count) { return count >= 0 && count < beyond_count; }
-inline bool is_length(Time length) { return length >= 0 && length < beyond_time; }
-inline bool is_moment(Time t) { return t > -beyond_time && t < beyond_time; }
-inline bool is_time(Time t) { return t == no_time || is_moment(t); }
+inline bool is_length(Time length) { return length >= 0 && base::is_near(length); }
+inline bool is_time(Time t) { return t == no_time || base::is_near(t); }
 
 /// Of a sample as it is kept on the channel.
 bool is_intact(const SampleHead& head, const ChannelPlan& channel);

@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "base/largest_bits.hpp"
 #include "filter/estimator.hpp"
 
 namespace binnacle::internal::filter {
@@ -116,9 +115,7 @@ void Estimator::run_continuous(std::size_t index) {
 /// elsewhere comes out in the health check.
 void Estimator::check_noise(Time t) const {
   constexpr double largest = std::numeric_limits<double>::max(), rounding = 1e-12;
-  base::LargestBits bits;
-  for (const double* const q : noise_variances_) bits.take(*q);
-  if (bits.are_below(std::numeric_limits<double>::infinity())) return;
+  if (std::ranges::all_of(noise_variances_, [](const double* q) { return *q >= 0 && *q <= largest; })) return;
   for (const auto& [process, block, q, step] : diagonals_)
     for (std::size_t a = 0; a < block->active.size(); ++a) {
       const double variance = q[block->active[a] * step];

@@ -53,24 +53,20 @@ inline void combine_rows(const double* in, int ld, int first, int end, int count
   for (; i < end; i += lanes) combine_strip<R, 1>(in + i, ld, count, columns, coefficients, stride, out + i, ld_out);
 }
 
-void combine(int rows, const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
-             int stride, double* out) {
+/// Of a few columns: what a call costs counts.
+[[gnu::always_inline]] inline void combine_group(const CombinedRows group, int stride, const double* in, int ld,
+                                                 int first, int end, double* out, int ld_out) {
+  const auto& [rows, count, columns, coefficients] = group;
   switch (rows) {
-    case 1: combine_rows<1>(in, ld, first, ld, count, columns, coefficients, stride, out, ld); break;
-    case 2: combine_rows<2>(in, ld, first, ld, count, columns, coefficients, stride, out, ld); break;
-    default: combine_rows<3>(in, ld, first, ld, count, columns, coefficients, stride, out, ld); break;
+    case 1: combine_rows<1>(in, ld, first, end, count, columns, coefficients, stride, out, ld_out); break;
+    case 2: combine_rows<2>(in, ld, first, end, count, columns, coefficients, stride, out, ld_out); break;
+    default: combine_rows<3>(in, ld, first, end, count, columns, coefficients, stride, out, ld_out); break;
   }
 }
 
-/// Of a few columns: what a call costs counts.
-[[gnu::always_inline]] inline void combine_group(const CombinedRows group, const double* in, int ld, int first, int end,
-                                                 double* out, int ld_out) {
-  const auto& [rows, count, columns, coefficients] = group;
-  switch (rows) {
-    case 1: combine_rows<1>(in, ld, first, end, count, columns, coefficients, 1, out, ld_out); break;
-    case 2: combine_rows<2>(in, ld, first, end, count, columns, coefficients, 2, out, ld_out); break;
-    default: combine_rows<3>(in, ld, first, end, count, columns, coefficients, 3, out, ld_out); break;
-  }
+void combine(int rows, const double* in, int ld, int first, int count, const int* columns, const double* coefficients,
+             int stride, double* out) {
+  combine_group({rows, count, columns, coefficients}, stride, in, ld, first, ld, out, ld);
 }
 
 template <class Tile>
@@ -112,14 +108,15 @@ void couple(const double* P, const CoupledParts& given) {
   const CoupledParts parts = given;
   double* out = parts.M;
   for (int g = 0; g < parts.count; ++g) {
-    combine_group(parts.groups[g], P, parts.ld, 0, parts.ld, out, parts.ld);
+    combine_group(parts.groups[g], parts.groups[g].rows, P, parts.ld, 0, parts.ld, out, parts.ld);
     out = column_at(out, parts.ld, parts.groups[g].rows);
   }
   transpose(parts.M, parts.ld, parts.ld_coupled, parts.Mt, parts.ld_coupled);
   out = parts.AA;
   int position = 0;
   for (int g = 0; g < parts.count; ++g) {
-    combine_group(parts.groups[g], parts.Mt, parts.ld_coupled, strip_of(position), parts.ld_coupled, out, parts.ld_AA);
+    combine_group(parts.groups[g], parts.groups[g].rows, parts.Mt, parts.ld_coupled, strip_of(position),
+                  parts.ld_coupled, out, parts.ld_AA);
     out = column_at(out, parts.ld_AA, parts.groups[g].rows);
     position += parts.groups[g].rows;
   }

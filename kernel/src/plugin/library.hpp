@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A plugin's shared library: as a file, before any of its code may run (library_file.cpp); its ABI guard against the
-// host's, field by field (guard.cpp); who may change it (open_file.cpp); and loaded (loader.cpp).
+// host's, field by field (guard.cpp); who may change it (exposure.cpp); and loaded (loader.cpp).
 #pragma once
-
-#include <sys/stat.h>
 
 #include <deque>
 #include <filesystem>
@@ -14,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/open_file.hpp"
 #include "binnacle/abi.hpp"
 #include "binnacle/catalog.hpp"
 
@@ -67,17 +66,7 @@ struct LibraryFile {
   bool looks_beside = false;          // $ORIGIN in its run path
 };
 
-/// Opened once, so that what is checked is what is loaded, whatever comes to stand under its name meanwhile.
-struct OpenFile {
-  explicit OpenFile(const std::filesystem::path& file);
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile();
-
-  int id;
-  struct stat status {};
-  std::string failure;  // why it cannot be opened
-};
+using base::OpenFile;
 
 /// What was found of a folder, for all the libraries in it: every start looks at them.
 struct FolderLook {

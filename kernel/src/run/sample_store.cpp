@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/time_range.hpp"
 #include "filter/intact.hpp"
 
 namespace binnacle::internal::runtime {
@@ -106,8 +107,8 @@ bool SampleStore::is_intact() const {
     const Item& item = (*this)[i];
     if (item.channel < 0 || as_size(item.channel) >= channels_.size()) return false;
     if (!is_bool(item.is_done) || !is_bool(item.is_live)) return false;
-    if (!filter::is_moment(item.key.first) || !filter::is_time(item.key.second) || !filter::is_count(item.key.place) ||
-        !filter::is_count(item.key.sequence) || !filter::is_moment(item.late) || !filter::is_moment(item.head.t))
+    if (!base::is_near(item.key.first) || !filter::is_time(item.key.second) || !filter::is_count(item.key.place) ||
+        !filter::is_count(item.key.sequence) || !base::is_near(item.late) || !base::is_near(item.head.t))
       return false;
     if (i > 0 && !((*this)[i - 1].key < item.key)) return false;
     if (!filter::is_intact(item.head, channels_[as_size(item.channel)])) return false;

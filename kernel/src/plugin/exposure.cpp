@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who may change a library, and whether it was built here.
-#include <fcntl.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 
 #define BOOST_DLL_USE_STD_FS
@@ -49,15 +46,6 @@ std::string flaw(const std::string* folder, const struct stat& status, bool is_a
 }
 
 }  // namespace
-
-// A FIFO opened for reading would wait for its writer.
-OpenFile::OpenFile(const fs::path& file) : id(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-  if (id < 0 || ::fstat(id, &status) != 0) failure = std::strerror(errno);
-}
-
-OpenFile::~OpenFile() {
-  if (id >= 0) ::close(id);
-}
 
 std::string exposure(const OpenFile& file, const fs::path& path, FolderLook& look) {
   if (std::string text = flaw(nullptr, file.status, false); !text.empty()) return text;
