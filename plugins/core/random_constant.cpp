@@ -17,7 +17,7 @@ ComponentSpec RandomConstant::spec() {
 }
 
 RandomConstant::RandomConstant(const Binding& binding) : x_(binding.port("x")) {
-  declaration_.time_invariant();
+  declaration_.at_rest();
   // F = 0 takes part in a joint discretization (a constant rate that something integrates), but only as a vector:
   // the continuous form wants stored value and error to be the same.
   if (binding.block("x").kind.starts_with("vector:")) declaration_.has_both_forms();

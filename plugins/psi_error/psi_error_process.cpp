@@ -8,14 +8,16 @@ namespace binnacle::psi_error {
 
 namespace {
 
-strapdown::TransitionBlocks in_psi(const inertial::StepTaken& step) {
-  return psi_transition(step.advanced.mid, step.has_sensor_errors ? &step.input : nullptr, step.order);
+strapdown::TransitionBlocks in_psi(const inertial::StepTaken& step, bool with_position) {
+  return psi_transition(step.advanced.mid, step.has_sensor_errors ? &step.input : nullptr, step.order, with_position);
 }
 
-strapdown::TransitionBlocks in_computed_axes(const inertial::StepTaken& step) { return in_psi(step); }
+strapdown::TransitionBlocks in_computed_axes(const inertial::StepTaken& step) {
+  return in_psi(step, step.has_position_errors);
+}
 
 strapdown::TransitionBlocks in_true_axes(const inertial::StepTaken& step) {
-  return translated(in_psi(step), Translation(step.before), Translation(step.advanced.nav));
+  return translated(in_psi(step, true), Translation(step.before), Translation(step.advanced.nav), step.has_sensor_errors);
 }
 
 inertial::ErrorModel model(const Parameters& parameters) {

@@ -118,12 +118,14 @@ void carry_sensor_errors(TransitionBlocks& t, const Generator& a) {
 }  // namespace
 
 TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity* input,
-                                strapdown::Order order) {
+                                strapdown::Order order, bool with_position) {
   const Generator a = generator(mid);
   TransitionBlocks t;
   t.phi_p.setZero(), t.phi_v.setZero();
-  clear_sensor_errors(t);
-  if (input) add_sensor_errors(t, mid.C_nb, *input);
+  if (input) {
+    clear_sensor_errors(t);
+    add_sensor_errors(t, mid.C_nb, *input);
+  }
   if (order == strapdown::Order::first) {
     t.p_p = turned(1, a.p_p), t.p_v = turned(a.dt, Vector3d::Zero()), t.p_phi.setZero();
     t.v_p = gravity(a.u_p), t.v_v = turned(1, a.u_u), t.v_phi = turned(0, a.u_psi);
@@ -132,9 +134,12 @@ TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown:
   }
   const double half_dt = 0.5 * a.dt;
   const GravityGradient dt_u_p{a.dt * a.u_p.north, a.dt * a.u_p.east, a.dt * a.u_p.down, a.dt * a.u_p.down_north};
-  t.p_p = turned_twice(a.p_p, dt_u_p), t.p_v = turned(a.dt, half_dt * (a.p_p + a.u_u));
-  t.p_phi = turned(0, half_dt * a.u_psi);
-  t.v_p = carried(a.u_p, a.p_p, a.u_u), t.v_v = turned_twice(a.u_u, dt_u_p);
+  if (with_position) {
+    t.p_p = turned_twice(a.p_p, dt_u_p), t.p_v = turned(a.dt, half_dt * (a.p_p + a.u_u));
+    t.p_phi = turned(0, half_dt * a.u_psi);
+    t.v_p = carried(a.u_p, a.p_p, a.u_u);
+  }
+  t.v_v = turned_twice(a.u_u, dt_u_p);
   t.v_phi = tilted(a.u_psi, a.u_u, a.psi_psi);
   t.phi_phi = turned_twice(a.psi_psi, {});
   if (input) carry_sensor_errors(t, a);
@@ -152,7 +157,8 @@ Translation::Translation(const strapdown::Navigation& nav) {
   minus_vW = skew(-nav.v_n) * W;
 }
 
-TransitionBlocks translated(const TransitionBlocks& psi, const Translation& before, const Translation& after) {
+TransitionBlocks translated(const TransitionBlocks& psi, const Translation& before, const Translation& after,
+                            bool has_sensor_errors) {
   TransitionBlocks t = psi;
   t.p_p += psi.p_v * before.minus_vW + psi.p_phi * before.W;
   t.v_p += psi.v_v * before.minus_vW + psi.v_phi * before.W;
@@ -164,6 +170,7 @@ TransitionBlocks translated(const TransitionBlocks& psi, const Translation& befo
   back(t.p_p, t.v_p, t.phi_p);
   back(t.p_v, t.v_v, t.phi_v);
   back(t.p_phi, t.v_phi, t.phi_phi);
+  if (!has_sensor_errors) return t;
   back(t.p_ba, t.v_ba, t.phi_ba);
   back(t.p_sa, t.v_sa, t.phi_sa);
   return t;

@@ -24,9 +24,10 @@ namespace binnacle::psi_error {
 // Bar-Itzhack 1990. The paper prints the last two without G p.)
 
 /// Φ of one step in p, u, ψ; `phi` in the names of the blocks stands for ψ. first: I + F dt. second: + ½F²dt².
-/// input: null where no sensor error is plugged in; its blocks are then zero.
+/// input: null where no sensor error is plugged in. The blocks of its columns are then unset, and without position those of
+/// its rows and columns.
 strapdown::TransitionBlocks psi_transition(const strapdown::Midpoint& mid, const strapdown::InputSensitivity* input,
-                                           strapdown::Order order);
+                                           strapdown::Order order, bool with_position = true);
 
 /// From the errors of the standard blocks, p, v and φ against axes t, to those of the ψ model, at one instant. There
 /// −δθ = W p with W = ∂ω_en/∂v, so
@@ -38,8 +39,8 @@ struct Translation {
   explicit Translation(const strapdown::Navigation& nav);
 };
 
-/// T(after)⁻¹ Φ T(before): Φ in the errors that the standard blocks declare.
+/// T(after)⁻¹ Φ T(before): Φ in the errors that the standard blocks declare. Columns of sensor errors where there are any.
 strapdown::TransitionBlocks translated(const strapdown::TransitionBlocks& psi, const Translation& before,
-                                       const Translation& after);
+                                       const Translation& after, bool has_sensor_errors);
 
 }  // namespace binnacle::psi_error

@@ -202,6 +202,17 @@ void same_coefficients(Trial& trial, const Coefficients& first, const Coefficien
   same(first.noise, other.noise, is_closed ? "Qd" : "GQGt");
 }
 
+/// Nor is a model at rest.
+void same_state(Trial& trial, const Subject& subject, const PortStates& ports, const Coefficients& coefficients) {
+  if (!subject.declared().is_at_rest) return;
+  trial.expect(subject.declared().transition.empty() && subject.declared().noise.empty(),
+               "says that it is at rest, but lists blocks of Phi or Qd");
+  for (std::size_t port = 0; port < ports.size(); ++port)
+    if (subject.caller().moves(ports, port))
+      trial.expect(coefficients.p.x_plus[port] == ports[port].x, "says that it is at rest, but x+ of '",
+                   subject.name(port), "' is not x");
+}
+
 /// A linear model with a diagonal Φ is not even asked for x⁺.
 void same_product(Trial& trial, const Subject& subject, const PortStates& ports, const Coefficients& coefficients) {
   const auto& couplings = subject.declared().transition;
@@ -239,6 +250,7 @@ void time_invariant(Trial& trial) {
         if (!now.p.result) Trial::skip(std::string("it refuses ordinary input: ") + now.p.result.reason);
         now.transition = subject.caller().Phi(ports, now.p);
         same_product(trial, subject, ports, now);
+        same_state(trial, subject, ports, now);
       } else {
         now.p = subject.caller().linearized(ports);
         now.transition = subject.caller().F(ports, now.p);

@@ -28,6 +28,7 @@ struct Setup {
   std::vector<std::string> without;
   int samples_per_step = 1;
   std::vector<NamedUnit> covariance = {};  // of the channel
+  std::vector<std::string> frozen = {};    // ports none of whose components is estimated
 };
 
 inline bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -130,6 +131,7 @@ inline std::vector<PortBinding> port_bindings(const ComponentSpec& spec, const S
       binding.dof = block.dof();
       binding.stored_size = block.stored_size;
       binding.components = block.error;
+      binding.is_estimated = !contains(setup.frozen, port.name);
     } else if (!port.is_optional) {
       throw std::logic_error("the test leaves port '" + port.name + "' open");
     }

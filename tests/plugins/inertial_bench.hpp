@@ -83,12 +83,15 @@ struct InertialBench {
   explicit InertialBench(const std::string& order = "second", bool with_sensor_errors = true,
                          const nlohmann::json& gyro_noise = {0.03, 0.02, 0.01},
                          const nlohmann::json& accel_noise = {0.1, 0.2, 0.3},
-                         const nlohmann::json& more = nlohmann::json::object())
+                         const nlohmann::json& more = nlohmann::json::object(),
+                         const std::vector<std::string>& frozen = {})
       : has_sensor_errors(with_sensor_errors) {
     Setup setup{{{"gyro_noise", gyro_noise}, {"accel_noise", accel_noise}, {"order", order}},
                 {{"position", &position}, {"velocity", &velocity}, {"attitude", &attitude}},
                 {},
-                more.value(nlohmann::json::json_pointer("/attitude/samples"), 1)};
+                more.value(nlohmann::json::json_pointer("/attitude/samples"), 1),
+                {},
+                frozen};
     setup.parameters.update(more);
     if (with_sensor_errors)
       setup.ports.insert(
@@ -198,6 +201,39 @@ double distance(const Bench& bench, const PortStates& a, const PortStates& b) {
   bench.velocity.minus(a[1].x, b[1].x, v);
   bench.attitude.minus(a[2].x, b[2].x, phi);
   return std::max({p.norm(), v.norm(), phi.norm()});
+}
+
+/// Of a position that is frozen nobody reads a block; all others, and the state, are the same to the bit as with it.
+template <class Process>
+void check_frozen_position(const nlohmann::json& more = nlohmann::json::object()) {
+  for (const bool with_sensor_errors : {false, true})
+    for (const std::size_t count : {1, 3}) {
+      const nlohmann::json noise{0.03, 0.02, 0.01};
+      const InertialBench<Process> whole("second", with_sensor_errors, noise, noise, more);
+      const InertialBench<Process> frozen("second", with_sensor_errors, noise, noise, more, {"position"});
+      Samples samples(flights[1]);
+      for (std::size_t i = 0; i < count; ++i) samples.whole(0.01 * static_cast<double>(i), 0.01 * static_cast<double>(i + 1));
+      const auto propagated = [&](const InertialBench<Process>& bench) {
+        return testing::ProcessCaller(*bench.model, Process::spec())
+            .propagate(bench.ports(flights[1]), samples.step(), memory_before(whole, flights[1], 0.01));
+      };
+      const testing::Propagated a = propagated(whole), b = propagated(frozen);
+      REQUIRE(a.x_plus == b.x_plus);
+      const auto same = [](const std::vector<Coupling>& couplings, const auto& these, const auto& those) {
+        int seen = 0;
+        for (std::size_t i = 0; i < couplings.size(); ++i) {
+          if (couplings[i].to == 0 || couplings[i].from == 0) continue;
+          INFO("block " << couplings[i].to << ", " << couplings[i].from);
+          CHECK(these[i] == those[i]);
+          ++seen;
+        }
+        return seen;
+      };
+      const ProcessDeclaration& declared = whole.model->declaration();
+      REQUIRE(frozen.model->declaration().transition.size() == declared.transition.size());
+      REQUIRE(same(declared.transition, a.transition, b.transition) >= 3);
+      REQUIRE(same(declared.noise, a.noise, b.noise) == 3);
+    }
 }
 
 }  // namespace binnacle::test

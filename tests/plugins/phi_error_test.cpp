@@ -268,3 +268,7 @@ TEST_CASE("dt = 0 changes nothing, and a pole stops it with a reason", "[phi_err
   REQUIRE(result.refusal == Refusal::failed);
   REQUIRE(std::string(result.reason).find("pole") != std::string::npos);
 }
+
+TEST_CASE("phi_error: without errors of the position the other blocks keep their bits", "[phi_error]") {
+  check_frozen_position<PhiErrorProcess>();
+}

@@ -332,3 +332,8 @@ TEST_CASE("psi_error: dt = 0 changes nothing", "[psi_error]") {
                                                   memory_before(bench, flights[0], 0.01)));
   }
 }
+
+TEST_CASE("psi_error: without errors of the position the other blocks keep their bits", "[psi_error]") {
+  check_frozen_position<PsiErrorProcess>();
+  check_frozen_position<PsiErrorProcess>(in_computed_axes);
+}

@@ -95,13 +95,13 @@ struct RandomTransition {
       const MatrixXd q = random_covariance(rows, engine);
       Q.block(row, row, rows, rows) = q;
       noise.push_back({q.data(), q.data() + q.size()});
-      plan.noise.push_back({row, row, rows, rows, rows, static_cast<int>(noise.size()) - 1});
+      plan.noise.push_back({row, row, places(rows), places(rows, rows), static_cast<int>(noise.size()) - 1});
       if (row > 0 && engine() % 2) {                                   // a cross block below the diagonal
         const MatrixXd cross = 0.01 * random_matrix(rows, 1, engine);  // Q stays positive definite
         Q.block(row, 0, rows, 1) += cross;
         Q.block(0, row, 1, rows) += cross.transpose();
         noise.push_back({cross.data(), cross.data() + cross.size()});
-        plan.noise.push_back({row, 0, rows, 1, rows, static_cast<int>(noise.size()) - 1});
+        plan.noise.push_back({row, 0, places(rows), places(1), static_cast<int>(noise.size()) - 1});
       }
       row += rows;
     }

@@ -41,6 +41,9 @@ struct PortBinding {
   int dof = 0;                        // error dimension, all components counted
   int stored_size = 0;                // doubles in its stored value
   std::vector<NamedUnit> components;  // error components
+  /// False: all of them are frozen, so nobody reads the blocks of Φ and Qd with its rows or columns. propagate() may leave
+  /// them as they are; F and GQGᵀ are wanted whole.
+  bool is_estimated = true;
 };
 
 /// What the kernel makes a Binding of.

@@ -131,6 +131,7 @@ struct ProcessDeclaration : MemoryDeclaration, Differentiable<ProcessDeclaration
   bool has_closed_form = true;       // propagate() is implemented
   bool has_continuous_form = false;  // linearized() is implemented: a linear model
   bool is_time_invariant = false;    // the kernel may keep what it once wrote
+  bool is_at_rest = false;           // x⁺ = x
 
   /// Φ has a block with the rows of `to`, which is advanced, and the columns of `from`. Of an open port: nothing.
   PhiBlock couples(Port to, Port from, Structure structure = Structure::dense) {
@@ -159,6 +160,12 @@ struct ProcessDeclaration : MemoryDeclaration, Differentiable<ProcessDeclaration
   ProcessDeclaration& time_invariant() {
     is_time_invariant = true;
     return *this;
+  }
+  /// It is time_invariant(), lists no blocks, and nothing that it advances moves: x⁺ is x, to the bit. The kernel then
+  /// copies x and calls propagate() only now and then.
+  ProcessDeclaration& at_rest() {
+    is_at_rest = true;
+    return time_invariant();
   }
 
  private:

@@ -28,11 +28,9 @@ class StateBytes {
   std::size_t size() const { return size_; }
   bool is_reading() const { return from_; }
   bool is_writing() const { return to_; }
-  /// False once there were fewer bytes than what was asked for, or refuse(); what was read then is of no use.
+  /// False once there were fewer bytes than what was asked for, or not what was expected; what was read then is of no use.
   bool holds() const { return holds_; }
-  /// What was read is no state that there can be. Whoever uses a number of it as an index or a count looks at it first.
-  void refuse() { holds_ = false; }
-  /// refuse() unless it is true, of what has been read.
+  /// Of what has been read. Whoever uses a number of it as an index or a count looks at it first.
   void expect(bool is_right) { holds_ = holds_ && (!is_reading() || is_right); }
 
   void exchange(std::byte* data, std::size_t bytes) {

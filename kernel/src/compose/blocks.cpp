@@ -263,6 +263,7 @@ void FilterComposer::add_block(const Reader& block_at) {
   const auto& declaration = block.declaration();
   values.push_back({block.name, true, *kind, declaration.dof(), declaration.stored_size, declaration.error});
   BlockReader(*this, block).read_uses();
+  values.back().is_estimated = !block.active.empty();
   block.stored_offset = plan.stored_size;
   plan.stored_size += block.stored_size = declaration.stored_size;
   block.first = plan.n;

@@ -200,11 +200,12 @@ class TransitionBuilder {
       const auto& declared = process.model->declaration();
       const bool sees_more = process.uses_input || !process.auxiliary.channels.empty() || declared.memory_bytes > 0;
       if (!declared.is_time_invariant || sees_more) continue;
-      const bool is_scaling = declared.has_continuous_form && process.van_loan_group < 0 &&
+      const bool is_at_rest = declared.is_at_rest && declared.transition.empty() && declared.noise.empty();
+      const bool is_scaling = declared.has_continuous_form &&
                               std::ranges::all_of(declared.transition, [](const Coupling& coupling) {
                                 return coupling.to == coupling.from && coupling.structure == Structure::diagonal;
                               });
-      process.kept = is_scaling ? Kept::all : Kept::coefficients;
+      process.kept = process.van_loan_group < 0 && (is_at_rest || is_scaling) ? Kept::all : Kept::coefficients;
     }
     for (int group = 0; group < count_of(plan_.van_loan); ++group)
       plan_.van_loan[as_size(group)].is_kept = std::ranges::none_of(plan_.processes, [&](const ProcessPlan& process) {
@@ -238,13 +239,12 @@ class TransitionBuilder {
   }
 
   /// The block's active rows and columns: the model's own if that will do, else gathered.
-  Made ready(int to, int from, const Terms& terms, bool wants_dense, std::vector<std::size_t>& table,
-             std::vector<GatherPlan>& gathers) {
+  Made ready(int to, int from, const Terms& terms, bool wants_dense) {
     const auto& own = terms.front();
     const bool is_own = terms.size() == 1 && own.derived < 0 && block(to).is_whole() && block(from).is_whole();
     if (is_own && !(wants_dense && own.structure == Structure::diagonal)) return {to, from, own.source, own.structure};
-    const int index = add_block(table, rows(to) * rows(from));
-    gathers.push_back({to, from, terms, table[as_size(index)]});
+    const int index = add_block(plan_.transition_blocks, rows(to) * rows(from));
+    plan_.gathers.push_back({to, from, terms, plan_.transition_blocks[as_size(index)]});
     return {to, from, index};
   }
 
@@ -262,7 +262,7 @@ class TransitionBuilder {
     std::vector<Made> blocks;
     for (const auto& [from, terms] : sources) {
       const bool wants_dense = !is_alone && rows(to) <= 3;
-      blocks.push_back(ready(to, from, *terms, wants_dense, plan_.transition_blocks, plan_.gathers));
+      blocks.push_back(ready(to, from, *terms, wants_dense));
       note(transition_pattern_, to, from, blocks.back().structure);
     }
     const int first_row = block(to).first;
@@ -291,11 +291,12 @@ class TransitionBuilder {
   void add_noise(const Made& made) {
     const int to = made.to, from = made.from;
     if (rows(to) == 0 || rows(from) == 0) return;
-    const Made its = ready(to, from, {{made.table, made.structure}}, false, plan_.noise_blocks, plan_.noise_gathers);
-    const int stride = its.structure == Structure::diagonal ? 0 : rows(to);
-    plan_.transition.noise.push_back({block(to).first, block(from).first, rows(to), rows(from), stride, its.table});
-    note(noise_pattern_, to, from, its.structure);
-    note(noise_pattern_, from, to, its.structure);
+    std::vector<int> columns;
+    if (made.structure == Structure::dense)
+      for (const int column : block(from).active) columns.push_back(column * dof(to));
+    plan_.transition.noise.push_back({block(to).first, block(from).first, block(to).active, columns, made.table});
+    note(noise_pattern_, to, from, made.structure);
+    note(noise_pattern_, from, to, made.structure);
   }
 
   /// Φ and Qd of a regression on sigma points, in one n×n matrix each. What no model moves stays an identity.
@@ -328,7 +329,7 @@ class TransitionBuilder {
         const bool is_noisy = noise_pattern_.contains({a, b}) || (is_moved[as_size(a)] && is_moved[as_size(b)]);
         if (!is_noisy || rows(a) == 0 || rows(b) == 0) continue;
         const int part = add_part(plan_.noise_blocks, plan_.regression_noise, block(a).first, block(b).first);
-        plan_.transition.noise.push_back({block(a).first, block(b).first, rows(a), rows(b), n, part});
+        plan_.transition.noise.push_back({block(a).first, block(b).first, places(rows(a)), places(rows(b), n), part});
       }
     finish(plan_.transition);
   }

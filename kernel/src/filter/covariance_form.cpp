@@ -18,13 +18,16 @@ namespace {
 
 /// Of a model's own dense block, which is symmetric only to rounding, the lower triangle is what counts.
 void list_elements(const TransitionPlan::Noise& noise, int ld, std::vector<TransitionPlan::NoiseElement>& elements) {
-  const bool is_diagonal = noise.stride == 0;
-  for (int j = 0; j < (is_diagonal ? noise.rows : noise.columns); ++j)
-    for (int i = is_diagonal ? j : 0; i < (is_diagonal ? j + 1 : noise.rows); ++i) {
-      if (noise.row == noise.column && i < j) continue;
-      const int row = noise.row + i, column = noise.column + j;
-      elements.push_back({std::max(row, column) + std::min(row, column) * ld, noise.block, i + j * noise.stride});
-    }
+  const auto add = [&](int i, int j, int place) {
+    const int row = noise.row + i, column = noise.column + j;
+    elements.push_back({std::max(row, column) + std::min(row, column) * ld, noise.block, place});
+  };
+  const int rows = base::count_of(noise.rows), columns = base::count_of(noise.columns);
+  if (columns == 0)
+    for (int i = 0; i < rows; ++i) add(i, i, noise.rows[as_size(i)]);
+  for (int j = 0; j < columns; ++j)
+    for (int i = noise.row == noise.column ? j : 0; i < rows; ++i)
+      add(i, j, noise.rows[as_size(i)] + noise.columns[as_size(j)]);
 }
 
 }  // namespace

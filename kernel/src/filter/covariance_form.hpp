@@ -27,6 +27,13 @@ struct RowGroup {
   bool is_in_one_run = false;  // the coefficients of each column lie behind those of the one before
 };
 
+/// 0, step, 2 step …: of the rows of a whole dense block, or of its columns by their stride.
+inline std::vector<int> places(int count, int step = 1) {
+  std::vector<int> all;
+  for (int i = 0; i < count; ++i) all.push_back(i * step);
+  return all;
+}
+
 /// The structure of one Φ and Qd, fixed when the filter is composed.
 struct TransitionPlan {
   struct Diagonal {
@@ -35,12 +42,11 @@ struct TransitionPlan {
     int offset = 0;
   };
   struct Noise {
-    int row = 0;     // first row in P
-    int column = 0;  // first column in P
-    int rows = 0;
-    int columns = 0;
-    int stride = 0;  // of the block; 0: a diagonal block, one double per row
-    int block = 0;   // index into the table of noise block pointers
+    int row = 0;               // first row in P
+    int column = 0;            // first column in P
+    std::vector<int> rows;     // of each its place in the block
+    std::vector<int> columns;  // added to that; empty: a diagonal block
+    int block = 0;             // index into the table of noise block pointers
   };
   /// An element of Qd on or below the diagonal: where in P, and where in which block.
   struct NoiseElement {

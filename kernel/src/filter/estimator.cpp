@@ -33,8 +33,7 @@ Estimator::Estimator(const FilterPlan& plan, const std::vector<ChannelPlan>& cha
   for (const auto& block : plan.blocks)
     if (block.holds_frozen) held_.push_back(&block);
   for (std::size_t p = 0; p < plan.processes.size(); ++p) list_ports(plan.processes[p], static_cast<int>(p));
-  list_gathers(plan.gathers, phi_, gathers_);
-  list_gathers(plan.noise_gathers, noise_, noise_gathers_);
+  list_gathers();
   if (!plan.is_unscented) return;
   std::vector<Place<std::byte>> memories;
   for (const auto& process : plan.processes)
@@ -124,7 +123,7 @@ void Estimator::list_scalings(const ProcessPlan& process) {
     const auto place = as_size(process.first_transition + static_cast<int>(own - transition.begin()));
     const BlockPlan& block = plan_.blocks[as_size(process.ports[port])];
     scalings_.push_back(
-        {next, own == transition.end() ? nullptr : phi_[place], ports_.back().inputs[port], block.dof()});
+        {next, own == transition.end() ? nullptr : phi_[place], ports_.back().inputs[port], block.stored_size});
   }
 }
 

@@ -270,8 +270,8 @@ class Estimator {
     const double* now = nullptr;
     int count = 0;
   };
-  /// What the kernel gathers of a table: elements as they stand, and blocks that are sums.
-  struct Gathering {
+  /// What the kernel gathers of Φ: elements as they stand, and blocks that are sums.
+  struct Gathered {
     struct Copy {
       const double* from = nullptr;
       double* to = nullptr;
@@ -290,7 +290,7 @@ class Estimator {
   void allocate();
   void list_ports(const ProcessPlan& process, int index);
   void list_scalings(const ProcessPlan& process);
-  void list_gathers(const std::vector<GatherPlan>& plans, const std::vector<double*>& table, Gathering& gathering);
+  void list_gathers();
 
   // The state, and what models see
   double* x() { return plan_.state.in(arena_); }
@@ -320,7 +320,7 @@ class Estimator {
   void check_noise(Time t) const;
   void discretize_group(const VanLoanGroup& group, double dt);
   void advance_group(const VanLoanGroup& group);
-  void gather(const Gathering& gathering, const std::vector<double*>& table);
+  void gather();
   double gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof);
   void hold_frozen(const double* x);
   std::string culprit(Time t1) const;
@@ -405,7 +405,7 @@ class Estimator {
   std::vector<Diagonal> diagonals_;
   std::vector<const double*> noise_variances_;  // their elements that have a place in P
   std::vector<Scaling> scalings_;
-  Gathering gathers_, noise_gathers_;                          // of Φ, of Qd
+  Gathered gathered_;
   std::vector<const BlockPlan*> held_;                         // blocks that hold what is frozen
   std::vector<double> group_x_;                                // what a Van Loan group reads
   double kept_dt_ = std::numeric_limits<double>::quiet_NaN();  // length of the step that all in the tables is of [s]

@@ -201,7 +201,7 @@ struct ProcessPlan : Planned {
   Kept kept = Kept::nothing;
 };
 
-/// A block of Φ or Qd that must be put together because a component is frozen or a port is derived:
+/// A block of Φ that must be put together because a component is frozen or a port is derived:
 /// target(active rows, active columns) = Σ block · chain.
 struct GatherPlan {
   struct Term {
@@ -463,7 +463,6 @@ struct FilterPlan : Planned {
   std::vector<std::size_t> noise_blocks;
   std::vector<std::size_t> ones;          // elements of the workspace that are 1 for ever (identity blocks)
   std::vector<GatherPlan> gathers;        // for Φ, after the models and Van Loan
-  std::vector<GatherPlan> noise_gathers;  // for Qd
   std::vector<VanLoanGroup> van_loan;
   // "propagation": "unscented". Then `transition` is of the regression, whose Φ and Qd are n×n, and `jacobians` of what
   // the models write.

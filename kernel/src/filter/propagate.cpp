@@ -40,8 +40,7 @@ void Estimator::propagate(const Driving& now, Time t1, std::span<const InputSamp
   for (const auto& group : plan_.van_loan) advance_group(group);
   if (is_kept) scale_blocks();
   hold_frozen(state());
-  gather(gathers_, phi_);
-  gather(noise_gathers_, noise_);
+  gather();
   if (sigma_) regress_step(now, step, samples, is_nominal);
 }
 
@@ -275,7 +274,7 @@ void Estimator::advance_group(const VanLoanGroup& group) {
   }
 }
 
-/// An element of a block of Φ or Qd, chained through the derived value in between.
+/// An element of a block of Φ, chained through the derived value in between.
 double Estimator::gathered(const GatherPlan::Term& term, const double* block, int row, int column, int dof) {
   const bool is_diagonal = term.structure == Structure::diagonal;
   if (term.derived < 0) return is_diagonal ? (row == column ? block[row] : 0.0) : block[row + column * dof];
@@ -288,12 +287,11 @@ double Estimator::gathered(const GatherPlan::Term& term, const double* block, in
 }
 
 /// Blocks of one term without a derived value are copies of elements; what a diagonal one lacks stays zero.
-void Estimator::list_gathers(const std::vector<GatherPlan>& plans, const std::vector<double*>& table,
-                             Gathering& gathering) {
-  for (const auto& plan : plans) {
+void Estimator::list_gathers() {
+  for (const auto& plan : plan_.gathers) {
     const auto& own = plan.terms.front();
     if (plan.terms.size() > 1 || own.derived >= 0) {
-      gathering.summed.push_back(&plan);
+      gathered_.summed.push_back(&plan);
       continue;
     }
     const auto& to = plan_.blocks[as_size(plan.to_block)];
@@ -304,17 +302,16 @@ void Estimator::list_gathers(const std::vector<GatherPlan>& plans, const std::ve
         double* const element = target++;
         const bool is_diagonal = own.structure == Structure::diagonal;
         if (is_diagonal && row != column) continue;
-        gathering.copies.push_back(
-            {table[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
+        gathered_.copies.push_back({phi_[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
       }
   }
 }
 
-void Estimator::gather(const Gathering& gathering, const std::vector<double*>& table) {
-  const Gathering::Copy* const end = gathering.copies.data() + gathering.copies.size();
-  for (const auto* copy = gathering.copies.data(); copy != end; ++copy)
+void Estimator::gather() {
+  const Gathered::Copy* const end = gathered_.copies.data() + gathered_.copies.size();
+  for (const auto* copy = gathered_.copies.data(); copy != end; ++copy)
     *copy->to = 0.0 + *copy->from;  // as a sum: no negative zero
-  for (const GatherPlan* const plan : gathering.summed) {
+  for (const GatherPlan* const plan : gathered_.summed) {
     const auto& to = plan_.blocks[as_size(plan->to_block)];
     const auto& from = plan_.blocks[as_size(plan->from_block)];
     const int rows = static_cast<int>(to.active.size());
@@ -322,7 +319,7 @@ void Estimator::gather(const Gathering& gathering, const std::vector<double*>& t
     double* target = at(plan->target);
     std::fill_n(target, rows * columns, 0.0);
     for (const auto& term : plan->terms) {
-      const double* block = table[as_size(term.source)];
+      const double* block = phi_[as_size(term.source)];
       for (int c = 0; c < columns; ++c)
         for (int r = 0; r < rows; ++r)
           target[r + c * rows] += gathered(term, block, to.active[as_size(r)], from.active[as_size(c)], to.dof());

@@ -15,25 +15,27 @@ SourceStatus Runtime::ask(std::size_t index, const char* call, SourceOutput& out
 
 /// The same of what several runtimes have in common.
 SourceStatus Runtime::ask_shared(std::size_t index, const char* call, Tap& tap, SourceOutput& out) {
-  using Item = SharedStream::Item;
-  const auto& source = plan_.sources[index];
-  SharedStream& stream = *tap.stream;
-  auto& slots = source_slots_[index];
-  const auto is_own = [&](int channel) { return channel >= 0 && as_size(channel) < slots.size(); };
+  const SharedStream& stream = *tap.stream;
   ++taps_->taken;
-  if (stream.has(tap.place)) {
-    const Item& item = stream.at(tap.place);
-    if (is_own(item.channel)) stream.copy(tap.place, out.on(OutputChannel(item.channel)));
-    ++tap.place;
-    return item.status;
-  }
+  const std::size_t place = tap.place++;
+  if (!stream.has(place)) return make_shared(index, call, *tap.stream, out);
+  const SharedStream::Item& item = stream.at(place);
+  if (item.channel >= 0 && as_size(item.channel) < source_slots_[index].size())
+    stream.copy(place, out.on(OutputChannel(item.channel)));
+  return item.status;
+}
+
+/// The stream's next item.
+SourceStatus Runtime::make_shared(std::size_t index, const char* call, SharedStream& stream, SourceOutput& out) {
+  const auto& source = plan_.sources[index];
+  auto& slots = source_slots_[index];
   for (auto& slot : slots) slot.clear();
   const SourceStatus status = guard_call<DataError>(plan_, source, call, source.head.in(arena())->sample.t, [&] {
     return stream.make([&] { return source.object->next(stream.memory(), out); });
   });
   const int channel = out.channel();
-  stream.add({Item::Kind::answered, status, channel}, is_own(channel) ? &slots[as_size(channel)] : nullptr);
-  ++tap.place;
+  const bool is_own = channel >= 0 && as_size(channel) < slots.size();
+  stream.add({SharedStream::Item::Kind::answered, status, channel}, is_own ? &slots[as_size(channel)] : nullptr);
   return status;
 }
 
@@ -58,14 +60,14 @@ void Runtime::fetch(std::size_t index) {
     return;
   }
   const bool is_own = channel >= 0 && as_size(channel) < slots.size();
-  const SampleWriter slot = is_own ? slots[as_size(channel)] : SampleWriter{};
+  static constexpr SampleWriter of_no_channel{};
+  const SampleWriter& slot = is_own ? slots[as_size(channel)] : of_no_channel;
   if (slot.t == no_time || slot.rows < 0 || slot.rows > slot.max_rows)
     throw fault("B045", "emitted a sample that it did not declare");
   if (!base::is_near(slot.t) || (slot.t0 != no_time && !base::is_near(slot.t0)))
     throw fault("B062",
                 "emitted a sample at " + time_text(slot.t) + ", more than " + base::farthest_text + " from zero");
-  const bool may_be_late = source.object->declaration().live;
-  if (!may_be_late && previous != no_time && slot.t < previous)
+  if (previous != no_time && slot.t < previous && !source.object->declaration().live)
     throw fault("B063", "goes back in time, to " + time_text(slot.t));
   head = SourceHead{{slot.t, slot.t0, slot.rows, slot.has_covariance}, 1, channel};
 }

@@ -388,7 +388,7 @@ class Runtime::FilterWatch {
   FilterWatch& operator=(const FilterWatch&) = delete;
 
  private:
-  static constexpr int every = 7;  // no divisor of usual rates: measurements come at all of them
+  static constexpr int every = 61;  // no divisor of usual rates: measurements come at all of them
   FilterTime& time_;
   bool is_due_;
   std::chrono::steady_clock::time_point begin_;

@@ -52,6 +52,7 @@ auto guard_call(const CompositionPlan& plan, const ComponentPlan& component, con
 class History;
 class Arrivals;
 class ArrivalWatch;
+class SharedStream;
 struct Tap;
 struct Taps;
 
@@ -189,6 +190,7 @@ class Runtime {
   void fetch(std::size_t source);
   SourceStatus ask(std::size_t source, const char* call, SourceOutput& out);
   SourceStatus ask_shared(std::size_t source, const char* call, Tap& tap, SourceOutput& out);
+  SourceStatus make_shared(std::size_t source, const char* call, SharedStream& stream, SourceOutput& out);
   void run_filter(int index, Time t);
   void feed_filter(Engine& engine, Time t);
   void run_transform(std::size_t transform);

@@ -85,11 +85,12 @@ FieldSpec increment_field(std::string name, std::string unit, std::string text) 
   return field::increment(std::move(name), std::move(unit)).about(std::move(text));
 }
 
-/// Φ and Q of several updates, as matrices, which are not even zeroed in steps of one.
+/// Φ and Q of several updates, as matrices, which are not even zeroed in steps of one; those leave this alone.
 class Folded {
  public:
+  explicit Folded(bool has_sensor_errors) : has_sensor_errors_(has_sensor_errors) {}
   bool is_begun() const { return is_begun_; }
-  void then(const Linearized& sample) {
+  [[gnu::noinline]] void then(const Linearized& sample) {
     if (!std::exchange(is_begun_, true)) rows_.setIdentity(), Q_.setZero();
     const Rows next = assemble(sample.transition);
     const Square phi = next.leftCols<9>();
@@ -110,9 +111,11 @@ class Folded {
   using Rows = Eigen::Matrix<double, 9, 21>;  // of Φ, columns by port
   using Square = Eigen::Matrix<double, 9, 9>;
 
-  static Rows assemble(const TransitionBlocks& blocks) {
+  Rows assemble(const TransitionBlocks& blocks) const {
     Rows rows = Rows::Zero();
-    for (const auto& place : transition_places) rows.block<3, 3>(3 * place.to, 3 * place.from) = blocks.*place.block;
+    for (const auto& place : transition_places)
+      if (place.from <= attitude || has_sensor_errors_)
+        rows.block<3, 3>(3 * place.to, 3 * place.from) = blocks.*place.block;
     return rows;
   }
   static Square assemble(const NoiseBlocks& blocks) {
@@ -126,6 +129,7 @@ class Folded {
 
   Rows rows_;
   Square Q_;
+  bool has_sensor_errors_;
   bool is_begun_ = false;
 };
 
@@ -186,6 +190,7 @@ InertialProcess::InertialProcess(const Binding& binding, ErrorModel model)
   for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i] = binding.port(place_names[i]);
   for (const Place place : {gyro_bias, accel_bias, gyro_scale, accel_scale})
     has_sensor_errors_ = has_sensor_errors_ || ports_[place].is_bound();
+  has_position_errors_ = binding.block("position").is_estimated;
   fields_ = {binding.fields("wx", "wy", "wz"), binding.fields("fx", "fy", "fz")};
   memory_ = declaration_.keeps<SampleMemory>();
   declare_transition();
@@ -207,14 +212,16 @@ void InertialProcess::declare_transition() {
                           (model_.attitude_moves_alone && place.to == attitude && !turns_attitude(place.from));
     if (vanishes) continue;
     const PhiBlock block = declaration_.couples(ports_[place.to], ports_[place.from]);
-    if (block.is_declared()) transition_.push_back({block, place.block, place.to == place.from});
+    const bool is_read = has_position_errors_ || (place.to != position && place.from != position);
+    if (block.is_declared() && is_read) transition_.push_back({block, place.block, place.to == place.from});
   }
 }
 
 void InertialProcess::declare_noise() {
   for (const auto& place : noise_places) {
     if (place.least_order == Order::second && order_ == Order::first) continue;
-    noise_.push_back({declaration_.adds_noise(ports_[place.to], ports_[place.from]), place.block});
+    const QBlock block = declaration_.adds_noise(ports_[place.to], ports_[place.from]);
+    if (has_position_errors_ || place.to != position) noise_.push_back({block, place.block});
   }
 }
 
@@ -243,7 +250,7 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
                             in.x[ports_[attitude]].as<4>()};
   const bool wants_errors = out.phi || out.Qd;
   SampleMemory remembered = in.memory[memory_];
-  Folded folded;
+  Folded folded(has_sensor_errors_);
   bool is_moved = false;
   for (auto rest = in.step.samples; !rest.empty();) {
     SampleGroup group;
@@ -258,10 +265,12 @@ Result InertialProcess::propagate(const ProcessInput& in, ProcessOutput& out) co
     }
     const strapdown::InputSensitivity input =
         has_sensor_errors_ ? input_sensitivity(correct(group.sum(), errors), errors) : no_sensitivity();
-    const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_}),
-                                strapdown::process_noise(advanced.mid, noise_density)};
+    const bool is_alone = !is_moved && rest.empty();
+    const bool is_whole = has_position_errors_ || !is_alone;
+    const Linearized linearized{model_.transition({nav, advanced, input, order_, has_sensor_errors_, is_whole}),
+                                strapdown::process_noise(advanced.mid, noise_density, is_whole)};
     nav = advanced.nav;
-    if (!is_moved && rest.empty()) {
+    if (is_alone) {
       write(linearized, out);
     } else {
       folded.then(linearized);

@@ -223,7 +223,7 @@ TransitionBlocks transition(const Midpoint& mid, const InputSensitivity& input, 
   return order == Order::first ? first_order(a, mid, input) : second_order(a, mid, input);
 }
 
-NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density) {
+NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density, bool with_position) {
   const double h = mid.dt;
   const Matrix3d gyro = mid.C_nb * density.gyro.asDiagonal() * mid.C_nb.transpose();
   const Matrix3d k_gyro = cross_times(mid.f_n, gyro);
@@ -233,9 +233,11 @@ NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density) {
   const double h2 = h * h;
   const double h3 = h2 * h;
   NoiseBlocks q;
-  q.p_p = (h3 / 3.0) * accel + (h3 * h2 / 20.0) * k_gyro_k;
-  q.p_v = (h2 / 2.0) * accel + (h2 * h2 / 8.0) * k_gyro_k;
-  q.p_phi = (-h3 / 6.0) * k_gyro;
+  if (with_position) {
+    q.p_p = (h3 / 3.0) * accel + (h3 * h2 / 20.0) * k_gyro_k;
+    q.p_v = (h2 / 2.0) * accel + (h2 * h2 / 8.0) * k_gyro_k;
+    q.p_phi = (-h3 / 6.0) * k_gyro;
+  }
   q.v_v = h * accel + (h3 / 3.0) * k_gyro_k;
   q.v_phi = (-h2 / 2.0) * k_gyro;
   q.phi_phi = h * gyro;

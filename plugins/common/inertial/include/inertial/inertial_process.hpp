@@ -30,7 +30,8 @@ struct StepTaken {
   const strapdown::Step& advanced;
   const strapdown::InputSensitivity& input;
   strapdown::Order order;
-  bool has_sensor_errors;  ///< a block of them is plugged in: what `input` reports is wanted
+  bool has_sensor_errors;  ///< a block of them is plugged in: `input` and the blocks of their columns are wanted
+  bool has_position_errors;  ///< blocks with rows or columns of the position are wanted
 };
 
 /// What an inertial plugin brings of its own: Φ of one step.
@@ -87,7 +88,7 @@ class InertialProcess : public ProcessModel {
   ErrorModel model_;
   strapdown::Order order_;
   attitude::Algorithm algorithm_;
-  bool has_sensor_errors_ = false;
+  bool has_sensor_errors_ = false, has_position_errors_ = true;
   strapdown::NoiseDensity density_;
   double bridge_acceleration_ = 0;                         // 1-sigma per axis, over a hole of the input [m/s²]
   Eigen::Vector3d bridge_rate_ = Eigen::Vector3d::Zero();  // [rad/s], body

@@ -77,6 +77,7 @@ struct NoiseBlocks {
 ///   v_v = A h + B h³/3    p_v = A h²/2 + B h⁴/8  p_p = A h³/3 + B h⁵/20
 /// This is exactly the covariance of ṗ = v, v̇ = −K phi + w_a, phi̇ = w_g, hence positive semidefinite; every block is
 /// right in its leading power of h.
-NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density);
+/// Without position p_p, p_v and p_phi are left unset.
+NoiseBlocks process_noise(const Midpoint& mid, const NoiseDensity& density, bool with_position = true);
 
 }  // namespace binnacle::strapdown
