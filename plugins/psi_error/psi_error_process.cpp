@@ -17,7 +17,8 @@ strapdown::TransitionBlocks in_computed_axes(const inertial::StepTaken& step) {
 }
 
 strapdown::TransitionBlocks in_true_axes(const inertial::StepTaken& step) {
-  return translated(in_psi(step, true), Translation(step.before), Translation(step.advanced.nav), step.has_sensor_errors);
+  return translated(in_psi(step, true), Translation(step.before), Translation(step.advanced.nav),
+                    step.has_sensor_errors);
 }
 
 inertial::ErrorModel model(const Parameters& parameters) {

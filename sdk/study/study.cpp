@@ -9,6 +9,9 @@
 #include <functional>
 #include <map>
 
+#define XXH_INLINE_ALL  // nothing is linked
+#include <xxhash.h>
+
 #include "score/run.hpp"
 #include "score/sections.hpp"
 #include "study/section.hpp"
@@ -21,12 +24,12 @@ using namespace wording;
 
 namespace {
 
-/// FNV-1a.
-struct Hash {
-  std::uint64_t value = 14695981039346656037u;
-  void add(const char* bytes, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) value = (value ^ static_cast<unsigned char>(bytes[i])) * 1099511628211u;
-  }
+/// XXH3 of 64 bits.
+class Hash {
+ public:
+  Hash() { XXH3_64bits_reset(&state_); }
+  std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
+  void add(const char* bytes, std::size_t count) { XXH3_64bits_update(&state_, bytes, count); }
   void add(const std::string& text) { add(text.c_str(), text.size() + 1); }
   void add(std::uint64_t number) { add(reinterpret_cast<const char*>(&number), sizeof(number)); }
   /// A rebuilt program or plugin may give other figures under the same version.
@@ -36,6 +39,9 @@ struct Hash {
     while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || file.gcount() > 0)
       add(buffer.data(), static_cast<std::size_t>(file.gcount()));
   }
+
+ private:
+  XXH3_state_t state_;
 };
 
 /// What several variants say alike is reported once; what only some say, with their names.
@@ -257,7 +263,7 @@ void Study::note_makings() {
   const auto note = [this](const std::string& what, const auto& add) {
     Hash hash;
     add(hash);
-    makings_.push_back({what, hash.value});
+    makings_.push_back({what, hash.value()});
   };
   note("program", [](Hash& hash) { hash.add_file("/proc/self/exe"); });
   for (const auto& plugin : variants_.front().composition->catalog().plugins())
@@ -278,7 +284,7 @@ void Study::note_makings() {
   });
   Hash all;
   for (const auto& making : makings_) all.add(making.hash);
-  hash_ = all.value;
+  hash_ = all.value();
 }
 
 void Study::share() {

@@ -165,7 +165,7 @@ struct Tables {
       RowGroup group{0, n, {}, {}};
       for (int c = 0; c < n; ++c) group.columns.push_back({c, 0, c * n});
       plan.groups = {group};
-      plan.noise = {{0, 0, n, n, n, 0}};
+      plan.noise = {{0, 0, places(n), places(n, n), 0}};
     }
     finish(plan);
   }

@@ -212,7 +212,8 @@ void check_frozen_position(const nlohmann::json& more = nlohmann::json::object()
       const InertialBench<Process> whole("second", with_sensor_errors, noise, noise, more);
       const InertialBench<Process> frozen("second", with_sensor_errors, noise, noise, more, {"position"});
       Samples samples(flights[1]);
-      for (std::size_t i = 0; i < count; ++i) samples.whole(0.01 * static_cast<double>(i), 0.01 * static_cast<double>(i + 1));
+      for (std::size_t i = 0; i < count; ++i)
+        samples.whole(0.01 * static_cast<double>(i), 0.01 * static_cast<double>(i + 1));
       const auto propagated = [&](const InertialBench<Process>& bench) {
         return testing::ProcessCaller(*bench.model, Process::spec())
             .propagate(bench.ports(flights[1]), samples.step(), memory_before(whole, flights[1], 0.01));

@@ -294,7 +294,7 @@ TEST_CASE("what is no covariance is named by its row, and changes nothing") {
   MatrixXd P = Eigen::Vector4d(1, 2, 3, 4).asDiagonal();
   TransitionPlan plan;
   plan.n = 4;
-  plan.noise = {{0, 0, 2, 2, 2, 0}, {3, 3, 1, 1, 0, 1}};
+  plan.noise = {{0, 0, places(2), places(2, 2), 0}, {3, 3, places(1), {}, 1}};
   finish(plan);
   for (const auto kind : {CovarianceKind::ud, CovarianceKind::square_root}) {
     Form form(kind, plan);

@@ -302,7 +302,10 @@ TEST_CASE("Phi and Qd written out give the same step as their tables, in the dia
   plan.n = n;
   plan.diagonals = {{0, 0, 0}};
   plan.groups = {RowGroup{1, 2, {{1, 1, 0}, {2, 1, 2}, {4, 1, 4}}, {}}};
-  plan.noise = {{0, 0, 1, 1, 0, 0}, {1, 1, 2, 2, 2, 1}, {1, 3, 2, 2, 0, 2}, {0, 4, 1, 1, 1, 3}};
+  plan.noise = {{0, 0, places(1), {}, 0},
+                {1, 1, places(2), places(2, 2), 1},
+                {1, 3, places(2), {}, 2},
+                {0, 4, places(1), places(1), 3}};
   finish(plan);
   const double diagonal[] = {0.5}, group[] = {1, 0.1, 0.2, 1, -0.3, 0.4};
   const double q0[] = {0.1}, q1[] = {0.4, 0.05, 0.05, 0.3}, q2[] = {0.02, 0.03}, q3[] = {0.01};

@@ -201,10 +201,10 @@ class TransitionBuilder {
       const bool sees_more = process.uses_input || !process.auxiliary.channels.empty() || declared.memory_bytes > 0;
       if (!declared.is_time_invariant || sees_more) continue;
       const bool is_at_rest = declared.is_at_rest && declared.transition.empty() && declared.noise.empty();
-      const bool is_scaling = declared.has_continuous_form &&
-                              std::ranges::all_of(declared.transition, [](const Coupling& coupling) {
-                                return coupling.to == coupling.from && coupling.structure == Structure::diagonal;
-                              });
+      const bool is_scaling =
+          declared.has_continuous_form && std::ranges::all_of(declared.transition, [](const Coupling& coupling) {
+            return coupling.to == coupling.from && coupling.structure == Structure::diagonal;
+          });
       process.kept = process.van_loan_group < 0 && (is_at_rest || is_scaling) ? Kept::all : Kept::coefficients;
     }
     for (int group = 0; group < count_of(plan_.van_loan); ++group)

@@ -461,8 +461,8 @@ struct FilterPlan : Planned {
   // declarations; then what the kernel makes of it. Everything else refers to blocks by index in these tables.
   std::vector<std::size_t> transition_blocks;
   std::vector<std::size_t> noise_blocks;
-  std::vector<std::size_t> ones;          // elements of the workspace that are 1 for ever (identity blocks)
-  std::vector<GatherPlan> gathers;        // for Φ, after the models and Van Loan
+  std::vector<std::size_t> ones;    // elements of the workspace that are 1 for ever (identity blocks)
+  std::vector<GatherPlan> gathers;  // for Φ, after the models and Van Loan
   std::vector<VanLoanGroup> van_loan;
   // "propagation": "unscented". Then `transition` is of the regression, whose Φ and Qd are n×n, and `jacobians` of what
   // the models write.

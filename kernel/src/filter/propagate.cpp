@@ -302,7 +302,8 @@ void Estimator::list_gathers() {
         double* const element = target++;
         const bool is_diagonal = own.structure == Structure::diagonal;
         if (is_diagonal && row != column) continue;
-        gathered_.copies.push_back({phi_[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
+        gathered_.copies.push_back(
+            {phi_[as_size(own.source)] + (is_diagonal ? row : row + column * to.dof()), element});
       }
   }
 }

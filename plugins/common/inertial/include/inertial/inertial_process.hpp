@@ -30,7 +30,7 @@ struct StepTaken {
   const strapdown::Step& advanced;
   const strapdown::InputSensitivity& input;
   strapdown::Order order;
-  bool has_sensor_errors;  ///< a block of them is plugged in: `input` and the blocks of their columns are wanted
+  bool has_sensor_errors;    ///< a block of them is plugged in: `input` and the blocks of their columns are wanted
   bool has_position_errors;  ///< blocks with rows or columns of the position are wanted
 };
 
