@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """What it costs to start: `tests/bench/start.py [--runs N] [--json]`. Processor time, user and system, of `binnacle version`, of `check`
-and `run` of the quickstart, in turn N times; the median of each and how many libraries were loaded. A line each, or JSON."""
+and `run` of the quickstart, and of /bin/true, which is what the system takes for any program, in turn N times; the median of each and
+how many libraries were loaded. A line each, or JSON."""
 import argparse
 import json
 import os
@@ -13,23 +14,23 @@ import sys
 BINNACLE = os.path.abspath(os.environ.get("BINNACLE", "build/release/bin/binnacle"))
 PROJECT = os.path.abspath(os.environ.get("PROJECT", "."))
 CONFIG = f"{PROJECT}/configs/quickstart.json"
-COMMANDS = {"version": ["version"], "check": ["check", CONFIG], "run": ["run", CONFIG, "--quiet"]}
+COMMANDS = {"version": [BINNACLE, "version"], "check": [BINNACLE, "check", CONFIG], "run": [BINNACLE, "run", CONFIG, "--quiet"], "true": ["/bin/true"]}
 
 
 def processor_ms(words):
     """Of one process; ends the program where it fails."""
-    child = subprocess.Popen([BINNACLE, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    child = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode != 0:
-        sys.exit(f"'binnacle {' '.join(words)}' ended with {child.returncode}")
+        sys.exit(f"'{' '.join(words)}' ended with {child.returncode}")
     return 1e3 * (usage.ru_utime + usage.ru_stime)
 
 
 def libraries(words):
     """That the loader initialized, the program itself left out."""
     environment = {**os.environ, "LD_DEBUG": "files"}
-    done = subprocess.run([BINNACLE, *words], env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    done = subprocess.run(words, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     return len(set(re.findall(r"calling init: (\S+)", done.stderr)))
 
 
