@@ -3,7 +3,9 @@
 #include "filter/covariance.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "base/index.hpp"
 
@@ -65,6 +67,13 @@ int Joseph::predict(const double* const* phi, const double* const* noise) {
   return -1;
 }
 
+/// With negative zeros.
+bool Joseph::is_below_but_for_zeros(double limit) const {
+  for (int row = 0; row < plan_.n; ++row)
+    if (!(variance(row) >= 0 && variance(row) < limit)) return false;
+  return true;
+}
+
 void Joseph::project(const std::vector<int>& columns, const UpdateWork& work) const {
   const int count = static_cast<int>(columns.size());
   const int* index = columns.data();
@@ -95,10 +104,12 @@ void Joseph::gain(const std::vector<unsigned char>& corrected, const UpdateWork&
 // to fewer than twelve digits of what it was is one that is known: with a variance of zero, and correlated with nothing.
 template <class Before>
 void Joseph::settle_variances(int first, int end, const Before& before) {
-  double least = 0;
+  std::uint64_t signs = 0;
   const double* diagonal = column_at(P_, ld_, first) + first;
-  for (int row = first; row < end; ++row, diagonal += ld_ + 1) least = std::min(least, *diagonal);
-  if (least == 0) return;
+  const std::ptrdiff_t next = ld_ + 1;
+  for (const double* const behind = diagonal + (end - first) * next; diagonal != behind; diagonal += next)
+    signs |= std::bit_cast<std::uint64_t>(*diagonal);
+  if (signs >> 63 == 0) return;
   constexpr double rounding = 1e-12;
   for (int row = first; row < end; ++row) {
     const double variance = column_at(P_, ld_, row)[row];

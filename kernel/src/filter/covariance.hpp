@@ -3,7 +3,10 @@
 // arithmetic on what the declared sparsity says is zero.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "base/aligned.hpp"
@@ -35,16 +38,19 @@ class Joseph final : public CovarianceForm {
     for (const int row : rows) *into++ = matrix()(row, row);
   }
   bool is_below(double limit) const override {
-    const double* variance = P_;
-    for (int i = 0; i < plan_.n; ++i, variance += ld_ + 1)
-      if (!(*variance >= 0 && *variance < limit)) return false;
-    return true;
+    // As integers, numbers that are not negative are in the same order, and all others are beyond them.
+    std::uint64_t greatest = 0;
+    const std::ptrdiff_t next = ld_ + 1;
+    for (const double *variance = P_, *const end = P_ + plan_.n * next; variance != end; variance += next)
+      greatest = std::max(greatest, std::bit_cast<std::uint64_t>(*variance));
+    return greatest < std::bit_cast<std::uint64_t>(limit) || is_below_but_for_zeros(limit);
   }
   ConstMatrixView expand() const override { return matrix(); }
 
  private:
   MatrixView matrix() const { return {P_, plan_.n, plan_.n, ld_}; }
   void predict_coupled(const double* const* phi);
+  bool is_below_but_for_zeros(double limit) const;
   template <class Before>
   void settle_variances(int first, int end, const Before& before);
 
