@@ -54,6 +54,15 @@ void remove_abandoned(const std::filesystem::path& folder, const std::string& pr
 
 }  // namespace
 
+std::string could_not_write(const std::filesystem::path& file, const std::string& why) {
+  std::string remedy;
+  for (const int full : {ENOSPC, EDQUOT})
+    if (why == std::strerror(full)) remedy = "; make room there, or write elsewhere";
+  if (why == std::strerror(EFBIG)) remedy = "; raise the limit (ulimit -f), or write elsewhere";
+  if (why == std::strerror(EMFILE)) remedy = "; raise the limit (ulimit -n)";
+  return fmt::format("'{}' could not be written: {}{}", file.string(), why, remedy);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : target_(std::move(target)) {
   std::error_code ignored;
   const auto status = std::filesystem::status(target_, ignored);
@@ -94,13 +103,7 @@ AtomicFile::~AtomicFile() {
   if (named_) ::unlink(temporary_.c_str());
 }
 
-void AtomicFile::fail(const std::string& why) const {
-  std::string remedy;
-  for (const int full : {ENOSPC, EDQUOT})
-    if (why == std::strerror(full)) remedy = "; make room there, or write elsewhere";
-  if (why == std::strerror(EFBIG)) remedy = "; raise the limit (ulimit -f), or write elsewhere";
-  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, remedy));
-}
+void AtomicFile::fail(const std::string& why) const { throw OutputError(could_not_write(target_, why)); }
 
 /// Of a pipe that is full, until a signal asks to stop.
 void AtomicFile::wait_for_reader() const {

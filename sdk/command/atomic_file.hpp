@@ -11,6 +11,9 @@
 
 namespace binnacle::command {
 
+/// "'FILE' could not be written: WHY; what to do".
+std::string could_not_write(const std::filesystem::path& file, const std::string& why);
+
 /// Written beside its final place and moved there by commit(). Where the file system can (O_TMPFILE of Linux) it has no
 /// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-HOST-PID-RANDOM", which no
 /// other process makes on any machine, that the destructor removes, or Unfinished::remove_all() where there is no destructor.

@@ -61,7 +61,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
       if (netcdf_) observers_[f].add(netcdf_->step_observer(static_cast<int>(f)));
       if (page_) observers_[f].add(page_->step_observer(static_cast<int>(f)));
     }
-  } catch (const std::runtime_error&) {
+  } catch (...) {
     netcdf_file_.reset();
     config_.reset();
     summary_.reset();

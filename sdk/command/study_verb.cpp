@@ -263,8 +263,8 @@ int run_study(const Options& options) {
       if (coordinator) announce_workers(options, *team, *coordinator, jobs);
       is_complete = carry_out(study, results, *outputs, options, coordinator ? &*coordinator : nullptr, jobs);
     }
-  } catch (const std::system_error& error) {
-    throw OutputError(error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw OutputError(could_not_write(error.path1(), error.code().message()));
   }
   stand_down();
   if (!is_complete) {

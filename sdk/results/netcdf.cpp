@@ -35,8 +35,9 @@ void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 void check(int code) {
   if (code == NC_NOERR) return;
-  if (code > 0) throw Failure(std::strerror(code));
   const int reason = errno;
+  const bool is_opened_too_often = code == EACCES && (reason == EMFILE || reason == ENFILE);
+  if (code > 0) throw Failure(std::strerror(is_opened_too_often ? reason : code));
   const bool is_told = reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
   throw Failure(code == NC_EHDFERR && is_told ? std::strerror(reason) : nc_strerror(code));
 }
@@ -287,6 +288,7 @@ template std::vector<double> Group::read_column(int, std::size_t) const;
 template std::vector<std::int64_t> Group::read_column(int, std::size_t) const;
 
 File File::create(const std::filesystem::path& path) {
+  require_memory(memory_of_file);
   keep_from_tidying();
   int id = -1;
   errno = 0;
@@ -295,6 +297,7 @@ File File::create(const std::filesystem::path& path) {
 }
 
 File File::open(const std::filesystem::path& path) {
+  require_memory(memory_of_file);
   keep_from_tidying();
   int id = -1;
   errno = 0;

@@ -27,7 +27,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 [[noreturn]] void fail(const std::filesystem::path& path) {
-  throw std::system_error(errno, std::generic_category(), "'" + path.string() + "'");
+  throw std::filesystem::filesystem_error("journal", path, std::error_code(errno, std::generic_category()));
 }
 
 std::string hexadecimal(std::uint64_t value) {

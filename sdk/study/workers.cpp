@@ -2,18 +2,61 @@
 #include "study/workers.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include <unistd.h>
 
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include "run_log.hpp"
 
 namespace binnacle::study {
+
+namespace {
+
+/// Threads that help a caller of in_parallel(), joined whatever happens.
+class Helpers {
+ public:
+  Helpers() = default;
+  Helpers(const Helpers&) = delete;
+  Helpers& operator=(const Helpers&) = delete;
+  ~Helpers() {
+    for (auto& thread : threads_) thread.join();
+  }
+  /// False where `most` are at work, or the system gives no more.
+  template <class Work>
+  bool start(int most, const Work& work) {
+    if (!is_taken(most)) return false;
+    try {
+      threads_.emplace_back([&work] {
+        work();
+        --at_work;
+      });
+    } catch (const std::system_error&) {
+      --at_work;
+      return false;
+    }
+    return true;
+  }
+
+ private:
+  /// Of all calls together, so that one inside another adds no threads.
+  static inline std::atomic<int> at_work{0};
+
+  static bool is_taken(int most) {
+    int now = at_work;
+    while (now < most)
+      if (at_work.compare_exchange_weak(now, now + 1)) return true;
+    return false;
+  }
+
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace
 
 int processors(int processes_here) {
   const int ours = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  // that we may run on
@@ -22,9 +65,25 @@ int processors(int processes_here) {
 }
 
 void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work) {
-  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(jobs));
-  tbb::task_arena arena(jobs);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, work, tbb::simple_partitioner()); });
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr thrown;
+  const auto take_part = [&] {
+    try {
+      for (std::size_t i; (i = next++) < count;) work(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!thrown) thrown = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    Helpers helpers;
+    for (std::size_t n = 1; n < count && helpers.start(jobs - 1, take_part); ++n) {
+    }
+    take_part();
+  }
+  if (thrown) std::rethrow_exception(thrown);
 }
 
 void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<Batch>()>& next,

@@ -40,7 +40,8 @@ using OnBatch = std::function<void(const Batch& batch, std::vector<Figures>&& fi
 void carry_out_runs(const Study& study, int jobs, const std::function<std::optional<Batch>()>& next,
                     const OnBatch& done, const std::function<bool()>& goes_on);
 
-/// Works on 0 … count − 1 with that many threads; what it throws is thrown on. May be called inside `work`.
+/// Works on 0 … count − 1 with that many threads, or as many as the system gives; what it throws is thrown on. May be called
+/// inside `work`: all together take no more.
 void in_parallel(int jobs, std::size_t count, const std::function<void(std::size_t)>& work);
 
 /// How many runs are at work at one time by default, where so many processes share the machine: those bound
