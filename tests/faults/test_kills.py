@@ -13,28 +13,14 @@ import time
 
 import h5py
 
+from drives import drive, study
+
 COMMAND = os.environ["BINNACLE_COMMAND"]
 ROWS = 40001
 KILLS = int(os.environ.get("BINNACLE_KILLS", "16"))
 SEED = int(os.environ.get("BINNACLE_KILLS_SEED", "1"))
-DRIVE = {
-    "binnacle": 1,
-    "sources": {"ship": {"type": "target_simulator", "duration": "40000 s", "rate": "1 Hz", "sigma": "0.1 deg",
-                         "target": {"position": ["5 km", 0], "velocity": 0, "position_sigma": ["1.5 km", "10 m"],
-                                    "velocity_sigma": "1 m/s", "q": 0.02},
-                         "legs": [{"duration": "20000 s", "velocity": [0, 10]}, {"duration": "20000 s", "velocity": [0, -10]}]}},
-    "filters": {"track": {
-        "trust": False,
-        "blocks": {"position": {"type": "vector", "size": 2, "unit": "m", "components": ["north", "east"], "init": ["5 km", 0],
-                                "sigma": ["1.5 km", "10 m"]},
-                   "velocity": {"type": "vector", "size": 2, "unit": "m/s", "components": ["vn", "ve"], "init": 0, "sigma": "1 m/s"}},
-        "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
-                    "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.02}},
-        "measurements": {"sonar": {"type": "bearing", "channel": "ship.bearing", "blocks": {"target": "position"}, "sigma": "0.1 deg"}}}},
-    "reference": [{"channel": "ship.truth", "blocks": {"track/position": ["north", "east"]}}],
-}
-STUDY = {"study": {"runs": 60, "seed": 3, "metrics": ["track/position.norm/final"]},
-         "sources": {"ship": DRIVE["sources"]["ship"] | {"duration": "2000 s"}}}
+DRIVE = drive(40000)
+STUDY = study(60)
 
 
 def command(*words):
@@ -109,7 +95,7 @@ def test_a_run_leaves_whole_files_of_one_run_or_the_other(tmp_path):
 
 
 def test_a_study_goes_on_to_the_same_figures(tmp_path):
-    (tmp_path / "c.json").write_text(json.dumps(DRIVE | STUDY))
+    (tmp_path / "c.json").write_text(json.dumps(STUDY))
     words = ["study", "c.json", "--out", "whole", "--quiet", "--jobs", "1"]
     length = seconds_of(words, tmp_path)
     table = (tmp_path / "whole" / "study.csv").read_bytes()
