@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "folders.hpp"
+#include "other_results.hpp"
 #include "report_file.hpp"
 
 namespace binnacle::command {
@@ -179,6 +180,7 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   if (netcdf_file_) netcdf_file_->commit();
   config_->commit();
   summary_->commit();
+  tell_of_other_study(folder_, config);
   if (page_) write_page(summary, config);
 }
 

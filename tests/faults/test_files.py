@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from drives import copied, drive
+from drives import copied, drive, study
 
 ROWS = "t,b\n" + "".join(f"{i},{i % 3}\n" for i in range(100))
 
@@ -18,6 +18,18 @@ def test_a_report_of_a_fifo(binnacle, write, tmp_path, name):
     (tmp_path / "out" / name).unlink(missing_ok=True)
     os.mkfifo(tmp_path / "out" / name)
     binnacle("report", "out", within=15).refused(5, f"'out/{name}'", "is no regular file")
+
+
+@pytest.mark.parametrize("words, file, status", [
+    (["run", "c.json", "--resume", "pipe"], "pipe", 2),
+    (["study", "s.json", "--out", "out"], "out/study.journal", 2),
+], ids=lambda words: str(words))
+def test_a_fifo_in_the_place_of_what_a_run_goes_on_from(binnacle, write, tmp_path, words, file, status):
+    write("c.json", drive(100))
+    write("s.json", study(2, 100))
+    (tmp_path / "out").mkdir()
+    os.mkfifo(tmp_path / file)
+    binnacle(*words, within=15).refused(status, file, "is no regular file")
 
 
 def test_a_report_of_a_fifo_for_a_folder(binnacle, tmp_path):
