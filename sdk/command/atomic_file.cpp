@@ -151,10 +151,14 @@ void AtomicFile::write(std::string_view text) {
   if (buffer_.size() >= buffer_size - (buffer_size >> 3)) flush();
 }
 
-void AtomicFile::commit() {
+void AtomicFile::complete() {
   flush();
+  if (!is_direct_ && ::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
+}
+
+void AtomicFile::commit() {
+  complete();
   if (is_direct_) return;
-  if (::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
   if (!named_) {
     ::unlink(temporary_.c_str());
     if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)

@@ -40,6 +40,8 @@ class AtomicFile {
   void start_write_out();
   /// OutputError: that it could not be written, why, and what to do.
   [[noreturn]] void fail(const std::string& why) const;
+  /// All that was written is on the disk: commit() will find room. For files that are to change together.
+  void complete();
   /// Replaces what is at the target. Nothing may be written after it.
   void commit();
 

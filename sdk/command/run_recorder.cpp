@@ -174,6 +174,11 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   netcdf_.reset();
   spare_.clear();
   column_block_ = {};
+  for (const auto& filter : filters_)
+    if (filter.csv) filter.csv->complete();
+  if (netcdf_file_) netcdf_file_->complete();
+  config_->complete();
+  summary_->complete();
   remove_earlier();
   for (const auto& filter : filters_)
     if (filter.csv) filter.csv->commit();

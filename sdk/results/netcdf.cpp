@@ -36,10 +36,11 @@ void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 void check(int code) {
   if (code == NC_NOERR) return;
   const int reason = errno;
-  const bool is_opened_too_often = code == EACCES && (reason == EMFILE || reason == ENFILE);
-  if (code > 0) throw Failure(std::strerror(is_opened_too_often ? reason : code));
-  const bool is_told = reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
-  throw Failure(code == NC_EHDFERR && is_told ? std::strerror(reason) : nc_strerror(code));
+  constexpr int told[] = {ENOSPC, EDQUOT, EFBIG, EIO, EMFILE, ENFILE};
+  const bool is_told = std::ranges::find(told, reason) != std::end(told);
+  // NetCDF says EACCES of all that HDF5 cannot create.
+  if ((code == NC_EHDFERR || code == EACCES) && is_told) throw Failure(std::strerror(reason));
+  throw Failure(code > 0 ? std::strerror(code) : nc_strerror(code));
 }
 
 Group Group::add_group(const std::string& name) const {

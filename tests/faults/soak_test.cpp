@@ -82,8 +82,8 @@ double seconds_of_processor() { return static_cast<double>(std::clock()) / CLOCK
 
 double asymmetry(const ConstMatrixView& P) {
   double most = 0;
-  for (int i = 0; i < P.rows(); ++i)
-    for (int j = 0; j < P.cols(); ++j) {
+  for (int i = 0; i < P.rows; ++i)
+    for (int j = 0; j < P.cols; ++j) {
       if (!std::isfinite(P(i, j))) return std::nan("");
       most = std::max(most, std::abs(P(i, j) - P(j, i)));
     }

@@ -37,7 +37,7 @@ def test_a_report_of_a_fifo_for_a_folder(binnacle, tmp_path):
     binnacle("report", "pipe", within=15).refused(5, "'pipe' is no folder")
 
 
-@pytest.mark.parametrize("words", [["report", "out", "--output"], ["inspect", "x.csv", "--page"], ["inspect", "x.csv", "--write"]], ids=" ".join)
+@pytest.mark.parametrize("words", [["report", "out", "--output"], ["inspect", "x.csv", "--page"], ["inspect", "c.json", "--write"]], ids=" ".join)
 def test_a_page_into_a_fifo_that_nobody_reads(binnacle, write, tmp_path, words):
     write("c.json", drive(100))
     write("x.csv", ROWS)
@@ -58,7 +58,7 @@ def test_inspect_of_a_fifo_in_the_place_of_a_config(binnacle, tmp_path):
     assert binnacle("inspect", "pipe.json", asked=0.5, within=15).status != 0
 
 
-@pytest.mark.parametrize("verb", ["check", "explain", "graph", "list"])
+@pytest.mark.parametrize("verb", ["check", "explain", "graph"])
 def test_verbs_that_look_open_no_sink(binnacle, write, tmp_path, verb):
     config = copied(tmp_path / "copy.csv")
     config["sinks"]["lines"] = {"type": "stream/json_writer", "input": "gyro", "to": f"file:{tmp_path}/lines.json"}
@@ -76,7 +76,7 @@ def test_a_csv_sink_does_not_replace_a_fifo(binnacle, write, tmp_path):
     write("x.csv", ROWS)
     os.mkfifo(tmp_path / "pipe")
     write("c.json", copied(tmp_path / "pipe"))
-    binnacle("run", "c.json", within=15).refused(5, f"/sinks/copy/path: '{tmp_path}/pipe' is no regular file")
+    binnacle("run", "c.json", within=15).refused(5, f"'csv_writer': open threw: '{tmp_path}/pipe' is no regular file")
     assert (tmp_path / "pipe").is_fifo()
 
 
