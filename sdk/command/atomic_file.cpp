@@ -64,6 +64,7 @@ std::string could_not_write(const std::filesystem::path& file, const std::string
 }
 
 AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : target_(std::move(target)) {
+  buffer_.reserve(buffer_size);  // before there is a file: a constructor that throws leaves it behind
   std::error_code ignored;
   const auto status = std::filesystem::status(target_, ignored);
   if (std::filesystem::is_directory(status))
@@ -83,7 +84,6 @@ AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : targ
     open_temporary(temporary);
   }
   if (file_ < 0) throw UsageError(fmt::format("cannot write '{}': {}", target_.string(), std::strerror(errno)));
-  buffer_.reserve(buffer_size);
 }
 
 void AtomicFile::open_temporary(Temporary temporary) {
@@ -94,8 +94,12 @@ void AtomicFile::open_temporary(Temporary temporary) {
   file_ = temporary == Temporary::unnamed ? open_unnamed(folder) : -1;
   if (file_ >= 0) return;
   if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
+  named_.emplace(temporary_);
   file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
-  if (file_ >= 0) named_.emplace(temporary_);
+  if (file_ >= 0) return;
+  const int reason = errno;
+  named_.reset();
+  errno = reason;
 }
 
 AtomicFile::~AtomicFile() {
