@@ -133,7 +133,7 @@ int carry_out(int argc, char** argv) {
 namespace {
 
 /// Threads are all that is asked of the system and not turned into a message of its own.
-std::string told(const std::system_error& error) {
+std::string words_of(const std::system_error& error) {
   if (error.code() != std::errc::resource_unavailable_try_again) return std::string("internal: ") + error.what();
   return "no thread can be started: " + error.code().message() + "; raise the limit (ulimit -u, or -v of memory)";
 }
@@ -155,7 +155,7 @@ int guarded_main(int argc, char** argv) {
     print_error("memory is exhausted; raise the limit (ulimit -v), or record less");
     return failed;
   } catch (const std::system_error& error) {
-    print_error(told(error));
+    print_error(words_of(error));
     return failed;
   } catch (const std::exception& error) {
     print_error(std::string("internal: ") + error.what());

@@ -32,29 +32,30 @@ bool is_of_study(const Json& run, const Json& study) {
   });
 }
 
-void tell(const std::filesystem::path& folder, const char* what, const Json& config, const char* files) {
+void name(const std::filesystem::path& folder, const char* what, const Json& config, const char* files) {
   const Json title = config.value("title", Json());
-  print_note(fmt::format("'{}' also holds a {} of another config{}, and its page shows both; remove {} there, or give another --out",
-                         folder.string(), what, title.is_string() ? ", '" + title.get<std::string>() + "'" : "", files));
+  print_note(fmt::format(
+      "'{}' also holds a {} of another config{}, and its page shows both; remove {} there, or give another --out",
+      folder.string(), what, title.is_string() ? ", '" + title.get<std::string>() + "'" : "", files));
 }
 
 }  // namespace
 
-void tell_of_other_study(const std::filesystem::path& folder, const Json& config) {
+void name_other_study(const std::filesystem::path& folder, const Json& config) {
   try {
     const auto study = results::read_study(folder);
-    if (study && !is_of_study(config, study->config)) tell(folder, "study", study->config, "study.nc and study.json");
+    if (study && !is_of_study(config, study->config)) name(folder, "study", study->config, "study.nc and study.json");
   } catch (const std::runtime_error&) {
-    // It is damaged, which whoever reads it is told.
+    // It is damaged, which is reported to whoever reads it.
   }
 }
 
-void tell_of_other_run(const std::filesystem::path& folder, const Json& config) {
+void name_other_run(const std::filesystem::path& folder, const Json& config) {
   std::error_code ignored;
   if (!std::filesystem::exists(folder / "run.nc", ignored)) return;
   std::ifstream file(folder / "config.json");
   const Json run = Json::parse(file, nullptr, false);
-  if (run.is_object() && !is_of_study(run, config)) tell(folder, "run", run, "run.nc and summary.json");
+  if (run.is_object() && !is_of_study(run, config)) name(folder, "run", run, "run.nc and summary.json");
 }
 
 }  // namespace binnacle::command

@@ -86,9 +86,7 @@ bool stderr_is_terminal() { return isatty(STDERR_FILENO) == 1; }
 
 void print(std::string_view text) { to_stdout(safe(text)); }
 
-void print_json(const Json& json) {
-  to_stdout(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-}
+void print_json(const Json& json) { to_stdout(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
 
 void flush_stdout() {
   if (std::fflush(stdout) != 0 && stdout_fault == 0) stdout_fault = errno;

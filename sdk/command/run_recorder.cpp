@@ -185,7 +185,7 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   if (netcdf_file_) netcdf_file_->commit();
   config_->commit();
   summary_->commit();
-  tell_of_other_study(folder_, config);
+  name_other_study(folder_, config);
   if (page_) write_page(summary, config);
 }
 

@@ -128,7 +128,7 @@ struct Outputs {
       write("table.csv", study::tables_csv(figures));
       write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
-      tell_of_other_run(folder, config);
+      name_other_run(folder, config);
       write_report(folder, report_in(folder));
     }
     if (!summary) return;

@@ -36,10 +36,10 @@ void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 void check(int code) {
   if (code == NC_NOERR) return;
   const int reason = errno;
-  constexpr int told[] = {ENOSPC, EDQUOT, EFBIG, EIO, EMFILE, ENFILE};
-  const bool is_told = std::ranges::find(told, reason) != std::end(told);
+  constexpr int reasons[] = {ENOSPC, EDQUOT, EFBIG, EIO, EMFILE, ENFILE};
+  const bool is_stated = std::ranges::find(reasons, reason) != std::end(reasons);
   // NetCDF says EACCES of all that HDF5 cannot create.
-  if ((code == NC_EHDFERR || code == EACCES) && is_told) throw Failure(std::strerror(reason));
+  if ((code == NC_EHDFERR || code == EACCES) && is_stated) throw Failure(std::strerror(reason));
   throw Failure(code > 0 ? std::strerror(code) : nc_strerror(code));
 }
 

@@ -63,7 +63,7 @@ std::string silent_for(const Timeouts& timeouts) {
 
 /// How long a rank may still read its study once another has; that one took `loading`. A plugin's call there may never come back,
 /// while signs of life are given all the same.
-std::chrono::milliseconds patience(const Timeouts& timeouts, Clock::duration loading) {
+std::chrono::milliseconds time_to_load(const Timeouts& timeouts, Clock::duration loading) {
   return timeouts.silence + std::chrono::duration_cast<std::chrono::milliseconds>(10 * loading);
 }
 
@@ -292,11 +292,11 @@ bool Coordinator::assemble(const Study& study, const std::function<bool()>& goes
 }
 
 void Coordinator::look_for_late() {
-  const auto longest = patience(timeouts_, loading_);
+  const auto longest = time_to_load(timeouts_, loading_);
   if (Clock::now() - loaded_ < longest) return;
   for (int rank = 1; rank < team_.size(); ++rank) {
     if (ranks_[static_cast<std::size_t>(rank)].has_reported) continue;
-    is_over_ = true;  // it would not hear that it is
+    is_over_ = true;  // it would not learn that it is
     fail(1, name_of(rank), still_loading(longest));
   }
 }
@@ -451,7 +451,7 @@ class Correspondence {
   /// Rank 0 waits for ranks that are late, and says so first; this is for rank 0 itself.
   void look_for_late() {
     if (is_ready_ || is_dismissed_ || loaded_ == not_yet) return;
-    const auto longest = 2 * patience(timeouts_, loading_);
+    const auto longest = 2 * time_to_load(timeouts_, loading_);
     if (last_look_ - loaded_ > longest) fail(1, "rank 0", still_loading(longest));
   }
 

@@ -40,7 +40,8 @@ std::string soak_config(const std::string& form) {
     "sources": {"place": {"type": "pushed", "fields": {"z0": {"unit": "m"}}},
                 "level": {"type": "pushed", "fields": {"z0": {"unit": "m"}}}},
     "filters": {"f": {
-      "covariance": ")" + form + R"(", "trust": {"false_alarm": 1e-9},
+      "covariance": ")" +
+         form + R"(", "trust": {"false_alarm": 1e-9},
       "blocks": {"p": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 1},
                  "v": {"type": "vector", "size": 1, "unit": "m/s", "init": 0, "sigma": 1},
                  "c": {"type": "vector", "size": 1, "unit": "m", "init": 0, "sigma": 10}},
@@ -105,7 +106,8 @@ Part soak_part(Session& session, Truth& truth, long first, long count) {
 
 TEST_CASE("a soak drifts in neither time, memory, symmetry nor sigma") {
   const long part = std::max(1000L, steps() / 10);
-  std::printf("%-12s %10s %12s %12s %14s %10s %s\n", "covariance", "steps", "ns a step", "MiB", "P - P'", "sigma c", "verdict");
+  std::printf("%-12s %10s %12s %12s %14s %10s %s\n", "covariance", "steps", "ns a step", "MiB", "P - P'", "sigma c",
+              "verdict");
   for (const char* form : forms) {
     INFO(form);
     Session session = session_of(soak_config(form));
@@ -115,9 +117,10 @@ TEST_CASE("a soak drifts in neither time, memory, symmetry nor sigma") {
     for (int k = 0; k < 10; ++k) {
       now = soak_part(session, truth, k * part, part);
       if (k == 0) first = now;
-      const double crooked = asymmetry(session.covariance(filter)), sigma = std::sqrt(session.covariance(session.block("f/c"))(0, 0));
-      std::printf("%-12s %10ld %12.0f %12.1f %14.1e %10.6f %s\n", form, (k + 1) * part, now.ns_per_step, now.mib, crooked, sigma,
-                  verdict_names[static_cast<int>(session.verdict(filter))]);
+      const double crooked = asymmetry(session.covariance(filter)),
+                   sigma = std::sqrt(session.covariance(session.block("f/c"))(0, 0));
+      std::printf("%-12s %10ld %12.0f %12.1f %14.1e %10.6f %s\n", form, (k + 1) * part, now.ns_per_step, now.mib,
+                  crooked, sigma, verdict_names[static_cast<int>(session.verdict(filter))]);
       CHECK(crooked == 0);
       const double expected = 1 / std::sqrt(1.0 / 100 + static_cast<double>((k + 1) * part) / 1e6);
       CHECK(std::abs(sigma / expected - 1) < 1e-9);
@@ -145,10 +148,13 @@ std::string extreme_config(const std::string& form, int size, double sigma) {
   const std::string rows = size == 1 ? R"("sigma": [1e-3])" : R"("H": [[1, 1], [0, 1]], "sigma": [1e-3, 1e-3])";
   const std::string fields = size == 1 ? R"("z0": {"unit": "m"})" : R"("z0": {"unit": "m"}, "z1": {"unit": "m"})";
   return R"({"binnacle": 1, "sources": {"z": {"type": "pushed", "fields": {)" + fields + R"(}}},
-    "filters": {"f": {"covariance": ")" + form + R"(",
-      "blocks": {"x": {"type": "vector", "size": )" + std::to_string(size) + R"(, "unit": "m", "init": 0, "sigma": )" + text + R"(}},
+    "filters": {"f": {"covariance": ")" +
+         form + R"(",
+      "blocks": {"x": {"type": "vector", "size": )" +
+         std::to_string(size) + R"(, "unit": "m", "init": 0, "sigma": )" + text + R"(}},
       "process": {"stay": {"type": "random_constant", "blocks": {"x": "x"}}},
-      "measurements": {"z": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, )" + rows + R"(}}}}})";
+      "measurements": {"z": {"type": "linear_measurement", "channel": "z", "blocks": {"x": "x"}, )" +
+         rows + R"(}}}}})";
 }
 
 /// Sigma of the first constant after so many samples; the information of the prior is i, of a sample of a row w.
@@ -159,7 +165,7 @@ double closed_form(int size, double P0, int samples) {
 
 struct End {
   double error = 0;  // of a sigma, relative
-  bool is_healthy = false, is_told = false;
+  bool is_healthy = false, is_said = false;
 };
 
 End extreme_end(const std::string& form, int size, double ratio) {
@@ -178,7 +184,7 @@ End extreme_end(const std::string& form, int size, double ratio) {
   end.error = std::abs(std::sqrt(variance) / closed_form(size, P0, samples) - 1);
   end.is_healthy = session.healthy(filter);
   for (const auto& doubt : session.doubts(filter).items())
-    end.is_told = end.is_told || doubt.code == "B126" || doubt.code == "B127" || doubt.code == "B110";
+    end.is_said = end.is_said || doubt.code == "B126" || doubt.code == "B127" || doubt.code == "B110";
   return end;
 }
 
@@ -192,9 +198,9 @@ TEST_CASE("P0 over R from 1 to 1e30: a sigma is right, or the filter says that i
       for (const std::string form : forms) {
         const End end = extreme_end(form, size, std::pow(10.0, power));
         const bool is_right = end.error < 1e-3;
-        std::printf(" %12.1e %9s", end.error, !end.is_healthy ? "stopped" : end.is_told ? "doubtful" : "ok");
+        std::printf(" %12.1e %9s", end.error, !end.is_healthy ? "stopped" : end.is_said ? "doubtful" : "ok");
         INFO(form << ", " << size << " constants, P0/R 1e" << power << ", error " << end.error);
-        CHECK((is_right || end.is_told || !end.is_healthy));
+        CHECK((is_right || end.is_said || !end.is_healthy));
         if (form != "joseph" || power <= 8) CHECK((end.error < 1e-6 && end.is_healthy));
       }
       std::printf("\n");

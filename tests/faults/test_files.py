@@ -87,7 +87,7 @@ def test_a_csv_sink_does_not_replace_a_fifo(binnacle, write, tmp_path):
     [100_000, 100_001, 0, 1, 2, 3],
 ])
 def test_two_labels_far_ahead_in_a_row(binnacle, write, tmp_path, labels):
-    """Either both are passed over, or the rows that they cost are told: none is lost unseen."""
+    """Either both are passed over, or the rows that they cost are reported: none is lost unseen."""
     write("x.csv", "t,b\n" + "".join(f"{t},1\n" for t in labels))
     write("c.json", {
         "binnacle": 1,
@@ -100,6 +100,6 @@ def test_two_labels_far_ahead_in_a_row(binnacle, write, tmp_path, labels):
     ended = binnacle("run", "c.json", "--summary", "s.json")
     assert ended.status == 0, ended.err
     offered = json.loads((tmp_path / "s.json").read_text())["filters"]["f"]["measurements"]["z"]["offered"]
-    told = sum(int(word) for line in ended.err.splitlines() if "skipped" in line
+    reported = sum(int(word) for line in ended.err.splitlines() if "skipped" in line
                for word, after in zip(line.split(), line.split()[1:]) if after in ("row", "rows"))
-    assert offered + told == len(labels), ended.err
+    assert offered + reported == len(labels), ended.err

@@ -119,7 +119,7 @@ def test_files_of_every_verb(binnacle, write, recorded, disk, words):
 
 
 def test_a_recorded_input(binnacle, write, disk, tmp_path):
-    """It is written as samples come, so what had room is there, and is told to be not all."""
+    """It is written as samples come, so what had room is there, and is said to be not all."""
     place = disk(40)
     write("c.json", drive(1000))
     ended = binnacle("run", "c.json", "--quiet", "--out", "out", "--record-input", "disk/input")

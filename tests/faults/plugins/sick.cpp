@@ -23,7 +23,10 @@ class Sickness {
             parameter::text("rank").defaults("\"\"").about("of an MPI study: that one alone")};
   }
   explicit Sickness(const Parameters& parameters)
-      : fault_(parameters.text("fault")), call_(parameters.text("call")), after_(parameters.time("after")), rank_(parameters.text("rank")) {}
+      : fault_(parameters.text("fault")),
+        call_(parameters.text("call")),
+        after_(parameters.time("after")),
+        rank_(parameters.text("rank")) {}
 
   void in(const char* call, Time t) const {
     if (call_ != call || t < after_) return;
