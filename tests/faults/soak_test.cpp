@@ -183,7 +183,8 @@ End extreme_end(const std::string& form, int size, double ratio) {
   const double variance = session.covariance(session.block("f/x"))(0, 0);
   end.error = std::abs(std::sqrt(variance) / closed_form(size, P0, samples) - 1);
   end.is_healthy = session.healthy(filter);
-  for (const auto& doubt : session.doubts(filter).items())
+  const Diagnostics doubts = session.doubts(filter);
+  for (const auto& doubt : doubts.items())
     end.is_said = end.is_said || doubt.code == "B126" || doubt.code == "B127" || doubt.code == "B110";
   return end;
 }

@@ -106,6 +106,7 @@ def test_a_study_goes_on_to_the_same_figures(tmp_path):
         killed += kill(words, tmp_path, after / 2)
         finish(words, tmp_path)
         assert (tmp_path / words[3] / "study.csv").read_bytes() == table
+    print(f"{max(4, KILLS // 4)} studies, {killed} kills of one under way")
     assert killed > 2
 
 
@@ -123,4 +124,5 @@ def test_a_run_with_checkpoints_goes_on_to_the_same_bits(tmp_path):
         finish(words, tmp_path)
         assert (tmp_path / f"out{i}" / "track.csv").read_bytes() == table
         assert not (tmp_path / "k").exists()
+    print(f"{max(4, KILLS // 4)} runs with checkpoints killed, {resumed} went on from one")
     assert resumed > 0
