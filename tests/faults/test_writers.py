@@ -65,6 +65,16 @@ def test_pairs_of_runs_with_one_csv_sink(write, tmp_path):
             assert process.returncode == 0, err
         assert (tmp_path / "copy.csv").read_bytes() in whole
         assert not hidden(tmp_path)
+    print(f"{PAIRS} pairs of runs with one sink's file")
+
+
+def test_a_csv_sink_leaves_the_temporary_of_another_alone(binnacle, write, tmp_path):
+    write("x.csv", "t,b\n" + "".join(f"{i},1\n" for i in range(100)))
+    write("c.json", copied(tmp_path / "copy.csv"))
+    write("copy.csv.part", "another's")
+    assert binnacle("run", "c.json", "--quiet").status == 0
+    assert (tmp_path / "copy.csv.part").read_text() == "another's"
+    assert (tmp_path / "copy.csv").read_text().startswith("t_s,")
 
 
 # ---- one after the other, of two configs
