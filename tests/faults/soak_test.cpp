@@ -127,7 +127,9 @@ TEST_CASE("a soak drifts in neither time, memory, symmetry nor sigma") {
       CHECK(session.healthy(filter));
       CHECK(session.verdict(filter) == Verdict::ok);
     }
-    CHECK(now.mib < first.mib + 1);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    CHECK(now.mib < first.mib + 1);  // they keep what was freed
+#endif
     CHECK(now.ns_per_step < 3 * first.ns_per_step);
     double estimate = 0;
     session.read(session.block("f/c"), {&estimate, 1});

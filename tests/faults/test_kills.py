@@ -115,14 +115,16 @@ def test_a_run_with_checkpoints_goes_on_to_the_same_bits(tmp_path):
     plain = ["run", "c.json", "--out", "whole", "--only", "csv", "--quiet"]
     length = seconds_of(plain, tmp_path)
     table = (tmp_path / "whole" / "track.csv").read_bytes()
-    resumed = 0
+    killed = resumed = 0
     for i, after in enumerate(moments(max(4, KILLS // 4), length)):
         words = ["run", "c.json", "--out", f"out{i}", "--only", "csv", "--quiet", "--checkpoint", "k@1000s"]
-        if kill(words, tmp_path, after) and (tmp_path / "k").exists():
+        is_killed = kill(words, tmp_path, after)
+        killed += is_killed
+        if is_killed and (tmp_path / "k").exists():
             words += ["--resume", "k"]
             resumed += 1
         finish(words, tmp_path)
         assert (tmp_path / f"out{i}" / "track.csv").read_bytes() == table
         assert not (tmp_path / "k").exists()
-    print(f"{max(4, KILLS // 4)} runs with checkpoints killed, {resumed} went on from one")
+    print(f"{max(4, KILLS // 4)} runs with checkpoints, {killed} killed under way, {resumed} went on from one")
     assert resumed > 0
