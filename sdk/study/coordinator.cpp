@@ -295,8 +295,10 @@ void Coordinator::look_for_late() {
   const auto longest = time_to_load(timeouts_, loading_);
   if (Clock::now() - loaded_ < longest) return;
   for (int rank = 1; rank < team_.size(); ++rank) {
-    if (ranks_[static_cast<std::size_t>(rank)].has_reported) continue;
-    is_over_ = true;  // it would not learn that it is
+    const Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+    const bool is_alive = Clock::now() - entry.last_message <= 2 * timeouts_.sign_of_life;
+    if (entry.has_reported || !is_alive) continue;  // look_for_silent() has the others
+    is_over_ = true;                                // it would not learn that it is
     fail(1, name_of(rank), still_loading(longest));
   }
 }
@@ -452,7 +454,8 @@ class Correspondence {
   void look_for_late() {
     if (is_ready_ || is_dismissed_ || loaded_ == not_yet) return;
     const auto longest = 2 * time_to_load(timeouts_, loading_);
-    if (last_look_ - loaded_ > longest) fail(1, "rank 0", still_loading(longest));
+    const bool is_alive = last_look_ - heard_ <= 2 * timeouts_.sign_of_life;
+    if (is_alive && last_look_ - loaded_ > longest) fail(1, "rank 0", still_loading(longest));
   }
 
   static constexpr Clock::time_point not_yet{};
