@@ -61,10 +61,10 @@ std::string silent_for(const Timeouts& timeouts) {
   return "no message for " + std::to_string(timeouts.silence.count() / 1000) + " s, so it is taken for dead";
 }
 
-/// How long a rank may still read its study once another has; that one took `loading`. A plugin's call there may never come back,
-/// while signs of life are given all the same.
+/// How long a rank may still read its study once another has; that one took `loading`. It may be slow; but a plugin's call there
+/// may never come back, while signs of life are given all the same.
 std::chrono::milliseconds time_to_load(const Timeouts& timeouts, Clock::duration loading) {
-  return timeouts.silence + std::chrono::duration_cast<std::chrono::milliseconds>(10 * loading);
+  return 10 * (timeouts.silence + std::chrono::duration_cast<std::chrono::milliseconds>(loading));
 }
 
 std::string still_loading(std::chrono::milliseconds time) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ranks of an MPI study of which one is alive and does not come to work: in the stated time the others name it.
+"""Ranks of an MPI study of which one is alive and does not come to work: after ten times the time-out the others name it.
 
 tests/sdk/mpi_test.cpp stops and kills ranks; here a plugin's call does not come back while a rank reads its study."""
 
@@ -55,5 +55,5 @@ def test_a_rank_that_reads_its_study_for_ever(mpirun, tmp_path, rank):
     status, err, seconds = mpirun(rank, 2)
     assert status == 1, err
     assert f"rank {rank}" in err and "it is alive, but still reads its study" in err and "a plugin's call may not come back" in err, err
-    assert seconds < 90
+    assert seconds < 120  # 10 or 20 times the time-out, and what the others on the machine make of it
     assert not (tmp_path / "out" / "study.csv").exists()
