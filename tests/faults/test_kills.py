@@ -20,7 +20,7 @@ ROWS = 40001
 KILLS = int(os.environ.get("BINNACLE_KILLS", "16"))
 SEED = int(os.environ.get("BINNACLE_KILLS_SEED", "1"))
 DRIVE = drive(40000)
-STUDY = study(60)
+STUDY = study(120)
 
 
 def command(*words):
@@ -96,8 +96,10 @@ def test_a_run_leaves_whole_files_of_one_run_or_the_other(tmp_path):
 
 def test_a_study_goes_on_to_the_same_figures(tmp_path):
     (tmp_path / "c.json").write_text(json.dumps(STUDY))
-    words = ["study", "c.json", "--out", "whole", "--quiet", "--jobs", "1"]
+    words = ["study", "c.json", "--out", "again", "--quiet", "--jobs", "1"]
     length = seconds_of(words, tmp_path)
+    words[3] = "whole"
+    length = min(length, seconds_of(words, tmp_path))  # of a machine that has other work too
     table = (tmp_path / "whole" / "study.csv").read_bytes()
     killed = 0
     for i, after in enumerate(moments(max(4, KILLS // 4), length)):
