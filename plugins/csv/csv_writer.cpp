@@ -6,9 +6,9 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <random>
+#include <system_error>
 
 #include "text/numbers.hpp"
 
@@ -41,6 +41,14 @@ ParameterSpec column_spec() {
       "field",
       {parameter::text("column").about("its name in the header; default: the field's name"),
        parameter::number("unit", "*").required().about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\"")});
+}
+
+/// Of a file beside the one that is written: another run may write it at the same time, from another machine too.
+std::string unique_suffix() {
+  std::random_device random;
+  char text[32];
+  std::snprintf(text, sizeof text, "%08x%08x", random(), random());
+  return text;
 }
 
 std::string joined(const std::vector<FieldSpec>& fields) {
@@ -99,6 +107,11 @@ void CsvWriter::open() {
   const fs::path folder = fs::path(path_).parent_path();
   if (!folder.empty() && !fs::is_directory(folder))
     throw ComponentError("there is no folder '" + folder.string() + "'; make it first", "/path");
+  std::error_code none;
+  const auto status = fs::status(path_, none);
+  if (fs::exists(status) && !fs::is_regular_file(status))  // which the file would replace
+    throw ComponentError("'" + path_ + "' is no regular file; the sink stream/json_writer sends to devices and pipes",
+                         "/path");
   text_ = header_;
 }
 
@@ -129,18 +142,20 @@ bool CsvWriter::exchange(StateBytes& bytes) {
 }
 
 void CsvWriter::write() {
-  const std::string temporary = path_ + ".part";
-  std::ofstream file(temporary, std::ios::binary);
-  file << text_;
-  file.close();
-  const int reason = errno;
-  std::error_code error;
-  if (file) fs::rename(temporary, path_, error);
-  if (file && !error) return;
+  const std::string temporary = path_ + ".part-" + unique_suffix();
+  std::FILE* const file = std::fopen(temporary.c_str(), "wbx");
+  bool is_written = file && std::fwrite(text_.data(), 1, text_.size(), file) == text_.size();
+  int reason = errno;
+  if (file && std::fclose(file) != 0 && is_written) {
+    is_written = false;
+    reason = errno;
+  }
+  std::error_code error(reason, std::generic_category());
+  if (is_written) fs::rename(temporary, path_, error);
+  if (is_written && !error) return;
   std::error_code ignored;
-  fs::remove(temporary, ignored);
-  throw ComponentError("'" + path_ + "' cannot be written: " + (error ? error.message() : std::strerror(reason)),
-                       "/path");
+  if (file) fs::remove(temporary, ignored);
+  throw ComponentError("'" + path_ + "' cannot be written: " + error.message(), "/path");
 }
 
 }  // namespace binnacle::csv

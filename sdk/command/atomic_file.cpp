@@ -54,7 +54,17 @@ void remove_abandoned(const std::filesystem::path& folder, const std::string& pr
 
 }  // namespace
 
+std::string could_not_write(const std::filesystem::path& file, const std::string& why) {
+  std::string remedy;
+  for (const int full : {ENOSPC, EDQUOT})
+    if (why == std::strerror(full)) remedy = "; make room there, or write elsewhere";
+  if (why == std::strerror(EFBIG)) remedy = "; raise the limit (ulimit -f), or write elsewhere";
+  if (why == std::strerror(EMFILE)) remedy = "; raise the limit (ulimit -n)";
+  return fmt::format("'{}' could not be written: {}{}", file.string(), why, remedy);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : target_(std::move(target)) {
+  buffer_.reserve(buffer_size);  // before there is a file: a constructor that throws leaves it behind
   std::error_code ignored;
   const auto status = std::filesystem::status(target_, ignored);
   if (std::filesystem::is_directory(status))
@@ -74,7 +84,6 @@ AtomicFile::AtomicFile(std::filesystem::path target, Temporary temporary) : targ
     open_temporary(temporary);
   }
   if (file_ < 0) throw UsageError(fmt::format("cannot write '{}': {}", target_.string(), std::strerror(errno)));
-  buffer_.reserve(buffer_size);
 }
 
 void AtomicFile::open_temporary(Temporary temporary) {
@@ -85,8 +94,12 @@ void AtomicFile::open_temporary(Temporary temporary) {
   file_ = temporary == Temporary::unnamed ? open_unnamed(folder) : -1;
   if (file_ >= 0) return;
   if (temporary == Temporary::named) remove_abandoned(folder, fmt::format(".{}.tmp-", target_.filename().string()));
+  named_.emplace(temporary_);
   file_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, read_write);
-  if (file_ >= 0) named_.emplace(temporary_);
+  if (file_ >= 0) return;
+  const int reason = errno;
+  named_.reset();
+  errno = reason;
 }
 
 AtomicFile::~AtomicFile() {
@@ -94,13 +107,7 @@ AtomicFile::~AtomicFile() {
   if (named_) ::unlink(temporary_.c_str());
 }
 
-void AtomicFile::fail(const std::string& why) const {
-  std::string remedy;
-  for (const int full : {ENOSPC, EDQUOT})
-    if (why == std::strerror(full)) remedy = "; make room there, or write elsewhere";
-  if (why == std::strerror(EFBIG)) remedy = "; raise the limit (ulimit -f), or write elsewhere";
-  throw OutputError(fmt::format("'{}' could not be written: {}{}", target_.string(), why, remedy));
-}
+void AtomicFile::fail(const std::string& why) const { throw OutputError(could_not_write(target_, why)); }
 
 /// Of a pipe that is full, until a signal asks to stop.
 void AtomicFile::wait_for_reader() const {
@@ -148,10 +155,14 @@ void AtomicFile::write(std::string_view text) {
   if (buffer_.size() >= buffer_size - (buffer_size >> 3)) flush();
 }
 
-void AtomicFile::commit() {
+void AtomicFile::complete() {
   flush();
+  if (!is_direct_ && ::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
+}
+
+void AtomicFile::commit() {
+  complete();
   if (is_direct_) return;
-  if (::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
   if (!named_) {
     ::unlink(temporary_.c_str());
     if (::linkat(AT_FDCWD, link_of(file_).c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) != 0)

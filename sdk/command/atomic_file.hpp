@@ -11,6 +11,9 @@
 
 namespace binnacle::command {
 
+/// "'FILE' could not be written: WHY; what to do".
+std::string could_not_write(const std::filesystem::path& file, const std::string& why);
+
 /// Written beside its final place and moved there by commit(). Where the file system can (O_TMPFILE of Linux) it has no
 /// name until then, so that not even SIGKILL leaves anything behind; elsewhere a hidden ".NAME.tmp-HOST-PID-RANDOM", which no
 /// other process makes on any machine, that the destructor removes, or Unfinished::remove_all() where there is no destructor.
@@ -37,6 +40,8 @@ class AtomicFile {
   void start_write_out();
   /// OutputError: that it could not be written, why, and what to do.
   [[noreturn]] void fail(const std::string& why) const;
+  /// All that was written is on the disk: commit() will find room. For files that are to change together.
+  void complete();
   /// Replaces what is at the target. Nothing may be written after it.
   void commit();
 

@@ -45,6 +45,9 @@ void CheckpointFiles::open() {
   resume_ = resume_text_;
   if (!keep_.empty()) AtomicFile(fs::path(keep_));  // a bad name is reported at once
   if (resume_.empty()) return;
+  std::error_code ignored;
+  if (fs::exists(resume_, ignored) && !fs::is_regular_file(resume_, ignored))
+    throw UsageError(fmt::format("--resume: '{}' is no regular file", resume_.string()));
   std::ifstream file(resume_, std::ios::binary);
   if (!file) throw UsageError(fmt::format("--resume: there is no checkpoint '{}'", resume_.string()));
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};

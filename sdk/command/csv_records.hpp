@@ -23,6 +23,7 @@ class CsvRecords {
   CsvRecords(std::filesystem::path path, const std::vector<score::RecordColumn>& columns);
   /// Throws OutputError, as commit() does.
   void write(const results::RowBlock& rows);
+  void complete() { file_.complete(); }
   void commit() { file_.commit(); }
 
  private:

@@ -4,7 +4,9 @@
 #include <csignal>
 #include <iostream>
 #include <iterator>
+#include <new>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -89,7 +91,11 @@ void refuse_leftovers(const CLI::App& command, const std::vector<Verb>& verbs) {
 
 /// Help was printed: 0. Otherwise a usage error.
 int refuse(const CLI::App& command, const CLI::ParseError& error, const std::vector<Verb>& verbs) {
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return command.exit(error);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    const int status = command.exit(error);
+    flush_stdout();
+    return status;
+  }
   refuse_leftovers(command, verbs);
   const auto chosen = std::find_if(verbs.begin(), verbs.end(), [](const Verb& verb) { return verb.app->parsed(); });
   if (chosen == verbs.end()) {
@@ -126,6 +132,12 @@ int carry_out(int argc, char** argv) {
 
 namespace {
 
+/// Threads are all that is asked of the system and not turned into a message of its own.
+std::string words_of(const std::system_error& error) {
+  if (error.code() != std::errc::resource_unavailable_try_again) return std::string("internal: ") + error.what();
+  return "no thread can be started: " + error.code().message() + "; raise the limit (ulimit -u, or -v of memory)";
+}
+
 int guarded_main(int argc, char** argv) {
   using namespace binnacle::command;
   try {
@@ -139,6 +151,12 @@ int guarded_main(int argc, char** argv) {
   } catch (const OutputError& error) {
     print_error(error.what());
     return data;
+  } catch (const std::bad_alloc&) {
+    print_error("memory is exhausted; raise the limit (ulimit -v), or record less");
+    return failed;
+  } catch (const std::system_error& error) {
+    print_error(words_of(error));
+    return failed;
   } catch (const std::exception& error) {
     print_error(std::string("internal: ") + error.what());
     return failed;

@@ -2,8 +2,10 @@
 #include "output.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 
 #include <fcntl.h>
@@ -49,6 +51,13 @@ std::string count_line(const Diagnostics& diagnostics) {
   return line;
 }
 
+/// Why stdout took no more, the first time; 0: it took all.
+int stdout_fault = 0;
+
+void to_stdout(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() && stdout_fault == 0) stdout_fault = errno;
+}
+
 std::string& command_line() {
   static std::string kept;
   return kept;
@@ -75,18 +84,14 @@ void keep_command_line(int argc, const char* const* argv) {
 
 bool stderr_is_terminal() { return isatty(STDERR_FILENO) == 1; }
 
-void print(std::string_view text) {
-  const std::string shown = safe(text);
-  std::fwrite(shown.data(), 1, shown.size(), stdout);
-}
+void print(std::string_view text) { to_stdout(safe(text)); }
 
-void print_json(const Json& json) {
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  std::fwrite(text.data(), 1, text.size(), stdout);
-}
+void print_json(const Json& json) { to_stdout(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
 
 void flush_stdout() {
-  if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw OutputError("stdout could not be written");
+  if (std::fflush(stdout) != 0 && stdout_fault == 0) stdout_fault = errno;
+  if (stdout_fault != 0) throw OutputError(fmt::format("stdout could not be written: {}", std::strerror(stdout_fault)));
+  if (std::ferror(stdout)) throw OutputError("stdout could not be written");  // by a library, which kept no reason
 }
 
 void print_error(const std::string& message) {

@@ -11,6 +11,7 @@
 #define XXH_INLINE_ALL  // nothing is linked
 #include <xxhash.h>
 
+#include "atomic_file.hpp"
 #include "binnacle/diagnostic.hpp"
 #include "output.hpp"
 
@@ -172,7 +173,7 @@ void RecordJournal::put(const void* data, std::size_t size) {
   if (!file_) return;
   length_ += size;
   checksum_->add(data, size);
-  std::fwrite(data, 1, size, file_);
+  if (std::fwrite(data, 1, size, file_) != size && fault_ == 0) fault_ = errno;
 }
 
 void RecordJournal::record(int filter, Time t, std::span<const double> values) {
@@ -204,8 +205,8 @@ void RecordJournal::offered(int filter, const UpdateRecord& record) {
 }
 
 void RecordJournal::exchange(StateBytes& bytes) {
-  if (file_ && (std::fflush(file_) != 0 || std::ferror(file_)))
-    throw OutputError(fmt::format("'{}' could not be written: {}", keep_.string(), std::strerror(errno)));
+  if (file_ && std::fflush(file_) != 0 && fault_ == 0) fault_ = errno;
+  if (fault_ != 0) throw OutputError(could_not_write(keep_, std::strerror(fault_)));
   std::uint64_t length = length_, checksum = checksum_->value();
   bytes.value(length);
   bytes.value(checksum);

@@ -55,6 +55,7 @@ class RecordJournal {
   RecordTakers takers_;
   std::vector<std::unique_ptr<Observer>> observers_;
   std::FILE* file_ = nullptr;
+  int fault_ = 0;  // why it took no more, the first time
   std::uint64_t length_ = 0;
   std::unique_ptr<Checksum> checksum_;  // of so many bytes
 };

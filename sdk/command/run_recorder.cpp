@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "folders.hpp"
+#include "other_results.hpp"
 #include "report_file.hpp"
 
 namespace binnacle::command {
@@ -61,7 +62,7 @@ RunRecorder::RunRecorder(fs::path folder, const Composition& composition, const 
       if (netcdf_) observers_[f].add(netcdf_->step_observer(static_cast<int>(f)));
       if (page_) observers_[f].add(page_->step_observer(static_cast<int>(f)));
     }
-  } catch (const std::runtime_error&) {
+  } catch (...) {
     netcdf_file_.reset();
     config_.reset();
     summary_.reset();
@@ -173,12 +174,18 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   netcdf_.reset();
   spare_.clear();
   column_block_ = {};
+  for (const auto& filter : filters_)
+    if (filter.csv) filter.csv->complete();
+  if (netcdf_file_) netcdf_file_->complete();
+  config_->complete();
+  summary_->complete();
   remove_earlier();
   for (const auto& filter : filters_)
     if (filter.csv) filter.csv->commit();
   if (netcdf_file_) netcdf_file_->commit();
   config_->commit();
   summary_->commit();
+  name_other_study(folder_, config);
   if (page_) write_page(summary, config);
 }
 

@@ -28,8 +28,22 @@ void end_of_exit() {
   abandon(culprit() + " ended the program by exit(); what was not finished is lost");
 }
 
+/// Of what nobody catches on a thread, "" where nothing was thrown.
+std::string thrown_by_nobody() {
+  const auto thrown = std::current_exception();
+  if (!thrown) return "";
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "something that is no std::exception";
+  }
+}
+
 [[noreturn]] void end_of_terminate() {
-  print_error(culprit() + " ended the program by std::terminate()");
+  const std::string thrown = thrown_by_nobody();
+  print_error(culprit() + " ended the program by std::terminate()" + (thrown.empty() ? "" : ": " + thrown));
   Unfinished::remove_all();
   std::abort();
 }

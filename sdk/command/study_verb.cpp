@@ -14,6 +14,7 @@
 #include "folders.hpp"
 #include "interrupt.hpp"
 #include "launcher.hpp"
+#include "other_results.hpp"
 #include "output.hpp"
 #include "provenance.hpp"
 #include "report_file.hpp"
@@ -127,6 +128,7 @@ struct Outputs {
       write("table.csv", study::tables_csv(figures));
       write_netcdf(study, results, figures);
       write("study.json", figures.dump(2) + "\n");
+      name_other_run(folder, config);
       write_report(folder, report_in(folder));
     }
     if (!summary) return;
@@ -263,8 +265,8 @@ int run_study(const Options& options) {
       if (coordinator) announce_workers(options, *team, *coordinator, jobs);
       is_complete = carry_out(study, results, *outputs, options, coordinator ? &*coordinator : nullptr, jobs);
     }
-  } catch (const std::system_error& error) {
-    throw OutputError(error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw OutputError(could_not_write(error.path1(), error.code().message()));
   }
   stand_down();
   if (!is_complete) {

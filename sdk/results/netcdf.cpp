@@ -35,10 +35,12 @@ void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 void check(int code) {
   if (code == NC_NOERR) return;
-  if (code > 0) throw Failure(std::strerror(code));
   const int reason = errno;
-  const bool is_told = reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
-  throw Failure(code == NC_EHDFERR && is_told ? std::strerror(reason) : nc_strerror(code));
+  constexpr int reasons[] = {ENOSPC, EDQUOT, EFBIG, EIO, EMFILE, ENFILE};
+  const bool is_stated = std::ranges::find(reasons, reason) != std::end(reasons);
+  // NetCDF says EACCES of all that HDF5 cannot create.
+  if ((code == NC_EHDFERR || code == EACCES) && is_stated) throw Failure(std::strerror(reason));
+  throw Failure(code > 0 ? std::strerror(code) : nc_strerror(code));
 }
 
 Group Group::add_group(const std::string& name) const {
@@ -287,6 +289,7 @@ template std::vector<double> Group::read_column(int, std::size_t) const;
 template std::vector<std::int64_t> Group::read_column(int, std::size_t) const;
 
 File File::create(const std::filesystem::path& path) {
+  require_memory(memory_of_file);
   keep_from_tidying();
   int id = -1;
   errno = 0;
@@ -295,6 +298,7 @@ File File::create(const std::filesystem::path& path) {
 }
 
 File File::open(const std::filesystem::path& path) {
+  require_memory(memory_of_file);
   keep_from_tidying();
   int id = -1;
   errno = 0;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netcdf_library.hpp"
 
+#include <new>
 #include <string>
 
 #include <dlfcn.h>
+#include <sys/mman.h>
 
 #include "results/results.hpp"
 
@@ -31,6 +33,7 @@ void find(void* handle, const char* name, Function& function) {
 Library load() {
   // All of it now: a function that is missing below must not end the program in the middle of a run. Local: a program
   // that embeds this may have another HDF5.
+  require_memory(memory_of_library);
   void* const handle = dlopen(file, RTLD_NOW | RTLD_LOCAL);
   if (!handle) refuse(dlerror());
   Library library{};
@@ -41,6 +44,12 @@ Library load() {
 }
 
 }  // namespace
+
+void require_memory(std::size_t bytes) {
+  void* const room = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  ::munmap(room, bytes);
+}
 
 const Library& library() {
   static const Library loaded = load();

@@ -49,6 +49,11 @@ struct Library {
 #undef BINNACLE_NETCDF_POINTER
 };
 
+/// Throws std::bad_alloc where there is no room for so much: NetCDF and HDF5 use memory without asking whether they got it
+/// (4.9.0 and 1.10.8 on Debian 12: SIGSEGV).
+void require_memory(std::size_t bytes);
+inline constexpr std::size_t memory_of_library = 96u << 20, memory_of_file = 32u << 20, memory_of_rows = 16u << 20;
+
 /// Loads it if that is not done; it stays until the process ends. From any thread. Throws LibraryMissing.
 const Library& library();
 

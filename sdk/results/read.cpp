@@ -17,8 +17,15 @@ namespace fs = std::filesystem;
                            verb + " CONFIG --out " + path.parent_path().string() + "'");
 }
 
+/// Nobody waits for who may write into a FIFO.
+void require_regular(const fs::path& path, const char* verb) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) fail(path, "it is no regular file", verb);
+}
+
 /// The JSON that is put in place last: without it the folder is not whole.
 Json read_json(const fs::path& path, const char* verb) {
+  require_regular(path, verb);
   std::ifstream file(path, std::ios::binary);
   if (!file) fail(path, "it is not there, so that the others may not be whole", verb);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -29,6 +36,7 @@ Json read_json(const fs::path& path, const char* verb) {
 
 template <class Read>
 auto read_netcdf(const fs::path& path, const char* verb, const Read& read) {
+  require_regular(path, verb);
   try {
     return read(nc::File::open(path));
   } catch (const nc::LibraryMissing& missing) {

@@ -214,6 +214,7 @@ void RunWriter::begin(int filter, const std::vector<score::RecordColumn>& column
 }
 
 void RunWriter::write(int filter, const ColumnBlock& rows) {
+  nc::require_memory(nc::memory_of_rows);
   guarded([&] { contents_->filters[as_size(filter)]->write(rows); });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages are lines of JSON: ["report", {…}] of a rank that has read its study, ["runs", [[[variant, …], run], …]]
-// for it to do, ["done", [[variant, run, figures], …]], ["alive"], and ["over"] for it to end.
+// for it to do, ["done", [[variant, run, figures], …]], ["alive"], ["ready"] once all have read it, and ["over"] for it to end.
 #include "study/coordinator.hpp"
 
 #include <algorithm>
@@ -59,6 +59,17 @@ bool have_stood_still(Clock::time_point& last_look, const Timeouts& timeouts) {
 
 std::string silent_for(const Timeouts& timeouts) {
   return "no message for " + std::to_string(timeouts.silence.count() / 1000) + " s, so it is taken for dead";
+}
+
+/// How long a rank may still read its study once another has; that one took `loading`. It may be slow; but a plugin's call there
+/// may never come back, while signs of life are given all the same.
+std::chrono::milliseconds time_to_load(const Timeouts& timeouts, Clock::duration loading) {
+  return 10 * (timeouts.silence + std::chrono::duration_cast<std::chrono::milliseconds>(loading));
+}
+
+std::string still_loading(std::chrono::milliseconds time) {
+  return "it is alive, but still reads its study, " + std::to_string(time.count() / 1000) +
+         " s after this rank had; a plugin's call may not come back";
 }
 
 Json makings_of(const Study& study) {
@@ -200,6 +211,7 @@ std::string Coordinator::name_of(int rank) const {
 }
 
 Study Coordinator::load(const std::function<Study()>& load) {
+  const auto begin = Clock::now();
   std::optional<Study> study;
   std::atomic<bool> is_over{false};
   Thread loading([&] {
@@ -214,6 +226,8 @@ Study Coordinator::load(const std::function<Study()>& load) {
     }
   }
   loading.join();
+  loaded_ = Clock::now();
+  loading_ = loaded_ - begin;
   return std::move(*study);
 }
 
@@ -269,10 +283,24 @@ bool Coordinator::assemble(const Study& study, const std::function<bool()>& goes
       continue;
     }
     look_for_silent();
+    look_for_late();
     std::this_thread::sleep_for(pause.next());
   }
   refuse_troubled();
+  for (int rank = 1; rank < team_.size(); ++rank) team_.send(rank, line_of(Json::array({"ready"})));
   return true;
+}
+
+void Coordinator::look_for_late() {
+  const auto longest = time_to_load(timeouts_, loading_);
+  if (Clock::now() - loaded_ < longest) return;
+  for (int rank = 1; rank < team_.size(); ++rank) {
+    const Rank& entry = ranks_[static_cast<std::size_t>(rank)];
+    const bool is_alive = Clock::now() - entry.last_message <= 2 * timeouts_.sign_of_life;
+    if (entry.has_reported || !is_alive) continue;  // look_for_silent() has the others
+    is_over_ = true;                                // it would not learn that it is
+    fail(1, name_of(rank), still_loading(longest));
+  }
 }
 
 int Coordinator::threads() const {
@@ -285,7 +313,7 @@ void Coordinator::look_for_silent() {
   const bool has_stood_still = have_stood_still(last_look_, timeouts_);
   for (int rank = 1; rank < team_.size(); ++rank) {
     Rank& entry = ranks_[static_cast<std::size_t>(rank)];
-    if (has_stood_still) entry.last_message = last_look_;
+    if (has_stood_still) entry.last_message = loaded_ = last_look_;
     if (last_look_ - entry.last_message < timeouts_.silence) continue;
     is_over_ = true;  // there is nobody to wait for
     fail(1, name_of(rank),
@@ -392,9 +420,19 @@ class Correspondence {
   /// Takes in what has come and sends what is finished, then waits a little. Throws where rank 0 is silent for too long.
   void go_on() {
     while (const auto message = team_.receive()) take_in(read_message(message->text));
-    if (have_stood_still(last_look_, timeouts_)) heard_ = last_look_;
+    if (have_stood_still(last_look_, timeouts_)) {
+      heard_ = last_look_;
+      if (loaded_ != not_yet) loaded_ = last_look_;
+    }
     if (!is_dismissed_ && last_look_ - heard_ >= timeouts_.silence) fail(1, "rank 0", silent_for(timeouts_));
-    for (auto& text : work_queue_.take_out(pause_.next())) team_.send(0, std::move(text));
+    look_for_late();
+    for (auto& text : work_queue_.take_out(pause_.next())) {
+      if (loaded_ == not_yet) {  // what is sent first is that this has read its study
+        loaded_ = Clock::now();
+        loading_ = loaded_ - begin_;
+      }
+      team_.send(0, std::move(text));
+    }
     if (Clock::now() - reported_ < timeouts_.sign_of_life) return;
     team_.send(0, line_of(Json::array({"alive"})));
     reported_ = Clock::now();
@@ -405,16 +443,30 @@ class Correspondence {
   void take_in(const Json& message) {
     pause_.reset();
     heard_ = Clock::now();
+    is_ready_ = is_ready_ || is(message, "ready") || is(message, "runs");
     is_dismissed_ = is_dismissed_ || is(message, "over");
     if (!is(message, "runs")) return;
     for (const auto& batch : message[1])
       work_queue_.put({batch[0].get<std::vector<std::size_t>>(), batch[1].get<std::size_t>()});
   }
 
+  /// Rank 0 waits for ranks that are late, and says so first; this is for rank 0 itself.
+  void look_for_late() {
+    if (is_ready_ || is_dismissed_ || loaded_ == not_yet) return;
+    const auto longest = 2 * time_to_load(timeouts_, loading_);
+    const bool is_alive = last_look_ - heard_ <= 2 * timeouts_.sign_of_life;
+    if (is_alive && last_look_ - loaded_ > longest) fail(1, "rank 0", still_loading(longest));
+  }
+
+  static constexpr Clock::time_point not_yet{};
+
   Team& team_;
   WorkQueue& work_queue_;
   Timeouts timeouts_;
   Pause pause_;
+  bool is_ready_ = false;  // all have read their study
+  Clock::duration loading_{0};
+  Clock::time_point begin_ = Clock::now(), loaded_ = not_yet;
   Clock::time_point heard_ = Clock::now(), last_look_ = Clock::now(), reported_ = Clock::now();
   bool is_dismissed_ = false;
 };

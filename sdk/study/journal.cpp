@@ -27,7 +27,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 [[noreturn]] void fail(const std::filesystem::path& path) {
-  throw std::system_error(errno, std::generic_category(), "'" + path.string() + "'");
+  throw std::filesystem::filesystem_error("journal", path, std::error_code(errno, std::generic_category()));
 }
 
 std::string hexadecimal(std::uint64_t value) {
@@ -64,9 +64,10 @@ Json head_of(const Study& study) {
 }  // namespace
 
 Journal::Journal(const std::filesystem::path& path, const Study& study, Results& results) : path_(path) {
-  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
   if (file_ < 0) fail(path_);
   try {
+    if (!std::filesystem::is_regular_file(path_)) refuse(path_, 0, "it is no regular file");
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) refuse(path_, 0, "another study is at work in this folder");
     restore(study, results);
   } catch (...) {

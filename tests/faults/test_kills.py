@@ -13,28 +13,14 @@ import time
 
 import h5py
 
+from drives import drive, study
+
 COMMAND = os.environ["BINNACLE_COMMAND"]
 ROWS = 40001
 KILLS = int(os.environ.get("BINNACLE_KILLS", "16"))
 SEED = int(os.environ.get("BINNACLE_KILLS_SEED", "1"))
-DRIVE = {
-    "binnacle": 1,
-    "sources": {"ship": {"type": "target_simulator", "duration": "40000 s", "rate": "1 Hz", "sigma": "0.1 deg",
-                         "target": {"position": ["5 km", 0], "velocity": 0, "position_sigma": ["1.5 km", "10 m"],
-                                    "velocity_sigma": "1 m/s", "q": 0.02},
-                         "legs": [{"duration": "20000 s", "velocity": [0, 10]}, {"duration": "20000 s", "velocity": [0, -10]}]}},
-    "filters": {"track": {
-        "trust": False,
-        "blocks": {"position": {"type": "vector", "size": 2, "unit": "m", "components": ["north", "east"], "init": ["5 km", 0],
-                                "sigma": ["1.5 km", "10 m"]},
-                   "velocity": {"type": "vector", "size": 2, "unit": "m/s", "components": ["vn", "ve"], "init": 0, "sigma": "1 m/s"}},
-        "process": {"move": {"type": "integrated", "blocks": {"x": "position", "rate": "velocity"}},
-                    "wander": {"type": "random_walk", "blocks": {"x": "velocity"}, "q": 0.02}},
-        "measurements": {"sonar": {"type": "bearing", "channel": "ship.bearing", "blocks": {"target": "position"}, "sigma": "0.1 deg"}}}},
-    "reference": [{"channel": "ship.truth", "blocks": {"track/position": ["north", "east"]}}],
-}
-STUDY = {"study": {"runs": 60, "seed": 3, "metrics": ["track/position.norm/final"]},
-         "sources": {"ship": DRIVE["sources"]["ship"] | {"duration": "2000 s"}}}
+DRIVE = drive(40000)
+STUDY = study(120)
 
 
 def command(*words):
@@ -109,9 +95,11 @@ def test_a_run_leaves_whole_files_of_one_run_or_the_other(tmp_path):
 
 
 def test_a_study_goes_on_to_the_same_figures(tmp_path):
-    (tmp_path / "c.json").write_text(json.dumps(DRIVE | STUDY))
-    words = ["study", "c.json", "--out", "whole", "--quiet", "--jobs", "1"]
+    (tmp_path / "c.json").write_text(json.dumps(STUDY))
+    words = ["study", "c.json", "--out", "again", "--quiet", "--jobs", "1"]
     length = seconds_of(words, tmp_path)
+    words[3] = "whole"
+    length = min(length, seconds_of(words, tmp_path))  # of a machine that has other work too
     table = (tmp_path / "whole" / "study.csv").read_bytes()
     killed = 0
     for i, after in enumerate(moments(max(4, KILLS // 4), length)):
@@ -120,6 +108,7 @@ def test_a_study_goes_on_to_the_same_figures(tmp_path):
         killed += kill(words, tmp_path, after / 2)
         finish(words, tmp_path)
         assert (tmp_path / words[3] / "study.csv").read_bytes() == table
+    print(f"{max(4, KILLS // 4)} studies, {killed} kills of one under way")
     assert killed > 2
 
 
@@ -128,13 +117,16 @@ def test_a_run_with_checkpoints_goes_on_to_the_same_bits(tmp_path):
     plain = ["run", "c.json", "--out", "whole", "--only", "csv", "--quiet"]
     length = seconds_of(plain, tmp_path)
     table = (tmp_path / "whole" / "track.csv").read_bytes()
-    resumed = 0
+    killed = resumed = 0
     for i, after in enumerate(moments(max(4, KILLS // 4), length)):
         words = ["run", "c.json", "--out", f"out{i}", "--only", "csv", "--quiet", "--checkpoint", "k@1000s"]
-        if kill(words, tmp_path, after) and (tmp_path / "k").exists():
+        is_killed = kill(words, tmp_path, after)
+        killed += is_killed
+        if is_killed and (tmp_path / "k").exists():
             words += ["--resume", "k"]
             resumed += 1
         finish(words, tmp_path)
         assert (tmp_path / f"out{i}" / "track.csv").read_bytes() == table
         assert not (tmp_path / "k").exists()
+    print(f"{max(4, KILLS // 4)} runs with checkpoints, {killed} killed under way, {resumed} went on from one")
     assert resumed > 0

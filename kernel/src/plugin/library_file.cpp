@@ -27,7 +27,7 @@ constexpr std::size_t largest_table = std::size_t{1} << 28;  // of a file that l
 constexpr std::size_t longest_list = std::size_t{1} << 20;
 
 struct Unreadable {
-  const char* why;
+  std::string why;
 };
 constexpr const char* damaged = "it is damaged or cut short";
 
@@ -74,8 +74,10 @@ class Reader {
 
 /// The machine that this program was built for is that of its own header.
 Header own_header() {
+  const OpenFile file("/proc/self/exe");
   Header own{};
-  Reader(OpenFile("/proc/self/exe")).read(0, &own, sizeof own);
+  if (!Reader(file).read(0, &own, sizeof own))
+    throw Unreadable{"the program's own file cannot be read" + (file.failure.empty() ? "" : ": " + file.failure)};
   return own;
 }
 

@@ -19,13 +19,19 @@ class Sickness {
   static std::vector<ParameterSpec> parameters() {
     return {parameter::choice("fault", {"none", "exit", "quick_exit", "loop", "throw", "refuse", "terminate"})
                 .defaults("\"none\""),
-            parameter::text("call").defaults("\"\""), parameter::time("after").defaults("0")};
+            parameter::text("call").defaults("\"\""), parameter::time("after").defaults("0"),
+            parameter::text("rank").defaults("\"\"").about("of an MPI study: that one alone")};
   }
   explicit Sickness(const Parameters& parameters)
-      : fault_(parameters.text("fault")), call_(parameters.text("call")), after_(parameters.time("after")) {}
+      : fault_(parameters.text("fault")),
+        call_(parameters.text("call")),
+        after_(parameters.time("after")),
+        rank_(parameters.text("rank")) {}
 
   void in(const char* call, Time t) const {
     if (call_ != call || t < after_) return;
+    const char* const rank = std::getenv("OMPI_COMM_WORLD_RANK");
+    if (!rank_.empty() && (!rank || rank_ != rank)) return;
     if (fault_ == "exit") std::exit(0);
     if (fault_ == "quick_exit") std::quick_exit(0);
     if (fault_ == "terminate") std::terminate();
@@ -37,6 +43,7 @@ class Sickness {
  private:
   std::string fault_, call_;
   Time after_;
+  std::string rank_;
 };
 
 /// x = t, once a second, for ten seconds.

@@ -63,13 +63,15 @@ class Coordinator {
   void refuse_troubled();
   void give_sign_of_life();
   void look_for_silent();
+  void look_for_late();
   std::string name_of(int rank) const;
 
   Team& team_;
   Timeouts timeouts_;
   std::vector<Rank> ranks_;
   std::vector<Message> early_;  // reports of those that were sooner ready
-  Clock::time_point last_sign_ = Clock::now(), last_look_ = Clock::now();
+  Clock::time_point last_sign_ = Clock::now(), last_look_ = Clock::now(), loaded_ = Clock::now();
+  Clock::duration loading_{0};
   bool is_over_ = false;
 };
 

@@ -14,7 +14,7 @@ namespace binnacle::study {
 class Journal {
  public:
   /// Opens or begins it, and enters what it holds into the results. One process at a time. Throws Error with exit status
-  /// 2 (B092) where it belongs to another study or is at work, std::system_error where it cannot be read or written.
+  /// 2 (B092) where it belongs to another study or is at work, std::filesystem::filesystem_error where it cannot be read or written.
   Journal(const std::filesystem::path& path, const Study& study, Results& results);
   ~Journal();
   Journal(const Journal&) = delete;
