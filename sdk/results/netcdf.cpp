@@ -29,6 +29,9 @@ int read_values(int group, int variable, const std::size_t* start, const std::si
 /// from freed memory (1.10.8 on Debian 12: SIGSEGV); what else it would free, the system does.
 void keep_from_tidying() { H5dont_atexit(); }
 
+/// Bytes of a variable for each of its file: deflate makes 1032 of one at most, and what was never written takes none.
+constexpr std::uintmax_t most_inflated = 8192;
+
 }  // namespace
 
 void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
@@ -44,7 +47,7 @@ void check(int code) {
 Group Group::add_group(const std::string& name) const {
   int id = -1;
   check(nc_def_grp(id_, name.c_str(), &id));
-  return Group(id);
+  return Group(id, most_bytes_);
 }
 
 int Group::add_dimension(const std::string& name, std::size_t size) const {
@@ -142,7 +145,7 @@ std::vector<Group> Group::groups() const {
   std::vector<int> ids(static_cast<std::size_t>(count));
   check(nc_inq_grps(id_, nullptr, ids.data()));
   std::vector<Group> groups;
-  for (const int id : ids) groups.emplace_back(id);
+  for (const int id : ids) groups.emplace_back(id, most_bytes_);
   return groups;
 }
 
@@ -151,7 +154,7 @@ std::optional<Group> Group::group(const std::string& name) const {
   const int code = nc_inq_ncid(id_, name.c_str(), &id);
   if (code == NC_ENOGRP) return std::nullopt;
   check(code);
-  return Group(id);
+  return Group(id, most_bytes_);
 }
 
 std::string Group::name() const {
@@ -240,13 +243,28 @@ std::uint64_t Group::natural(int variable, const std::string& attribute) const {
   return value;
 }
 
+std::size_t Group::count_of(int variable, const std::vector<std::size_t>& sizes) const {
+  nc_type type = NC_NAT;
+  std::size_t bytes = 1;
+  check(nc_inq_vartype(id_, variable, &type));
+  check(nc_inq_type(id_, type, nullptr, &bytes));
+  const std::uintmax_t most = most_bytes_ / std::max<std::size_t>(bytes, 1);
+  std::size_t count = 1;
+  for (const std::size_t size : sizes) {
+    if (size > most / std::max<std::size_t>(count, 1))
+      throw Failure("its variable '" + variable_name(variable) +
+                    "' declares more values than a file of its size holds");
+    count *= size;
+  }
+  return count;
+}
+
 std::vector<std::string> Group::read_texts(int variable) const {
   nc_type type = NC_NAT;
   check(nc_inq_vartype(id_, variable, &type));
   const auto sizes = shape(variable);
   if (type != NC_CHAR || sizes.empty()) throw Failure("its variable '" + variable_name(variable) + "' holds no texts");
-  std::size_t count = 1;
-  for (const std::size_t size : sizes) count *= size;
+  const std::size_t count = count_of(variable, sizes);
   std::string characters(count, '\0');
   if (count > 0) check(nc_get_var_text(id_, variable, characters.data()));
   std::vector<std::string> texts;
@@ -261,8 +279,7 @@ std::vector<std::string> Group::read_texts(int variable) const {
 template <class T>
 std::vector<T> Group::read(int variable) const {
   const auto sizes = shape(variable);
-  std::size_t count = 1;
-  for (const std::size_t size : sizes) count *= size;
+  const std::size_t count = count_of(variable, sizes);
   std::vector<T> values(count);
   const std::vector<std::size_t> start(sizes.size() + 1, 0);
   if (count > 0) check(read_values(id_, variable, start.data(), sizes.data(), values.data()));
@@ -274,6 +291,7 @@ std::vector<T> Group::read_column(int variable, std::size_t column) const {
   const auto sizes = shape(variable);
   if (sizes.size() != 2 || column >= sizes[1])
     throw Failure("its variable '" + variable_name(variable) + "' lacks a column");
+  count_of(variable, sizes);
   std::vector<T> values(sizes[0]);
   const std::size_t start[] = {0, column}, count[] = {sizes[0], 1};
   if (!values.empty()) check(read_values(id_, variable, start, count, values.data()));
@@ -283,6 +301,7 @@ std::vector<T> Group::read_column(int variable, std::size_t column) const {
 template std::vector<double> Group::read(int) const;
 template std::vector<signed char> Group::read(int) const;
 template std::vector<std::int32_t> Group::read(int) const;
+template std::vector<std::int64_t> Group::read(int) const;
 template std::vector<double> Group::read_column(int, std::size_t) const;
 template std::vector<std::int64_t> Group::read_column(int, std::size_t) const;
 
@@ -291,7 +310,7 @@ File File::create(const std::filesystem::path& path) {
   int id = -1;
   errno = 0;
   check(nc_create(std::filesystem::absolute(path).c_str(), NC_NETCDF4 | NC_CLOBBER, &id));
-  return File(id);
+  return File(id, std::numeric_limits<std::uintmax_t>::max());
 }
 
 File File::open(const std::filesystem::path& path) {
@@ -299,7 +318,7 @@ File File::open(const std::filesystem::path& path) {
   int id = -1;
   errno = 0;
   check(nc_open(std::filesystem::absolute(path).c_str(), NC_NOWRITE, &id));
-  return File(id);
+  return File(id, most_inflated * std::filesystem::file_size(path));
 }
 
 File::~File() {
