@@ -2,7 +2,7 @@
 #include "told_netcdf.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -107,7 +107,7 @@ T number_of(const Json& value) {
   if (!value.is_number()) return T(0);
   const double number = value.get<double>();
   if constexpr (std::is_floating_point_v<T>) return number;
-  return std::abs(number) < 100 ? static_cast<T>(number) : T(0);
+  return std::abs(number) < 100 ? static_cast<T>(static_cast<int>(number)) : T(0);
 }
 
 template <class T>
