@@ -70,7 +70,7 @@ int Group::add_variable(const std::string& name, nc_type type, const std::vector
   for (const std::size_t size : storage.chunks) bytes *= size;
   // Chunks are written whole and in order: more than two in memory would only take room, and what is not compressed goes
   // straight to the file where the cache is too small for it.
-  check(nc_set_var_chunk_cache(id_, id, storage.level == not_compressed ? 1 : 2 * bytes, 11, 1.0f));
+  check(nc_set_var_chunk_cache(id_, id, storage.level == not_compressed ? 1 : 2 * bytes, std::size_t{11}, 1.0f));
   return id;
 }
 
@@ -83,17 +83,17 @@ void Group::put_bytes(int variable, const std::string& name, const std::vector<s
 }
 
 void Group::put_number(int variable, const std::string& name, double value) const {
-  check(nc_put_att_double(id_, variable, name.c_str(), NC_DOUBLE, 1, &value));
+  check(nc_put_att_double(id_, variable, name.c_str(), NC_DOUBLE, std::size_t{1}, &value));
 }
 
 void Group::put_integer(int variable, const std::string& name, std::int64_t value) const {
   const long long number = value;
-  check(nc_put_att_longlong(id_, variable, name.c_str(), NC_INT64, 1, &number));
+  check(nc_put_att_longlong(id_, variable, name.c_str(), NC_INT64, std::size_t{1}, &number));
 }
 
 void Group::put_natural(int variable, const std::string& name, std::uint64_t value) const {
   const unsigned long long number = value;
-  check(nc_put_att_ulonglong(id_, variable, name.c_str(), NC_UINT64, 1, &number));
+  check(nc_put_att_ulonglong(id_, variable, name.c_str(), NC_UINT64, std::size_t{1}, &number));
 }
 
 void Group::fill_with_nan(int variable) const {
