@@ -2,8 +2,8 @@
 // run.nc and study.nc as the report and others read them, of a file that says anything.
 #include "results/results.hpp"
 
+#include "../given_netcdf.hpp"
 #include "../reader.hpp"
-#include "../told_netcdf.hpp"
 
 namespace binnacle::fuzz {
 
@@ -26,7 +26,7 @@ struct Folders {
 
 void try_bytes(std::string_view bytes) {
   static const Folders folders;
-  if (!tell_netcdf(bytes)) return;
+  if (!give_netcdf(bytes)) return;
   for (const test::Folder* folder : {&folders.run, &folders.study}) try {
       results::read(folder->file(""));
     } catch (const std::runtime_error&) {

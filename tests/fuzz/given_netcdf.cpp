@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "told_netcdf.hpp"
+#include "given_netcdf.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ struct Group {
 };
 
 /// Ids are places in these lists, as in NetCDF those of dimensions are of the whole file. Names too long for it are none.
-struct Told {
+struct Given {
   std::vector<Group> groups;
   std::vector<Dimension> dimensions;
 
@@ -65,11 +65,11 @@ struct Told {
       scope.emplace_back(key, static_cast<int>(dimensions.size()));
       dimensions.push_back({key.substr(0, NC_MAX_NAME), size.is_number_unsigned() ? size.get<std::size_t>() : 0});
     }
-    for (const auto& [key, told] : part(node, "variables").items()) {
-      Variable variable{key.substr(0, NC_MAX_NAME), type_of(told), {}, part(told, "attributes"), {}};
-      if (told.is_object() && told.contains("values")) variable.values = told["values"];
-      if (told.is_object() && told.contains("dimensions"))
-        for (const Json& of : told["dimensions"])
+    for (const auto& [key, its] : part(node, "variables").items()) {
+      Variable variable{key.substr(0, NC_MAX_NAME), type_of(its), {}, part(its, "attributes"), {}};
+      if (its.is_object() && its.contains("values")) variable.values = its["values"];
+      if (its.is_object() && its.contains("dimensions"))
+        for (const Json& of : its["dimensions"])
           if (const auto at = std::find_if(scope.rbegin(), scope.rend(), [&](const auto& d) { return of == d.first; });
               at != scope.rend())
             variable.dimensions.push_back(at->second);
@@ -84,9 +84,9 @@ struct Told {
   }
 };
 
-Told told;
+Given given;
 
-const Group& group(int id) { return told.groups.at(static_cast<std::size_t>(id)); }
+const Group& group(int id) { return given.groups.at(static_cast<std::size_t>(id)); }
 const Variable& variable(int id, int v) { return group(id).variables.at(static_cast<std::size_t>(v)); }
 
 /// Null: there is none.
@@ -129,7 +129,7 @@ int give_text(int id, int v, char* to) {
   const std::string text = of.values.is_string() ? of.values.get<std::string>() : std::string();
   std::size_t most = 1;
   for (const int dimension : of.dimensions)
-    if (__builtin_mul_overflow(most, told.dimensions.at(static_cast<std::size_t>(dimension)).size, &most))
+    if (__builtin_mul_overflow(most, given.dimensions.at(static_cast<std::size_t>(dimension)).size, &most))
       most = std::size_t{1} << 40;
   for (std::size_t i = 0; i < most; ++i) to[i] = i < text.size() ? text[i] : '\0';
   return NC_NOERR;
@@ -145,12 +145,8 @@ void put(T* to, auto value) {
   if (to) *to = static_cast<T>(value);
 }
 
-results::nc::Library answers() {
-  results::nc::Library is{};
-  is.H5dont_atexit = []() { return herr_t{0}; };
-  is.H5Eset_auto2 = [](hid_t, H5E_auto2_t, void*) { return herr_t{0}; };
-  is.nc_strerror = [](int) { return "NetCDF: as it was told"; };
-  is.nc_open = [](const char*, int, int* id) { return *id = 0, told.groups.empty() ? NC_ENOTNC : NC_NOERR; };
+void answer_of_groups(results::nc::Library& is) {
+  is.nc_open = [](const char*, int, int* id) { return *id = 0, given.groups.empty() ? NC_ENOTNC : NC_NOERR; };
   is.nc_close = [](int) { return NC_NOERR; };
   is.nc_inq_grps = [](int id, int* count, int* ids) {
     put(count, group(id).groups.size());
@@ -163,6 +159,9 @@ results::nc::Library answers() {
     return NC_ENOGRP;
   };
   is.nc_inq_grpname = [](int id, char* name) { return named(group(id).name, name); };
+}
+
+void answer_of_variables(results::nc::Library& is) {
   is.nc_inq_nvars = [](int id, int* count) { return put(count, group(id).variables.size()), NC_NOERR; };
   is.nc_inq_varid = [](int id, const char* name, int* found) {
     const auto& all = group(id).variables;
@@ -179,14 +178,22 @@ results::nc::Library answers() {
     return NC_NOERR;
   };
   is.nc_inq_dimlen = [](int, int d, std::size_t* size) {
-    return *size = told.dimensions.at(static_cast<std::size_t>(d)).size, NC_NOERR;
+    return *size = given.dimensions.at(static_cast<std::size_t>(d)).size, NC_NOERR;
   };
   is.nc_inq_dimname = [](int, int d, char* name) {
-    return named(told.dimensions.at(static_cast<std::size_t>(d)).name, name);
+    return named(given.dimensions.at(static_cast<std::size_t>(d)).name, name);
   };
   is.nc_inq_type = [](int, nc_type type, char*, std::size_t* size) {
     return put(size, type == NC_CHAR || type == NC_BYTE ? 1 : type == NC_INT ? 4 : 8), NC_NOERR;
   };
+  is.nc_get_var_text = give_text;
+  is.nc_get_vara_double = give<double>;
+  is.nc_get_vara_int = give<int>;
+  is.nc_get_vara_longlong = give<long long>;
+  is.nc_get_vara_schar = give<signed char>;
+}
+
+void answer_of_attributes(results::nc::Library& is) {
   is.nc_inq_attid = [](int id, int v, const char* name, int* number) {
     return put(number, 0), attribute(id, v, name) ? NC_NOERR : NC_ENOTATT;
   };
@@ -220,21 +227,26 @@ results::nc::Library answers() {
     if (!value || value->is_string()) return NC_ECHAR;
     return *to = number_of<unsigned long long>(value->is_array() ? (*value)[0] : *value), NC_NOERR;
   };
-  is.nc_get_var_text = give_text;
-  is.nc_get_vara_double = give<double>;
-  is.nc_get_vara_int = give<int>;
-  is.nc_get_vara_longlong = give<long long>;
-  is.nc_get_vara_schar = give<signed char>;
+}
+
+results::nc::Library answers() {
+  results::nc::Library is{};
+  is.H5dont_atexit = []() { return herr_t{0}; };
+  is.H5Eset_auto2 = [](hid_t, H5E_auto2_t, void*) { return herr_t{0}; };
+  is.nc_strerror = [](int) { return "NetCDF: as it was given"; };
+  answer_of_groups(is);
+  answer_of_variables(is);
+  answer_of_attributes(is);
   return is;
 }
 
 }  // namespace
 
-bool tell_netcdf(std::string_view json) {
-  told = {};
+bool give_netcdf(std::string_view json) {
+  given = {};
   const Json root = Json::parse(json, nullptr, false);
   if (!root.is_object()) return false;
-  told.add("/", root, {});
+  given.add("/", root, {});
   return true;
 }
 
