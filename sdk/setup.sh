@@ -8,7 +8,12 @@ use_preset release
 
 say() { printf 'binnacle: %s\n' "$*" >&2; }
 
-listed_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$binnacle_root/sdk/packages.txt"; }
+# What the presets of clang need besides stands as "clang: NAME".
+listed_packages() {
+  local clang='/^clang:/d'
+  case $binnacle_preset in clang | fuzz) clang='s/^clang://' ;; esac
+  sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' -e "$clang" "$binnacle_root/sdk/packages.txt"
+}
 
 missing_packages() {
   local installed

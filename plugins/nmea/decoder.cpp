@@ -226,7 +226,7 @@ void Decoder::begin(const Reading& reading, std::vector<Epoch>& complete) {
     }
     complete_current(complete);
   }
-  current_.emplace();
+  current_ = Current{};  // emplace(): clang before 16 knows no default constructor of a nested struct with initializers
   current_->of_day = *reading.of_day;
   for (const Reading& early : std::exchange(early_, {})) add_to_current(early);
 }

@@ -29,6 +29,9 @@ int read_values(int group, int variable, const std::size_t* start, const std::si
 /// from freed memory (1.10.8 on Debian 12: SIGSEGV); what else it would free, the system does.
 void keep_from_tidying() { H5dont_atexit(); }
 
+/// Bytes of a variable for each of its file: deflate makes 1032 of one at most, and what was never written takes none.
+constexpr std::uintmax_t most_inflated = 8192;
+
 }  // namespace
 
 void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
@@ -46,7 +49,7 @@ void check(int code) {
 Group Group::add_group(const std::string& name) const {
   int id = -1;
   check(nc_def_grp(id_, name.c_str(), &id));
-  return Group(id);
+  return Group(id, most_bytes_);
 }
 
 int Group::add_dimension(const std::string& name, std::size_t size) const {
@@ -69,7 +72,7 @@ int Group::add_variable(const std::string& name, nc_type type, const std::vector
   for (const std::size_t size : storage.chunks) bytes *= size;
   // Chunks are written whole and in order: more than two in memory would only take room, and what is not compressed goes
   // straight to the file where the cache is too small for it.
-  check(nc_set_var_chunk_cache(id_, id, storage.level == not_compressed ? 1 : 2 * bytes, 11, 1.0f));
+  check(nc_set_var_chunk_cache(id_, id, storage.level == not_compressed ? 1 : 2 * bytes, std::size_t{11}, 1.0f));
   return id;
 }
 
@@ -82,17 +85,17 @@ void Group::put_bytes(int variable, const std::string& name, const std::vector<s
 }
 
 void Group::put_number(int variable, const std::string& name, double value) const {
-  check(nc_put_att_double(id_, variable, name.c_str(), NC_DOUBLE, 1, &value));
+  check(nc_put_att_double(id_, variable, name.c_str(), NC_DOUBLE, std::size_t{1}, &value));
 }
 
 void Group::put_integer(int variable, const std::string& name, std::int64_t value) const {
   const long long number = value;
-  check(nc_put_att_longlong(id_, variable, name.c_str(), NC_INT64, 1, &number));
+  check(nc_put_att_longlong(id_, variable, name.c_str(), NC_INT64, std::size_t{1}, &number));
 }
 
 void Group::put_natural(int variable, const std::string& name, std::uint64_t value) const {
   const unsigned long long number = value;
-  check(nc_put_att_ulonglong(id_, variable, name.c_str(), NC_UINT64, 1, &number));
+  check(nc_put_att_ulonglong(id_, variable, name.c_str(), NC_UINT64, std::size_t{1}, &number));
 }
 
 void Group::fill_with_nan(int variable) const {
@@ -144,7 +147,7 @@ std::vector<Group> Group::groups() const {
   std::vector<int> ids(static_cast<std::size_t>(count));
   check(nc_inq_grps(id_, nullptr, ids.data()));
   std::vector<Group> groups;
-  for (const int id : ids) groups.emplace_back(id);
+  for (const int id : ids) groups.emplace_back(id, most_bytes_);
   return groups;
 }
 
@@ -153,7 +156,7 @@ std::optional<Group> Group::group(const std::string& name) const {
   const int code = nc_inq_ncid(id_, name.c_str(), &id);
   if (code == NC_ENOGRP) return std::nullopt;
   check(code);
-  return Group(id);
+  return Group(id, most_bytes_);
 }
 
 std::string Group::name() const {
@@ -242,13 +245,28 @@ std::uint64_t Group::natural(int variable, const std::string& attribute) const {
   return value;
 }
 
+std::size_t Group::count_of(int variable, const std::vector<std::size_t>& sizes) const {
+  nc_type type = NC_NAT;
+  std::size_t bytes = 1;
+  check(nc_inq_vartype(id_, variable, &type));
+  check(nc_inq_type(id_, type, nullptr, &bytes));
+  const std::uintmax_t most = most_bytes_ / std::max<std::size_t>(bytes, 1);
+  std::size_t count = 1;
+  for (const std::size_t size : sizes) {
+    if (size > most / std::max<std::size_t>(count, 1))
+      throw Failure("its variable '" + variable_name(variable) +
+                    "' declares more values than a file of its size holds");
+    count *= size;
+  }
+  return count;
+}
+
 std::vector<std::string> Group::read_texts(int variable) const {
   nc_type type = NC_NAT;
   check(nc_inq_vartype(id_, variable, &type));
   const auto sizes = shape(variable);
   if (type != NC_CHAR || sizes.empty()) throw Failure("its variable '" + variable_name(variable) + "' holds no texts");
-  std::size_t count = 1;
-  for (const std::size_t size : sizes) count *= size;
+  const std::size_t count = count_of(variable, sizes);
   std::string characters(count, '\0');
   if (count > 0) check(nc_get_var_text(id_, variable, characters.data()));
   std::vector<std::string> texts;
@@ -263,8 +281,7 @@ std::vector<std::string> Group::read_texts(int variable) const {
 template <class T>
 std::vector<T> Group::read(int variable) const {
   const auto sizes = shape(variable);
-  std::size_t count = 1;
-  for (const std::size_t size : sizes) count *= size;
+  const std::size_t count = count_of(variable, sizes);
   std::vector<T> values(count);
   const std::vector<std::size_t> start(sizes.size() + 1, 0);
   if (count > 0) check(read_values(id_, variable, start.data(), sizes.data(), values.data()));
@@ -276,6 +293,7 @@ std::vector<T> Group::read_column(int variable, std::size_t column) const {
   const auto sizes = shape(variable);
   if (sizes.size() != 2 || column >= sizes[1])
     throw Failure("its variable '" + variable_name(variable) + "' lacks a column");
+  count_of(variable, sizes);
   std::vector<T> values(sizes[0]);
   const std::size_t start[] = {0, column}, count[] = {sizes[0], 1};
   if (!values.empty()) check(read_values(id_, variable, start, count, values.data()));
@@ -285,6 +303,7 @@ std::vector<T> Group::read_column(int variable, std::size_t column) const {
 template std::vector<double> Group::read(int) const;
 template std::vector<signed char> Group::read(int) const;
 template std::vector<std::int32_t> Group::read(int) const;
+template std::vector<std::int64_t> Group::read(int) const;
 template std::vector<double> Group::read_column(int, std::size_t) const;
 template std::vector<std::int64_t> Group::read_column(int, std::size_t) const;
 
@@ -294,7 +313,7 @@ File File::create(const std::filesystem::path& path) {
   int id = -1;
   errno = 0;
   check(nc_create(std::filesystem::absolute(path).c_str(), NC_NETCDF4 | NC_CLOBBER, &id));
-  return File(id);
+  return File(id, std::numeric_limits<std::uintmax_t>::max());
 }
 
 File File::open(const std::filesystem::path& path) {
@@ -303,7 +322,7 @@ File File::open(const std::filesystem::path& path) {
   int id = -1;
   errno = 0;
   check(nc_open(std::filesystem::absolute(path).c_str(), NC_NOWRITE, &id));
-  return File(id);
+  return File(id, most_inflated * std::filesystem::file_size(path));
 }
 
 File::~File() {

@@ -33,7 +33,8 @@ struct Storage {
 /// In groups and variables of a file; as long as it is open.
 class Group {
  public:
-  explicit Group(int id) : id_(id) {}
+  /// Of a file that is read: bytes that one of its variables may have.
+  explicit Group(int id, std::uintmax_t most_bytes) : id_(id), most_bytes_(most_bytes) {}
 
   // Writing
   Group add_group(const std::string& name) const;
@@ -82,7 +83,11 @@ class Group {
   int id() const { return id_; }
 
  private:
+  /// Values of a variable, which memory is taken for: a shape is not believed that the file has no room for.
+  std::size_t count_of(int variable, const std::vector<std::size_t>& sizes) const;
+
   int id_;
+  std::uintmax_t most_bytes_;
 };
 
 class File {
@@ -90,16 +95,17 @@ class File {
   static File create(const std::filesystem::path& path);
   static File open(const std::filesystem::path& path);
   ~File();
-  File(File&& other) noexcept : id_(std::exchange(other.id_, -1)) {}
+  File(File&& other) noexcept : id_(std::exchange(other.id_, -1)), most_bytes_(other.most_bytes_) {}
   File& operator=(File&&) = delete;
 
-  Group root() const { return Group(id_); }
+  Group root() const { return Group(id_, most_bytes_); }
   /// What was written may only now turn out not to fit.
   void close();
 
  private:
-  explicit File(int id) : id_(id) {}
+  File(int id, std::uintmax_t most_bytes) : id_(id), most_bytes_(most_bytes) {}
   int id_ = -1;
+  std::uintmax_t most_bytes_;
 };
 
 }  // namespace binnacle::results::nc

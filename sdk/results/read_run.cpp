@@ -17,6 +17,23 @@ int variable_of(nc::Group group, const std::string& name) {
   throw nc::Failure("its group '" + group.name() + "' has no variable '" + name + "'");
 }
 
+/// One value for each time: whoever has them takes them by one index.
+template <class T>
+std::vector<T> read_series(nc::Group group, int variable, std::size_t times) {
+  const auto sizes = group.shape(variable);
+  if (sizes.size() != 1 || sizes[0] != times)
+    throw nc::Failure("its variable '" + group.variable_name(variable) + "' has another shape than its times");
+  return group.read<T>(variable);
+}
+
+template <class T>
+std::vector<T> read_column(nc::Group group, int variable, std::size_t column, std::size_t times) {
+  auto values = group.read_column<T>(variable, column);
+  if (values.size() != times)
+    throw nc::Failure("its variable '" + group.variable_name(variable) + "' has another shape than its times");
+  return values;
+}
+
 /// Names of the columns of a variable (rows, columns).
 std::vector<std::string> components_of(nc::Group group, int variable) {
   const auto dimensions = group.dimensions(variable);
@@ -31,9 +48,9 @@ std::string display_unit_of(nc::Group group, int variable) {
 }
 
 /// Of the variable named by "ancillary_variables": its own, or the column.
-std::vector<double> values_of(nc::Group group, int variable, int column) {
-  return column < 0 ? group.read<double>(variable)
-                    : group.read_column<double>(variable, static_cast<std::size_t>(column));
+std::vector<double> values_of(nc::Group group, int variable, int column, std::size_t times) {
+  return column < 0 ? read_series<double>(group, variable, times)
+                    : read_column<double>(group, variable, static_cast<std::size_t>(column), times);
 }
 
 void read_estimates(nc::Group group, int variable, FilterResults& filter) {
@@ -45,8 +62,8 @@ void read_estimates(nc::Group group, int variable, FilterResults& filter) {
     const int column = is_single ? -1 : static_cast<int>(i);
     filter.estimates.push_back({group.text(variable, "block"), names[i], group.text(variable, "units"),
                                 display_unit_of(group, variable), i < angles.size() && angles[i] != 0,
-                                values_of(group, variable, column), values_of(group, sigma, column),
-                                group.text(variable, "kind")});
+                                values_of(group, variable, column, filter.t.size()),
+                                values_of(group, sigma, column, filter.t.size()), group.text(variable, "kind")});
   }
 }
 
@@ -59,11 +76,11 @@ void read_errors(nc::Group group, FilterResults& filter) {
     const auto names = is_single ? std::vector{series} : components_of(group, variable);
     for (std::size_t i = 0; i < names.size(); ++i) {
       const int column = is_single ? -1 : static_cast<int>(i);
+      const auto t = read_time(group, group.dimension_name(dimensions[0]));
       filter.errors.push_back(
           {is_single ? series : series + "." + names[i], group.text(variable, "units"),
-           display_unit_of(group, variable), read_time(group, group.dimension_name(dimensions[0])),
-           values_of(group, variable, column),
-           sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column),
+           display_unit_of(group, variable), t, values_of(group, variable, column, t.size()),
+           sigma.empty() ? std::vector<double>{} : values_of(group, variable_of(group, sigma), column, t.size()),
            group.has(variable, "norm"), !is_single});
     }
   }
@@ -75,17 +92,17 @@ struct Slots {
   std::vector<std::vector<std::int64_t>> key;
 };
 
-Slots read_slots(nc::Group group, int residual) {
+Slots read_slots(nc::Group group, int residual, std::size_t times) {
   const std::string suffix = group.variable_name(residual).substr(std::string("residual").size());
   const int sigma = variable_of(group, "residual_sigma" + suffix), noise = variable_of(group, "noise" + suffix),
             key = variable_of(group, "key" + suffix);
   Slots slots;
   const auto shape = group.shape(residual);
   for (std::size_t s = 0; shape.size() == 2 && s < shape[1]; ++s) {
-    slots.residual.push_back(group.read_column<double>(residual, s));
-    slots.sigma.push_back(group.read_column<double>(sigma, s));
-    slots.noise.push_back(group.read_column<double>(noise, s));
-    slots.key.push_back(group.read_column<std::int64_t>(key, s));
+    slots.residual.push_back(read_column<double>(group, residual, s, times));
+    slots.sigma.push_back(read_column<double>(group, sigma, s, times));
+    slots.noise.push_back(read_column<double>(group, noise, s, times));
+    slots.key.push_back(read_column<std::int64_t>(group, key, s, times));
   }
   return slots;
 }
@@ -106,25 +123,26 @@ Updates read_updates(nc::Group group) {
   Updates updates;
   updates.measurement = group.text(NC_GLOBAL, "measurement");
   updates.t = read_time(group, "time");
-  for (const signed char outcome : group.read<signed char>(variable_of(group, "outcome"))) {
+  const std::size_t times = updates.t.size();
+  for (const signed char outcome : read_series<signed char>(group, variable_of(group, "outcome"), times)) {
     if (outcome < 0 || outcome >= outcome_count)
       throw nc::Failure("its group '" + group.name() + "' has an outcome unknown");
     updates.outcome.push_back(static_cast<Outcome>(outcome));
   }
   const auto texts = group.read_texts(variable_of(group, "reason_text"));
-  for (const std::int32_t reason : group.read<std::int32_t>(variable_of(group, "reason"))) {
+  for (const std::int32_t reason : read_series<std::int32_t>(group, variable_of(group, "reason"), times)) {
     if (reason < 0 || static_cast<std::size_t>(reason) >= texts.size())
       throw nc::Failure("its group '" + group.name() + "' has a reason unknown");
     updates.reason.push_back(texts[static_cast<std::size_t>(reason)]);
   }
-  updates.nis = group.read<double>(variable_of(group, "nis"));
-  updates.rows = group.read<std::int32_t>(variable_of(group, "rows"));
+  updates.nis = read_series<double>(group, variable_of(group, "nis"), times);
+  updates.rows = read_series<std::int32_t>(group, variable_of(group, "rows"), times);
   std::vector<Slots> groups;
   for (int variable = 0; variable < group.variables(); ++variable) {
     const std::string name = group.variable_name(variable);
     if (!name.starts_with("residual") || !group.has(variable, "ancillary_variables")) continue;
     updates.groups.push_back({group.text(variable, "row_group"), group.text(variable, "units")});
-    groups.push_back(read_slots(group, variable));
+    groups.push_back(read_slots(group, variable, times));
   }
   for (std::size_t sample = 0; sample < updates.t.size(); ++sample) {
     const std::size_t before = updates.key.size();
@@ -143,8 +161,8 @@ FilterResults read_filter(nc::Group group) {
     if (group.has(variable, "block") && group.has(variable, "ancillary_variables"))
       read_estimates(group, variable, filter);
     else if (group.has(variable, "column"))
-      filter.others.push_back(
-          {group.text(variable, "column"), group.text(variable, "units"), group.read<double>(variable)});
+      filter.others.push_back({group.text(variable, "column"), group.text(variable, "units"),
+                               read_series<double>(group, variable, filter.t.size())});
   if (const auto errors = group.group("errors")) read_errors(*errors, filter);
   if (const auto measurements = group.group("measurements"))
     for (const nc::Group measurement : measurements->groups()) filter.updates.push_back(read_updates(measurement));

@@ -73,7 +73,7 @@ Smoothing::Filter::Filter(const ScorePlan& all, const SmoothingPlan& smoothing, 
     if (is_written) epochs.write(epoch);
     last.t = epoch.t;
     std::copy_n(epoch.x, last_x.size(), last_x.begin());
-    MatrixView(last_P.data(), info.dof, info.dof, info.dof).as() = epoch.P.as();
+    MatrixView{last_P.data(), info.dof, info.dof, info.dof}.as() = epoch.P.as();
   };
   last_x.resize(as_size(info.stored_size));
   last_P.resize(as_size(info.dof) * as_size(info.dof));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -102,11 +101,11 @@ void FixedLag::finish() { sweep(std::numeric_limits<Time>::max()); }
 /// Emits what came after the last emission, up to `until`, and forgets what is emitted as a whole.
 void FixedLag::sweep(Time until) {
   co_states_.clear();
-  for (Part& part : log_ | std::views::reverse) {
-    if (part.end <= emitted_) break;
-    part.stretch->sweep(co_states_, [&](const Epoch& epoch) { kept_.push_back(epoch); }, take_withheld_,
-                        {emitted_, until});
-    has_breaks_ = has_breaks_ || part.stretch->breaks() > 0;
+  for (auto part = log_.rbegin(); part != log_.rend(); ++part) {  // clang before 16 has no std::views
+    if (part->end <= emitted_) break;
+    part->stretch->sweep(co_states_, [&](const Epoch& epoch) { kept_.push_back(epoch); }, take_withheld_,
+                         {emitted_, until});
+    has_breaks_ = has_breaks_ || part->stretch->breaks() > 0;
   }
   emit_kept();
   const auto is_emitted = [&](const Part& part) { return part.end <= emitted_; };

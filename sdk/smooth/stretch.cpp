@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "binnacle/state_block.hpp"
 #include "smooth/path.hpp"
@@ -39,7 +38,7 @@ double* Stretch::add(Kind kind, std::size_t doubles, Time t) {
 }
 
 double* Stretch::keep(double* to, ConstMatrixView A) {
-  MatrixView(to, A.rows, A.cols, A.rows).as() = A.as();
+  MatrixView{to, A.rows, A.cols, A.rows}.as() = A.as();
   return to + A.rows * A.cols;
 }
 
@@ -154,7 +153,8 @@ void Stretch::exchange(StateBytes& bytes) {
 
 void Stretch::sweep(CoStates& co_states, const Take& take, const TakeWithheld& take_withheld, Window window) {
   const int n = filter_.dof;
-  for (const Entry& entry : entries_ | std::views::reverse) {
+  for (auto last = entries_.rbegin(); last != entries_.rend(); ++last) {  // clang before 16 has no std::views
+    const Entry& entry = *last;
     const double* const from = numbers_.data() + entry.at;
     switch (entry.kind) {
       case Kind::step:

@@ -34,7 +34,7 @@ double* LinearLog::add(Kind kind, std::size_t doubles, int rows) {
 namespace {
 
 double* keep(double* to, ConstMatrixView A) {
-  MatrixView(to, A.rows, A.cols, A.rows).as() = A.as();
+  MatrixView{to, A.rows, A.cols, A.rows}.as() = A.as();
   return to + A.rows * A.cols;
 }
 

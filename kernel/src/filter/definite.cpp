@@ -10,7 +10,7 @@ namespace binnacle::internal::filter {
 // must be of its covariances: an entry c beside a zero on the diagonal and at most a one is of an eigenvalue of −c² or less.
 VarianceLeft indefinite_row(ConstMatrixView P, double* factor) {
   const int n = P.rows;
-  const MatrixView L(factor, n, n, n);  // scaled by √D, but for the diagonal, which is D
+  const MatrixView L{factor, n, n, n};  // scaled by √D, but for the diagonal, which is D
   for (int i = 0; i < n; ++i) {
     double left = P(i, i) > 0 ? 1 : 0;
     for (int j = 0; j < i; ++j) {

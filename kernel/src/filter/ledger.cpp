@@ -220,7 +220,8 @@ Time Ledger::silence(int measurement, Time t, const CovarianceForm& P) const {
   const Time last = tally(measurement).last_useful;
   if (!plan.is_watched || plan_.trust.silent <= 0 || last == no_time || t - last < plan_.trust.silent) return 0;
   const Time since = last - plan_.head.in(arena_)->start;
-  if (since > (t - last) / many_intervals * std::max<std::int64_t>(1, uses(measurement))) return 0;
+  // The mean interval against a part of the silence, divided: a product of the silence and the uses is beyond 63 bits.
+  if (since > 0 && (since - 1) / std::max<std::int64_t>(1, uses(measurement)) >= (t - last) / many_intervals) return 0;
   constexpr double much = 3 * 3;  // of the variance
   const double* const then = plan.variances.in(arena_);
   for (std::size_t c = 0; c < plan.columns.size(); ++c)

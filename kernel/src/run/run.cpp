@@ -148,10 +148,12 @@ void note_spans_apart(const Runtime& runtime, Diagnostics& warnings) {
       if (used == 0 && are_apart(filter.input_channel, measurement.channel))
         warn(measurement.pointer, filter.input_channel, measurement.channel);
     }
-  for (const auto& [channel, pointer] : plan.subscriptions)
+  for (const auto& [subscribed, pointer] : plan.subscriptions) {
+    const int channel = subscribed;  // clang before 16 does not capture a structured binding
     if (!plan.filters.empty() &&
         std::ranges::all_of(plan.filters, [&](const auto& filter) { return are_apart(filter.input_channel, channel); }))
       warn(pointer, plan.filters.front().input_channel, channel);
+  }
 }
 
 /// What was not used since it came later than any history.

@@ -363,7 +363,7 @@ std::size_t output_sigma_scratch(const BlockInfo& block) {
 void output_sigmas(const BlockInfo& block, const double* x, ConstMatrixView P, double* scratch, double* sigmas) {
   const auto& declaration = *block.declaration;
   const int outputs = static_cast<int>(declaration.outputs.size()), dof = declaration.dof();
-  const MatrixView J(scratch, outputs, dof, outputs);
+  const MatrixView J{scratch, outputs, dof, outputs};
   if (!block.block->output_jacobian({x, declaration.stored_size}, J))
     difference_outputs(block, x, P, J, scratch + outputs * dof);
   const int active = static_cast<int>(block.active.size());

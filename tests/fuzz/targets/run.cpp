@@ -7,7 +7,7 @@ namespace binnacle::fuzz {
 
 namespace {
 
-constexpr int most_instants = 2000;
+constexpr int most_instants = 200;
 
 struct Enough {};
 

@@ -39,7 +39,9 @@ void go_on(Session& session, int from, int until) {
 
 void try_bytes(std::string_view bytes) {
   static Session session = [] {
-    Session fresh(composed(config));
+    const auto composition = composed(config);
+    if (!composition) throw std::logic_error("the target's own config is refused: are its plugins built?");
+    Session fresh(composition);
     go_on(fresh, 0, 20);
     return fresh;
   }();

@@ -28,7 +28,7 @@ class EpochBuffer {
     double* to = numbers_.data() + (count_ - 1) * size_;
     *to++ = std::bit_cast<double>(epoch.t);
     to = std::copy_n(epoch.x, stored_, to);
-    MatrixView(to, n_, n_, n_).as() = epoch.P.as();
+    MatrixView{to, n_, n_, n_}.as() = epoch.P.as();
   }
   /// Valid until the next push_back.
   Epoch operator[](std::size_t index) const {
