@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "netcdf_library.hpp"
 
-#include <new>
 #include <string>
 
 #include <dlfcn.h>
-#include <sys/mman.h>
 
 #include "results/results.hpp"
 
@@ -44,12 +42,6 @@ Library load() {
 }
 
 }  // namespace
-
-void require_memory(std::size_t bytes) {
-  void* const room = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (room == MAP_FAILED) throw std::bad_alloc();
-  ::munmap(room, bytes);
-}
 
 const Library& library() {
   static const Library loaded = load();
