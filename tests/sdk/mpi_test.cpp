@@ -50,7 +50,9 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 std::string file_of_process(const std::string& id, const char* name) {
   std::ifstream file("/proc/" + id + "/" + name, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::ostringstream read;
+  read << file.rdbuf();  // what can be read: a process may end meanwhile
+  std::string text = read.str();
   std::replace(text.begin(), text.end(), '\0', '\n');  // between variables of the environment
   return text;
 }
