@@ -265,6 +265,9 @@ bool RowReader::takes_back_last(Block& block, Time label) {
   const Time t = last + layout_.time_offset;
   const bool is_here = block.size() > 0 && block.times.back() == t;
   if (!is_here && t >= layout_.from) return false;
+  // Of two rows behind a jump that are unusable nothing is noted, and what was before the last label is not known.
+  const Time previous = is_here ? block.time_before(block.size() - 1) : no_time;
+  if (previous != no_time && label + layout_.time_offset <= previous) return false;
   if (is_here) {
     const std::size_t row = block.row_begin(block.size() - 1);
     const std::size_t rows = block.values.size() / row_.size() - row;

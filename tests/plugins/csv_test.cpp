@@ -373,6 +373,16 @@ TEST_CASE("csv: what stands for no data becomes NaN, in any spelling") {
   REQUIRE(samples[3].fields[1] == -9999);
 }
 
+TEST_CASE("csv: a label far ahead takes no earlier row with it, nor a sample back in time") {
+  // Behind the jump two rows are unusable: what was before it is not known any more when the label goes back for good.
+  const TemporaryFile file("t,w,a\n0,0,0\n1,0,0\n2,0,0\n100,0,0\n3,x,0\n4,x,0\n0.5,0,0\n0.7,0,0\n5,0,0\n");
+  Warnings warnings;
+  const auto samples = read(with(rate_and_level(file.path()), "invalid_rows", text("skip")), &warnings);
+  std::vector<Time> times;
+  for (const auto& sample : samples) times.push_back(sample.t);
+  CHECK(times == std::vector<Time>{0, nanoseconds(1.0), nanoseconds(2.0), nanoseconds(5.0)});
+}
+
 TEST_CASE("csv: bad rows are skipped only on request, and counted") {
   const TemporaryFile file("t,w,a\n1,1,1\n2,nan,2\n3,3,3\n4,4\n5,inf,5\n5,5,5\n4.5,1,1\n6,x,6\n7,7,7\n");
   Warnings warnings;
