@@ -44,7 +44,8 @@ class Tree:
                 is_list = bool(re.match(r"([-*]|\d+\.) ", line)) or is_list and (not line or line[0] == " ")
             # Python-Markdown wants four blanks where two go on with an item for others.
             lines.append("  " + line if is_list and re.match(r" {2,3}\S", line) or is_code and is_list else line)
-        self.write(name, "\n".join(lines) + "\n")
+        head = "---\nhide: [navigation]\n---\n" if name == "README.md" else ""
+        self.write(name, head + "\n".join(lines) + "\n")
 
     def link(self, name, number, match):
         picture, text, target = match.groups()
@@ -81,10 +82,12 @@ class Tree:
         if name not in self.shown:
             self.shown.add(name)
             text = path.read_text(encoding="utf-8").rstrip()
-            self.write(name + ".md", f"# {path.name}\n\n`{name}`\n\n~~~~{SHOWN[path.suffix]}\n{text}\n~~~~\n")
+            self.write(name + ".md", f"---\nhide: [navigation, toc]\n---\n# {path.name}\n\n`{name}`\n\n~~~~{SHOWN[path.suffix]}\n{text}\n~~~~\n")
         return name + ".md"
 
     def title(self, name):
+        if name.startswith("api/") and not name.endswith("README.md"):
+            return Path(name).stem
         for line in (self.tree / name).read_text(encoding="utf-8").splitlines():
             if line.startswith("# "):
                 return line[2:].replace("`", "").replace("\\", "")
