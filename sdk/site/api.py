@@ -132,8 +132,8 @@ def signature(member):
         text = "#define " + name + ("(" + ", ".join(parameters) + ")" if parameters else "")
         return text + (" " + initial if len(initial) < 40 else "")
     if kind == "typedef":
-        is_function = "(" in arguments
-        return template_of(member) + (f"typedef {type_text}{name}{arguments}" if is_function else f"using {name} = {type_text}{arguments}")
+        alias = f"typedef {type_text}{name}{arguments}" if "(" in arguments else f"using {name} = {type_text}{arguments}"
+        return template_of(member) + alias
     words = [template_of(member).strip()]
     words += ["static"] if member.get("static") == "yes" else []
     words += ["virtual"] if member.get("virt") in ("virtual", "pure-virtual") else []
@@ -207,7 +207,7 @@ def main(xml, target):
         path = Path(target) / (header + ".md")
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(page(pages, header), encoding="utf-8")
-    lines = ["# Headers\n", "The public headers, each with its types and functions, as Doxygen reads them.\n", "| header | |", "|---|---|"]
+    lines = ["# Headers\n", "The public headers, each with its types and functions.\n", "| header | subject |", "|---|---|"]
     for header in headers:
         brief = pages.heads[header].find("briefdescription")
         lines.append(f"| [{header}]({header}.md) | {pages.text(brief, header).strip()} |")

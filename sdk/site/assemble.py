@@ -14,7 +14,8 @@ import sys
 from pathlib import Path
 
 PAGES = ["*.md", "kernel/*.md", "sdk/docs/**/*.md", "configs/**/*.md", "plugins/*/README.md", "sdk/examples/**/*.md"]
-SHOWN = {".json": "json", ".hpp": "cpp", ".cpp": "cpp", ".h": "c", ".py": "python", ".txt": "text", ".sh": "sh", ".csv": "text", "": "sh"}
+SHOWN = {".json": "json", ".hpp": "cpp", ".cpp": "cpp", ".h": "c", ".py": "python", ".sh": "sh", "": "sh", ".txt": "text",
+         ".csv": "text"}
 PICTURES = {".svg", ".webp", ".png", ".jpg"}
 MOST_SHOWN = 200_000  # bytes
 HEADERS = re.compile(r"^(kernel/include|sdk/testing/include|sdk/c/include)(?:/binnacle)?(/.+)?$")
@@ -22,11 +23,15 @@ LINK = re.compile(r"(!?)\[((?:[^][]|\[[^]]*\])*)\]\(([^()\s]+)\)")
 CODE = re.compile(r"(`+)(?:(?!\1).)+\1")
 
 
+def pages_of(root):
+    found = {path for pattern in PAGES for path in root.glob(pattern) if path.is_file() and "build" not in path.parts}
+    return sorted(path.relative_to(root).as_posix() for path in found)
+
+
 class Tree:
     def __init__(self, root, tree):
         self.root, self.tree, self.problems, self.shown = root, tree, [], set()
-        found = {path for pattern in PAGES for path in root.glob(pattern) if path.is_file()}
-        self.pages = sorted(path.relative_to(root).as_posix() for path in found)
+        self.pages = pages_of(root)
 
     def write(self, name, text):
         path = self.tree / name
@@ -82,7 +87,8 @@ class Tree:
         if name not in self.shown:
             self.shown.add(name)
             text = path.read_text(encoding="utf-8").rstrip()
-            self.write(name + ".md", f"---\nhide: [navigation, toc]\n---\n# {path.name}\n\n`{name}`\n\n~~~~{SHOWN[path.suffix]}\n{text}\n~~~~\n")
+            head = f"---\nhide: [navigation, toc]\n---\n# {path.name}\n\n`{name}`\n\n"
+            self.write(name + ".md", f"{head}~~~~{SHOWN[path.suffix]}\n{text}\n~~~~\n")
         return name + ".md"
 
     def title(self, name):
@@ -108,7 +114,8 @@ class Tree:
                 if name not in listed or name == pattern:
                     listed.add(name)
                     lines.append(f'{lead}"{title or self.title(name)}": {name}')
-        self.problems += [f"{page}:1: sdk/site/mkdocs.yml has no place for this page" for page in self.pages if page not in listed]
+        without = [page for page in self.pages if page not in listed]
+        self.problems += [f"{page}:1: sdk/site/mkdocs.yml has no place for this page" for page in without]
         # A title over pages of which there is none.
         kept = []
         for line, after in zip(lines, lines[1:] + [""]):

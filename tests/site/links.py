@@ -50,7 +50,8 @@ def faults_of(site, name, pages):
 
 def main(site, headers):
     site = Path(site).resolve()
-    pages = {path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
+    paths = sorted(site.rglob("*.html"))
+    pages = {path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8")) for path in paths}
     faults = [] if pages else [f"{site} has no page"]
     for name in pages:
         faults += faults_of(site, name, pages)
