@@ -65,10 +65,10 @@ def files(root):
             yield name, path
 
 
-def offences(root):
+def offences(sources):
     """(word, path, line number, what to say instead)"""
     table = list(compiled())
-    for name, path in files(root):
+    for name, path in sources:
         try:
             lines = path.read_text(encoding="utf-8").splitlines()
         except UnicodeDecodeError:
@@ -93,10 +93,10 @@ def avoided():
             yield phrase, re.compile(r"\b" + r"\s+".join(words) + r"\b", re.IGNORECASE), instead
 
 
-def avoided_in_pages(root):
+def avoided_in_pages(sources):
     """The same as offences(); a phrase may go on in the next line."""
     phrases = list(avoided())
-    for name, path in files(root):
+    for name, path in sources:
         if path.suffix == ".md":
             text = "\n".join(prose(path.read_text(encoding="utf-8")))
             for phrase, pattern, instead in phrases:
@@ -105,8 +105,8 @@ def avoided_in_pages(root):
 
 
 def main():
-    root = Path(sys.argv[1])
-    found = [*offences(root), *avoided_in_pages(root)]
+    sources = list(files(Path(sys.argv[1])))
+    found = [*offences(sources), *avoided_in_pages(sources)]
     for word, name, number, instead in found:
         print(f"{name}:{number}: {word}: say {instead}")
     return 1 if found else 0
