@@ -57,6 +57,12 @@ def differ(one, other):
                for a, b in zip(NUMBER.findall(one), NUMBER.findall(other), strict=True))
 
 
+def stray_figures(text, page):
+    """Lines of a table elsewhere that name a row of the page, as `NAME`, and have another figure than it."""
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    return [line for line in lines for name, cells in page.items() if f"`{name}`" in line and cells[1].strip("*") not in line]
+
+
 class Page(unittest.TestCase):
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
 
@@ -84,6 +90,12 @@ class Page(unittest.TestCase):
                 continue
             for here, there in zip(cells, page[name], strict=True):
                 self.assertFalse(differ(there, here), f"{name}: the page has {there}, the command prints {here}")
+
+    def test_tables_of_the_first_page_have_its_figures(self):
+        page = rows_of(self.text)
+        self.assertEqual(stray_figures((FOLDER.parents[1] / "README.md").read_text(encoding="utf-8"), page), [])
+        name, cells = next(iter(page.items()))
+        self.assertEqual(len(stray_figures(f"| `{name}` | {cells[1]} |\n| `{name}` | 0.01 m |", page)), 1)
 
     def test_its_commands_are_understood(self):
         commands = [line.partition(" #")[0] for line in self.text.splitlines() if line.startswith("configs/benchmarks/run")]
