@@ -26,6 +26,7 @@ list(TRANSFORM plugins APPEND _plugin)
 install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime)
+install(PROGRAMS "${PROJECT_SOURCE_DIR}/configs/benchmarks/run" DESTINATION ${BINNACLE_SHARE_FOLDER}/configs/benchmarks COMPONENT runtime)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/examples" "${PROJECT_SOURCE_DIR}/sdk/docs"
   DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE)
 
