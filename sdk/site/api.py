@@ -210,7 +210,7 @@ def main(xml, target):
     lines = ["# Headers\n", "The public headers, each with its types and functions.\n", "| header | subject |", "|---|---|"]
     for header in headers:
         brief = pages.heads[header].find("briefdescription")
-        lines.append(f"| [{header}]({header}.md) | {pages.text(brief, header).strip()} |")
+        lines.append(f"| [{Path(header).name}]({header}.md) | {pages.text(brief, header).strip()} |")
     (Path(target) / "README.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     for problem in pages.problems or ([] if headers else ["there is no header in " + xml]):
         print(problem, file=sys.stderr)

@@ -24,8 +24,8 @@ CODE = re.compile(r"(`+)(?:(?!\1).)+\1")
 
 
 def pages_of(root):
-    found = {path for pattern in PAGES for path in root.glob(pattern) if path.is_file() and "build" not in path.parts}
-    return sorted(path.relative_to(root).as_posix() for path in found)
+    found = {path.relative_to(root) for pattern in PAGES for path in root.glob(pattern) if path.is_file()}
+    return sorted(path.as_posix() for path in found if "build" not in path.parts)
 
 
 class Tree:
