@@ -38,7 +38,7 @@ def module():
 
 def rows_of(text):
     """{name: its cells} of the Markdown table in a text."""
-    lines = [line for line in text.splitlines() if line.startswith("| `")]
+    lines = [line for line in text.splitlines() if re.match(r"\| `[^`]+`: ", line)]
     cells = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
     return {re.match(r"`([^`]+)`", row[0])[1]: row for row in cells}
 
