@@ -37,6 +37,27 @@ foreach(document IN LISTS documents)
 endforeach()
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION share/doc/binnacle COMPONENT runtime)
 
+# Made by the target help_pages, which sdk/run does not build.
+get_property(help_folder GLOBAL PROPERTY BINNACLE_HELP_FOLDER)
+if(help_folder)
+  # A wildcard finds nothing where nothing was built.
+  install(CODE "
+    file(GLOB pages \"${help_folder}/man/*.1.gz\")
+    if(pages)
+      # Where zsh of Debian looks, for packages and for /usr/local.
+      set(zsh site-functions)
+      if(CMAKE_INSTALL_PREFIX MATCHES \"(^|/)usr$\")
+        set(zsh vendor-completions)
+      endif()
+      file(INSTALL \${pages} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/man/man1\")
+      file(INSTALL \"${help_folder}/bash/binnacle\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/bash-completion/completions\")
+      file(INSTALL \"${help_folder}/zsh/_binnacle\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/zsh/\${zsh}\")
+    else()
+      message(STATUS \"Left out, since they are not built: manual pages and shell completion \"
+        \"(cmake --build ${PROJECT_BINARY_DIR} --target help_pages)\")
+    endif()" COMPONENT runtime)
+endif()
+
 # ---- dev: headers, the kernel's library, the CMake package
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/kernel/include/binnacle" "${PROJECT_BINARY_DIR}/kernel/include/binnacle"
