@@ -27,7 +27,9 @@ install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/examples" "${PROJECT_SOURCE_DIR}/sdk/docs"
-  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE)
+  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE
+  REGEX "/examples/.*/[.]gitignore$" EXCLUDE
+  REGEX "[.](sh|sbatch)$" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 file(GLOB documents RELATIVE "${PROJECT_SOURCE_DIR}" CONFIGURE_DEPENDS
   LICENSE *.md CITATION.cff kernel/*.md sdk/packages.txt plugins/*/README.md)
@@ -35,7 +37,6 @@ foreach(document IN LISTS documents)
   cmake_path(GET document PARENT_PATH folder)
   install(FILES "${PROJECT_SOURCE_DIR}/${document}" DESTINATION ${BINNACLE_SHARE_FOLDER}/${folder} COMPONENT runtime)
 endforeach()
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION share/doc/binnacle COMPONENT runtime)
 
 # Made by the target help_pages, which sdk/run does not build.
 get_property(help_folder GLOBAL PROPERTY BINNACLE_HELP_FOLDER)
