@@ -104,4 +104,10 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
 endforeach()
 install(FILES "${debian}/overrides" DESTINATION share/lintian/overrides RENAME binnacle COMPONENT runtime)
 
+# ---- the source: cmake --build build/release --target dist
+
+add_custom_target(dist
+  COMMAND bash "${PROJECT_SOURCE_DIR}/sdk/dist" ${PROJECT_VERSION} "${PROJECT_BINARY_DIR}"
+  USES_TERMINAL VERBATIM)
+
 include(CPack)
