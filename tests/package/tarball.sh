@@ -4,10 +4,10 @@
 # It builds one plugin, for which the generated headers have to be there, and runs nothing.
 set -euo pipefail
 source=$1 cmake=$2 version=$3
-[ -e "$source/.git" ] && command -v git >/dev/null || {
+if [ ! -e "$source/.git" ] || ! command -v git >/dev/null; then
   echo "SKIPPED: no git checkout, of which a tarball is made"
   exit 77
-}
+fi
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 
