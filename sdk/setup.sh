@@ -8,11 +8,17 @@ use_preset release
 
 say() { printf 'binnacle: %s\n' "$*" >&2; }
 
-# What the presets of clang need besides stands as "clang: NAME".
+# What not all need stands as "SECTION: NAME": clang for its presets, site for the manual as a site and in CI. With
+# binnacle_section set, what that one lists and nothing else.
 listed_packages() {
-  local clang='/^clang:/d'
-  case $binnacle_preset in clang | fuzz) clang='s/^clang://' ;; esac
-  sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' -e "$clang" "$binnacle_root/sdk/packages.txt"
+  local sections='' all=1
+  case $binnacle_preset in clang | fuzz) sections+=' clang: ' ;; esac
+  [ "${CI:-}" != true ] || sections+=' site: '
+  [ -z "${binnacle_section:-}" ] || { sections=" $binnacle_section: " && all=0; }
+  awk -v sections="$sections" -v all="$all" '
+    { sub(/#.*/, "") }
+    NF == 2 && index(sections, " " $1 " ") { print $2 }
+    NF == 1 && all { print $1 }' "$binnacle_root/sdk/packages.txt"
 }
 
 missing_packages() {

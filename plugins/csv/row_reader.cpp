@@ -279,7 +279,9 @@ bool RowReader::takes_back_last(Block& block, Time label) {
     if (!block.begins.empty()) block.begins.pop_back();
     progress_.last_time = block.size() > 0 ? block.times.back() : block.before;
   }
-  progress_.last_label = before;
+  // Where it is not known what was before, nothing goes back before the last sample all the same.
+  const Time given = progress_.last_time == no_time ? no_time : progress_.last_time - layout_.time_offset;
+  progress_.last_label = std::max(before, given);
   progress_.before_label = no_time;
   return true;
 }

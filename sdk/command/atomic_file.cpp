@@ -146,6 +146,7 @@ void AtomicFile::flush() {
 }
 
 void AtomicFile::write(std::string_view text) {
+  is_complete_ = false;
   if (text.size() >= buffer_size / 2) {  // large enough without the others
     flush();
     write_through(text);
@@ -156,8 +157,10 @@ void AtomicFile::write(std::string_view text) {
 }
 
 void AtomicFile::complete() {
+  if (is_complete_) return;
   flush();
   if (!is_direct_ && ::fsync(file_) != 0 && errno != EINVAL) fail(std::strerror(errno));
+  is_complete_ = true;
 }
 
 void AtomicFile::commit() {

@@ -58,6 +58,7 @@ class AtomicFile {
   int file_ = -1;
   std::optional<Unfinished> named_;  // while the temporary has a name
   bool is_direct_ = false;
+  bool is_complete_ = false;  // nothing was written since complete()
   std::string buffer_;
   std::size_t since_write_out_ = 0;  // bytes
 };

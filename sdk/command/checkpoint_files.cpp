@@ -10,6 +10,7 @@
 #include "atomic_file.hpp"
 #include "binnacle/unit.hpp"
 #include "output.hpp"
+#include "wording/special_file.hpp"
 
 namespace binnacle::command {
 
@@ -45,8 +46,7 @@ void CheckpointFiles::open() {
   resume_ = resume_text_;
   if (!keep_.empty()) AtomicFile(fs::path(keep_));  // a bad name is reported at once
   if (resume_.empty()) return;
-  std::error_code ignored;
-  if (fs::exists(resume_, ignored) && !fs::is_regular_file(resume_, ignored))
+  if (wording::is_special_file(resume_))
     throw UsageError(fmt::format("--resume: '{}' is no regular file", resume_.string()));
   std::ifstream file(resume_, std::ios::binary);
   if (!file) throw UsageError(fmt::format("--resume: there is no checkpoint '{}'", resume_.string()));

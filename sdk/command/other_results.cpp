@@ -3,11 +3,8 @@
 
 #include <algorithm>
 #include <fstream>
-#include <stdexcept>
 
 #include <fmt/format.h>
-
-#include "results/results.hpp"
 
 namespace binnacle::command {
 
@@ -41,13 +38,8 @@ void name(const std::filesystem::path& folder, const char* what, const Json& con
 
 }  // namespace
 
-void name_other_study(const std::filesystem::path& folder, const Json& config) {
-  try {
-    const auto study = results::read_study(folder);
-    if (study && !is_of_study(config, study->config)) name(folder, "study", study->config, "study.nc and study.json");
-  } catch (const std::runtime_error&) {
-    // It is damaged, which is reported to whoever reads it.
-  }
+void name_other_study(const std::filesystem::path& folder, const Json& study, const Json& config) {
+  if (!is_of_study(config, study)) name(folder, "study", study, "study.nc and study.json");
 }
 
 void name_other_run(const std::filesystem::path& folder, const Json& config) {

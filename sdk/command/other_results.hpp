@@ -8,9 +8,9 @@
 
 namespace binnacle::command {
 
-/// A note to stderr where the folder, into which a run of that config was written, holds a study of another one.
-void name_other_study(const std::filesystem::path& folder, const Json& config);
-/// The same of a study that was written beside a run.
+/// A note to stderr where `folder`, into which a run of `config` was written, holds a study of another config.
+void name_other_study(const std::filesystem::path& folder, const Json& study, const Json& config);
+/// The same for a study that was written beside a run.
 void name_other_run(const std::filesystem::path& folder, const Json& config);
 
 }  // namespace binnacle::command

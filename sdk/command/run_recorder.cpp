@@ -185,8 +185,7 @@ void RunRecorder::commit(const Json& summary, const Json& config) {
   if (netcdf_file_) netcdf_file_->commit();
   config_->commit();
   summary_->commit();
-  name_other_study(folder_, config);
-  if (page_) write_page(summary, config);
+  write_page(summary, config);
 }
 
 /// Beside the run's, a study's that is in the same folder.
@@ -195,8 +194,10 @@ void RunRecorder::write_page(const Json& summary, const Json& config) {
   try {
     study = results::read_study(folder_);
   } catch (const std::runtime_error& error) {
-    throw OutputError(error.what());
+    if (page_) throw OutputError(error.what());  // without a page, who reads the study reports it
   }
+  if (study) name_other_study(folder_, study->config, config);
+  if (!page_) return;
   command::write_page(page_->page(summary, config, provenance_, std::move(study)), report_in(folder_));
 }
 

@@ -5,6 +5,7 @@
 
 #include "read_files.hpp"
 #include "results/results.hpp"
+#include "wording/special_file.hpp"
 
 namespace binnacle::results {
 
@@ -17,10 +18,8 @@ namespace fs = std::filesystem;
                            verb + " CONFIG --out " + path.parent_path().string() + "'");
 }
 
-/// Nobody waits for who may write into a FIFO.
 void require_regular(const fs::path& path, const char* verb) {
-  std::error_code ignored;
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) fail(path, "it is no regular file", verb);
+  if (wording::is_special_file(path)) fail(path, "it is no regular file", verb);
 }
 
 /// The JSON that is put in place last: without it the folder is not whole.

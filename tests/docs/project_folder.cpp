@@ -24,7 +24,7 @@ ProjectFolder::ProjectFolder() {
   fs::create_symlink(BINNACLE_TEST_PLUGINS, folder_ / "build/release/lib/binnacle");
   fs::create_symlink(DOCS_EMBED, folder_ / "embed");
   fs::create_symlink(in_project("configs"), folder_ / "configs");
-  for (const auto& block : MarkdownFile("README.md").fences("json"))
+  for (const auto& block : MarkdownFile("sdk/docs/first-plugin.md").fences("json"))
     if (block.lines.front().rfind("// ranges.json:", 0) == 0) std::ofstream(folder_ / "ranges.json") << block.text();
 }
 

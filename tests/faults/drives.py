@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Configs that run by themselves, of any length."""
+"""Configs that run by themselves, of any length, and one that is fed."""
+
+import math
 
 
 def drive(duration_s=2000, rate="1 Hz"):
@@ -21,6 +23,22 @@ def drive(duration_s=2000, rate="1 Hz"):
             "measurements": {"sonar": {"type": "bearing", "channel": "ship.bearing", "blocks": {"target": "position"}, "sigma": "0.1 deg"}}}},
         "reference": [{"channel": "ship.truth", "blocks": {"track/position": ["north", "east"]}}],
     }
+
+
+def live_drive():
+    """The drive's filter, live: its bearings come by standard input, a line of JSON each."""
+    config = drive()
+    fields = {"azimuth": {"unit": "rad"}, "observer_north": {"unit": "m"}, "observer_east": {"unit": "m"}}
+    config["sources"] = {"ship": {"type": "stream/json", "from": "stdin:", "channels": {"bearing": {"fields": fields}}}}
+    del config["reference"]
+    return config
+
+
+def bearing(t):
+    """The line of the live drive at t seconds: a target 5 km ahead, seen from a ship that goes to and fro."""
+    east = 500 * math.sin(t / 100)
+    azimuth = math.atan2(-east, 5000) + 0.0017 * math.sin(12.9898 * t * t)
+    return f'{{"channel": "bearing", "t": {t}, "azimuth": {azimuth:.9f}, "observer_north": 0, "observer_east": {east:.6f}}}\n'
 
 
 def study(runs, duration_s=2000, seed=3):

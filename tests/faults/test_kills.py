@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """SIGKILL at any moment: what lies in the folder is whole, of one run or the other, and what was kept goes on to the same figures.
 
-BINNACLE_KILLS=200 says how many of `run`; studies and runs with checkpoints get a quarter of it.
+BINNACLE_KILLS=200 says how many of `run`; studies, runs with checkpoints and live runs get a quarter of it.
 """
 
 import json
@@ -13,7 +13,7 @@ import time
 
 import h5py
 
-from drives import drive, study
+from drives import bearing, drive, live_drive, study
 
 COMMAND = os.environ["BINNACLE_COMMAND"]
 ROWS = 40001
@@ -129,4 +129,69 @@ def test_a_run_with_checkpoints_goes_on_to_the_same_bits(tmp_path):
         assert (tmp_path / f"out{i}" / "track.csv").read_bytes() == table
         assert not (tmp_path / "k").exists()
     print(f"{max(4, KILLS // 4)} runs with checkpoints, {killed} killed under way, {resumed} went on from one")
+    assert resumed > 0
+
+
+LIVE_ROWS = 20000
+PIPE = 2 * 65536  # bytes: what a pipe and its reader hold that the filter has not had yet
+
+
+def feed(process, begin, end):
+    """Gives the lines of these seconds to standard input; how far it came before the process was killed."""
+    for t in range(begin, end):
+        try:
+            process.stdin.write(bearing(t).encode())
+        except (BrokenPipeError, ValueError):
+            return t
+    return end
+
+
+def times_of(table):
+    return [float(line.split(b",", 1)[0]) for line in table.splitlines()[1:]]
+
+
+def test_a_live_run_with_checkpoints_loses_only_what_came_after_the_last(tmp_path):
+    (tmp_path / "c.json").write_text(json.dumps(live_drive()))
+    every = 200
+    words = ["run", "c.json", "--only", "csv", "--quiet", "--checkpoint", f"k@{every}s", "--out"]
+
+    def start(out, *more):
+        return subprocess.Popen(command(*words, out, *more), cwd=tmp_path, stdin=subprocess.PIPE,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+    whole = start("whole")
+    feed(whole, 0, LIVE_ROWS)
+    _, said = whole.communicate()
+    assert whole.returncode == 0, said
+    lines = (tmp_path / "whole" / "track.csv").read_bytes().splitlines()
+    assert len(lines) == LIVE_ROWS + 1
+    waiting = PIPE // len(bearing(LIVE_ROWS))
+    choose = random.Random(SEED)
+    resumed = 0
+    for i in range(max(4, KILLS // 4)):
+        fed = choose.randrange(1, LIVE_ROWS)
+        process = start(f"out{i}")
+        feed(process, 0, fed)
+        time.sleep(choose.uniform(0, 0.02))
+        process.kill()
+        process.communicate()
+        assert process.returncode == -signal.SIGKILL
+        assert not [path for path in (tmp_path / f"out{i}").glob("*") if not path.name.startswith(".")]
+        if not (tmp_path / "k").exists():
+            assert fed <= waiting + 1, "there was no checkpoint"
+            continue
+        resumed += 1
+        process = start(f"out{i}", "--resume", "k")
+        again = fed + 100  # what was sent meanwhile is lost
+        feed(process, again, LIVE_ROWS + 200)
+        _, said = process.communicate()
+        assert process.returncode == 0, said
+        table = (tmp_path / f"out{i}" / "track.csv").read_bytes()
+        times = times_of(table)
+        kept = sum(t < again for t in times)
+        assert table.splitlines()[: kept + 1] == lines[: kept + 1], "what came before the checkpoint is not the same"
+        assert kept >= fed - waiting - every, f"{fed} were fed, {kept} were kept"
+        assert times[kept:] == list(range(again, LIVE_ROWS + 200))
+        assert not (tmp_path / "k").exists()
+    print(f"{max(4, KILLS // 4)} live runs killed, {resumed} went on from a checkpoint")
     assert resumed > 0

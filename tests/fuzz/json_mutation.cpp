@@ -56,7 +56,11 @@ class Mutation {
   std::ptrdiff_t at(const Json& node) { return static_cast<std::ptrdiff_t>(below(node.size())); }
 
   void erase(Json& node) {
-    if (node.is_structured() && !node.empty()) node.erase(std::next(node.begin(), at(node)));
+    if (!node.is_structured() || node.empty()) return;
+    if (below(4) == 0)
+      node.clear();
+    else
+      node.erase(std::next(node.begin(), at(node)));
   }
   void rename(Json& node, const std::vector<Json*>& nodes) {
     if (!node.is_object() || node.empty()) return;

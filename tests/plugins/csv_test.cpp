@@ -374,13 +374,19 @@ TEST_CASE("csv: what stands for no data becomes NaN, in any spelling") {
 }
 
 TEST_CASE("csv: a label far ahead takes no earlier row with it, nor a sample back in time") {
+  const auto times_of = [](const char* rows) {
+    const TemporaryFile file(rows);
+    Warnings warnings;
+    std::vector<Time> times;
+    for (const auto& sample : read(with(rate_and_level(file.path()), "invalid_rows", text("skip")), &warnings))
+      times.push_back(sample.t);
+    return times;
+  };
   // Behind the jump two rows are unusable: what was before it is not known any more when the label goes back for good.
-  const TemporaryFile file("t,w,a\n0,0,0\n1,0,0\n2,0,0\n100,0,0\n3,x,0\n4,x,0\n0.5,0,0\n0.7,0,0\n5,0,0\n");
-  Warnings warnings;
-  const auto samples = read(with(rate_and_level(file.path()), "invalid_rows", text("skip")), &warnings);
-  std::vector<Time> times;
-  for (const auto& sample : samples) times.push_back(sample.t);
-  CHECK(times == std::vector<Time>{0, nanoseconds(1.0), nanoseconds(2.0), nanoseconds(5.0)});
+  CHECK(times_of("t,w,a\n0,0,0\n1,0,0\n2,0,0\n100,0,0\n3,x,0\n4,x,0\n0.5,0,0\n0.7,0,0\n5,0,0\n") ==
+        std::vector<Time>{0, nanoseconds(1.0), nanoseconds(2.0), nanoseconds(5.0)});
+  // Two samples are taken back: the one before them is still the earliest that there may be.
+  CHECK(times_of("t,w,a\n0,0,0\n3,0,0\n24,0,0\n12,x,0\n24,x,0\n0.2,x,0\n2,x,0\n-4,0,0\n") == std::vector<Time>{0});
 }
 
 TEST_CASE("csv: bad rows are skipped only on request, and counted") {

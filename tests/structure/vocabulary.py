@@ -2,11 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The vocabulary of the project: vocabulary.py ROOT
 
-Reports every word that TABLE excludes, as `path:line: word: say …`; exit status 1 if there is one.
+Reports every word that TABLE excludes, and in the prose of pages (*.md) every phrase of sdk/site/avoid.txt, as
+`path:line: word: say …`; exit status 1 if there is one.
 """
 import re
 import sys
 from pathlib import Path
+
+SITE = Path(__file__).resolve().parents[2] / "sdk/site"
+sys.path.insert(0, str(SITE))
+sys.dont_write_bytecode = True
+from prose import prose  # noqa: E402
 
 SUFFIXES = {".cpp", ".hpp", ".inc", ".py", ".js", ".html", ".md", ".json", ".txt", ".cmake", ".in", ".sh", ".awk", ""}
 # Places whose words are others', or old ones on purpose.
@@ -59,10 +65,10 @@ def files(root):
             yield name, path
 
 
-def offences(root):
+def offences(sources):
     """(word, path, line number, what to say instead)"""
     table = list(compiled())
-    for name, path in files(root):
+    for name, path in sources:
         try:
             lines = path.read_text(encoding="utf-8").splitlines()
         except UnicodeDecodeError:
@@ -78,8 +84,29 @@ def offences(root):
                     yield word, name, number, instead
 
 
+def avoided():
+    """(phrase, pattern, what to say instead) of avoid.txt: "phrase: instead", where a * stands for any ending."""
+    for line in (SITE / "avoid.txt").read_text(encoding="utf-8").splitlines():
+        if line and not line.startswith("#"):
+            phrase, instead = line.split(": ", 1)
+            words = (re.escape(word).replace(r"\*", r"\w*") for word in phrase.split())
+            yield phrase, re.compile(r"\b" + r"\s+".join(words) + r"\b", re.IGNORECASE), instead
+
+
+def avoided_in_pages(sources):
+    """The same as offences(); a phrase may go on in the next line."""
+    phrases = list(avoided())
+    for name, path in sources:
+        if path.suffix == ".md":
+            text = "\n".join(prose(path.read_text(encoding="utf-8")))
+            for phrase, pattern, instead in phrases:
+                for match in pattern.finditer(text):
+                    yield phrase, name, text.count("\n", 0, match.start()) + 1, instead
+
+
 def main():
-    found = list(offences(Path(sys.argv[1])))
+    sources = list(files(Path(sys.argv[1])))
+    found = [*offences(sources), *avoided_in_pages(sources)]
     for word, name, number, instead in found:
         print(f"{name}:{number}: {word}: say {instead}")
     return 1 if found else 0

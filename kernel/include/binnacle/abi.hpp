@@ -26,6 +26,7 @@ inline constexpr std::uint64_t magic = 0x454c'4341'4e4e'4942;  // "BINNACLE", li
 inline constexpr std::uint32_t api_major = 1;                  // changes with any interface; refused
 inline constexpr std::uint32_t api_minor = 0;                  // additions; a newer one than the host's is refused
 
+/// Size and alignment of a type, in bytes.
 struct TypeLayout {
   std::uint32_t size;
   std::uint32_t align;
@@ -74,6 +75,7 @@ struct Guard {
   char version[32];
 };
 
+/// Bits of Guard::sanitizers.
 enum Sanitizer : std::uint32_t { address_sanitizer = 1, thread_sanitizer = 2, memory_sanitizer = 4 };
 
 namespace detail {

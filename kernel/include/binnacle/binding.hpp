@@ -24,6 +24,7 @@ struct NamedUnit {
 
 /// What a component found out while it was bound: figures for `binnacle explain`, and what is suspicious but no error.
 struct Findings {
+  /// A number that `binnacle explain` shows.
   struct Figure {
     std::string name;
     double value = 0;  // SI

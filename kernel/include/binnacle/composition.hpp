@@ -54,6 +54,7 @@ struct RowGroupInfo {
   int like = -1;  // rows are the error components of this block of the filter, or of one of its kind; −1: of none
 };
 
+/// The χ² gate of a measurement, against outliers.
 struct GateInfo {
   double probability = 0;  // 0: no gate
   std::string by;          // what it refuses: "sample", "row", "key"
@@ -67,6 +68,7 @@ struct UpdateInfo {
   double tolerance = 0;      // and the last step, in sigma
 };
 
+/// A measurement of a filter: its channel, models, noise estimator, gate and update.
 struct MeasurementInfo {
   std::string name;
   int channel = -1;
@@ -81,6 +83,7 @@ struct MeasurementInfo {
   UpdateInfo update;
 };
 
+/// A process model of a filter.
 struct ProcessInfo : BoundInfo<ProcessModel> {
   int discretized_with = -1;  // a number in common with models which the kernel discretizes together; −1: by itself
 };
@@ -94,6 +97,7 @@ struct InitialInfo {
 /// Of a filter with `history`: as they are known now, or as they are once no sample can change them any more.
 enum class Estimates : unsigned char { live, settled };
 
+/// A filter: its parts, the layout of its state and its P, and what its config sets.
 struct FilterInfo {
   std::string name;
   int dof = 0;  // rows of P
@@ -114,6 +118,7 @@ struct FilterInfo {
   std::vector<Coupling> noise;       // Qd, both halves
 };
 
+/// A channel: what it carries, what emits it and what subscribes to it.
 struct ChannelInfo {
   std::string name;
   const ChannelDeclaration* declaration = nullptr;

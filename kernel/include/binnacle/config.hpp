@@ -47,6 +47,7 @@ struct LoadOptions {
   std::optional<std::string> text = {};
 };
 
+/// A resolved config, with the place of every value in its files; copies share one document.
 class Config {
  public:
   /// extends merged, patches, --set and variables applied; nothing else is checked. Throws ConfigError.

@@ -36,12 +36,14 @@ struct DerivedDeclaration : PortReader<DerivedDeclaration> {
   }
 };
 
+/// What evaluate() is given: stored values of the ports, and the driving rates.
 struct DerivedInput {
   PortValues x;
   Driving u;
   Notes notes = {};
 };
 
+/// Where evaluate() writes.
 struct DerivedOutput {
   VectorView value;  // stored_size
   PortJacobians J;  // of a port that is read: dof × dof(port), zeroed by the kernel; null when only the value is wanted

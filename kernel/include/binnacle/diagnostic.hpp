@@ -19,8 +19,10 @@ struct Origin {
   bool operator==(const Origin&) const = default;
 };
 
+/// An error stops what was asked for, a warning does not.
 enum class Severity { error, warning };
 
+/// One error or warning: its code, its place and a message.
 struct Diagnostic {
   Severity severity = Severity::error;
   std::string code;  ///< "B012"; every code has its entry in sdk/document/codes.cpp
@@ -70,6 +72,7 @@ class Error : public std::runtime_error {
   Diagnostics diagnostics_;
 };
 
+/// An Error with one exit status of the command.
 template <int status>
 class ErrorOf : public Error {
  public:

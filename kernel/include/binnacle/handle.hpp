@@ -65,11 +65,11 @@ struct Several {
   }
 };
 template <int N>
-using Fields = Several<Field, N>;
+using Fields = Several<Field, N>;  ///< N fields, read as one vector
 template <int N>
-using DrivingRateVector = Several<DrivingRate, N>;
+using DrivingRateVector = Several<DrivingRate, N>;  ///< N driving rates, read as one vector
 template <int N>
-using OutputFields = Several<OutputField, N>;
+using OutputFields = Several<OutputField, N>;  ///< N fields, written as one vector
 
 /// A port of this component, from Binding::port(), in the order of ComponentSpec::ports: `in.x[port]`, `out.H[port]`,
 /// `in.P(port, other)`. All of its views are null where it is an optional one left open.
@@ -106,7 +106,7 @@ class RowField : public Handle<struct OfRowField> {
 /// A T that the kernel keeps for this component, from the declaration's keeps<T>(): `in.memory[handle]` is a T&.
 template <class T>
 struct Memory {
-  using Type = T;
+  using Type = T;  ///< of what is kept
   std::size_t offset = 0;
 };
 

@@ -74,6 +74,7 @@ struct MeasurementDeclaration : MemoryDeclaration, PortReader<MeasurementDeclara
   }
 };
 
+/// What linearize() is given: a sample, and the state at its time.
 struct MeasurementInput {
   SampleView sample;           // the fields declared in the spec
   AuxiliarySamples auxiliary;  // of the channels of ComponentSpec::inputs

@@ -28,7 +28,7 @@ class PortVectors {
  private:
   Double* const* by_port_ = nullptr;
 };
-using PortValues = PortVectors<const double>;
+using PortValues = PortVectors<const double>;  ///< where they are read
 /// Where they are written; null, too, for ports that are only read.
 using PortOutputs = PortVectors<double>;
 
@@ -121,7 +121,7 @@ class PortCovariance {
 /// time and place, and shows them with the run's summary.
 class Notes {
  public:
-  using Function = void (*)(void* keeper, const char* text);
+  using Function = void (*)(void* keeper, const char* text);  ///< the kernel's, which keeps a note
   constexpr Notes() = default;
   constexpr Notes(void* keeper, Function function) noexcept : keeper_(keeper), function_(function) {}
 

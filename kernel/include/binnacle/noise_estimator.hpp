@@ -55,6 +55,7 @@ struct Innovation {
   Notes notes;
 };
 
+/// What became of a sample of a measurement.
 enum class Outcome { accepted, gated, late, unsupported, invalid, withheld, rejected };
 inline constexpr int outcome_count = 7;
 

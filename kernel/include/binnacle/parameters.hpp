@@ -43,6 +43,7 @@ class __attribute__((visibility("default"))) ComponentError : public std::runtim
 
 /// A checked value. Built by the kernel; plugins read it through Parameters.
 struct ParameterValue {
+  /// Which of the members holds the value; absent: none.
   enum class Type { absent, boolean, integer, number, text, vector, matrix, list, object };
   Type type = Type::absent;
   bool boolean = false;

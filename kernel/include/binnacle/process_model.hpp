@@ -209,6 +209,7 @@ struct Step {
   bool bridges = false;
 };
 
+/// What propagate() is given.
 struct ProcessInput {
   Step step;
   PortValues x;                // stored values at t0
@@ -225,6 +226,7 @@ struct ProcessOutput {
   BlockTable<QBlock> Qd;     // in the error dof at t1
 };
 
+/// What linearized() is given: the stored values to linearize at.
 struct ContinuousInput {
   PortValues x;
   AuxiliarySamples auxiliary = {};

@@ -33,7 +33,7 @@ constexpr std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4
 /// original. The words of a stream are the Philox blocks at counters (0, stream), (1, stream), …, low half
 /// first, under the key `seed`. The bijection makes blocks of one seed distinct; a stream lasts 2^65 draws.
 struct Philox {
-  using result_type = std::uint64_t;
+  using result_type = std::uint64_t;  ///< of one draw
 
   std::uint64_t seed;      // the key
   std::uint64_t stream;    // the upper half of the counter

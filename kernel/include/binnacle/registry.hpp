@@ -17,6 +17,7 @@
 
 namespace binnacle {
 
+/// What a component is in a composition: the interface that it implements.
 enum class Role {
   state_block,
   process_model,
@@ -32,7 +33,7 @@ enum class Role {
 using Interfaces =
     std::tuple<StateBlock, ProcessModel, MeasurementModel, DerivedBlock, NoiseEstimator, Source, Transform, Sink>;
 template <Role role>
-using Interface = std::tuple_element_t<static_cast<std::size_t>(role), Interfaces>;
+using Interface = std::tuple_element_t<static_cast<std::size_t>(role), Interfaces>;  ///< of one role
 
 /// Of an interface, or of a component that is derived from it.
 template <class Component, std::size_t i = 0>
@@ -45,8 +46,8 @@ constexpr Role role_of() {
 }
 
 template <class Base>
-using Factory = std::unique_ptr<Base> (*)(const Binding&, const NoiseBinding&);
-using AnyFactory = void (*)();  // a Factory of the role's interface
+using Factory = std::unique_ptr<Base> (*)(const Binding&, const NoiseBinding&);  ///< makes a bound component
+using AnyFactory = void (*)();                                                   ///< a Factory of the role's interface
 
 /// A component is a class with `static ComponentSpec spec()` and a constructor from `const Binding&` (noise estimators:
 /// also `const NoiseBinding&`), derived from one of the interfaces:

@@ -44,6 +44,7 @@ struct LiveFigures {
     std::int64_t behind = 0;  // older than one before
     double p50 = 0, p99 = 0, longest = 0;
   };
+  /// Samples of a live source: the most that waited at a time, how many were lost, how many unusable.
   struct Source {
     std::string name;
     std::int64_t longest_queue = 0, lost = 0, unusable = 0;
@@ -64,8 +65,7 @@ class RunObserver {
   /// The same in order of time, once no sample can come before it: with filters that have `history`, and after what these
   /// settle at its time.
   virtual void settled(int /*channel*/, const SampleView& /*sample*/) {}
-  /// At once: a new note of a model (B083), or of a sample that is invalid. RunResult::warnings has them too, with their
-  /// number.
+  /// At once: a new note of a model (B083), or of a sample that is invalid. RunResult::warnings has their number.
   virtual void noted(const Diagnostic& /*note*/) {}
   /// Whether arrived() is wanted.
   virtual bool wants_arrivals() const { return false; }
@@ -91,6 +91,7 @@ struct Checkpoints {
   std::span<const std::byte> from = {};
 };
 
+/// What run() takes besides the composition.
 struct RunOptions {
   std::uint64_t seed = 1;
   int run = 0;  // random streams are keyed by (seed, run, component)
@@ -102,6 +103,7 @@ struct RunOptions {
   RecordedInput* input = nullptr;  // null: the composition's sources, which else are not opened
 };
 
+/// What run() returns; estimates and figures go to its observer.
 struct RunResult {
   Diagnostics warnings;             // gaps and repairs in the data, notes of models
   Diagnostics failures;             // B080 broken, B081 never started; empty when all went well

@@ -18,6 +18,7 @@ bool have_same_sources(const Composition& a, const Composition& b);
 /// From now on, sources that are the same in several of them are one object: its data are read once. Before their first run.
 void share_sources(std::span<const std::shared_ptr<const Composition>> compositions);
 
+/// One of the runs of run_together().
 struct RunRequest {
   std::shared_ptr<const Composition> composition;
   RunOptions options = {};

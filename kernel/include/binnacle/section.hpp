@@ -158,6 +158,7 @@ class SectionData {
   virtual std::shared_ptr<RunObserver> part() const { return {}; }
 };
 
+/// A reader of keys of the config that are not the kernel's own: it checks them, and may take part in runs.
 class Section {
  public:
   virtual ~Section() = default;
@@ -170,8 +171,7 @@ class Section {
   virtual std::vector<std::string> filter_channels(const Reader& /*filter*/) const { return {}; }
   /// Former names of such keys, and what they are called now.
   virtual RenamedKeys renamed_keys() const { return {}; }
-  /// Where objects of merge patches stand, which keep their nulls until they are merged: "/variants", with `*` for
-  /// any key.
+  /// Where objects of merge patches stand, which keep their nulls until merged: "/variants"; `*` is any key.
   virtual std::vector<std::string> patches() const { return {}; }
 
   /// Called when sources, filters, transforms and sinks are composed, even if something is wrong with them.

@@ -47,8 +47,7 @@ struct FilterCounts {
 /// Counts of what was pushed on a channel since the Session was made or reset.
 struct ChannelCounts {
   std::int64_t pushed = 0;
-  /// Older than another that came before on the channel. A measurement that is behind its filter is counted `late`; a
-  /// driving input that is behind is not used.
+  /// Older than one before on the channel. A measurement behind its filter is `late`, a driving input behind is not used.
   std::int64_t behind = 0;
 };
 
@@ -57,13 +56,16 @@ struct ChannelCounts {
 struct ChannelId {
   int index = -1;
 };
+/// A filter, as ChannelId.
 struct FilterId {
   int index = -1;
 };
+/// A state block of a filter, as ChannelId; `index` counts as FilterInfo::blocks.
 struct BlockId {
   FilterId filter;
   int index = -1;
 };
+/// A measurement of a filter, as ChannelId; `index` counts as FilterInfo::measurements.
 struct MeasurementId {
   FilterId filter;
   int index = -1;

@@ -14,6 +14,7 @@
 
 namespace binnacle {
 
+/// What Source::next() answers: a sample, none yet (live), none any more, or data that it cannot read.
 enum class SourceStatus { sample, wait, end, error };
 
 /// What a source or a sink found worth a warning: gaps, repaired values, lines that a slow receiver lost. Kept by the kernel
@@ -34,6 +35,7 @@ struct StreamDeclaration : MemoryDeclaration {
     return OutputChannel(static_cast<int>(channels.size()) - 1);
   }
 };
+/// What a bound source emits and remembers.
 struct SourceDeclaration : StreamDeclaration {
   bool live = false;  // samples come as they are measured: next() may answer `wait`
 };
@@ -92,6 +94,7 @@ class Emitter {
   virtual void emit_again(OutputChannel channel) = 0;
 };
 
+/// What Transform::on() is given: one sample of one of its inputs.
 struct TransformInput {
   Input from;         // a handle of Binding::input()
   SampleView sample;  // the fields declared for it
@@ -102,8 +105,7 @@ struct TransformInput {
 class Transform : public DeclaredModel<StreamDeclaration, std::uint64_t> {
  public:
   virtual void on(const TransformInput& in, Emitter& out) const = 0;
-  /// Why it has emitted nothing yet, with figure and limit, for the message of a filter that waited for it in vain; empty:
-  /// it does not know.
+  /// Why it has emitted nothing yet, with figure and limit, for a filter that waited in vain; empty: unknown.
   virtual std::string waits_for(const MemoryView& /*memory*/) const { return {}; }
 };
 

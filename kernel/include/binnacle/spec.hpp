@@ -20,6 +20,7 @@ Spec&& with(Spec& spec, T& member, std::type_identity_t<T> value) {
   return std::move(spec);
 }
 
+/// What a parameter is in JSON.
 enum class ParameterType { number, integer, boolean, text, choice, path, vector, matrix, time, list, map, object };
 
 /// One parameter of a component.
@@ -136,6 +137,7 @@ inline ParameterSpec map(std::string name, ParameterSpec element) {
 
 }  // namespace parameter
 
+/// Whether a process model advances the block on a port, or a component only reads it.
 enum class PortAccess { reads, advances };
 
 /// A place where a block is plugged in: `"blocks": {"gyro_bias": "my_bias"}`.

@@ -37,6 +37,7 @@ struct Norm {
   std::vector<int> components;
 };
 
+/// What a block is: kind, size, error components, outputs, norms.
 struct StateBlockDeclaration {
   std::string kind;              // "attitude", "velocity.ned", "vector:3:rad/s"
   int stored_size = 0;           // doubles of the value

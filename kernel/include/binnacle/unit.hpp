@@ -14,9 +14,9 @@
 
 namespace binnacle {
 
-/// Exponents of the base units, doubled so that those of sqrt(...) are whole too. Angle is a base of its own:
-/// an angle never passes for a plain number.
+/// Exponents of the base units, doubled so that those of sqrt(...) are whole. An angle never passes for a plain number.
 struct Dimension {
+  /// Indices into `doubled`.
   enum Base : std::size_t { length, time, angle, mass, temperature, current, base_count };
 
   std::array<int, base_count> doubled{};  ///< of m, s, rad, kg, K, A
@@ -69,8 +69,7 @@ class Parsed {
 /// `^-1`, `sqrt(...)`, `(...)`. What is wrong reads like `unknown unit 'deg/hr'; did you mean 'deg/h'?`
 Parsed<Unit> parse_unit(std::string_view text);
 
-/// "0.2 deg/h" in SI. The space is optional, the number is in the C locale and finite; without a unit it is
-/// dimensionless.
+/// "0.2 deg/h" in SI. Space optional; the number finite, in the C locale; dimensionless without a unit.
 Parsed<Quantity> parse_quantity(std::string_view text);
 
 /// Canonical text of a dimension's SI unit: "rad/s", "m/s^2", "rad/sqrt(s)", "1". parse_unit reads it with scale 1.

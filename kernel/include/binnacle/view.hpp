@@ -17,11 +17,11 @@ template <class Double, int Rows, int Cols>
 using MatrixOf = std::conditional_t<std::is_const_v<Double>, const Eigen::Matrix<double, Rows, Cols>,
                                     Eigen::Matrix<double, Rows, Cols>>;
 template <class Double, int Rows, int Cols = 1>
-using MapAs = Eigen::Map<MatrixOf<Double, Rows, Cols>, Eigen::Unaligned>;
+using MapAs = Eigen::Map<MatrixOf<Double, Rows, Cols>, Eigen::Unaligned>;  ///< packed, column-major
 template <int Rows, int Cols = 1>
-using MapOf = MapAs<double, Rows, Cols>;
+using MapOf = MapAs<double, Rows, Cols>;  ///< that may be written
 template <int Rows, int Cols = 1>
-using ConstMapOf = MapAs<const double, Rows, Cols>;
+using ConstMapOf = MapAs<const double, Rows, Cols>;  ///< that may only be read
 /// A block inside a taller column-major matrix: `stride` doubles from one column to the next.
 template <class Double, int Rows, int Cols>
 using StridedMapAs = Eigen::Map<MatrixOf<Double, Rows, Cols>, Eigen::Unaligned, Eigen::OuterStride<>>;
@@ -97,11 +97,10 @@ class VectorViewOf {
   Double* data_ = nullptr;
   int size_ = 0;
 };
-using VectorView = VectorViewOf<double>;
-using ConstVectorView = VectorViewOf<const double>;
+using VectorView = VectorViewOf<double>;             ///< that may be written
+using ConstVectorView = VectorViewOf<const double>;  ///< that may only be read
 
-/// A rows×cols block of a column-major matrix: element (i, j) is data[i + j * stride]. A MatrixView may be written, a
-/// ConstMatrixView only read.
+/// A rows×cols block of a column-major matrix: element (i, j) is data[i + j * stride].
 template <class Double>
 struct MatrixViewOf {
   Double* data = nullptr;
@@ -133,7 +132,7 @@ struct MatrixViewOf {
     return {data + row + static_cast<long>(col) * stride, row_count, col_count, stride};
   }
 };
-using MatrixView = MatrixViewOf<double>;
-using ConstMatrixView = MatrixViewOf<const double>;
+using MatrixView = MatrixViewOf<double>;             ///< that may be written
+using ConstMatrixView = MatrixViewOf<const double>;  ///< that may only be read
 
 }  // namespace binnacle

@@ -238,7 +238,7 @@ class TransitionBuilder {
       }
   }
 
-  /// The block's active rows and columns: the model's own if that will do, else gathered.
+  /// A block of Φ, its active rows and columns: the model's own if that will do, else gathered. (Qd is read where it was written.)
   Made ready(int to, int from, const Terms& terms, bool wants_dense) {
     const auto& own = terms.front();
     const bool is_own = terms.size() == 1 && own.derived < 0 && block(to).is_whole() && block(from).is_whole();

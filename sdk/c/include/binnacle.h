@@ -67,6 +67,7 @@ BINNACLE_API const char* binnacle_last_error_json(void);
 
 /* ---- compositions: configs, checked and ready to run any number of times */
 
+/* A checked config, ready to run: of binnacle_load() or binnacle_parse(), until binnacle_release(). */
 typedef struct binnacle_composition binnacle_composition;
 
 /* A struct that begins with its size may grow: set `size` to sizeof, and what follows to zero. */
@@ -98,6 +99,7 @@ BINNACLE_API binnacle_status binnacle_release(binnacle_composition* composition)
  * the same config gives other ids. */
 typedef uint64_t binnacle_id;
 
+/* What binnacle_describe_filter() gives. */
 typedef struct binnacle_filter_info {
   uint64_t size;
   const char* name;
@@ -108,6 +110,7 @@ typedef struct binnacle_filter_info {
   binnacle_id input;   /* channel of its driving input; 0: it has none */
 } binnacle_filter_info;
 
+/* What binnacle_describe_block() gives. */
 typedef struct binnacle_block_info {
   uint64_t size;
   const char* name;
@@ -119,6 +122,7 @@ typedef struct binnacle_block_info {
   uint64_t rows;      /* of its part of P: its estimated and considered error components */
 } binnacle_block_info;
 
+/* What binnacle_describe_measurement() gives. */
 typedef struct binnacle_measurement_info {
   uint64_t size;
   const char* name;
@@ -126,6 +130,7 @@ typedef struct binnacle_measurement_info {
   uint64_t max_rows;
 } binnacle_measurement_info;
 
+/* What binnacle_describe_channel() gives. */
 typedef struct binnacle_channel_info {
   uint64_t size;
   const char* name;
@@ -135,6 +140,7 @@ typedef struct binnacle_channel_info {
   uint64_t covariance_rows; /* of an attached covariance; 0: samples have none */
 } binnacle_channel_info;
 
+/* How a field relates to time. */
 typedef int32_t binnacle_kind;
 #define BINNACLE_LEVEL 0     /* at an instant */
 #define BINNACLE_RATE 1      /* mean over the sample's interval */
@@ -180,6 +186,7 @@ BINNACLE_API binnacle_status binnacle_row(const binnacle_composition* compositio
 /* ---- sessions: a composition that runs. Its filters and transforms run; its sources, sinks, smoothers and scores do not:
  * samples are pushed, on any channel */
 
+/* A composition that runs: of binnacle_open(), until binnacle_close(). */
 typedef struct binnacle_session binnacle_session;
 
 /* As after binnacle_reset(session, seed, run). */
@@ -206,6 +213,7 @@ BINNACLE_API binnacle_status binnacle_find_measurement(const binnacle_session* s
 /* Times lie within ± this, so that differences are exact: 146 years. */
 #define BINNACLE_LAST_TIME (INT64_C(1) << 62)
 
+/* A sample of one channel, for binnacle_push_sample() and binnacle_add(). */
 typedef struct binnacle_sample {
   uint64_t size;
   int64_t t0; /* start of the interval, before t; BINNACLE_NO_TIME: an instant */
@@ -253,6 +261,7 @@ BINNACLE_API binnacle_status binnacle_read_start_time(const binnacle_session* se
 BINNACLE_API binnacle_status binnacle_read_started(const binnacle_session* session, binnacle_id filter, int32_t* is_so);
 BINNACLE_API binnacle_status binnacle_read_healthy(const binnacle_session* session, binnacle_id filter, int32_t* is_so);
 
+/* Whether a filter's estimates hold. */
 typedef int32_t binnacle_verdict;
 #define BINNACLE_VERDICT_OK 0
 #define BINNACLE_VERDICT_DOUBTFUL 1

@@ -29,6 +29,7 @@ struct Part {
   std::vector<Value> ports;
 };
 
+/// A noise estimator as it is bound, for at most max_rows rows.
 struct NoisePart {
   const ComponentType* type = nullptr;
   std::shared_ptr<const NoiseEstimator> estimator;

@@ -77,7 +77,7 @@ struct PortState {
   bool is_open() const { return block == nullptr; }
   int dof() const { return block ? block->declaration().dof() : 0; }
 };
-using PortStates = std::vector<PortState>;  // in the order of the spec
+using PortStates = std::vector<PortState>;  ///< in the order of the spec
 
 /// Rows (columns) that lie before those of `port` in a matrix over all ports.
 int offset(const PortStates& ports, std::size_t port);
@@ -121,6 +121,7 @@ struct Propagated {
 /// A NaN that no arithmetic makes: the fill of outputs that must be written completely.
 double unwritten();
 
+/// Calls a process model as the conformance suite does.
 class ProcessCaller {
  public:
   /// All must outlive it. auxiliary: a sample per input of the spec, in its order; none may be given where it has none.
@@ -193,6 +194,7 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> van_loan(const Eigen::MatrixXd& F, c
 
 // ---- measurement models
 
+/// One call of a measurement model.
 struct Measured {
   Result result;
   Eigen::VectorXd residual;        // of the rows that the model used
@@ -222,6 +224,7 @@ inline SampleView rows_of(std::span<const double> numbers, int width, Time t) {
   return sample;
 }
 
+/// Calls a measurement model as the conformance suite does.
 class MeasurementCaller {
  public:
   MeasurementCaller(const MeasurementModel& model, const ComponentSpec& spec) : model_(&model), spec_(&spec) {}
@@ -264,12 +267,14 @@ struct InnovationNumbers {
   std::vector<int> groups = {};         // empty: all rows are of group 0
 };
 
+/// One call of a noise estimator.
 struct Estimated {
   Eigen::MatrixXd R;
   std::string damage;
   std::vector<std::string> notes = {};  // that it left
 };
 
+/// Calls a noise estimator as the conformance suite does.
 class NoiseCaller {
  public:
   explicit NoiseCaller(const NoiseEstimator& estimator) : estimator_(&estimator) {}
@@ -301,10 +306,12 @@ struct Emitted {
   SampleView view() const;
 };
 
+/// Calls a source as the conformance suite does, one sample at a time.
 class SourceCaller {
  public:
   /// The source must be open, and outlive it.
   explicit SourceCaller(const Source& source) : source_(&source) {}
+  /// One call of Source::next(); `damage` as in Propagated.
   struct Next {
     SourceStatus status = SourceStatus::end;
     Emitted sample;
@@ -318,9 +325,11 @@ class SourceCaller {
   const Source* source_;
 };
 
+/// Calls a transform as the conformance suite does.
 class TransformCaller {
  public:
   TransformCaller(const Transform& transform, const ComponentSpec& spec) : transform_(&transform), spec_(&spec) {}
+  /// What a transform made of one sample; `damage` as in Propagated.
   struct Made {
     std::vector<Emitted> samples;  // in the order of emit()
     std::string damage;
@@ -336,6 +345,7 @@ class TransformCaller {
 
 // ---- derived blocks
 
+/// One call of a derived block.
 struct Evaluated {
   Result result;
   std::vector<double> value;
@@ -344,6 +354,7 @@ struct Evaluated {
   std::string damage;
 };
 
+/// Calls a derived block as the conformance suite does.
 class DerivedCaller {
  public:
   DerivedCaller(const DerivedBlock& model, const ComponentSpec& spec) : model_(&model), spec_(&spec) {}

@@ -1,0 +1,18 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# The site of the project is whole: built.sh PROJECT SITE PYTHON
+set -euo pipefail
+project=$1 site=$2 python=$3
+here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+. "$here/common.sh"
+need_packages
+
+rm -rf -- "$site"
+"$project/sdk/site/build" "$site"
+mapfile -t headers < <(cd "$project" && {
+  (cd kernel/include && ls binnacle/*.hpp)
+  (cd sdk/testing/include && ls binnacle/*.hpp)
+  (cd sdk/c/include && ls -- *.h)
+})
+[ ${#headers[@]} -gt 30 ] || { echo "only ${#headers[@]} headers" && exit 1; }
+"$python" "$here/links.py" "$site" "${headers[@]}"

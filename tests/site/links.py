@@ -1,0 +1,64 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a built site is whole: links.py SITE [HEADERS…]
+
+A line for each link of a page to a file or an anchor that is not there, for each page that takes something from the
+network, and for each of the HEADERS (binnacle/session.hpp) that has no page. Exit status 1 if there is one.
+"""
+import re
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+FETCHED = {("link", "href"), ("script", "src"), ("img", "src"), ("iframe", "src"), ("source", "src")}
+
+
+class Page(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.anchors, self.links, self.fetched = set(), [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name == "id" or (tag == "a" and name == "name"):
+                self.anchors.add(value)
+            elif name in ("href", "src") and value is not None:
+                self.links.append((self.getpos()[0], value))
+                is_canonical = tag == "link" and ("rel", "canonical") in attributes
+                if (tag, name) in FETCHED and re.match(r"(https?:)?//", value) and not is_canonical:
+                    self.fetched.append((self.getpos()[0], value))
+
+
+def faults_of(site, name, pages):
+    page = pages[name]
+    for line, link in page.fetched:
+        yield f"{name}:{line}: takes {link} from the network"
+    for line, link in page.links:
+        parts = urlsplit(link)
+        if parts.scheme or parts.netloc or name == "404.html":
+            continue
+        path = (site / name).parent / unquote(parts.path) if parts.path else site / name
+        path = path.resolve() / "index.html" if path.is_dir() else path.resolve()
+        target = path.relative_to(site).as_posix() if path.is_relative_to(site) else None
+        if target is None or not path.is_file():
+            yield f"{name}:{line}: {link} leads nowhere"
+        elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].anchors | {"__top"}:
+            yield f"{name}:{line}: {link}: {target} has no such anchor"
+
+
+def main(site, headers):
+    site = Path(site).resolve()
+    paths = sorted(site.rglob("*.html"))
+    pages = {path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8")) for path in paths}
+    faults = [] if pages else [f"{site} has no page"]
+    for name in pages:
+        faults += faults_of(site, name, pages)
+    faults += [f"{header}: no page" for header in headers if f"api/{header}.html" not in pages]
+    print("\n".join(faults) if faults else f"{len(pages)} pages, {sum(len(page.links) for page in pages.values())} links")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2:]))
