@@ -59,6 +59,9 @@ if(help_folder)
     endif()" COMPONENT runtime)
 endif()
 
+# The manual as a site, where sdk/site/build made it.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/build/site/" DESTINATION share/doc/binnacle/html COMPONENT runtime OPTIONAL)
+
 # ---- dev: headers, the kernel's library, the CMake package
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/kernel/include/binnacle" "${PROJECT_BINARY_DIR}/kernel/include/binnacle"
