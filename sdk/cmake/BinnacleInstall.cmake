@@ -59,8 +59,12 @@ if(help_folder)
     endif()" COMPONENT runtime)
 endif()
 
-# The manual as a site, where sdk/site/build made it.
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/build/site/" DESTINATION share/doc/binnacle/html COMPONENT runtime OPTIONAL)
+# ---- doc: the manual as a site, where sdk/site/build made it before this is configured
+
+if(EXISTS "${PROJECT_SOURCE_DIR}/build/site/index.html")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/build/site/" DESTINATION share/doc/binnacle/html COMPONENT doc OPTIONAL
+    PATTERN "sitemap.xml*" EXCLUDE)  # for search engines; the packed one has a time in it
+endif()
 
 # ---- dev: headers, the kernel's library, the CMake package
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Debian packages, made by `cpack -G DEB` in the build folder: binnacle (component runtime), binnacle-dev (dev); where there
-# is an MPI, binnacle-mpi (mpi); where the Python package is built, python3-binnacle (python).
+# is an MPI, binnacle-mpi (mpi); where the Python package is built, python3-binnacle (python); where the manual was built as a
+# site, binnacle-doc (doc).
 include_guard(GLOBAL)
 
 # Who answers for the packages that are built here, and where they are from: whoever distributes them sets these.
@@ -79,6 +80,16 @@ results as numpy arrays, and models written in Python.")
   # Byte code is made when it is installed, and leaves with it.
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
     "${CMAKE_CURRENT_LIST_DIR}/debian/postinst" "${CMAKE_CURRENT_LIST_DIR}/debian/prerm")
+endif()
+
+if(EXISTS "${PROJECT_SOURCE_DIR}/build/site/index.html")
+  list(APPEND CPACK_COMPONENTS_ALL doc)
+  set(CPACK_DEBIAN_DOC_DESCRIPTION "error-state Kalman filters for INS/GNSS - manual as a site
+${what_it_is}This package has the manual as pages for a browser, with a search and the API.")
+  set(CPACK_DEBIAN_DOC_PACKAGE_NAME binnacle-doc)
+  set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
+  set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
+  set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
 endif()
 
 # ---- what Debian wants of each package: copyright, changelogs; of lintian's warnings those that stay, with a reason

@@ -16,12 +16,13 @@ fail() {
   exit 1
 }
 
-architecture=$(dpkg --print-architecture)
+# deb PACKAGE: its file.
+deb() { echo "$packed/$1_${version}"_*.deb; }
 
 # holds PACKAGE PATH…
 holds() {
   local package=$1 listing path
-  listing=$(dpkg-deb -c "$packed/${package}_${version}_$architecture.deb" | awk '{ print $6 }')
+  listing=$(dpkg-deb -c "$(deb "$package")" | awk '{ print $6 }')
   shift
   for path in "$@"; do
     grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
@@ -38,7 +39,7 @@ if [ -e "$build/help/zsh/_binnacle" ]; then
     share/zsh/vendor-completions/_binnacle
 fi
 
-field() { dpkg-deb -f "$packed/$1_${version}_$architecture.deb" "$2"; }
+field() { dpkg-deb -f "$(deb "$1")" "$2"; }
 [ "$(field binnacle-dev Depends)" = "binnacle (= $version), libeigen3-dev" ] || fail "binnacle-dev depends on $(field binnacle-dev Depends)"
 field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on $(field binnacle Depends)"
 [[ $(field binnacle Depends) =~ (^|, )libnetcdf[0-9] ]] || fail "binnacle, which loads NetCDF, depends on $(field binnacle Depends)"
@@ -55,11 +56,17 @@ fi
 if ls "$build"/python/binnacle/_core*.so >/dev/null 2>&1; then
   packages+=(python3-binnacle)
   holds python3-binnacle lib/python3/dist-packages/binnacle/{__init__.py,_composition.py,_core.pyi,py.typed}
-  listing=$(dpkg-deb -c "$packed/python3-binnacle_${version}_$architecture.deb")  # whole: grep -q would break the pipe
+  listing=$(dpkg-deb -c "$(deb python3-binnacle)")  # whole: grep -q would break the pipe
   grep -q '/dist-packages/binnacle/_core[.]cpython.*[.]so$' <<<"$listing" || fail "python3-binnacle lacks its module"
   for needed in "binnacle (= $version)" 'python3 (>= 3.' 'python3 (<< 3.' python3-numpy; do
     [[ $(field python3-binnacle Depends) == *"$needed"* ]] || fail "python3-binnacle depends on $(field python3-binnacle Depends)"
   done
+fi
+
+if [ -e "$(deb binnacle-doc)" ]; then
+  packages+=(binnacle-doc)
+  holds binnacle-doc share/doc/binnacle/html/index.html share/doc/binnacle/html/search/search_index.json
+  [ "$(field binnacle-doc Architecture)" = all ] || fail "binnacle-doc is of one architecture"
 fi
 
 for package in "${packages[@]}"; do
@@ -69,7 +76,7 @@ for package in "${packages[@]}"; do
 done
 
 # The packages hold the same as an installation does.
-count() { dpkg-deb -c "$packed/$1_${version}_$architecture.deb" | grep -c '^-'; }
+count() { dpkg-deb -c "$(deb "$1")" | grep -c '^-'; }
 "$cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
 held=0
 for package in "${packages[@]}"; do held=$((held + $(count "$package"))); done
@@ -77,7 +84,7 @@ for package in "${packages[@]}"; do held=$((held + $(count "$package"))); done
 
 # Unpacked elsewhere, they work: run, write a plugin, hold one against the contract.
 for package in "${packages[@]}"; do
-  dpkg-deb -x "$packed/${package}_${version}_$architecture.deb" "$scratch/unpacked"
+  dpkg-deb -x "$(deb "$package")" "$scratch/unpacked"
 done
 unpacked=$scratch/unpacked/usr/bin/binnacle
 "$unpacked" version >/dev/null || fail "the packaged command does not run"
