@@ -35,7 +35,8 @@ cp "$build/install_manifest.txt" "$scratch/manifest"
 
 # Each path of the table; the completion of zsh lies where its second path says, since the prefix is not /usr.
 cd "$scratch/prefix"
-paths=$(sed -n '/^## Where files lie/,/^## /s/^| \(`.*`\) |.*/\1/p' "$page" | tr -d '`,')
+# shellcheck disable=SC2016  # backquotes of Markdown
+paths=$(sed -n '/^## Where files lie/,/^## /s/^| \(`[^|]*\) |.*/\1/p' "$page" | tr -d '`,')
 [ "$(wc -w <<<"$paths")" -ge 15 ] || fault "the page's table of paths is not found: $paths"
 # shellcheck disable=SC2086  # words, with patterns
 for path in $paths; do
