@@ -28,7 +28,9 @@ install(TARGETS ${plugins} LIBRARY DESTINATION lib/binnacle COMPONENT runtime)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${BINNACLE_SHARE_FOLDER} COMPONENT runtime)
 install(PROGRAMS "${PROJECT_SOURCE_DIR}/configs/benchmarks/run" DESTINATION ${BINNACLE_SHARE_FOLDER}/configs/benchmarks COMPONENT runtime)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/sdk/template" "${PROJECT_SOURCE_DIR}/sdk/examples" "${PROJECT_SOURCE_DIR}/sdk/docs"
-  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE)
+  DESTINATION ${BINNACLE_SHARE_FOLDER}/sdk COMPONENT runtime PATTERN build EXCLUDE PATTERN __pycache__ EXCLUDE
+  REGEX "/examples/.*/[.]gitignore$" EXCLUDE
+  REGEX "[.](sh|sbatch)$" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 file(GLOB documents RELATIVE "${PROJECT_SOURCE_DIR}" CONFIGURE_DEPENDS
   LICENSE *.md CITATION.cff kernel/*.md sdk/packages.txt plugins/*/README.md)
@@ -36,7 +38,34 @@ foreach(document IN LISTS documents)
   cmake_path(GET document PARENT_PATH folder)
   install(FILES "${PROJECT_SOURCE_DIR}/${document}" DESTINATION ${BINNACLE_SHARE_FOLDER}/${folder} COMPONENT runtime)
 endforeach()
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION share/doc/binnacle COMPONENT runtime)
+
+# Made by the target help_pages, which sdk/run does not build.
+get_property(help_folder GLOBAL PROPERTY BINNACLE_HELP_FOLDER)
+if(help_folder)
+  # A wildcard finds nothing where nothing was built.
+  install(CODE "
+    file(GLOB pages \"${help_folder}/man/*.1.gz\")
+    if(pages)
+      # Where zsh of Debian looks, for packages and for /usr/local.
+      set(zsh site-functions)
+      if(CMAKE_INSTALL_PREFIX MATCHES \"(^|/)usr$\")
+        set(zsh vendor-completions)
+      endif()
+      file(INSTALL \${pages} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/man/man1\")
+      file(INSTALL \"${help_folder}/bash/binnacle\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/bash-completion/completions\")
+      file(INSTALL \"${help_folder}/zsh/_binnacle\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/share/zsh/\${zsh}\")
+    else()
+      message(STATUS \"Left out, since they are not built: manual pages and shell completion \"
+        \"(cmake --build ${PROJECT_BINARY_DIR} --target help_pages)\")
+    endif()" COMPONENT runtime)
+endif()
+
+# ---- doc: the manual as a site, where sdk/site/build made it before this is configured
+
+if(EXISTS "${PROJECT_SOURCE_DIR}/build/site/index.html")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/build/site/" DESTINATION share/doc/binnacle/html COMPONENT doc OPTIONAL
+    PATTERN "sitemap.xml*" EXCLUDE)  # for search engines; the packed one has a time in it
+endif()
 
 # ---- dev: headers, the kernel's library, the CMake package
 

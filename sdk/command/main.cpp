@@ -106,7 +106,7 @@ int refuse(const CLI::App& command, const CLI::ParseError& error, const std::vec
 }
 
 int carry_out(int argc, char** argv) {
-  CLI::App command{"State estimation composed from JSON out of shared-library plugins"};
+  CLI::App command{"Error-state Kalman filters for INS/GNSS and other sensors, composed from JSON"};
   command.name("binnacle");
   command.require_subcommand(1);
   command.footer(exit_statuses);

@@ -1,11 +1,11 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the Debian packages of a build and looks into them: debian.sh BUILD CPACK VERSION
+# Looks into the Debian packages that pack.sh made: debian.sh BUILD CMAKE VERSION FOLDER
 set -euo pipefail
-build=$1 cpack=$2 version=$3
+build=$1 cmake=$2 version=$3 packed=$4
 
-command -v dpkg-shlibdeps >/dev/null || {
-  echo "SKIPPED: no dpkg-shlibdeps (Debian package dpkg-dev)"
+ls "$packed"/*.deb >/dev/null 2>&1 || {
+  echo "SKIPPED: no packages were made"
   exit 77
 }
 scratch=$(mktemp -d)
@@ -16,27 +16,30 @@ fail() {
   exit 1
 }
 
-"$cpack" -G DEB --config "$build/CPackConfig.cmake" -B "$scratch" >"$scratch/log" 2>&1 || {
-  cat "$scratch/log" >&2
-  fail "cpack"
-}
-architecture=$(dpkg --print-architecture)
+# deb PACKAGE: its file.
+deb() { echo "$packed/$1_${version}"_*.deb; }
 
 # holds PACKAGE PATH…
 holds() {
   local package=$1 listing path
-  listing=$(dpkg-deb -c "$scratch/${package}_${version}_$architecture.deb" | awk '{ print $6 }')
+  listing=$(dpkg-deb -c "$(deb "$package")" | awk '{ print $6 }')
   shift
   for path in "$@"; do
     grep -qxF "./usr/$path" <<<"$listing" || fail "$package lacks /usr/$path"
   done
 }
-holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so lib/libbinnacle_c.so.1 share/doc/binnacle/LICENSE \
-  share/binnacle/{README.md,configs/quickstart.json,sdk/docs/README.md,sdk/template/process/plugin.cpp}
+holds binnacle bin/binnacle bin/binnacle-conform lib/binnacle/core.so lib/binnacle/csv.so lib/libbinnacle_c.so.1 \
+  share/binnacle/{LICENSE,README.md,configs/quickstart.json,sdk/docs/README.md,sdk/template/process/plugin.cpp}
 holds binnacle-dev include/binnacle.h lib/libbinnacle_c.so include/binnacle/plugin.hpp include/binnacle/header_hash.hpp lib/libbinnacle_kernel.a \
   lib/cmake/Binnacle/BinnacleConfig.cmake lib/cmake/Binnacle/binnacle_plugin.map
 
-field() { dpkg-deb -f "$scratch/$1_${version}_$architecture.deb" "$2"; }
+# Pages and completion, where they are built.
+if [ -e "$build/help/zsh/_binnacle" ]; then
+  holds binnacle share/man/man1/{binnacle,binnacle-run,binnacle-conform}.1.gz share/bash-completion/completions/binnacle \
+    share/zsh/vendor-completions/_binnacle
+fi
+
+field() { dpkg-deb -f "$(deb "$1")" "$2"; }
 [ "$(field binnacle-dev Depends)" = "binnacle (= $version), libeigen3-dev" ] || fail "binnacle-dev depends on $(field binnacle-dev Depends)"
 field binnacle Depends | grep -q 'libstdc++6 (>= ' || fail "binnacle depends on $(field binnacle Depends)"
 [[ $(field binnacle Depends) =~ (^|, )libnetcdf[0-9] ]] || fail "binnacle, which loads NetCDF, depends on $(field binnacle Depends)"
@@ -53,29 +56,48 @@ fi
 if ls "$build"/python/binnacle/_core*.so >/dev/null 2>&1; then
   packages+=(python3-binnacle)
   holds python3-binnacle lib/python3/dist-packages/binnacle/{__init__.py,_composition.py,_core.pyi,py.typed}
-  listing=$(dpkg-deb -c "$scratch/python3-binnacle_${version}_$architecture.deb")  # whole: grep -q would break the pipe
+  listing=$(dpkg-deb -c "$(deb python3-binnacle)")  # whole: grep -q would break the pipe
   grep -q '/dist-packages/binnacle/_core[.]cpython.*[.]so$' <<<"$listing" || fail "python3-binnacle lacks its module"
   for needed in "binnacle (= $version)" 'python3 (>= 3.' 'python3 (<< 3.' python3-numpy; do
     [[ $(field python3-binnacle Depends) == *"$needed"* ]] || fail "python3-binnacle depends on $(field python3-binnacle Depends)"
   done
 fi
 
+if [ -e "$(deb binnacle-doc)" ]; then
+  packages+=(binnacle-doc)
+  holds binnacle-doc share/doc/binnacle/html/index.html share/doc/binnacle/html/search/search_index.json
+  [ "$(field binnacle-doc Architecture)" = all ] || fail "binnacle-doc is of one architecture"
+fi
+
+for package in "${packages[@]}"; do
+  holds "$package" "share/doc/$package/copyright" "share/doc/$package/changelog.gz" "share/doc/$package/changelog.Debian.gz"
+  [[ $(field "$package" Maintainer) == ?*" <"?*@?*">" ]] || fail "$package has the maintainer $(field "$package" Maintainer)"
+  [[ $(field "$package" Description) == "error-state Kalman filters for INS/GNSS"* ]] || fail "$package is described as $(field "$package" Description)"
+done
+
 # The packages hold the same as an installation does.
-count() { dpkg-deb -c "$scratch/$1_${version}_$architecture.deb" | grep -c '^-'; }
-"$(dirname -- "$cpack")/cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
+count() { dpkg-deb -c "$(deb "$1")" | grep -c '^-'; }
+"$cmake" --install "$build" --prefix "$scratch/installed" >/dev/null
 held=0
 for package in "${packages[@]}"; do held=$((held + $(count "$package"))); done
 [ "$held" -eq "$(find "$scratch/installed" -type f | wc -l)" ] || fail "something is installed that no package holds"
 
 # Unpacked elsewhere, they work: run, write a plugin, hold one against the contract.
 for package in "${packages[@]}"; do
-  dpkg-deb -x "$scratch/${package}_${version}_$architecture.deb" "$scratch/unpacked"
+  dpkg-deb -x "$(deb "$package")" "$scratch/unpacked"
 done
 unpacked=$scratch/unpacked/usr/bin/binnacle
 "$unpacked" version >/dev/null || fail "the packaged command does not run"
 "$unpacked" conform "$scratch/unpacked/usr/lib/binnacle/gnss_fix.so" --level 2 >/dev/null ||
   fail "the packaged suite does not pass the packaged gnss_fix"
 (cd "$scratch" && "$unpacked" new plugin packaged >/dev/null) || fail "the packaged command writes no plugin"
+
+if [ -e "$scratch/unpacked/usr/share/man" ] && command -v man >/dev/null; then
+  page=$(MANPATH=$scratch/unpacked/usr/share/man man -P cat binnacle-run) || fail "man binnacle-run"
+  [[ $page == *"binnacle run [OPTION]... CONFIG"* ]] || fail "man binnacle-run shows: $page"
+fi
+changes=$(zcat "$scratch/unpacked/usr/share/doc/binnacle/changelog.Debian.gz")
+[ "${changes%%$'\n'*}" = "binnacle ($version) unstable; urgency=medium" ] || fail "the newest of changelog.Debian is: ${changes%%$'\n'*}"
 
 # The Python package runs the packaged configs by the packaged plugins, and prints what the packaged command prints.
 if [[ " ${packages[*]} " == *" python3-binnacle "* ]]; then
