@@ -39,25 +39,38 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// By its letters, or else one whose name or title has the word in it: "uwb", "battery-soc".
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  bool is_in_word = false;
+  for (const char c : lower(text)) {
+    const bool is_letter = std::isalnum(static_cast<unsigned char>(c)) != 0;
+    if (is_letter && !is_in_word) words.emplace_back();
+    if (is_letter) words.back() += c;
+    is_in_word = is_letter;
+  }
+  return words;
+}
+
+/// By its letters, or else one whose name or title has all of its words: "uwb", "gnss-tight".
 std::string nearest(const std::string& name, const std::vector<Example>& examples) {
   const std::string spelled = closest(name, wording::names_of(examples));
-  if (!spelled.empty() || name.size() < 3) return spelled;
-  const std::string word = lower(name);
-  for (const auto& one : examples)
-    if (one.name.find(word) != std::string::npos || lower(one.title).find(word) != std::string::npos ||
-        word.find(one.name) != std::string::npos)
+  const auto words = words_of(name);
+  if (!spelled.empty() || words.empty()) return spelled;
+  for (const auto& one : examples) {
+    const std::string text = lower(one.name + " " + one.title);
+    if (std::all_of(words.begin(), words.end(), [&](const auto& word) { return text.find(word) != std::string::npos; }))
       return one.name;
+  }
   return "";
 }
 
 /// Collects the files that a config names.
 class Companions {
  public:
-  explicit Companions(fs::path config) : folder_(config.parent_path()), config_(std::move(config)) {}
+  explicit Companions(const Example& example) : example_(example), folder_(example.config.parent_path()) {}
 
   std::vector<fs::path> found() {
-    read(config_.filename());
+    read(example_.config.filename());
     return files_;
   }
 
@@ -92,9 +105,9 @@ class Companions {
     std::error_code error;
     if (*file.begin() == ".." || key == "plugins" || (key == "path" && fs::is_directory(folder_ / file, error)))
       throw UsageError(fmt::format("'{}' needs '{}', which does not come along; run it where it is, or copy its folder",
-                                   config_.string(), name));
+                                   example_.name, name));
     if (!is_extended && !fs::is_regular_file(folder_ / file, error)) return;
-    if (file == config_.filename() || std::find(files_.begin(), files_.end(), file) != files_.end()) return;
+    if (file == example_.config.filename() || std::find(files_.begin(), files_.end(), file) != files_.end()) return;
     files_.push_back(file);
     if (is_extended) read(file);
   }
@@ -106,7 +119,8 @@ class Companions {
     return text;
   }
 
-  fs::path folder_, config_;
+  const Example& example_;
+  fs::path folder_;
   std::vector<fs::path> files_;
   std::vector<std::pair<std::string, std::string>> variables_;
 };
@@ -136,11 +150,13 @@ Example example(const std::string& name_or_path) {
   if (fs::is_regular_file(name_or_path, error))
     return {name_or_path, title_of(name_or_path), fs::absolute(name_or_path)};
   const std::string near = nearest(name_or_path, examples);
+  std::string list = listed(examples);
+  if (!list.empty()) list.pop_back();  // the last line's end
   throw UsageError(fmt::format("there is no example '{}'{}\n{}", name_or_path,
-                               near.empty() ? "" : "; did you mean '" + near + "'?", listed(examples)));
+                               near.empty() ? "" : "; did you mean '" + near + "'?", list));
 }
 
-std::vector<fs::path> companions(const Example& example) { return Companions(example.config).found(); }
+std::vector<fs::path> companions(const Example& example) { return Companions(example).found(); }
 
 std::string contents(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);

@@ -10,6 +10,7 @@
 #include "gallery.hpp"
 #include "new_files.hpp"
 #include "output.hpp"
+#include "table.hpp"
 
 namespace binnacle::command {
 
@@ -40,12 +41,11 @@ bool is_same(const fs::path& file, const std::string& text) {
 
 /// What to type next.
 std::string next_steps(const std::string& config) {
-  return fmt::format(
-      "\n"
-      "  binnacle run {0} --out out      # the errors, and out/report.html\n"
-      "  binnacle explain {0}            # states, models, channels\n"
-      "  binnacle inspect YOUR_DATA.csv  # what your own data are, before the filter reads them\n",
-      config);
+  Table table("ll");
+  table.row({"binnacle run " + config + " --out out", "# the errors, and out/report.html"});
+  table.row({"binnacle explain " + config, "# states, models, channels"});
+  table.row({"binnacle inspect YOUR_DATA.csv", "# what your own data are, before the filter reads them"});
+  return "\n" + table.text();
 }
 
 }  // namespace
