@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gallery, and new filter: each example runs and holds what its page says, each copy runs, and nothing is overwritten.
+// new filter: each copy runs, what it needs comes along, and nothing is overwritten.
 #include "catch.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -10,49 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "gallery.hpp"
 
 using namespace binnacle::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path gallery = fs::path(BINNACLE_TEST_PROJECT) / "configs/gallery";
-
-/// Errors of each example stay below these, in SI: some two times what a run gives, so that other random numbers pass too.
-const std::map<std::string, std::map<std::string, double>> rms_bounds{
-    {"attitude-magnetometer", {{"attitude.tilt", 0.002}, {"attitude.down", 0.005}, {"hard_iron.x", 1e-7}}},
-    {"battery", {{"cell.charge", 0.01}, {"cell.pair", 0.003}}},
-    {"car-wheels",
-     {{"position.horizontal", 1.5}, {"position.height", 1.5}, {"attitude.down", 0.005}, {"mounting.z", 0.003}}},
-    {"foot-zupt", {{"position.horizontal", 4}, {"position.height", 0.1}, {"attitude.tilt", 0.002}}},
-    {"loose-ins-gnss",
-     {{"position.horizontal", 1}, {"position.height", 1.2}, {"attitude.tilt", 0.002}, {"attitude.down", 0.01}}},
-    {"ship-motion", {{"pitch.angle", 0.015}, {"error.error", 0.008}}},
-    {"target-tracking", {{"position.norm", 40}, {"velocity.norm", 5}}},
-    {"tight-ins-gnss",
-     {{"position.horizontal", 1.5}, {"position.height", 1}, {"attitude.down", 0.01}, {"clock.bias", 1}}},
-    {"transfer-alignment", {{"attitude.tilt", 0.001}, {"attitude.down", 0.002}, {"mounting.z", 0.002}}},
-    {"underwater-dvl", {{"position.horizontal", 6}, {"position.height", 0.2}, {"attitude.down", 0.015}}},
-    {"uwb-indoors", {{"position.horizontal", 0.08}, {"position.height", 0.12}, {"attitude.down", 0.015}}},
-};
-
-std::vector<std::string> examples() {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(gallery))
-    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-/// The only filter of the run's summary.
-nlohmann::json summary_of(const Workbench& bench, const std::string& config) {
-  const auto outcome = binnacle::test::binnacle(bench, {"run", config, "--json"});
-  INFO(outcome.err);
-  REQUIRE(outcome.status == 0);
-  const auto filters = nlohmann::json::parse(outcome.out).at("filters");
-  REQUIRE(filters.size() == 1);
-  return filters.begin().value();
-}
 
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;
@@ -70,51 +32,7 @@ std::string refusal(const Workbench& bench, const std::vector<std::string>& argu
   return outcome.err;
 }
 
-bool begins(const std::string& text, const std::string& with) { return text.rfind(with, 0) == 0; }
-
 }  // namespace
-
-TEST_CASE("each config of the gallery runs, is consistent, and errs by no more than its bounds") {
-  const Workbench bench;
-  REQUIRE(examples().size() == rms_bounds.size());
-  for (const auto& name : examples()) {
-    INFO(name);
-    const auto filter = summary_of(bench, (gallery / (name + ".json")).string());
-    CHECK(filter.at("verdict").at("state") == "ok");
-    REQUIRE(rms_bounds.count(name) == 1);
-    for (const auto& [error, bound] : rms_bounds.at(name)) {
-      INFO(error);
-      const double rms = filter.at("reference").at(error).at("rms");
-      CHECK(rms < bound);
-      CHECK(rms > bound / 50);  // a bound that nothing reaches bounds nothing
-    }
-    // Of one run, whose errors are correlated in time: a band for what is neither overconfident nor asleep.
-    const auto& consistency = filter.at("consistency");
-    const auto& all = consistency.contains("state") ? consistency.at("state") : consistency.begin().value();
-    const double per_dof = all.at("nees_mean").get<double>() / all.at("dof").get<double>();
-    CHECK(per_dof > 0.4);
-    CHECK(per_dof < 1.6);
-  }
-}
-
-TEST_CASE("configs of the gallery are short, begin with what they show, and have a section and a picture") {
-  const std::string page = read_file(gallery / "README.md");
-  for (const auto& name : examples()) {
-    INFO(name);
-    const std::string text = read_file(gallery / (name + ".json"));
-    CHECK(std::count(text.begin(), text.end(), '\n') <= 60);
-    CHECK(begins(text, "{\n  // "));
-    CHECK(text.find("// States (") != std::string::npos);
-    CHECK(text.find("// Your own data: ") != std::string::npos);
-    std::size_t widest = 0;
-    for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1)
-      widest = std::max(widest, end - at);
-    CHECK(widest <= 180);
-    CHECK(page.find("\n## " + name + "\n") != std::string::npos);
-    CHECK(page.find("](" + name + ".svg)") != std::string::npos);
-    CHECK(fs::file_size(gallery / (name + ".svg")) <= 40'000);
-  }
-}
 
 TEST_CASE("new filter copies each example into a folder of one's own, where it runs") {
   const Workbench bench;
