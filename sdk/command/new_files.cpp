@@ -3,7 +3,6 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -12,7 +11,9 @@
 #include <fmt/format.h>
 
 #include "atomic_file.hpp"
+#include "folders.hpp"
 #include "output.hpp"
+#include "unfinished.hpp"
 
 namespace binnacle::command {
 
@@ -40,20 +41,25 @@ int moved(const fs::path& from, const fs::path& to) {
 NewFiles::~NewFiles() {
   std::error_code ignored;
   if (is_kept_) return;
-  for (const File& file : files_) fs::remove(file.is_there ? file.target : file.temporary, ignored);
+  for (auto file = files_.rbegin(); file != files_.rend(); ++file) {
+    fs::remove(file->is_there ? file->target : file->temporary, ignored);
+    if (!file->topmost.empty()) remove_empty_folders(file->target.parent_path(), file->topmost);
+  }
 }
 
 void NewFiles::write(const fs::path& target, const std::string& text) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(target, error))) throw in_the_way(target);
-  const fs::path temporary = target.parent_path() / fmt::format(".{}.tmp-{}", target.filename().string(), getpid());
-  errno = 0;
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  if (!file) throw UsageError(fmt::format("cannot write '{}': {}", target.string(), why(errno)));
-  files_.push_back({target, temporary});
-  file << text;
-  file.close();
-  if (!file) throw OutputError(could_not_write(target, why(errno)));
+  const fs::path folder = target.parent_path();
+  const fs::path temporary = folder / fmt::format(".{}.tmp-{}", target.filename().string(), getpid());
+  files_.push_back({target, temporary, folder.empty() ? fs::path() : make_folders(folder)});
+
+  std::FILE* const file = std::fopen(temporary.c_str(), "wbx");
+  if (file == nullptr) throw UsageError(fmt::format("cannot write '{}': {}", target.string(), why(errno)));
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  const int failure = errno;
+  if (std::fclose(file) != 0) throw OutputError(could_not_write(target, why(errno)));
+  if (!is_written) throw OutputError(could_not_write(target, why(failure)));
 }
 
 void NewFiles::commit() {

@@ -17,7 +17,7 @@ class NewFiles {
   NewFiles(const NewFiles&) = delete;
   NewFiles& operator=(const NewFiles&) = delete;
 
-  /// UsageError where something is at `target`; OutputError where it cannot be written.
+  /// With the folders above it. UsageError where something is at `target`; OutputError where it cannot be written.
   void write(const std::filesystem::path& target, const std::string& text);
   /// In the order of write(). Where one fails, those before it go again.
   void commit();
@@ -25,6 +25,7 @@ class NewFiles {
  private:
   struct File {
     std::filesystem::path target, temporary;
+    std::filesystem::path topmost;  // of the folders made for it; empty: none
     bool is_there = false;
   };
   std::vector<File> files_;

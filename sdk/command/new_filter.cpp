@@ -66,7 +66,6 @@ int make_filter(const NewFilter& wanted) {
       throw UsageError(fmt::format("'{}' is the name of a file that {} needs; choose another", name, from.name));
     const std::string text = contents(from.config.parent_path() / file);
     if (is_same(at(file), text)) continue;  // of an earlier copy
-    if (file.has_parent_path()) fs::create_directories(at(file).parent_path(), error);
     files.write(at(file), text);
     written.push_back(at(file).string());
   }

@@ -123,6 +123,14 @@ TEST_CASE("new filter leaves what exists as it is") {
   CHECK(read_file(bench.path("battery.csv")) == "mine too");
   fs::remove(bench.path("battery.csv"));
 
+  fs::create_directories(bench.path("from/parts"));
+  bench.write("from/top.json", R"({"extends": ["parts/middle.json", "base.json"]})");
+  bench.write("from/parts/middle.json", "{}");
+  bench.write("from/base.json", "{}");
+  bench.write("base.json", "mine as well");
+  CHECK(begins(refusal(bench, {"new", "filter", "top", "--from", "from/top.json"}),
+               "error: 'base.json' exists already; nothing was written"));
+
   // What an earlier copy left is the same, and stays.
   REQUIRE(binnacle::test::binnacle(bench, {"new", "filter", "one", "--from", "battery"}).status == 0);
   CHECK(binnacle::test::binnacle(bench, {"new", "filter", "two", "--from", "battery"}).status == 0);
