@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// new plugin: a folder with a plugin that builds, passes conformance and is used by a config.
+// new: a plugin's folder, which builds, passes conformance and is used by a config; or a filter's config (new_filter.hpp).
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,6 +11,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "gallery.hpp"
+#include "installation.hpp"
+#include "new_filter.hpp"
 #include "output.hpp"
 #include "table.hpp"
 #include "verbs.hpp"
@@ -37,22 +40,10 @@ struct Options {
   std::string name;
   std::string kind = "process";
   std::string folder = ".";
+  std::string from;
+  bool lists = false;
   bool json = false;
 };
-
-/// PREFIX of PREFIX/bin/binnacle, installed or built.
-fs::path prefix() {
-  std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path().parent_path();
-}
-
-fs::path template_folder() {
-  std::error_code error;
-  const fs::path folder = prefix() / "share" / "binnacle" / "sdk" / "template";
-  if (!fs::is_directory(folder, error))
-    throw UsageError(fmt::format("the templates are missing: there is no folder '{}'", folder.string()));
-  return folder;
-}
 
 bool is_snake_case(const std::string& name) {
   const auto is_lower = [](char c) { return c >= 'a' && c <= 'z'; };
@@ -75,9 +66,7 @@ std::string in_snake_case(const std::string& name) {
   return is_snake_case(result) ? result : "";
 }
 
-void check_what(const Options& options) {
-  if (options.what != "plugin")
-    throw UsageError(fmt::format("there is nothing new called '{}'; did you mean 'plugin'?", options.what));
+void check_kind(const Options& options) {
   if (std::find(kinds.begin(), kinds.end(), options.kind) != kinds.end()) return;
   const std::vector<std::string> names(kinds.begin(), kinds.end());
   const std::string near = closest(options.kind, names);
@@ -102,12 +91,6 @@ void check_name(const std::string& name) {
   for (const auto* type : catalog.types())
     if (type->spec.type == name)
       throw UsageError(fmt::format("there is a component '{}' already; choose another name", type->full_name()));
-}
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw UsageError(fmt::format("the template '{}' cannot be read", path.string()));
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 /// With the plugin's name, and without our licence line: what is made of it is its author's.
@@ -184,8 +167,8 @@ std::string prefix_option() {
 }
 
 int make_plugin(const Options& options) {
-  check_what(options);
-  const fs::path templates = template_folder();
+  check_kind(options);
+  const fs::path templates = shared_folder("sdk/template", "templates");
   check_name(options.name);
   std::error_code error;
   if (!fs::is_directory(options.folder, error))
@@ -209,21 +192,51 @@ int make_plugin(const Options& options) {
   return ok;
 }
 
+/// Options of one of the two are not of the other.
+void check_options(const CLI::App& app, const Options& options) {
+  const std::vector<std::string> of_filter{"--from", "--list"}, of_plugin{"--kind"};
+  for (const auto& option : options.what == "filter" ? of_plugin : of_filter)
+    if (app.count(option) > 0) throw UsageError(fmt::format("'new {}' has no option {}", options.what, option));
+  if (options.name.empty() && !options.lists)
+    throw UsageError(fmt::format("NAME is missing: binnacle new {} NAME", options.what));
+}
+
+int make(const CLI::App& app, const Options& options) {
+  if (options.what != "plugin" && options.what != "filter") {
+    const std::string near = closest(options.what, {"plugin", "filter"});
+    throw UsageError(fmt::format("there is nothing new called '{}'{}", options.what,
+                                 near.empty() ? " (filter, plugin)" : "; did you mean '" + near + "'?"));
+  }
+  check_options(app, options);
+  if (options.what == "plugin") return make_plugin(options);
+  if (options.lists) return list_examples(options.json);
+  NewFilter filter;
+  filter.name = options.name;
+  if (app.count("--from") > 0) filter.from = options.from;
+  filter.folder = options.folder;
+  filter.json = options.json;
+  return make_filter(filter);
+}
+
 }  // namespace
 
 Verb new_verb(CLI::App& command) {
   const auto options = std::make_shared<Options>();
-  CLI::App* app =
-      command.add_subcommand("new", "A new plugin: `new plugin NAME` writes a folder that builds and passes");
-  app->add_option("WHAT", options->what, "\"plugin\"")->required();
-  app->add_option("NAME", options->name, "Its name in snake_case, also that of its component and its folder")
-      ->required();
-  app->add_option("--kind", options->kind, "block, process, measurement, noise, derived, source, transform or sink")
+  CLI::App* app = command.add_subcommand(
+      "new", "`new filter NAME`: a config to begin with; `new plugin NAME`: a plugin that builds and passes");
+  app->add_option("WHAT", options->what, "\"filter\" or \"plugin\"")->required();
+  app->add_option("NAME", options->name,
+                  "Of a filter: its config is NAME.json. Of a plugin, in snake_case: its folder and its component too");
+  app->add_option("--from", options->from, "Of a filter: the example, or the config, to copy [loose-ins-gnss]")
+      ->type_name("EXAMPLE");
+  app->add_flag("--list", options->lists, "Of a filter: the examples that there are");
+  app->add_option("--kind", options->kind,
+                  "Of a plugin: block, process, measurement, noise, derived, source, transform or sink")
       ->type_name("KIND")
       ->capture_default_str();
   app->add_option("--dir", options->folder, "The folder to put it in")->type_name("DIR")->capture_default_str();
   app->add_flag("--json", options->json, "What was written, as JSON");
-  return {app, [options] { return make_plugin(*options); }};
+  return {app, [app, options] { return make(*app, *options); }};
 }
 
 }  // namespace binnacle::command

@@ -91,6 +91,12 @@ TEST_CASE(
     skip("no data for " + std::to_string(without_data.size()) + " of the commands: " + without_data.front());
 }
 
+TEST_CASE("what the gallery says to type works and prints what it shows") {
+  const auto [faults, untried] = session_of(MarkdownFile("configs/gallery/README.md"));
+  for (const auto& fault : faults) FAIL_CHECK(fault);
+  CHECK(untried.empty());
+}
+
 TEST_CASE("every JSON excerpt of the tutorial is part of its config") {
   const std::string config = without_blanks(text_of(in_project("configs/tutorial/drive.json")));
   int excerpts = 0;

@@ -94,6 +94,7 @@ TEST_CASE("links between the documents lead somewhere") {
                                      "configs/README.md",
                                      "configs/drives/README.md",
                                      "configs/faults/README.md",
+                                     "configs/gallery/README.md",
                                      "sdk/docs/diagnostics.md"};
   for (const auto& plugin : fs::directory_iterator(in_project("plugins")))
     if (fs::exists(plugin.path() / "README.md"))

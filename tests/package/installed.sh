@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# What is installed is whole: its documents' links, the tutorial's first commands, and an installation after sdk/run
-# alone, which builds no conformance suite: installed.sh BUILD CMAKE PYTHON
+# What is installed is whole: its documents' links, the tutorial's first commands, an example of the gallery, and an
+# installation after sdk/run alone, which builds no conformance suite: installed.sh BUILD CMAKE PYTHON
 set -euo pipefail
 build=$1 cmake=$2 python=$3
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -36,6 +36,12 @@ bash -euo pipefail "$scratch/commands" >"$scratch/log" 2>&1 || {
   fail "the tutorial's first commands"
 }
 [ -s out/report.html ] || fail "the tutorial's first commands leave no report"
+
+# An example of the gallery, which lies with what is installed.
+if ! { binnacle new filter soc --from battery && binnacle run soc.json; } >"$scratch/log" 2>&1; then
+  cat "$scratch/log" >&2
+  fail "new filter"
+fi
 
 # After sdk/run alone: the same script of CMake's, with the name of a program that is not built.
 sed 's,bin/binnacle-conform,bin/never-built,g' "$build/cmake_install.cmake" >"$scratch/install.cmake"
