@@ -3,7 +3,8 @@
 """Whether a built site is whole: links.py SITE [HEADERS…]
 
 A line for each link of a page to a file or an anchor that is not there, for each page that takes something from the
-network, and for each of the HEADERS (binnacle/session.hpp) that has no page. Exit status 1 if there is one.
+network or shows marks of Markdown, and for each of the HEADERS (binnacle/session.hpp) that has no page. Exit status 1 if
+there is one.
 """
 import re
 import sys
@@ -11,16 +12,25 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+OPAQUE = {"code", "pre", "script", "style"}
 FETCHED = {("link", "href"), ("script", "src"), ("img", "src"), ("iframe", "src"), ("source", "src")}
+
+# Tables, fences, links and lists as text; \x02 and \x03 stand for escapes that a table of contents forgot.
+NOT_UNDERSTOOD = re.compile("[\x02\x03]|^\\s*\\|.*\\|\\s*$|```|\\]\\(|\\*\\*|^[-*] ", re.M)
 
 
 class Page(HTMLParser):
     def __init__(self, text):
         super().__init__()
-        self.anchors, self.links, self.fetched = set(), [], []
+        self.anchors, self.links, self.fetched, self.broken = set(), [], [], []
+        self.code = 0
         self.feed(text)
 
+    def handle_endtag(self, tag):
+        self.code -= tag in OPAQUE
+
     def handle_starttag(self, tag, attributes):
+        self.code += tag in OPAQUE
         for name, value in attributes:
             if name == "id" or (tag == "a" and name == "name"):
                 self.anchors.add(value)
@@ -30,9 +40,15 @@ class Page(HTMLParser):
                 if (tag, name) in FETCHED and re.match(r"(https?:)?//", value) and not is_canonical:
                     self.fetched.append((self.getpos()[0], value))
 
+    def handle_data(self, data):
+        if not self.code and NOT_UNDERSTOOD.search(data):
+            self.broken.append((self.getpos()[0], data.strip()[:60]))
+
 
 def faults_of(site, name, pages):
     page = pages[name]
+    for line, text in page.broken:
+        yield f"{name}:{line}: Markdown that was not understood: {text!r}"
     for line, link in page.fetched:
         yield f"{name}:{line}: takes {link} from the network"
     for line, link in page.links:
