@@ -6,6 +6,7 @@ A line for each link of a page to a file or an anchor that is not there, for eac
 network or shows marks of Markdown, and for each of the HEADERS (binnacle/session.hpp) that has no page. Exit status 1 if
 there is one.
 """
+import posixpath
 import re
 import sys
 from html.parser import HTMLParser
@@ -45,7 +46,7 @@ class Page(HTMLParser):
             self.broken.append((self.getpos()[0], data.strip()[:60]))
 
 
-def faults_of(site, name, pages):
+def faults_of(name, pages, files):
     page = pages[name]
     for line, text in page.broken:
         yield f"{name}:{line}: Markdown that was not understood: {text!r}"
@@ -55,22 +56,21 @@ def faults_of(site, name, pages):
         parts = urlsplit(link)
         if parts.scheme or parts.netloc or name == "404.html":
             continue
-        path = (site / name).parent / unquote(parts.path) if parts.path else site / name
-        path = path.resolve() / "index.html" if path.is_dir() else path.resolve()
-        target = path.relative_to(site).as_posix() if path.is_relative_to(site) else None
-        if target is None or not path.is_file():
+        target = posixpath.normpath(posixpath.join(posixpath.dirname(name), unquote(parts.path))) if parts.path else name
+        target = target if target in files else posixpath.normpath(posixpath.join(target, "index.html"))
+        if target not in files:
             yield f"{name}:{line}: {link} leads nowhere"
         elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].anchors | {"__top"}:
             yield f"{name}:{line}: {link}: {target} has no such anchor"
 
 
 def main(site, headers):
-    site = Path(site).resolve()
-    paths = sorted(site.rglob("*.html"))
-    pages = {path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8")) for path in paths}
+    site = Path(site)
+    files = {path.relative_to(site).as_posix() for path in site.rglob("*") if path.is_file()}
+    pages = {name: Page((site / name).read_text(encoding="utf-8")) for name in sorted(files) if name.endswith(".html")}
     faults = [] if pages else [f"{site} has no page"]
     for name in pages:
-        faults += faults_of(site, name, pages)
+        faults += faults_of(name, pages, files)
     faults += [f"{header}: no page" for header in headers if f"api/{header}.html" not in pages]
     print("\n".join(faults) if faults else f"{len(pages)} pages, {sum(len(page.links) for page in pages.values())} links")
     return 1 if faults else 0
