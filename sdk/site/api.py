@@ -171,7 +171,7 @@ def type_section(pages, item, header):
     kind, own = item.get("kind"), pages.places[item.get("id")][1]
     name = item.findtext("compoundname") or item.findtext("qualifiedname") or own
     pages.need_line(item, name)
-    lines = [f"## {escaped(own)} {{ #{anchor_of(own)} }}\n"]
+    lines = [f"## {own} {{ #{anchor_of(own)} }}\n"]
     bases = [base.text for base in item.findall("basecompoundref")]
     head = template_of(item) + kind + (" class" if item.get("strong") == "yes" else "") + " " + name
     lines.append(f"`#!cpp {squeezed(head + (' : ' + ', '.join(bases) if bases else ''))}`\n")

@@ -39,16 +39,24 @@ class Tree:
         path.write_text(text, encoding="utf-8")
 
     def page(self, name):
-        lines, is_code, is_list = [], False, False
+        lines, is_code, is_list, is_apart = [], False, False, False
         for number, line in enumerate((self.root / name).read_text(encoding="utf-8").splitlines(), 1):
-            if re.match(r"\s*```", line):
+            before = lines[-1] if lines else ""
+            is_fence, is_item = bool(re.match(r"\s*```", line)), bool(re.match(r"([-*]|\d+\.) ", line))
+            if not is_code:
+                # Python-Markdown wants an empty line before a list or a table, and four blanks where two go on with an item.
+                if before and (is_item and (is_apart or not is_list) or line.startswith("|") and not before.startswith("|")):
+                    lines.append("")
+                is_list = is_item or is_list and line[:1] in ("", " ")
+                is_apart = not is_item and (is_apart or not line)  # behind the item's first paragraph
+            if is_list and (is_code or is_fence or is_apart and re.match(r" {2,3}\S", line)):
+                line = "  " + line
+            if is_fence:
                 is_code = not is_code
             elif not is_code:
                 line = LINK.sub(lambda match, at=number: self.link(name, at, match), line)
                 line = CODE.sub(lambda match: match[0].replace("\\|", "|"), line) if line.startswith("|") else line
-                is_list = bool(re.match(r"([-*]|\d+\.) ", line)) or is_list and (not line or line[0] == " ")
-            # Python-Markdown wants four blanks where two go on with an item for others.
-            lines.append("  " + line if is_list and re.match(r" {2,3}\S", line) or is_code and is_list else line)
+            lines.append(line)
         head = "---\nhide: [navigation]\n---\n" if name == "README.md" else ""
         self.write(name, head + "\n".join(lines) + "\n")
 

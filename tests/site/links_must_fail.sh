@@ -25,5 +25,7 @@ echo "$good"'<img src="b.svg">' >"$site/index.html"
 refused "b.svg leads nowhere" links
 echo "$good"'<link rel="stylesheet" href="https://fonts.example.org/b.css">' >"$site/index.html"
 refused "from the network" links
+echo "$good"'<code>| a | b |</code><p>| a | b |</p>' >"$site/index.html"
+refused "index.html:1: Markdown that was not understood: '| a | b |'" links
 echo "$good" >"$site/index.html"
 refused "binnacle/b.hpp: no page" "$python" "$here/links.py" "$site" binnacle/b.hpp
