@@ -20,6 +20,7 @@ lintian --allow-root --no-cfg --fail-on error,warning "$folder"/*.deb
 scratch=$(mktemp -d)
 trap 'rm -rf -- "$scratch"' EXIT
 packages=("$folder"/binnacle-dev_*.deb)
+mkdir "$scratch/package"
 dpkg-deb -e "${packages[0]}" "$scratch/package/DEBIAN"
 dpkg-deb --root-owner-group -Znone -b "$scratch/package" "$scratch/bad.deb" >/dev/null
 if found=$(lintian --allow-root --no-cfg --fail-on error,warning "$scratch/bad.deb"); then
