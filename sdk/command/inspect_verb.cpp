@@ -67,7 +67,8 @@ Verb inspect_verb(CLI::App& command) {
   app->add_option("FILE", options->files, "A config, or data files: imu.csv gnss.csv")->required();
   options->config.add_to(*app);
   app->add_option("--page", options->page, "Write a page with pictures")->type_name("FILE.html");
-  app->add_option("--write", options->proposal, "Write a config with every remedy in it")->type_name("FILE.json");
+  app->add_option("--write", options->proposal, "Write a config with the remedies in it; a lever arm is left to you")
+      ->type_name("FILE.json");
   app->add_flag("--strict", options->strict, "Exit status 1 where there is a warning");
   app->add_flag("--json", options->json, "The findings as JSON on stdout");
   return {app, [options] { return inspect_files(*options); }};

@@ -125,18 +125,39 @@ void report_level(const Finding& found, const Matrix3d& M, const RestFigures& re
   }
 }
 
-/// The signed order of the sensor's axes that is nearest, where it is beyond doubt: half-way to the next there are 45 deg.
-void report_order(const Finding& of, const Matrix3d& M, double error, Findings& findings) {
+struct Angles {
+  double roll, pitch, yaw;  // rad
+};
+
+/// M = Rz(yaw) Ry(pitch) Rx(roll), as rotate_axes takes it.
+Angles angles_of(const Matrix3d& M) {
+  return {std::atan2(M(2, 1), M(2, 2)), std::asin(std::clamp(-M(2, 0), -1.0, 1.0)), std::atan2(M(1, 0), M(0, 0))};
+}
+
+/// The signed order of the sensor's axes that is nearest to a mounting; none where two rows have the same axis.
+std::optional<Matrix3d> order_near(const Matrix3d& M) {
   Matrix3d order = Matrix3d::Zero();
-  std::string text;
   for (int row = 0; row < 3; ++row) {
     int column = 0;
     M.row(row).cwiseAbs().maxCoeff(&column);
     order(row, column) = M(row, column) > 0 ? 1 : -1;
+  }
+  if (std::abs(order.determinant() - 1) > 0.5) return std::nullopt;
+  return order;
+}
+
+/// The nearest signed order, where it is beyond doubt: half-way to the next there are 45 deg.
+void report_order(const Finding& of, const Matrix3d& M, double error, Findings& findings) {
+  const auto near = order_near(M);
+  if (!near) return;
+  const Matrix3d& order = *near;
+  std::string text;
+  for (int row = 0; row < 3; ++row) {
+    int column = 0;
+    order.row(row).cwiseAbs().maxCoeff(&column);
     constexpr const char* names[] = {"forward", "right", "down"};
     text += fmt::format("{}{} is {}{}", row ? ", " : "", names[row], order(row, column) < 0 ? "-" : "+", "xyz"[column]);
   }
-  if (std::abs(order.determinant() - 1) > 0.5) return;
   const double off = angle_between(order, M);
   if (off + 3 * error > 45 / degrees) return;
   Finding found = of;
@@ -168,10 +189,8 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
     findings.push_back(std::move(found));
     return std::nullopt;
   }
-  // M = Rz(yaw) Ry(pitch) Rx(roll), as rotate_axes takes it.
   const Matrix3d& M = mean.C;
-  const double roll = std::atan2(M(2, 1), M(2, 2)), pitch = std::asin(std::clamp(-M(2, 0), -1.0, 1.0)),
-               yaw = std::atan2(M(1, 0), M(0, 0));
+  const auto [roll, pitch, yaw] = angles_of(M);
   const double error = mean.scatter / std::sqrt(static_cast<double>(mean.windows));
   if (error * degrees > 5) {
     found.severity = Severity::unknown;
@@ -192,14 +211,17 @@ std::optional<Matrix3d> ask_mounting(const Channel& imu, const Channel& gnss, co
   found.from = windows.from(0);
   found.to = windows.to(windows.size() - 1);
   found.confidence = 0.95;
+  // Angles that the motion cannot distinguish from an order of the axes would be an error of their own.
+  const auto order = order_near(M);
+  const Angles proposed = order && angle_between(*order, M) < 2 * error ? angles_of(*order) : angles_of(M);
   const auto text = [](double angle) { return fmt::format("{:.2f} deg", angle * degrees); };
   found.meaning = {{"transforms",
                     {{"vehicle",
                       {{"type", "rotate_axes"},
                        {"input", imu.name},
-                       {"roll", text(roll)},
-                       {"pitch", text(pitch)},
-                       {"yaw", text(yaw)}}}}}};
+                       {"roll", text(proposed.roll)},
+                       {"pitch", text(proposed.pitch)},
+                       {"yaw", text(proposed.yaw)}}}}}};
   findings.push_back(found);
   report_level(found, M, rest, findings);
   lever_arm = report_lever_arm(imu, gnss, windows, bias, M, findings);
