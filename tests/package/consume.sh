@@ -47,7 +47,7 @@ prefix=$scratch/elsewhere
 mv "$scratch/installed" "$prefix"
 for file in bin/binnacle include/binnacle/{plugin,header_hash,version}.hpp lib/cmake/Binnacle/BinnacleConfig.cmake \
   include/binnacle.h lib/libbinnacle_c.so{,.1} \
-  share/binnacle/{README.md,LICENSE,sdk/template/process/plugin.cpp} share/doc/binnacle/LICENSE; do
+  share/binnacle/{README.md,LICENSE,sdk/template/process/plugin.cpp} share/doc/binnacle/copyright; do
   [ -e "$prefix/$file" ] || fail "not installed: $file"
 done
 if grep -rlF -e "$source" -e "$scratch/installed" "$prefix/lib/cmake" "$prefix/include" "$prefix/share"; then
