@@ -43,9 +43,8 @@ file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/package/shlibs"
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/package/shlibs" "${CMAKE_CURRENT_LIST_DIR}/debian/triggers")
 # NetCDF is loaded by name, so that shlibdeps, which adds to this, does not see it. configs/benchmarks/run is Python.
 get_property(netcdf_package GLOBAL PROPERTY BINNACLE_NETCDF_PACKAGE)
-list(JOIN netcdf_package ", " CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS)
-string(PREPEND CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "python3, ")
-string(REGEX REPLACE ", $" "" CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "${CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS}")
+set(depends python3 ${netcdf_package})
+list(JOIN depends ", " CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "graphviz, binnacle-dev, python3-binnacle")
 
 set(CPACK_DEBIAN_DEV_DESCRIPTION "error-state Kalman filters for INS/GNSS - development files

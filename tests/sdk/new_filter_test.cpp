@@ -10,29 +10,10 @@
 
 #include "command.hpp"
 #include "gallery.hpp"
+#include "refusal.hpp"
 
 using namespace binnacle::test;
 namespace fs = std::filesystem;
-
-namespace {
-
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
-
-/// Exit status 2 with this in the message, and not a file more or less than before.
-std::string refusal(const Workbench& bench, const std::vector<std::string>& arguments) {
-  const auto before = names_in(bench.folder());
-  const auto outcome = binnacle::test::binnacle(bench, arguments);
-  CHECK(outcome.status == 2);
-  CHECK(outcome.out.empty());
-  CHECK(names_in(bench.folder()) == before);
-  return outcome.err;
-}
-
-}  // namespace
 
 TEST_CASE("new filter copies each example into a folder of one's own, where it runs") {
   const Workbench bench;
