@@ -69,21 +69,20 @@ void combine(int rows, const double* in, int ld, int first, int count, const int
   combine_group({rows, count, columns, coefficients}, stride, in, ld, first, ld, out, ld);
 }
 
-template <class Tile>
-inline void transpose_in_registers(Tile& tile) {
+template <class Vector>
+inline void transpose_in_registers(Vector* tile) {
   if constexpr (lanes == 2) {
     const auto a = tile[0], b = tile[1];
-    tile[0] = __builtin_shufflevector(a, b, 0, 2);
-    tile[1] = __builtin_shufflevector(a, b, 1, 3);
+    tile[0] = Vector{a[0], b[0]};
+    tile[1] = Vector{a[1], b[1]};
   } else {
-    const auto even_left = __builtin_shufflevector(tile[0], tile[1], 0, 4, 2, 6);
-    const auto odd_left = __builtin_shufflevector(tile[0], tile[1], 1, 5, 3, 7);
-    const auto even_right = __builtin_shufflevector(tile[2], tile[3], 0, 4, 2, 6);
-    const auto odd_right = __builtin_shufflevector(tile[2], tile[3], 1, 5, 3, 7);
-    tile[0] = __builtin_shufflevector(even_left, even_right, 0, 1, 4, 5);
-    tile[1] = __builtin_shufflevector(odd_left, odd_right, 0, 1, 4, 5);
-    tile[2] = __builtin_shufflevector(even_left, even_right, 2, 3, 6, 7);
-    tile[3] = __builtin_shufflevector(odd_left, odd_right, 2, 3, 6, 7);
+    const auto even = [](Vector a, Vector b) { return Vector{a[0], b[0], a[2], b[2]}; };
+    const auto odd = [](Vector a, Vector b) { return Vector{a[1], b[1], a[3], b[3]}; };
+    const auto low = [](Vector a, Vector b) { return Vector{a[0], a[1], b[0], b[1]}; };
+    const auto high = [](Vector a, Vector b) { return Vector{a[2], a[3], b[2], b[3]}; };
+    const Vector left[] = {even(tile[0], tile[1]), odd(tile[0], tile[1])};
+    const Vector right[] = {even(tile[2], tile[3]), odd(tile[2], tile[3])};
+    for (int i = 0; i < 2; ++i) tile[i] = low(left[i], right[i]), tile[i + 2] = high(left[i], right[i]);
   }
 }
 
