@@ -36,18 +36,24 @@ std::int64_t key_of(const std::string& text) {
 ParameterSpec Anchors::parameter() {
   using parameter::number;
   std::vector<ParameterSpec> members = point_parameters();
-  members.push_back(
-      number("bias", "m").defaults("0").plausible(0, 1e4).about("what its ranges have too much; known beforehand"));
-  members.push_back(number("sigma", "m").above(0).plausible(1e-4, 1e4).about("instead of the model's own 'sigma'"));
+  members.push_back(number("bias", "m")
+                        .defaults("0")
+                        .plausible(0, 1e4)
+                        .about("known bias of the anchor's ranges, positive if they are too long"));
+  members.push_back(number("sigma", "m")
+                        .above(0)
+                        .plausible(1e-4, 1e4)
+                        .about("standard deviation for this anchor, instead of the model's 'sigma'"));
   return parameter::map("anchors", parameter::object("anchor", std::move(members)))
-      .about("by the number that the channel has for it; its place, unless the channel carries that (anchor_x …)");
+      .about(
+          "anchors by their number in the channel, with their positions unless the channel carries these (anchor_x …)");
 }
 
 std::vector<FieldSpec> Anchors::place_fields() {
   std::vector<FieldSpec> fields;
-  for (const auto& [kind, text] : {std::pair(PlaceKind::geodetic, "place of the anchor, geodetic"),
-                                   std::pair(PlaceKind::ecef, "place of the anchor, ECEF"),
-                                   std::pair(PlaceKind::local, "place of the anchor, local")}) {
+  for (const auto& [kind, text] : {std::pair(PlaceKind::geodetic, "position of the anchor, geodetic"),
+                                   std::pair(PlaceKind::ecef, "position of the anchor, ECEF"),
+                                   std::pair(PlaceKind::local, "position of the anchor, local")}) {
     const auto& names = coordinate_names(kind);
     for (int i = 0; i < 3; ++i) {
       const bool is_angle = kind == PlaceKind::geodetic && i < 2;

@@ -43,7 +43,8 @@ ComponentSpec RangeDifference::spec() {
   using parameter::integer, parameter::number;
   ComponentSpec spec;
   spec.type = "range_difference";
-  spec.summary = "Differences of distances to pairs of anchors: times of arrival of one signal (TDOA), a row for each.";
+  spec.summary =
+      "Differences of distances to pairs of anchors, from times of arrival of one signal (TDOA), a row for each.";
   spec.source =
       "Chan and Ho, A simple and efficient estimator for hyperbolic location, IEEE Transactions on Signal Processing "
       "42 "
@@ -52,18 +53,22 @@ ComponentSpec RangeDifference::spec() {
       number("sigma", "m")
           .above(0)
           .plausible(1e-4, 1e4)
-          .about("white noise of one anchor's time of arrival, as a distance; a difference has twice the variance. Not "
-                 "needed "
-                 "where each of 'anchors' has one"),
+          .about("standard deviation of the white noise of one anchor's time of arrival, as a distance; a difference "
+                 "has twice the variance. Not needed if each of 'anchors' has one"),
       Anchors::parameter(), parameter::origin(),
-      integer("reference").about("number of the anchor that is taken off, where the channel has no field 'reference'")};
-  spec.ports = {reads("position", "*").about("of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
-                reads("bias", "vector:*:m")
-                    .optional()
-                    .about("what an anchor's time of arrival has too much: one for each of 'anchors', in their order")};
-  spec.fields = {field::level("range_difference", "m").per_row().about("distance to 'anchor' less that to 'reference'"),
-                 field::level("anchor", "1").per_row().about("number of the anchor"),
-                 field::level("reference", "1").per_row().optional().about("number of the anchor that is taken off")};
+      integer("reference").about("number of the reference anchor, if the channel has no field 'reference'")};
+  spec.ports = {
+      reads("position", "*").about("position of the sensor: kind position, position.ecef, vector:2:m or vector:3:m"),
+      reads("bias", "vector:*:m")
+          .optional()
+          .about("bias of an anchor's time of arrival as a distance: one for each of 'anchors', in their order")};
+  spec.fields = {
+      field::level("range_difference", "m").per_row().about("distance to 'anchor' minus distance to 'reference'"),
+      field::level("anchor", "1").per_row().about("number of the anchor"),
+      field::level("reference", "1")
+          .per_row()
+          .optional()
+          .about("number of the reference anchor, whose distance is subtracted")};
   spec.example = R"json({"channel": "tdoa", "blocks": {"position": "position"}, "sigma": "0.1 m", "reference": 1,
     "anchors": {"1": {"north": 0, "east": 0, "down": -3},
                 "2": {"north": 20, "east": 0, "down": -1},

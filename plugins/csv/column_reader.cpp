@@ -20,8 +20,8 @@ std::vector<std::string> local_names() {
 ParameterSpec missing_spec() {
   return parameter::list("missing", parameter::text("value"))
       .about(
-          "cells that mean \"no data\"; the field is then NaN. Numbers match in any spelling: \"-9999\", \"nan\", "
-          "\"\"");
+          "cells that mean \"no data\" and give NaN, for example \"-9999\", \"nan\", \"\"; numbers match in any "
+          "notation");
 }
 
 /// A header of one cell that has another separator in it: the delimiter is not what the config says.
@@ -71,10 +71,11 @@ std::vector<ParameterSpec> cell_members(const std::string& default_name) {
                                           default_name),
           parameter::number("unit", "*")
               .required()
-              .about("unit of the numbers in the file: \"deg/s\", \"g\", \"m\", \"1\""),
+              .about("unit of the numbers in the file, for example \"deg/s\", \"g\", \"m\", \"1\""),
           parameter::number("scale", "1")
-              .about("the numbers are multiplied by it first: -1 turns an axis, 0.061 are degrees of a count"),
-          parameter::number("offset", "*").about("added then: a quantity of the column's dimension"), missing_spec()};
+              .about("factor on the numbers, applied first: -1 reverses an axis, 0.061 converts counts to degrees"),
+          parameter::number("offset", "*").about("offset added after the factor: a quantity of the column's dimension"),
+          missing_spec()};
 }
 
 void read_scaling(const Value& value, const std::string& pointer, Column& column) {
@@ -126,21 +127,18 @@ Column read_local_column(const Value& local, const std::string& name, const std:
 
 ParameterSpec column_spec() {
   auto members = cell_members("the field's name");
-  members.insert(
-      members.begin() + 2,
-      parameter::choice("kind", {"level", "rate", "increment"})
-          .defaults("\"level\"")
-          .about("level: at the sample's time; rate: mean over the interval that ends there; increment: integral over "
-                 "it"));
+  members.insert(members.begin() + 2, parameter::choice("kind", {"level", "rate", "increment"})
+                                          .defaults("\"level\"")
+                                          .about("level: value at the sample's time; rate: mean over the interval that "
+                                                 "ends there; increment: integral over this interval"));
   return parameter::object("field", std::move(members));
 }
 
 ParameterSpec local_spec() {
   return parameter::map("local", parameter::object("axis", cell_members("the axis's name")))
       .about(
-          "columns in local axes: north, east and down or up, m; v_north, v_east and v_down or v_up, m/s. They become "
-          "lat, "
-          "lon, height, and vn, ve, vd");
+          "columns in local axes: north, east and down or up, m; v_north, v_east and v_down or v_up, m/s; converted to "
+          "lat, lon, height and vn, ve, vd");
 }
 
 /// As the member stands, or null.
@@ -224,8 +222,8 @@ void read_local(const Parameters& parameters, const FirstRow& first, Layout& lay
   };
   double same = 1;
   add("north", "", same, field::level("lat", "rad").about("geodetic latitude"));
-  add("east", "", same, field::level("lon", "rad").about("east positive"));
-  add("down", "up", turned.down_sign, field::level("height", "m").about("above the ellipsoid"));
+  add("east", "", same, field::level("lon", "rad").about("longitude, east positive"));
+  add("down", "up", turned.down_sign, field::level("height", "m").about("height above the ellipsoid"));
   for (const auto& [key, value] : local.members) turned.has_velocity |= key.starts_with("v_");
   if (turned.has_velocity) {
     add("v_north", "", same, field::level("vn", "m/s").about("north of the place"));

@@ -13,8 +13,8 @@ const char* const sources =
     "Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., section 2.1";
 
 std::vector<FieldSpec> geodetic_fields() {
-  return {level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-          level("height", "m").about("above the ellipsoid")};
+  return {level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("longitude, east positive"),
+          level("height", "m").about("height above the ellipsoid")};
 }
 FieldSpec velocity_field(const char* name, const char* text) { return level(name, "m/s").optional().about(text); }
 
@@ -61,12 +61,12 @@ void LocalFromGeodetic::on(const TransformInput& in, Emitter& emitter) const {
 ComponentSpec GeodeticFromLocal::spec() {
   ComponentSpec spec;
   spec.type = "geodetic_from_local";
-  spec.summary = "Local positions of a channel as latitude, longitude and height: for a measurement or a reference.";
+  spec.summary = "Local positions of a channel as latitude, longitude and height, for a measurement or a reference.";
   spec.source = sources;
   spec.parameters = {parameter::origin()};
   spec.parameters.push_back(parameter::choice("vertical", {"down", "up"})
                                 .defaults("\"down\"")
-                                .about("up: the channel's 'down' counts upwards; \"fields\" says what it is called"));
+                                .about("up: the channel's 'down' is positive upwards; \"fields\" gives its name"));
   spec.inputs = {input("local", {level("north", "m").about("of the origin"), level("east", "m").about("of the origin"),
                                  level("down", "m").about("of the origin, or up"),
                                  velocity_field("v_north", "along the origin's axes"),
@@ -84,9 +84,9 @@ GeodeticFromLocal::GeodeticFromLocal(const Binding& binding)
   local_velocity_ = binding.fields(track, "v_north", "v_east", "v_down");
   if (binding.parameters().text("vertical") == "up") down_ = -1;
   ChannelDeclaration channel;
-  position_ =
-      channel.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-                      level("height", "m").about("above the ellipsoid"));
+  position_ = channel.carries(level("lat", "rad").about("geodetic latitude"),
+                              level("lon", "rad").about("longitude, east positive"),
+                              level("height", "m").about("height above the ellipsoid"));
   velocity_ = channel.carries(level("vn", "m/s").about("north of the place"), level("ve", "m/s"), level("vd", "m/s"));
   channel_ = declaration_.emits(std::move(channel));
 }

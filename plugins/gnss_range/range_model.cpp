@@ -37,10 +37,9 @@ std::vector<std::int64_t> read_systems(const Parameters& parameters, const gnss:
 void describe_range_model(ComponentSpec& spec, bool rate_is_optional) {
   for (auto& parameter : gnss::Corrections::parameters()) spec.parameters.push_back(std::move(parameter));
   for (auto& parameter : SatelliteLimit::parameters()) spec.parameters.push_back(std::move(parameter));
-  spec.parameters.push_back(
-      parameter::list("systems", parameter::integer("system").at_least(0))
-          .about("numbers of the satellite systems to be used, the one whose clock is the receiver's first; rows of "
-                 "another are left out. Default: all there are"));
+  spec.parameters.push_back(parameter::list("systems", parameter::integer("system").at_least(0))
+                                .about("numbers of the satellite systems to be used, first the system to which the "
+                                       "receiver's clock refers; rows of others are not used. Default: all systems"));
   spec.inputs = {gnss::ephemeris_port(), gnss::klobuchar_port()};
   spec.inputs[0].is_optional = true;
   spec.inputs[0].text += "; not where the channel gives the satellites' positions";

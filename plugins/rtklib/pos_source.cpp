@@ -28,21 +28,23 @@ ComponentSpec PosSource::spec() {
   using namespace parameter;
   ComponentSpec spec;
   spec.type = "rtklib_pos";
-  spec.summary = "positions and velocities from solution files of RTKLIB (.pos), in any of their forms";
+  spec.summary = "positions and velocities from solution files of RTKLIB (.pos), in any format";
   spec.source = "RTKLIB ver. 2.4.2 manual, appendix B.1";
-  spec.parameters = {
-      path("path").about("a solution file that is whole, plain or gzipped; or 'from'"),
-      choice("coordinates", {"degrees", "dms", "ecef", "baseline"})
-          .about("of a file without a header: latitude, longitude, height in degrees, or in degrees, minutes and "
-                 "seconds; x, y, z; east, north, up from the base station"),
-      choice("time_system", {"gpst", "utc", "jst"}).about("of a file without a header"),
-      boolean("velocity").defaults("false").about("a file without a header, or live input, has columns of velocity"),
-      object("reference", {parameter::number("lat", "rad").required().about("geodetic latitude"),
-                           parameter::number("lon", "rad").required().about("east positive"),
-                           parameter::number("height", "m").required().about("above the ellipsoid")})
-          .about("the base station, where the header of a file of baselines does not state it"),
-      parameter::number("geoid_separation", "m")
-          .about("height of the geoid above the ellipsoid, for heights above the sea")};
+  spec.parameters = {path("path").about("complete solution file, plain or gzipped; alternative to 'from'"),
+                     choice("coordinates", {"degrees", "dms", "ecef", "baseline"})
+                         .about("coordinates of a file without a header: latitude, longitude, height in degrees, or in "
+                                "degrees, minutes and seconds; x, y, z; or east, north, up from the base station"),
+                     choice("time_system", {"gpst", "utc", "jst"}).about("time scale of a file without a header"),
+                     boolean("velocity")
+                         .defaults("false")
+                         .about("whether a file without a header, or live input, has velocity columns"),
+                     object("reference",
+                            {parameter::number("lat", "rad").required().about("geodetic latitude"),
+                             parameter::number("lon", "rad").required().about("longitude, east positive"),
+                             parameter::number("height", "m").required().about("height above the ellipsoid")})
+                         .about("position of the base station, if the header of a file of baselines does not give it"),
+                     parameter::number("geoid_separation", "m")
+                         .about("height of the geoid above the ellipsoid, for heights above sea level")};
   for (ParameterSpec& each : line_input::Lines::parameters()) spec.parameters.push_back(std::move(each));
   for (ParameterSpec& each : civil_time::UtcClock::parameters()) spec.parameters.push_back(std::move(each));
   spec.example = R"json({"path": "track.pos", "week": 2381})json";
@@ -118,9 +120,9 @@ void PosSource::declare_channel() {
   has_relative_ = layout_.coordinates == Coordinates::baseline;
   has_position_ = !has_relative_ || place_.reference || layout_.reference;
   if (has_position_)
-    position_ =
-        channel.carries(level("lat", "rad").about("geodetic latitude"), level("lon", "rad").about("east positive"),
-                        level("height", "m").about("above the ellipsoid"));
+    position_ = channel.carries(level("lat", "rad").about("geodetic latitude"),
+                                level("lon", "rad").about("longitude, east positive"),
+                                level("height", "m").about("height above the ellipsoid"));
   if (has_relative_)
     relative_ = channel.carries(level("relative_n", "m").about("from the base station, north"),
                                 level("relative_e", "m"), level("relative_d", "m"));

@@ -16,43 +16,49 @@ namespace {
 using namespace parameter;
 
 ParameterSpec response_spec(const std::string& unit) {
-  return object("response",
-                {number("omega", "rad/s").above(0).required().about("natural frequency"),
-                 number("zeta", "1").above(0).required().about("damping ratio"),
-                 number("gain", unit + "/m").about("far below the natural frequency, for a wave of amplitude 1 m"),
-                 number("slope_gain", unit).about("the same for a wave of slope 1 rad: \"1 rad\" lies on the wave")});
+  return object(
+      "response",
+      {number("omega", "rad/s").above(0).required().about("natural frequency"),
+       number("zeta", "1").above(0).required().about("damping ratio"),
+       number("gain", unit + "/m").about("response far below the natural frequency, per wave amplitude of 1 m"),
+       number("slope_gain", unit)
+           .about("response far below the natural frequency, per wave slope of 1 rad; \"1 rad\" follows the wave "
+                  "surface")});
 }
 
 ParameterSpec sea_spec(const std::string& unit) {
   return object(
       "sea",
-      {number("significant_height", "m").above(0).required().about("4 √m₀ of the waves"),
-       number("peak_period", "s").above(0).required().about("of the waves, as a fixed point sees them"),
+      {number("significant_height", "m").above(0).required().about("significant height of the waves, 4 √m₀"),
+       number("peak_period", "s").above(0).required().about("peak period of the waves at a fixed point"),
        number("gamma", "1")
            .at_least(1)
            .at_most(10)
            .defaults("1")
            .about("peak enhancement: 1 Bretschneider, 3.3 JONSWAP"),
-       number("speed", "m/s").at_least(0).defaults("0").about("of the ship"),
+       number("speed", "m/s").at_least(0).defaults("0").about("speed of the ship"),
        number("heading", "rad")
            .defaults("\"180 deg\"")
-           .about("between the ship's way and the waves': 180 deg meets them"),
+           .about("angle between the directions of the ship and of the waves; 180 deg: head sea"),
        object("rao",
-              {vector("omega", "rad/s").required().about("frequencies of the wave, rising"),
-               vector("gain", unit + "/m").required().about("amplitude of the motion for a wave of amplitude 1 m")})
-           .about("response amplitude operator as a table, for this speed and heading; zero outside"),
-       response_spec(unit).about("or as a resonance, by frequency of encounter")});
+              {vector("omega", "rad/s").required().about("wave frequencies in increasing order"),
+               vector("gain", unit + "/m").required().about("amplitude of the motion per wave amplitude of 1 m")})
+           .about("response amplitude operator as a table, for this speed and heading; zero outside the table"),
+       response_spec(unit).about("response as a resonance over the frequency of encounter; alternative to the table")});
 }
 
 ParameterSpec fit_spec(const std::string& unit) {
   auto record = RecordPlace::parameters();
-  record.push_back(parameter::time("segment").above(0).about("of Welch's method; default: a tenth of the record"));
-  return object("fit", {integer("order").at_least(2).at_most(4).defaults("2").about("2 or 4"),
-                        object("spectrum", {vector("omega", "rad/s").required().about("frequencies, rising"),
-                                            vector("density", unit + "^2*s").required().about("one-sided, over rad/s")})
-                            .about("a table of the motion's spectrum"),
-                        sea_spec(unit).about("a Bretschneider or JONSWAP sea and the ship's response to it"),
-                        object("record", std::move(record)).about("a recorded motion; its mean is left out")});
+  record.push_back(
+      parameter::time("segment").above(0).about("segment length of Welch's method; default: a tenth of the record"));
+  return object(
+      "fit", {integer("order").at_least(2).at_most(4).defaults("2").about("2 or 4"),
+              object("spectrum",
+                     {vector("omega", "rad/s").required().about("frequencies in increasing order"),
+                      vector("density", unit + "^2*s").required().about("one-sided power spectral density over rad/s")})
+                  .about("spectrum of the motion as a table"),
+              sea_spec(unit).about("a Bretschneider or JONSWAP sea spectrum and the ship's response"),
+              object("record", std::move(record)).about("a recorded motion; its mean is removed")});
 }
 
 void check_table(const Eigen::VectorXd& omega, const Eigen::VectorXd& values, const std::string& pointer) {
@@ -166,7 +172,7 @@ std::vector<ParameterSpec> motion_parameters(const std::string& unit) {
       vector("omega", "rad/s").above(0).about("natural frequency, a list; two for order 4"),
       vector("zeta", "1").above(0).about("damping ratio, one for each frequency"),
       number("sigma", unit).at_least(0).about("standard deviation of the angle in the steady state"),
-      fit_spec(unit).about("instead of these: what they are fitted to"),
+      fit_spec(unit).about("data to which frequencies, damping and sigma are fitted, instead of their values"),
   };
 }
 

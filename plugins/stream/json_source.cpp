@@ -82,18 +82,19 @@ class JsonSource::Reader {
 ComponentSpec JsonSource::spec() {
   ComponentSpec spec;
   spec.type = "json";
-  spec.summary = "samples as they come, one JSON object a line";
+  spec.summary = "live samples, one JSON object per line";
   spec.source = "RFC 8259 (JSON), JSON Lines";
   add_parameters(spec);
   const auto fields = [] {
     return parameter::map(
         "fields",
-        field_spec("key", "its name in the object, of one in an object \"gyro.x\"; default: the field's name"));
+        field_spec("key",
+                   "name of the number in the object, for nested objects \"gyro.x\"; default: the field's name"));
   };
-  spec.parameters.push_back(fields().about("of the one channel, which has the source's name"));
+  spec.parameters.push_back(fields().about("fields of the only channel, which has the source's name"));
   spec.parameters.push_back(
-      parameter::map("channels", parameter::object("channel", {fields().required().about("of the channel")}))
-          .about("of several channels, NAME.CHANNEL: \"channel\" of a line says which"));
+      parameter::map("channels", parameter::object("channel", {fields().required().about("fields of the channel")}))
+          .about("several channels, NAME.CHANNEL, selected by \"channel\" of a line"));
   spec.example = R"json({
   "from": "file:live.jsonl",
   "fields": { "wx": { "key": "gyro.x", "unit": "deg/s", "kind": "rate" } }

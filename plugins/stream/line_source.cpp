@@ -22,25 +22,27 @@ void LineSource::add_parameters(ComponentSpec& spec) {
   for (ParameterSpec& each : line_input::Lines::parameters()) spec.parameters.push_back(std::move(each));
   spec.parameters.front().is_required = true;  // from
   spec.parameters.push_back(
-      parameter::object("time",
-                        {parameter::text("key").about("its name in a line; default: \"t\""),
-                         parameter::number("unit", "*").defaults("\"s\"").about("of the label: \"s\", \"ms\", \"ns\""),
-                         parameter::time("offset").defaults("0").about("added to every label")})
-          .about("the label of a line"));
+      parameter::object("time", {parameter::text("key").about("name of the label in a line; default: \"t\""),
+                                 parameter::number("unit", "*")
+                                     .defaults("\"s\"")
+                                     .about("unit of the label, for example \"s\", \"ms\", \"ns\""),
+                                 parameter::time("offset").defaults("0").about("offset added to every label")})
+          .about("time label of a line"));
   spec.parameters.push_back(
       parameter::time("interval")
           .above(0)
-          .about("fixed length of the interval that a rate or increment belongs to; default: from label to label"));
+          .about("fixed length of the interval of a rate or increment; default: the time between labels"));
   spec.parameters.push_back(parameter::time("max_gap").above(0).defaults("\"1 s\"").about(
-      "after a longer step between labels a rate or increment has no interval"));
+      "longest step between labels; after a longer step a rate or increment has no interval"));
 }
 
 ParameterSpec LineSource::field_spec(const char* key, const char* about) {
-  return parameter::object("field",
-                           {parameter::text(key).about(about),
-                            parameter::number("unit", "*").required().about("of the numbers: \"deg/s\", \"g\""),
-                            parameter::choice("kind", {"level", "rate", "increment"})
-                                .about("level: a value at the label; rate, increment: over the interval before it")});
+  return parameter::object(
+      "field", {parameter::text(key).about(about),
+                parameter::number("unit", "*").required().about("unit of the numbers, for example \"deg/s\", \"g\""),
+                parameter::choice("kind", {"level", "rate", "increment"})
+                    .about("level: value at the label; rate: mean over the interval before it; increment: integral "
+                           "over this interval")});
 }
 
 LineSource::LineSource(const Binding& binding) {

@@ -38,12 +38,13 @@ ComponentSpec MountingBlock::spec() {
   spec.source = "paper 000, equations (3) and (5)";
   spec.kind = "mounting";
   spec.parameters = {
-      parameter::matrix("nominal", "1", 3, 3).about("nominal C_S^M by rows, slave to master axes; or give 'angles'"),
+      parameter::matrix("nominal", "1", 3, 3)
+          .about("nominal C_S^M by rows, slave to master axes; alternative: 'angles'"),
       parameter::vector("angles", "rad", 3)
           .defaults("0")
           .at_least(-2.0 * std::numbers::pi)
           .at_most(2.0 * std::numbers::pi)
-          .about("the same as roll, pitch, yaw of the slave in the master's axes")};
+          .about("nominal roll, pitch and yaw of the slave in the master's axes; alternative to 'nominal'")};
   spec.example = R"json({"nominal": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], "init": {"mx": 0, "my": 0, "mz": 0},
     "sigma": "1 deg"})json";
   return spec;

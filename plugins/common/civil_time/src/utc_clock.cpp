@@ -62,10 +62,10 @@ std::vector<ParameterSpec> UtcClock::parameters() {
   using namespace parameter;
   std::vector<ParameterSpec> specs;
   specs.push_back(integer("week").at_least(0).at_most(9999).about(
-      "channels count GPS time from the begin of this GPS week; 0: from 1980-01-06"));
-  specs.push_back(text("epoch").about(
-      "channels count seconds of UTC, without leap seconds, from this instant: \"2026-11-23T12:00:00Z\"; Unix time is "
-      "\"1970-01-01T00:00:00Z\""));
+      "GPS week at whose start the time of the channels is zero, in GPS time; 0: 1980-01-06"));
+  specs.push_back(
+      text("epoch").about("instant at which the time of the channels is zero, in seconds of UTC without leap seconds, "
+                          "for example \"2026-11-23T12:00:00Z\"; Unix time: \"1970-01-01T00:00:00Z\""));
   specs.push_back(integer("leap_seconds")
                       .at_least(0)
                       .at_most(100)

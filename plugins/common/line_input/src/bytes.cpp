@@ -64,10 +64,10 @@ std::vector<ParameterSpec> Bytes::parameters(const std::string& unit) {
               "serial:///dev/ttyUSB0?baud=115200"),
           parameter::choice("stamp", {"data", "arrival"})
               .defaults("\"data\"")
-              .about("data: a sample has the time that it carries; arrival: that of the machine's monotonic clock when "
-                     "it came"),
+              .about("data: a sample has the time in its data; arrival: the time of its arrival on the machine's "
+                     "monotonic clock"),
           parameter::time("silence").above(0).defaults("\"5 s\"").about(
-              "when nothing came for so long, a warning says so"),
+              "time without data after which a warning is reported"),
           parameter::choice("on_error", {"skip", "stop"})
               .defaults("\"skip\"")
               .about("skip: " + unit + " that is no good is left out, counted and reported; stop: it ends the run")};

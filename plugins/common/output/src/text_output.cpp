@@ -41,9 +41,8 @@ std::vector<ParameterSpec> TextOutput::parameters() {
                                              "loopback), tcp://HOST:PORT?server (a server "
                                              "there), udp://HOST:PORT, serial:///dev/NAME?baud=115200"));
   specs.push_back(parameter::integer("buffer").at_least(1024).at_most(1 << 30).defaults("1048576").about(
-      "bytes that wait for a receiver that is slow; beyond them its oldest lines are lost, and counted. Of a serial "
-      "line at most "
-      "what it carries in a second"));
+      "buffer in bytes for a slow receiver; beyond it the oldest lines are lost and counted; for a serial line, at "
+      "most the bytes of one second"));
   return specs;
 }
 
