@@ -33,9 +33,9 @@ Time time_of(std::string_view text) {
 }  // namespace
 
 void CheckpointFiles::add_to(CLI::App& app) {
-  app.add_option("--checkpoint", text_, "Keep a checkpoint of the run in FILE, every 60 s of its time, or as @ says")
+  app.add_option("--checkpoint", text_, "Write a checkpoint of the run to FILE every 60 s of its time, or every TIME")
       ->type_name("FILE[@60s]");
-  app.add_option("--resume", resume_text_, "Go on from a checkpoint")->type_name("FILE");
+  app.add_option("--resume", resume_text_, "Continue from a checkpoint")->type_name("FILE");
 }
 
 void CheckpointFiles::open() {

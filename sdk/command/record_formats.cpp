@@ -33,10 +33,8 @@ void RecordFormats::keep_only(const std::string& list) {
 }
 
 void RecordOptions::add_to(CLI::App& command, CLI::Option* out) {
-  command.add_option("--only", only_, "Of --out: these formats alone, as nc,csv,page")
-      ->type_name("FORMATS")
-      ->needs(out);
-  command.add_option("--compress", compression_, "Of --out: deflate run.nc, 1 (fast) to 9 (small); 0: not at all")
+  command.add_option("--only", only_, "Only these formats of --out, as nc,csv,page")->type_name("FORMATS")->needs(out);
+  command.add_option("--compress", compression_, "Compression of run.nc of --out: 1 (fast) to 9 (small); 0: none")
       ->type_name("N")
       ->check(CLI::Range(0, 9))
       ->capture_default_str()
